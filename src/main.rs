@@ -1,0 +1,2 @@
+//! The `rackmesh` program.
+fn main() {}
