@@ -1,3 +1,7 @@
 //! Operating centre distance of a rack and pinion, predicted from their manufacturing errors.
 
+pub mod decision;
+pub mod deviation;
+pub mod formula;
+pub mod quantity;
 pub mod trig;

@@ -1,0 +1,198 @@
+//! One part's errors, evaluated: ΔCD of each, combined, and judged.
+
+use thiserror::Error;
+
+use super::{Combined, Limit, LimitTarget, Limits, Stack, Verdict};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::formula::{Model, PartError};
+use crate::quantity::{DomainError, Length};
+
+/// What one error contributes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contribution {
+    /// The kind of error.
+    pub kind: ErrorKind,
+    /// The error's value.
+    pub value: ErrorValue,
+    /// Its ΔCD by the exact model.
+    pub exact: Length,
+    /// Its ΔCD by the paper's formula.
+    pub paper: Length,
+    /// Its share of the worst case, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
+    pub share: Option<f64>,
+}
+
+impl Contribution {
+    /// ΔCD by `model`.
+    #[must_use]
+    pub fn delta_cd(&self, model: Model) -> &Length {
+        match model {
+            Model::Exact => &self.exact,
+            Model::Paper => &self.paper,
+        }
+    }
+
+    /// Whether the two models give different values.
+    #[must_use]
+    pub fn models_differ(&self) -> bool {
+        self.exact != self.paper
+    }
+}
+
+/// One limit, the interval of ΔCD held against it, and how that ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LimitCheck {
+    /// What the limit is on.
+    pub on: LimitTarget,
+    /// The limit.
+    pub limit: Limit,
+    /// The result from its lowest to its highest value, `None` if the limited error is not given.
+    pub result: Option<(Length, Length)>,
+    /// The verdict, `None` if there is no result to judge.
+    pub verdict: Option<Verdict>,
+}
+
+/// Every contribution, the combinations and the verdicts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// The model of the values that were combined and judged.
+    pub model: Model,
+    /// The combination that was judged.
+    pub stack: Stack,
+    /// One per error, in the order given.
+    pub contributions: Vec<Contribution>,
+    /// The combinations.
+    pub combined: Combined,
+    /// One per limit.
+    pub limits: Vec<LimitCheck>,
+    /// Fail if any limit fails; pass if all pass; `None` if there are none, or one could not be judged.
+    pub verdict: Option<Verdict>,
+}
+
+impl Evaluation {
+    /// The limits that could not be judged, because the error they are on is not given.
+    pub fn unjudged(&self) -> impl Iterator<Item = LimitTarget> + '_ {
+        self.limits.iter().filter(|check| check.verdict.is_none()).map(|check| check.on)
+    }
+
+    /// Whether any error's ΔCD depends on the model.
+    #[must_use]
+    pub fn models_differ(&self) -> bool {
+        self.contributions.iter().any(Contribution::models_differ)
+    }
+}
+
+/// Why an evaluation has no result.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{}: {problem}", .error.map_or("combination", ErrorKind::name))]
+pub struct EvaluationError {
+    /// The error whose ΔCD has no value; `None` if it is a sum.
+    pub error: Option<ErrorKind>,
+    /// What is wrong with it.
+    #[source]
+    pub problem: Box<DomainError>,
+}
+
+/// Evaluates `errors` by `model`, combines them, and judges the combination picked by `stack`, and the
+/// ΔCD of single errors, against `limits`.
+///
+/// # Errors
+/// [`EvaluationError`] if a ΔCD is outside its formula's domain, or a result overflows.
+pub fn evaluate(
+    errors: &[PartError],
+    limits: &Limits,
+    model: Model,
+    stack: Stack,
+) -> Result<Evaluation, EvaluationError> {
+    let mut contributions = Vec::with_capacity(errors.len());
+    for error in errors {
+        let of_error = |problem: DomainError| EvaluationError { error: Some(error.kind()), problem: Box::new(problem) };
+        let exact = error.delta_cd(Model::Exact).map_err(of_error)?;
+        let paper = error.delta_cd(Model::Paper).map_err(of_error)?;
+        contributions.push(Contribution { kind: error.kind(), value: error.value(), exact, paper, share: None });
+    }
+    let terms: Vec<_> = contributions.iter().map(|c| (c.kind, c.delta_cd(model).clone())).collect();
+    let combined =
+        Combined::new(&terms).map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
+    if !combined.worst_case.is_zero() {
+        for contribution in &mut contributions {
+            let magnitude = contribution.delta_cd(model).abs();
+            contribution.share = Some((magnitude.exact_mm() / combined.worst_case.exact_mm()).to_f64());
+        }
+    }
+    let limits: Vec<_> = limits
+        .iter()
+        .map(|(on, limit)| {
+            let result = match on {
+                LimitTarget::CenterDistance => Some(combined.interval(stack)),
+                LimitTarget::Error(kind) => contributions.iter().find(|c| c.kind == *kind).map(|c| {
+                    let delta_cd = c.delta_cd(model);
+                    (delta_cd.clone(), delta_cd.clone())
+                }),
+            };
+            let verdict = result.as_ref().map(|(lower, upper)| limit.judge(lower, upper));
+            LimitCheck { on: *on, limit: limit.clone(), result, verdict }
+        })
+        .collect();
+    let verdict = if limits.iter().any(|check| check.verdict == Some(Verdict::Fail)) {
+        Some(Verdict::Fail)
+    } else if limits.is_empty() || limits.iter().any(|check| check.verdict.is_none()) {
+        None
+    } else {
+        Some(Verdict::Pass)
+    };
+    Ok(Evaluation { model, stack, contributions, combined, limits, verdict })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::{PinionPitch, RackPitch};
+    use crate::quantity::Angle;
+
+    fn angle(text: &str) -> Angle {
+        text.parse().unwrap()
+    }
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn center_distance(limit: &str) -> Limits {
+        vec![(LimitTarget::CenterDistance, Limit::symmetric(&length(limit)))]
+    }
+
+    #[test]
+    fn a_rational_gain_meets_a_decimal_limit_exactly() {
+        // cos 30° / (2 tan 30°) = 3/4, and 1/(2 tan 45°) = 1/2
+        let errors = [
+            PartError::RackPitch(length("0.02"), RackPitch::new(&angle("30"), &angle("30")).unwrap()),
+            PartError::PinionPitch(length("0.03"), PinionPitch::new(&angle("45"), &angle("0")).unwrap()),
+            PartError::RackOverRoller(length("0.02")),
+        ];
+        let verdict =
+            |limit: &str| evaluate(&errors, &center_distance(limit), Model::Exact, Stack::Range).unwrap().verdict;
+        assert_eq!(verdict("0.05"), Some(Verdict::Pass));
+        assert_eq!(verdict("0.0499999999999999999999999"), Some(Verdict::Fail));
+    }
+
+    #[test]
+    fn the_stack_picks_what_is_judged() {
+        let errors = [PartError::RackOverRoller(length("0.03")), PartError::PinionRadial(length("-0.04"))];
+        let verdict =
+            |stack| evaluate(&errors, &center_distance("0.05"), Model::Exact, stack).unwrap().verdict.unwrap();
+        assert_eq!(verdict(Stack::Range), Verdict::Pass);
+        assert_eq!(verdict(Stack::Rss), Verdict::Pass);
+        assert_eq!(verdict(Stack::WorstCase), Verdict::Fail);
+    }
+
+    #[test]
+    fn a_limit_without_its_error_is_not_passed() {
+        let errors = [PartError::RackOverRoller(length("0.01"))];
+        let mut limits = center_distance("0.05");
+        limits.push((LimitTarget::Error(ErrorKind::RackLead), Limit::symmetric(&length("0.01"))));
+        let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range).unwrap();
+        assert_eq!(evaluation.verdict, None);
+        assert_eq!(evaluation.unjudged().collect::<Vec<_>>(), [LimitTarget::Error(ErrorKind::RackLead)]);
+    }
+}

@@ -1,0 +1,111 @@
+//! Limits of ΔCD and the verdict against them.
+
+use std::fmt;
+
+use crate::deviation::ErrorKind;
+use crate::quantity::Length;
+
+/// Permitted values: from `lower` to `upper`, both inside; an end that is not given is open.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Limit {
+    /// The lowest permitted value.
+    pub lower: Option<Length>,
+    /// The highest permitted value.
+    pub upper: Option<Length>,
+}
+
+/// What a limit is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LimitTarget {
+    /// The combined ΔCD.
+    CenterDistance,
+    /// The ΔCD of one error.
+    Error(ErrorKind),
+}
+
+impl LimitTarget {
+    /// The key that specs and results call it by.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::CenterDistance => "center_distance",
+            Self::Error(kind) => kind.key(),
+        }
+    }
+}
+
+impl fmt::Display for LimitTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CenterDistance => f.write_str("centre distance"),
+            Self::Error(kind) => kind.fmt(f),
+        }
+    }
+}
+
+/// The limits of an evaluation.
+pub type Limits = Vec<(LimitTarget, Limit)>;
+
+/// The outcome of a comparison with a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Inside the limit, or on it.
+    Pass,
+    /// Outside the limit.
+    Fail,
+}
+
+impl Verdict {
+    /// `pass` or `fail`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+        }
+    }
+}
+
+impl Limit {
+    /// From `-magnitude` to `+magnitude`.
+    #[must_use]
+    pub fn symmetric(magnitude: &Length) -> Self {
+        Self { lower: Some(-&magnitude.abs()), upper: Some(magnitude.abs()) }
+    }
+
+    /// Whether every value from `lower` to `upper` is permitted.
+    #[must_use]
+    pub fn judge(&self, lower: &Length, upper: &Length) -> Verdict {
+        let above = self.lower.as_ref().is_none_or(|limit| limit <= lower);
+        let below = self.upper.as_ref().is_none_or(|limit| upper <= limit);
+        if above && below { Verdict::Pass } else { Verdict::Fail }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_result_on_the_limit_is_inside() {
+        // as binary numbers, many of these differences exceed their limit
+        for step in 0..=1500 {
+            let nominal: Length = "25.0000".parse().unwrap();
+            let measured: Length = format!("25.{step:04}").parse().unwrap();
+            let limit: Length = format!("0.{step:04}").parse().unwrap();
+            let deviation = &measured - &nominal;
+            for (lower, upper) in [(&deviation, &deviation), (&-&deviation, &deviation)] {
+                assert_eq!(Limit::symmetric(&limit).judge(lower, upper), Verdict::Pass, "{measured:?}");
+            }
+            let beyond = &deviation + &"1e-9".parse().unwrap();
+            assert_eq!(Limit::symmetric(&limit).judge(&beyond, &beyond), Verdict::Fail, "{measured:?}");
+        }
+    }
+
+    #[test]
+    fn an_open_end_permits_everything() {
+        let limit = Limit { lower: None, upper: Some("0.05".parse().unwrap()) };
+        assert_eq!(limit.judge(&"-9".parse().unwrap(), &"0.05".parse().unwrap()), Verdict::Pass);
+        assert_eq!(limit.judge(&"-9".parse().unwrap(), &"0.0500001".parse().unwrap()), Verdict::Fail);
+    }
+}

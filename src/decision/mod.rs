@@ -1,0 +1,14 @@
+//! From ΔCD values to a verdict: combining errors, and judging against limits.
+//!
+//! The command line calls [`evaluate`]; it takes errors with their formulas
+//! ([`PartError`](crate::formula::PartError)) and limits, and gives an [`Evaluation`], which the report
+//! module writes. Sums and comparisons are exact: a result equal to a limit in decimal arithmetic is
+//! inside it. Nothing here reads files or prints.
+
+mod evaluation;
+mod limit;
+mod stack;
+
+pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
+pub use limit::{Limit, LimitTarget, Limits, Verdict};
+pub use stack::{Combined, Stack};

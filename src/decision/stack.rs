@@ -1,0 +1,127 @@
+//! The stack-up: what several errors do together.
+
+use std::fmt;
+
+use crate::deviation::ErrorKind;
+use crate::quantity::{Length, QuantityError, Rational};
+
+/// How errors are combined to the result that is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Stack {
+    /// What these measured errors can do at some point of the stroke: over-roller and radial errors
+    /// always act, with their sign; pitch and lead errors add between 0 and their value.
+    #[default]
+    Range,
+    /// The sum of magnitudes, to either side.
+    WorstCase,
+    /// The root of the sum of squares, to either side.
+    Rss,
+}
+
+impl Stack {
+    /// `range`, `worst` or `rss`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Range => "range",
+            Self::WorstCase => "worst",
+            Self::Rss => "rss",
+        }
+    }
+}
+
+impl fmt::Display for Stack {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Range => "range",
+            Self::WorstCase => "worst case",
+            Self::Rss => "RSS",
+        })
+    }
+}
+
+/// The combinations of several ΔCD.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Combined {
+    /// The lower end of the range: the sum of the signed errors.
+    pub range_lower: Length,
+    /// The upper end of the range: the lower end plus every pitch and lead error.
+    pub range_upper: Length,
+    /// The sum of magnitudes.
+    pub worst_case: Length,
+    /// The root of the sum of squares.
+    pub rss: Length,
+}
+
+impl Combined {
+    /// Combines the ΔCD of each error.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] if a sum is beyond the range of `f64`.
+    pub fn new(terms: &[(ErrorKind, Length)]) -> Result<Self, QuantityError> {
+        let sum = |which: &dyn Fn(ErrorKind) -> bool, magnitude: bool| -> Result<Length, QuantityError> {
+            let sum: Length = terms
+                .iter()
+                .filter(|(kind, _)| which(*kind))
+                .map(|(_, delta_cd)| if magnitude { delta_cd.abs() } else { delta_cd.clone() })
+                .sum();
+            Length::from_exact_mm(sum.exact_mm().clone(), "the sum of ΔCD")
+        };
+        let squares = terms.iter().fold(Rational::ZERO, |sum, (_, delta_cd)| &sum + &delta_cd.exact_mm().square());
+        // a root that is a decimal, as that of 0.03² + 0.04², comes out as that decimal
+        let rss = squares.sqrt().unwrap_or(Rational::ZERO).round_significant(40);
+        Ok(Self {
+            range_lower: sum(&ErrorKind::always_acts, false)?,
+            range_upper: sum(&|_| true, false)?,
+            worst_case: sum(&|_| true, true)?,
+            rss: Length::from_exact_mm(rss, "the RSS of ΔCD")?,
+        })
+    }
+
+    /// The interval of ΔCD that a stack-up claims, from lower to upper.
+    #[must_use]
+    pub fn interval(&self, stack: Stack) -> (Length, Length) {
+        match stack {
+            Stack::Range => (self.range_lower.clone(), self.range_upper.clone()),
+            Stack::WorstCase => (-&self.worst_case, self.worst_case.clone()),
+            Stack::Rss => (-&self.rss, self.rss.clone()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn combined(terms: &[(ErrorKind, &str)]) -> Combined {
+        let terms: Vec<_> = terms.iter().map(|(kind, text)| (*kind, text.parse().unwrap())).collect();
+        Combined::new(&terms).unwrap()
+    }
+
+    #[test]
+    fn signed_errors_act_always_and_pushing_errors_sometimes() {
+        let c = combined(&[
+            (ErrorKind::RackOverRoller, "-0.03"),
+            (ErrorKind::PinionRadial, "+0.01"),
+            (ErrorKind::RackPitch, "0.04"),
+            (ErrorKind::RackLead, "0.005"),
+        ]);
+        assert_eq!((c.range_lower.mm(), c.range_upper.mm()), (-0.02, 0.025));
+        assert_eq!(c.worst_case.mm(), 0.085);
+        assert_eq!(c.interval(Stack::WorstCase).0.mm(), -0.085);
+    }
+
+    #[test]
+    fn a_decimal_root_is_exact() {
+        let c = combined(&[(ErrorKind::RackOverRoller, "0.03"), (ErrorKind::RackPitch, "0.04")]);
+        assert_eq!(c.rss, "0.05".parse().unwrap());
+    }
+
+    #[test]
+    fn nothing_combines_to_nothing_and_overflow_is_an_error() {
+        assert!(combined(&[]).rss.is_zero());
+        let huge: Length = "1.7e308".parse().unwrap();
+        let terms = [(ErrorKind::RackPitch, huge.clone()), (ErrorKind::RackLead, huge)];
+        assert!(Combined::new(&terms).is_err());
+    }
+}

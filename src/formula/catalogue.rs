@@ -1,0 +1,24 @@
+//! The formulas by name, with the text that documents each: what `explain` prints.
+
+/// A formula's documentation.
+#[derive(Debug, Clone, Copy)]
+pub struct FormulaPage {
+    /// Its name on the command line: `rack-pitch`.
+    pub name: &'static str,
+    /// Other names that it answers to.
+    pub aliases: &'static [&'static str],
+    /// The equation, symbols, domain and source, in Markdown.
+    pub text: &'static str,
+}
+
+/// Every formula, in the paper's order.
+pub const CATALOGUE: &[FormulaPage] = &[
+    FormulaPage { name: "ideal-pin", aliases: &["pin"], text: include_str!("ideal_pin.md") },
+    FormulaPage { name: "over-pin", aliases: &[], text: include_str!("over_pin.md") },
+    FormulaPage { name: "roller-change", aliases: &[], text: include_str!("roller_change.md") },
+    FormulaPage { name: "rack-over-roller", aliases: &["over-roller"], text: include_str!("over_roller.md") },
+    FormulaPage { name: "rack-pitch", aliases: &["pitch"], text: include_str!("rack_pitch.md") },
+    FormulaPage { name: "rack-lead", aliases: &["lead"], text: include_str!("rack_lead.md") },
+    FormulaPage { name: "pinion-radial", aliases: &["radial"], text: include_str!("pinion_radial.md") },
+    FormulaPage { name: "pinion-pitch", aliases: &[], text: include_str!("pinion_pitch.md") },
+];

@@ -1,0 +1,66 @@
+//! What the two pitch formulas share: flanks that stand apart by a step lift the pinion.
+//!
+//! Between a right flank displaced by e along the pitch line and a left flank that is not, the pinion
+//! is wedged up by `|e| cos β / (2 tan α_n)`: `e cos β` is the displacement in the normal plane, and
+//! each of the two flanks, inclined by α_n, takes half of it. β is the helix angle of the part whose
+//! pitch was measured. The paper's formula is this with β = 0.
+
+use super::{Input, Model, Sensitivity, domain, per_degree, result_mm};
+use crate::quantity::{Angle, Domain, DomainError, Length, Rational};
+use crate::trig::precise;
+
+#[derive(Debug, Clone)]
+pub(super) struct FlankStep {
+    /// mm of ΔCD per mm of step
+    exact: Rational,
+    paper: Rational,
+    pressure_angle: Angle,
+    helix_angle: Angle,
+}
+
+impl FlankStep {
+    pub(super) fn new(pressure_angle: &Angle, helix_angle: &Angle, helix: &Domain) -> Result<Self, DomainError> {
+        domain::NORMAL_PRESSURE_ANGLE.check_angle(pressure_angle)?;
+        helix.check_angle(helix_angle)?;
+        let tan = precise::tan(pressure_angle.exact_degrees());
+        let paper = &Rational::fraction(1, 2) / &tan;
+        let exact =
+            if helix_angle.is_zero() { paper.clone() } else { &paper * &precise::cos(helix_angle.exact_degrees()) };
+        Ok(Self { exact, paper, pressure_angle: pressure_angle.clone(), helix_angle: helix_angle.clone() })
+    }
+
+    fn gain(&self, model: Model) -> &Rational {
+        match model {
+            Model::Exact => &self.exact,
+            Model::Paper => &self.paper,
+        }
+    }
+
+    pub(super) fn delta_cd(&self, step: &Length, model: Model) -> Result<Length, DomainError> {
+        result_mm(&(step.abs().exact_mm() * self.gain(model)), "ΔCD")
+    }
+
+    pub(super) fn largest_error(&self, delta_cd: &Length, model: Model) -> Result<Length, DomainError> {
+        domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
+        let step = result_mm(&(delta_cd.exact_mm() / self.gain(model)), "the pitch error")?;
+        Ok(Length::from_mm(step.exact_mm().to_f64_toward_zero())?)
+    }
+
+    pub(super) fn sensitivities(&self, step: &Length, model: Model) -> Vec<Sensitivity> {
+        let magnitude = step.abs();
+        let gain = self.gain(model);
+        let alpha = self.pressure_angle.exact_degrees();
+        // d(1/tan α)/dα = -1/sin² α = -(1/tan α) / (sin α cos α)
+        let by_alpha = -&(&(magnitude.exact_mm() * gain) / &(&precise::sin(alpha) * &precise::cos(alpha)));
+        let mut all = vec![
+            Sensitivity::of_magnitude(step.exact_mm(), gain),
+            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha)),
+        ];
+        if model == Model::Exact {
+            // d(cos β)/dβ = -sin β, with the paper's gain being the one without cos β
+            let by_beta = -&(&(magnitude.exact_mm() * &self.paper) * &precise::sin(self.helix_angle.exact_degrees()));
+            all.push(Sensitivity::new(Input::HelixAngle, &per_degree(&by_beta)));
+        }
+        all
+    }
+}

@@ -1,0 +1,90 @@
+#![doc = include_str!("over_pin.md")]
+//!
+//! # Example
+//! A rack of module 2.5 mm whose reference plane lies 21.5 mm above the datum, over a 5 mm pin:
+//! ```
+//! use rackmesh::formula::over_pin::OverPin;
+//!
+//! let over_pin = OverPin {
+//!     normal_module: "2.5".parse()?,
+//!     normal_pressure_angle: "20 deg".parse()?,
+//!     tooth_thickness: None,
+//!     pin_diameter: "5".parse()?,
+//!     datum: "21.5".parse()?,
+//! };
+//! assert_eq!(format!("{:.3}", over_pin.measure()?.mm()), "25.915");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use super::{Input, Sensitivity, domain, ideal_pin, per_degree, result_mm};
+use crate::quantity::{Angle, DomainError, Length, Rational};
+use crate::trig::precise;
+
+/// The inputs of the formula; see the [module](self).
+#[derive(Debug, Clone)]
+pub struct OverPin {
+    /// m_n
+    pub normal_module: Length,
+    /// α_n
+    pub normal_pressure_angle: Angle,
+    /// s_n; π m_n / 2 if `None`
+    pub tooth_thickness: Option<Length>,
+    /// d_p
+    pub pin_diameter: Length,
+    /// K
+    pub datum: Length,
+}
+
+impl OverPin {
+    /// The width of the tooth space, π m_n − s_n, in mm, after a check of every input.
+    fn checked_space(&self) -> Result<Rational, DomainError> {
+        domain::NORMAL_PRESSURE_ANGLE.check_angle(&self.normal_pressure_angle)?;
+        domain::PIN_DIAMETER.check_length(&self.pin_diameter)?;
+        domain::DATUM.check_length(&self.datum)?;
+        ideal_pin::space_width(&self.normal_module, self.tooth_thickness.as_ref())
+    }
+
+    /// The measure M over the pin.
+    ///
+    /// # Errors
+    /// [`DomainError`] if an input is outside its domain, or the result is beyond the range of `f64`.
+    pub fn measure(&self) -> Result<Length, DomainError> {
+        let space = self.checked_space()?;
+        let alpha = self.normal_pressure_angle.exact_degrees();
+        let two = Rational::integer(2);
+        // the flanks' apex below the reference plane, and the pin's top above the apex
+        let depth = &space / &(&two * &precise::tan(alpha));
+        let height = &(self.pin_diameter.exact_mm() / &two) * &one_and_cosecant(alpha);
+        result_mm(&(&(self.datum.exact_mm() - &depth) + &height), "the measure M over the pin")
+    }
+
+    /// ∂M/∂K, ∂M/∂d_p, ∂M/∂m_n, ∂M/∂α_n and, if a tooth thickness is given, ∂M/∂s_n.
+    ///
+    /// # Errors
+    /// [`DomainError`] if an input is outside its domain.
+    pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DomainError> {
+        let space = self.checked_space()?;
+        let alpha = self.normal_pressure_angle.exact_degrees();
+        let (sin, cos, tan) = (precise::sin(alpha), precise::cos(alpha), precise::tan(alpha));
+        let half = Rational::fraction(1, 2);
+        let by_space = -&(&half / &tan);
+        let by_module = &by_space * &ideal_pin::space_per_module(self.tooth_thickness.as_ref());
+        // d(-1/tan)/dα = 1/sin², d(1/sin)/dα = -cos/sin²
+        let by_alpha = &(&(&space - &(self.pin_diameter.exact_mm() * &cos)) * &half) / &sin.square();
+        let mut all = vec![
+            Sensitivity::new(Input::Datum, &Rational::ONE),
+            Sensitivity::new(Input::PinDiameter, &(&half * &one_and_cosecant(alpha))),
+            Sensitivity::new(Input::NormalModule, &by_module),
+            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha)),
+        ];
+        if self.tooth_thickness.is_some() {
+            all.push(Sensitivity::new(Input::ToothThickness, &-&by_space));
+        }
+        Ok(all)
+    }
+}
+
+/// 1 + 1/sin α: how far a pin's top lies above the apex of the flanks that carry it, in radii.
+pub(super) fn one_and_cosecant(alpha_degrees: &Rational) -> Rational {
+    &Rational::ONE + &(&Rational::ONE / &precise::sin(alpha_degrees))
+}

@@ -1,0 +1,182 @@
+//! Domains: which values of a quantity make sense, and the error that says so.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use super::{Angle, Length, QuantityError, Rational};
+
+/// One end of a domain, in the quantity's base unit (mm or degrees).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bound {
+    /// No bound.
+    None,
+    /// The bound itself is not in the domain.
+    Exclusive(i64),
+    /// The bound itself is in the domain.
+    Inclusive(i64),
+}
+
+/// A named quantity and the values that it may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Domain {
+    /// The quantity's name in the field: `normal pressure angle`.
+    pub name: &'static str,
+    /// Its symbol: `α_n`.
+    pub symbol: &'static str,
+    /// The lower end.
+    pub lower: Bound,
+    /// The upper end.
+    pub upper: Bound,
+}
+
+/// A value outside its domain, or a result outside the numbers.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum DomainError {
+    /// The value lies outside the quantity's domain.
+    #[error("the {} {} is {value}; it must be {bounds}", .domain.name, .domain.symbol)]
+    Outside {
+        /// The quantity and its domain.
+        domain: Domain,
+        /// The value, with its unit.
+        value: String,
+        /// The domain in words.
+        bounds: String,
+    },
+    /// A tooth as thick as the pitch leaves no space.
+    #[error("the tooth thickness s_n is {thickness}; it must be below the normal pitch π m_n = {pitch}")]
+    NoSpace {
+        /// The tooth thickness.
+        thickness: Length,
+        /// The normal pitch.
+        pitch: Length,
+    },
+    /// No error in the domain reaches the ΔCD that was asked about.
+    #[error("no {error} reaches a ΔCD of {delta_cd}: the largest possible is {largest}")]
+    NeverReached {
+        /// The error's name.
+        error: &'static str,
+        /// The ΔCD asked about.
+        delta_cd: Length,
+        /// The supremum of ΔCD over the domain.
+        largest: Length,
+    },
+    /// The result is beyond the range of double-precision numbers.
+    #[error(transparent)]
+    Overflow(#[from] QuantityError),
+}
+
+impl Domain {
+    /// The domain of a length or angle that has none but being a number.
+    #[must_use]
+    pub const fn any(name: &'static str, symbol: &'static str) -> Self {
+        Self { name, symbol, lower: Bound::None, upper: Bound::None }
+    }
+
+    /// The domain of everything above 0.
+    #[must_use]
+    pub const fn positive(name: &'static str, symbol: &'static str) -> Self {
+        Self { name, symbol, lower: Bound::Exclusive(0), upper: Bound::None }
+    }
+
+    /// Whether `value`, in the base unit, lies in the domain.
+    #[must_use]
+    pub fn contains(&self, value: &Rational) -> bool {
+        let above = match self.lower {
+            Bound::None => true,
+            Bound::Exclusive(bound) => *value > bound,
+            Bound::Inclusive(bound) => *value >= bound,
+        };
+        let below = match self.upper {
+            Bound::None => true,
+            Bound::Exclusive(bound) => *value < bound,
+            Bound::Inclusive(bound) => *value <= bound,
+        };
+        above && below
+    }
+
+    /// Checks a length.
+    ///
+    /// # Errors
+    /// [`DomainError::Outside`] naming the quantity, the value and the domain.
+    pub fn check_length(&self, value: &Length) -> Result<(), DomainError> {
+        self.check(value.exact_mm(), || value.to_string(), " mm")
+    }
+
+    /// Checks an angle.
+    ///
+    /// # Errors
+    /// [`DomainError::Outside`] naming the quantity, the value and the domain.
+    pub fn check_angle(&self, value: &Angle) -> Result<(), DomainError> {
+        self.check(value.exact_degrees(), || value.to_string(), "°")
+    }
+
+    fn check(&self, value: &Rational, text: impl Fn() -> String, unit: &'static str) -> Result<(), DomainError> {
+        if self.contains(value) {
+            return Ok(());
+        }
+        Err(DomainError::Outside { domain: *self, value: text(), bounds: self.in_words(unit).to_string() })
+    }
+
+    /// The domain in words, with its bounds in `unit`: `above 0° and at most 45°`.
+    #[must_use]
+    pub fn in_words(&self, unit: &'static str) -> impl fmt::Display {
+        InWords { domain: *self, unit }
+    }
+}
+
+struct InWords {
+    domain: Domain,
+    unit: &'static str,
+}
+
+impl fmt::Display for InWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { domain, unit } = self;
+        match domain.lower {
+            Bound::None => {}
+            Bound::Exclusive(bound) => write!(f, "above {bound}{unit}")?,
+            Bound::Inclusive(bound) => write!(f, "at least {bound}{unit}")?,
+        }
+        if domain.lower != Bound::None && domain.upper != Bound::None {
+            f.write_str(" and ")?;
+        }
+        match domain.upper {
+            Bound::None if domain.lower == Bound::None => f.write_str("a finite number"),
+            Bound::None => Ok(()),
+            Bound::Exclusive(bound) => write!(f, "below {bound}{unit}"),
+            Bound::Inclusive(bound) => write!(f, "at most {bound}{unit}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_message_names_quantity_value_and_domain() {
+        let domain = Domain {
+            name: "normal pressure angle",
+            symbol: "α_n",
+            lower: Bound::Exclusive(0),
+            upper: Bound::Inclusive(45),
+        };
+        let angle = |text: &str| text.parse::<Angle>().unwrap();
+        assert_eq!(domain.check_angle(&angle("45")), Ok(()));
+        assert_eq!(domain.check_angle(&angle("5e-324")), Ok(()));
+        assert_eq!(
+            domain.check_angle(&angle("45.000000000000000000001")).unwrap_err().to_string(),
+            "the normal pressure angle α_n is 45°; it must be above 0° and at most 45°"
+        );
+        assert_eq!(
+            domain.check_angle(&angle("0")).unwrap_err().to_string(),
+            "the normal pressure angle α_n is 0°; it must be above 0° and at most 45°"
+        );
+        let width = Domain::positive("face width", "k");
+        assert_eq!(
+            width.check_length(&"-3".parse().unwrap()).unwrap_err().to_string(),
+            "the face width k is -3 mm; it must be above 0 mm"
+        );
+    }
+}
