@@ -1,2 +1,7 @@
-//! The `rackmesh` program.
-fn main() {}
+//! The `rackmesh` program; all of it is in [`rackmesh::cli`].
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    rackmesh::cli::run()
+}

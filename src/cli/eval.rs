@@ -1,0 +1,102 @@
+//! `rackmesh eval`: ΔCD of the errors in a spec, combined and judged.
+
+use clap::ValueEnum;
+
+use super::output::{Failure, Output, Status};
+use crate::decision::{self, LimitTarget, Stack, Verdict};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::Model;
+use crate::report::{EvaluationReport, Format};
+use crate::spec::Spec;
+
+/// Evaluate a spec: ΔCD of each error, combined and judged against the limits.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  rackmesh eval rack.toml
+  rackmesh eval rack.toml --stack worst --format json
+  rackmesh init | rackmesh eval -
+
+Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge.")]
+pub(super) struct Args {
+    /// The gear spec (TOML); `-` reads standard input.
+    spec: String,
+    /// The combination that the verdict judges.
+    #[arg(long, value_enum, default_value_t)]
+    stack: StackArg,
+    /// Formulas exact for rigid teeth, or as the paper prints them.
+    #[arg(long, value_enum, default_value_t)]
+    model: ModelArg,
+    /// Output format.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum StackArg {
+    /// What these errors can do at some point of the stroke.
+    #[default]
+    Range,
+    /// The sum of magnitudes, either way.
+    Worst,
+    /// The root of the sum of squares, either way.
+    Rss,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ModelArg {
+    /// Exact for rigid teeth.
+    #[default]
+    Exact,
+    /// As the paper prints it.
+    Paper,
+}
+
+impl From<StackArg> for Stack {
+    fn from(stack: StackArg) -> Self {
+        match stack {
+            StackArg::Range => Self::Range,
+            StackArg::Worst => Self::WorstCase,
+            StackArg::Rss => Self::Rss,
+        }
+    }
+}
+
+impl From<ModelArg> for Model {
+    fn from(model: ModelArg) -> Self {
+        match model {
+            ModelArg::Exact => Self::Exact,
+            ModelArg::Paper => Self::Paper,
+        }
+    }
+}
+
+impl Args {
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let spec = super::read_spec(&self.spec)?;
+        let errors = spec.part_errors()?;
+        let evaluation = decision::evaluate(&errors, &spec.limits(), self.model.into(), self.stack.into())
+            .map_err(|failure| spec.explain_failure(&failure))?;
+        for target in evaluation.unjudged() {
+            output.diagnostic(&unjudged(&spec, target));
+        }
+        let rack_is_helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
+        let report = EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical);
+        output.report(&report, self.format)?;
+        Ok(match evaluation.verdict {
+            Some(Verdict::Fail) => Status::Fail,
+            Some(Verdict::Pass) => Status::Pass,
+            None if evaluation.limits.is_empty() => Status::Pass,
+            None => Status::Undecided,
+        })
+    }
+}
+
+fn unjudged(spec: &Spec, target: LimitTarget) -> Diagnostic {
+    let message = format!("there is a limit on ΔCD of the {target}, but [errors] does not give that error");
+    let diagnostic = Diagnostic::warning(Code::UnjudgedLimit, message)
+        .help(format!("add `{}` to [errors], or remove its limit", target.key()));
+    match spec.limits.iter().find(|(on, _)| *on == target) {
+        Some((_, limit)) => diagnostic.at(&spec.source, limit.span.clone(), "cannot be judged"),
+        None => diagnostic,
+    }
+}

@@ -1,0 +1,140 @@
+//! Where results and messages go, and what the exit status becomes.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::process::ExitCode;
+
+use anstream::AutoStream;
+use clap::ColorChoice;
+
+use crate::diagnostic::{Diagnostic, Diagnostics, render};
+use crate::report::{self, Format, Report, Screen};
+
+/// How a command ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Status {
+    /// Inside the limits, or there was nothing to judge.
+    Pass,
+    /// Outside the limits.
+    Fail,
+    /// There is a result, but it could not be judged.
+    Undecided,
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Pass => Self::SUCCESS,
+            Status::Fail => Self::from(1),
+            Status::Undecided => Self::from(2),
+        }
+    }
+}
+
+/// Why a command has no result.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// What is wrong with the input.
+    Diagnostics(Vec<Diagnostic>),
+    /// What is wrong with the arguments.
+    Usage(clap::Error),
+    /// The output cannot be written.
+    Write(io::Error),
+}
+
+impl From<Diagnostic> for Failure {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self::Diagnostics(vec![diagnostic])
+    }
+}
+
+impl From<Diagnostics> for Failure {
+    fn from(diagnostics: Diagnostics) -> Self {
+        Self::Diagnostics(diagnostics.0)
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+/// Standard output and standard error, each with its own answer to whether it is a screen.
+pub(super) struct Output {
+    stdout: io::Stdout,
+    stderr: io::Stderr,
+    screen: Screen,
+    color_messages: bool,
+}
+
+impl Output {
+    pub(super) fn new(color: ColorChoice) -> Self {
+        let choice = match color {
+            ColorChoice::Auto => anstream::ColorChoice::Auto,
+            ColorChoice::Always => anstream::ColorChoice::Always,
+            ColorChoice::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+        let (stdout, stderr) = (io::stdout(), io::stderr());
+        let width = if stdout.is_terminal() {
+            // a terminal that does not tell its width is taken to be 80 columns wide
+            Some(terminal_size::terminal_size_of(&stdout).map_or(80, |(width, _)| width.0))
+        } else {
+            None
+        };
+        Self {
+            screen: Screen { width, color: AutoStream::choice(&stdout) != anstream::ColorChoice::Never },
+            color_messages: AutoStream::choice(&stderr) != anstream::ColorChoice::Never,
+            stdout,
+            stderr,
+        }
+    }
+
+    /// Writes a report to standard output.
+    pub(super) fn report(&mut self, report: &dyn Report, format: Format) -> Result<(), Failure> {
+        let text = report::write(report, format, self.screen)?;
+        self.text(&text)
+    }
+
+    /// Writes text to standard output.
+    pub(super) fn text(&mut self, text: &str) -> Result<(), Failure> {
+        let mut stdout = self.stdout.lock();
+        stdout.write_all(text.as_bytes())?;
+        stdout.flush()?;
+        Ok(())
+    }
+
+    /// Writes a remark on the result to standard error, so that standard output holds just the result.
+    pub(super) fn remark(&mut self, text: &str) {
+        // there is nowhere left to report a failure of standard error itself
+        let _ = writeln!(self.stderr.lock(), "{text}");
+    }
+
+    /// Shows a diagnostic on standard error.
+    pub(super) fn diagnostic(&mut self, diagnostic: &Diagnostic) {
+        self.remark(&render(diagnostic, self.color_messages));
+    }
+
+    /// Shows why a command has no result, if it has none.
+    pub(super) fn finish(&mut self, result: Result<Status, Failure>) -> Status {
+        match result {
+            Ok(status) => status,
+            Err(Failure::Diagnostics(diagnostics)) => {
+                for diagnostic in &diagnostics {
+                    self.diagnostic(diagnostic);
+                }
+                Status::Undecided
+            }
+            Err(Failure::Usage(error)) => {
+                let _ = error.print();
+                Status::Undecided
+            }
+            // the reader of the output has seen enough
+            Err(Failure::Write(error)) if error.kind() == io::ErrorKind::BrokenPipe => Status::Pass,
+            Err(Failure::Write(error)) => {
+                self.remark(&format!("error: cannot write the output: {error}"));
+                Status::Undecided
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The kinds of problems and their documentation.
+
+use std::fmt;
+
+/// Declares the codes: each has a variant, a stable name, and a page in `pages/`.
+macro_rules! codes {
+    ($($(#[$doc:meta])* $variant:ident = $name:literal,)*) => {
+        /// A kind of problem, with a stable kebab-case name and a page that explains it.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Code {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl Code {
+            /// Every code.
+            pub const ALL: &[Self] = &[$(Self::$variant),*];
+
+            /// The stable name.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
+
+            /// What it means and what to do, in Markdown.
+            #[must_use]
+            pub const fn page(self) -> &'static str {
+                match self { $(Self::$variant => include_str!(concat!("pages/", $name, ".md"))),* }
+            }
+        }
+    };
+}
+
+codes! {
+    /// A file cannot be read or written.
+    FileAccess = "file-access",
+    /// The spec is not valid TOML.
+    TomlSyntax = "toml-syntax",
+    /// A key or section that the spec does not know.
+    UnknownKey = "unknown-key",
+    /// A value of the wrong type.
+    WrongType = "wrong-type",
+    /// A text that is not a length or an angle.
+    BadQuantity = "bad-quantity",
+    /// A value outside its domain.
+    OutOfDomain = "out-of-domain",
+    /// A key that a requested result needs is not there.
+    MissingKey = "missing-key",
+    /// An error entry whose keys do not make an error.
+    BadErrorEntry = "bad-error-entry",
+    /// A limit that is not a limit.
+    BadLimit = "bad-limit",
+    /// There is nothing to evaluate.
+    NoErrors = "no-errors",
+    /// A limit on an error that is not given.
+    UnjudgedLimit = "unjudged-limit",
+    /// A result that has no value.
+    NoResult = "no-result",
+    /// A name that `explain` does not know.
+    UnknownTopic = "unknown-topic",
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_kebab_case() {
+        let names: BTreeSet<_> = Code::ALL.iter().map(|code| code.name()).collect();
+        assert_eq!(names.len(), Code::ALL.len());
+        for name in names {
+            assert!(name.bytes().all(|b| b.is_ascii_lowercase() || b == b'-'), "{name}");
+        }
+    }
+
+    #[test]
+    fn every_page_starts_with_its_code_and_says_what_to_do() {
+        for code in Code::ALL {
+            let page = code.page();
+            assert!(page.starts_with(&format!("# {code}\n")), "{code}");
+            for heading in ["## What is wrong", "## What to do"] {
+                assert!(page.contains(heading), "{code} lacks {heading}");
+            }
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! The report of `eval`.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::number::{millimetres, plain, signed};
+use super::{Block, Column, Report, Table};
+use crate::decision::{Evaluation, LimitCheck, Stack, Verdict};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::formula::{Model, formula_text};
+use crate::quantity::{Length, LengthUnit};
+
+/// An evaluation with its title.
+#[derive(Debug)]
+pub struct EvaluationReport<'a> {
+    /// The spec's title.
+    pub title: Option<&'a str>,
+    /// What was computed.
+    pub evaluation: &'a Evaluation,
+    /// Remarks on the results' validity.
+    pub notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ContributionRow {
+    error: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deviation_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deviation_deg: Option<f64>,
+    delta_cd_mm: f64,
+    delta_cd_exact_mm: f64,
+    delta_cd_paper_mm: f64,
+    model: &'static str,
+    formula: &'static str,
+    share: Option<f64>,
+}
+
+impl EvaluationReport<'_> {
+    fn contributions(&self) -> impl Iterator<Item = ContributionRow> + '_ {
+        let model = self.evaluation.model;
+        self.evaluation.contributions.iter().map(move |contribution| {
+            let (deviation_mm, deviation_deg) = match &contribution.value {
+                ErrorValue::Length(length) => (Some(length.mm()), None),
+                ErrorValue::Angle(angle) => (None, Some(angle.degrees())),
+            };
+            ContributionRow {
+                error: contribution.kind.key(),
+                deviation_mm,
+                deviation_deg,
+                delta_cd_mm: contribution.delta_cd(model).mm(),
+                delta_cd_exact_mm: contribution.exact.mm(),
+                delta_cd_paper_mm: contribution.paper.mm(),
+                model: model.name(),
+                formula: formula_text(contribution.kind, model),
+                share: contribution.share,
+            }
+        })
+    }
+
+    fn contribution_table(&self) -> Table {
+        let evaluation = self.evaluation;
+        let model = evaluation.model;
+        let other = if model == Model::Exact { Model::Paper } else { Model::Exact };
+        let both = evaluation.models_differ();
+        let mut columns =
+            vec![Column::text("error"), Column::number("deviation"), Column::number(format!("ΔCD {model}\n[mm]"))];
+        if both {
+            columns.push(Column::number(format!("ΔCD {other}\n[mm]")));
+        }
+        columns.extend([Column::number("share"), Column::text(format!("formula ({model})"))]);
+        let rows = evaluation.contributions.iter().map(|contribution| {
+            let deviation = match &contribution.value {
+                ErrorValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
+                ErrorValue::Angle(angle) => format!("{}°", signed(angle.degrees(), 4)),
+            };
+            let mut row =
+                vec![contribution.kind.to_string(), deviation, millimetres(contribution.delta_cd(model).mm())];
+            if both {
+                row.push(millimetres(contribution.delta_cd(other).mm()));
+            }
+            row.push(contribution.share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share)));
+            row.push(formula_text(contribution.kind, model).to_owned());
+            row
+        });
+        Table { rows: rows.collect(), columns }
+    }
+
+    fn combination_table(&self) -> Table {
+        let combined = &self.evaluation.combined;
+        let rows = [Stack::Range, Stack::WorstCase, Stack::Rss].into_iter().map(|stack| {
+            let (lower, upper) = combined.interval(stack);
+            vec![
+                stack.to_string(),
+                millimetres(lower.mm()),
+                millimetres(upper.mm()),
+                match stack {
+                    Stack::Range => "over-roller, radial: always; pitch, lead: 0 … value",
+                    Stack::WorstCase => "sum of magnitudes, either way",
+                    Stack::Rss => "root of the sum of squares, either way",
+                }
+                .to_owned(),
+            ]
+        });
+        Table {
+            rows: rows.collect(),
+            columns: vec![
+                Column::text("combination"),
+                Column::number("from\n[mm]"),
+                Column::number("to\n[mm]"),
+                Column::text("assumes"),
+            ],
+        }
+    }
+
+    fn limit_table(&self) -> Table {
+        let rows = self.evaluation.limits.iter().map(|check| {
+            let end = |end: &Option<Length>| end.as_ref().map_or_else(|| "-".to_owned(), |end| millimetres(end.mm()));
+            vec![
+                check.on.to_string(),
+                end(&check.limit.lower),
+                end(&check.limit.upper),
+                check.result.as_ref().map_or_else(|| "not given".to_owned(), interval_text),
+                verdict_name(check.verdict).unwrap_or("open").to_owned(),
+            ]
+        });
+        Table {
+            rows: rows.collect(),
+            columns: vec![
+                Column::text("limit on ΔCD"),
+                Column::number("lower\n[mm]"),
+                Column::number("upper\n[mm]"),
+                Column::number("result\n[mm]"),
+                Column::text("verdict"),
+            ],
+        }
+    }
+
+    fn verdict_block(&self) -> Option<Block> {
+        let evaluation = self.evaluation;
+        if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
+            return Some(Block::Verdict(false, failure_sentence(failed, evaluation.stack)));
+        }
+        let unjudged: Vec<_> = evaluation.unjudged().map(|target| target.to_string()).collect();
+        if !unjudged.is_empty() {
+            return Some(Block::Note(format!("No verdict: there is no value for {}.", unjudged.join(", "))));
+        }
+        let count = match evaluation.limits.len() {
+            0 => return None,
+            1 => "the limit is met".to_owned(),
+            count => format!("all {count} limits are met"),
+        };
+        Some(Block::Verdict(true, format!("{count} (judged by {})", evaluation.stack)))
+    }
+}
+
+fn verdict_name(verdict: Option<Verdict>) -> Option<&'static str> {
+    verdict.map(Verdict::name)
+}
+
+fn interval_text((lower, upper): &(Length, Length)) -> String {
+    if lower == upper {
+        millimetres(upper.mm())
+    } else {
+        format!("{} … {}", millimetres(lower.mm()), millimetres(upper.mm()))
+    }
+}
+
+/// Which end of the limit is broken and by how much, however little that is.
+fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
+    let what = match check.on {
+        crate::decision::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
+        crate::decision::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
+    };
+    let Some((lower, upper)) = &check.result else { return what };
+    let above = check.limit.upper.as_ref().filter(|limit| upper > limit).map(|limit| (upper, limit, "above"));
+    let below = check.limit.lower.as_ref().filter(|limit| lower < limit).map(|limit| (lower, limit, "below"));
+    let parts: Vec<_> = [above, below]
+        .into_iter()
+        .flatten()
+        .map(|(result, limit, side)| {
+            let by = (result - limit).abs();
+            format!(
+                "{} mm is {} mm {side} the limit {} mm",
+                millimetres(result.mm()),
+                millimetres(by.mm()).trim_start_matches('+'),
+                plain(limit.mm())
+            )
+        })
+        .collect();
+    format!("{what}: {}", parts.join(", and "))
+}
+
+impl Report for EvaluationReport<'_> {
+    fn json(&self) -> Value {
+        let evaluation = self.evaluation;
+        let combined = &evaluation.combined;
+        let limits: Vec<_> = evaluation
+            .limits
+            .iter()
+            .map(|check| {
+                json!({
+                    "on": check.on.key(),
+                    "lower_mm": check.limit.lower.as_ref().map(Length::mm),
+                    "upper_mm": check.limit.upper.as_ref().map(Length::mm),
+                    "result_lower_mm": check.result.as_ref().map(|(lower, _)| lower.mm()),
+                    "result_upper_mm": check.result.as_ref().map(|(_, upper)| upper.mm()),
+                    "verdict": verdict_name(check.verdict),
+                })
+            })
+            .collect();
+        json!({
+            "title": self.title,
+            "model": evaluation.model.name(),
+            "contributions": self.contributions().collect::<Vec<_>>(),
+            "combined": {
+                "range_mm": { "lower": combined.range_lower.mm(), "upper": combined.range_upper.mm() },
+                "worst_case_mm": combined.worst_case.mm(),
+                "rss_mm": combined.rss.mm(),
+            },
+            "stack": evaluation.stack.name(),
+            "limits": limits,
+            "verdict": verdict_name(evaluation.verdict),
+            "notes": self.notes,
+        })
+    }
+
+    /// One row per error, then one per combination, then one per limit; columns that a row has no value
+    /// for are empty.
+    fn rows(&self) -> Vec<Vec<String>> {
+        const HEADER: [&str; 14] = [
+            "kind",
+            "name",
+            "deviation_mm",
+            "deviation_deg",
+            "delta_cd_mm",
+            "delta_cd_exact_mm",
+            "delta_cd_paper_mm",
+            "model",
+            "formula",
+            "share",
+            "lower_mm",
+            "upper_mm",
+            "limit_lower_mm",
+            "limit_upper_mm",
+        ];
+        let verdict = "verdict";
+        let mut header: Vec<String> = HEADER.iter().map(|name| (*name).to_owned()).collect();
+        header.push(verdict.to_owned());
+        let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
+        let mm = |length: Option<&Length>| number(length.map(Length::mm));
+        let empty = String::new;
+        let mut rows = vec![header];
+        for row in self.contributions() {
+            rows.push(vec![
+                "error".to_owned(),
+                row.error.to_owned(),
+                number(row.deviation_mm),
+                number(row.deviation_deg),
+                plain(row.delta_cd_mm),
+                plain(row.delta_cd_exact_mm),
+                plain(row.delta_cd_paper_mm),
+                row.model.to_owned(),
+                row.formula.to_owned(),
+                number(row.share),
+                empty(),
+                empty(),
+                empty(),
+                empty(),
+                empty(),
+            ]);
+        }
+        let mut interval_row = |kind: &str, name: &str, ends: [String; 4], verdict: String| {
+            let mut row = vec![kind.to_owned(), name.to_owned()];
+            row.extend(std::iter::repeat_with(empty).take(5));
+            row.push(self.evaluation.model.name().to_owned());
+            row.extend([empty(), empty()]);
+            row.extend(ends);
+            row.push(verdict);
+            rows.push(row);
+        };
+        for stack in [Stack::Range, Stack::WorstCase, Stack::Rss] {
+            let (lower, upper) = self.evaluation.combined.interval(stack);
+            interval_row("combined", stack.name(), [plain(lower.mm()), plain(upper.mm()), empty(), empty()], empty());
+        }
+        for check in &self.evaluation.limits {
+            let ends = [
+                mm(check.result.as_ref().map(|(lower, _)| lower)),
+                mm(check.result.as_ref().map(|(_, upper)| upper)),
+                mm(check.limit.lower.as_ref()),
+                mm(check.limit.upper.as_ref()),
+            ];
+            let verdict = verdict_name(check.verdict).unwrap_or_default().to_owned();
+            interval_row("limit", check.on.key(), ends, verdict);
+        }
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let mut blocks = Vec::new();
+        if let Some(title) = self.title {
+            blocks.push(Block::Title(title.to_owned()));
+        }
+        blocks.push(Block::Table(self.contribution_table()));
+        blocks.push(Block::Table(self.combination_table()));
+        if !self.evaluation.limits.is_empty() {
+            blocks.push(Block::Table(self.limit_table()));
+        }
+        blocks.extend(self.notes.iter().map(|note| Block::Note(note.clone())));
+        blocks.extend(self.verdict_block());
+        blocks
+    }
+}
+
+impl<'a> EvaluationReport<'a> {
+    /// The report, with the remarks that the results call for.
+    #[must_use]
+    pub fn new(title: Option<&'a str>, evaluation: &'a Evaluation, rack_is_helical: bool) -> Self {
+        let has_lead = evaluation.contributions.iter().any(|c| c.kind == ErrorKind::RackLead);
+        let mut notes = Vec::new();
+        if has_lead && rack_is_helical {
+            notes.push("note: for a helical rack the formula of the lead error holds within about 2 %".to_owned());
+        }
+        Self { title, evaluation, notes }
+    }
+}

@@ -1,0 +1,79 @@
+//! Results as people and programs read them.
+//!
+//! A result says once what it holds ([`Report`]): its JSON, its rows for CSV, and its blocks of text and
+//! tables. One writer per format turns that into text ([`write`](fn@write)). The command line prints
+//! what comes out; nothing here computes a result.
+//!
+//! JSON and CSV are for programs: keys carry their unit, numbers are the shortest text that reads back
+//! as the same double, and what could not be computed is `null` or an empty field. Tables and Markdown
+//! are for people: four decimals of a millimetre, which is 0.1 µm.
+
+mod calculation;
+mod evaluation;
+mod number;
+mod reproduction;
+mod table;
+
+pub use calculation::{Calculation, Computed, ResultUnit};
+pub use evaluation::EvaluationReport;
+
+pub use reproduction::Reproduction;
+pub use table::{Align, Block, Column, Table};
+
+use serde_json::Value;
+
+/// An output format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Format {
+    /// Aligned tables for people.
+    #[default]
+    Table,
+    /// One JSON object.
+    Json,
+    /// Comma-separated values with a header row.
+    Csv,
+    /// Markdown tables.
+    Markdown,
+}
+
+/// How a table is drawn on a screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Screen {
+    /// Columns available; `None` if the output is not a screen and lines may be as long as they are.
+    pub width: Option<u16>,
+    /// Whether to use colours.
+    pub color: bool,
+}
+
+/// A result that can be written.
+pub trait Report {
+    /// The whole result as JSON.
+    fn json(&self) -> Value;
+
+    /// The result as rows; the first is the header.
+    fn rows(&self) -> Vec<Vec<String>>;
+
+    /// The result for people.
+    fn blocks(&self) -> Vec<Block>;
+}
+
+/// The report as text in `format`, ending in a newline.
+///
+/// # Errors
+/// If the rows are not a table (a fault of the report, not of its data).
+pub fn write(report: &dyn Report, format: Format, screen: Screen) -> Result<String, std::io::Error> {
+    match format {
+        Format::Table => Ok(table::text(&report.blocks(), screen)),
+        Format::Markdown => Ok(table::markdown(&report.blocks())),
+        Format::Json => Ok(format!("{:#}\n", report.json())),
+        Format::Csv => {
+            let mut writer = csv::Writer::from_writer(Vec::new());
+            for row in report.rows() {
+                writer.write_record(row)?;
+            }
+            let bytes = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
+            String::from_utf8(bytes).map_err(std::io::Error::other)
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Numbers as text.
+
+/// A length in mm for people: signed, to 0.1 µm; a value too small for that in powers of ten, so that
+/// nothing but zero is printed as zero.
+pub(super) fn millimetres(mm: f64) -> String {
+    signed(mm, 4)
+}
+
+/// A signed number with that many decimals, or in powers of ten where they would show nothing or too
+/// much.
+pub(super) fn signed(value: f64, decimals: usize) -> String {
+    const LARGE: f64 = 1e7;
+    let fixed = format!("{value:+.decimals$}");
+    let vanishes = value != 0.0 && fixed.bytes().all(|b| !b.is_ascii_digit() || b == b'0');
+    if value == 0.0 {
+        format!("{:.decimals$}", 0.0)
+    } else if vanishes || value.abs() >= LARGE {
+        format!("{value:+.2e}")
+    } else {
+        fixed
+    }
+}
+
+/// The shortest text that reads back as the same double, in powers of ten only where the plain form
+/// would be long.
+pub(super) fn plain(value: f64) -> String {
+    plain_padded(value, 0)
+}
+
+/// As [`plain`], with at least that many decimals.
+pub(super) fn plain_padded(value: f64, decimals: usize) -> String {
+    // Rust's shortest form never uses an exponent; outside this range it is all zeros
+    if value != 0.0 && !(1e-7..1e15).contains(&value.abs()) {
+        return format!("{value:e}");
+    }
+    let text = format!("{value}");
+    let has = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    if has >= decimals { text } else { format!("{value:.decimals$}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_zero_is_printed_as_zero() {
+        for (value, text) in [
+            (0.0, "0.0000"),
+            (-0.0, "0.0000"),
+            (0.013, "+0.0130"),
+            (-0.00006, "-0.0001"),
+            (0.00004, "+4.00e-5"),
+            (-1e-300, "-1.00e-300"),
+            (1e8, "+1.00e8"),
+        ] {
+            assert_eq!(millimetres(value), text);
+        }
+    }
+
+    #[test]
+    fn plain_numbers_lose_nothing() {
+        for (value, text) in [
+            (0.0131, "0.013100"),
+            (0.1 + 0.2, "0.30000000000000004"),
+            (-25.0, "-25.000000"),
+            (1e-9, "1e-9"),
+            (1e300, "1e300"),
+            (0.0, "0.000000"),
+        ] {
+            assert_eq!(plain_padded(value, 6), text);
+            assert_eq!(plain(value).parse::<f64>().unwrap(), value);
+        }
+    }
+}

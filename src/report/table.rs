@@ -1,0 +1,179 @@
+//! Text and tables for people: on a screen, and in Markdown.
+
+use anstyle::{AnsiColor, Style};
+use comfy_table::{CellAlignment, ContentArrangement, ContentLineStyle, LineStyle, Table as Grid, TableStyle, presets};
+
+use super::Screen;
+
+/// A piece of a report.
+#[derive(Debug, Clone)]
+pub enum Block {
+    /// The report's title.
+    Title(String),
+    /// A table.
+    Table(Table),
+    /// A remark: the model, an assumption, how values differ.
+    Note(String),
+    /// The verdict: whether it is a pass, and the sentence.
+    Verdict(bool, String),
+}
+
+/// A table.
+#[derive(Debug, Clone)]
+pub struct Table {
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// The cells, a row each.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// The heading, with the unit; a line break where a narrow column may break it.
+    pub heading: String,
+    /// How its cells are aligned.
+    pub align: Align,
+}
+
+/// The alignment of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Text.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+impl Column {
+    /// A column of text.
+    pub fn text(heading: impl Into<String>) -> Self {
+        Self { heading: heading.into(), align: Align::Left }
+    }
+
+    /// A column of numbers.
+    pub fn number(heading: impl Into<String>) -> Self {
+        Self { heading: heading.into(), align: Align::Right }
+    }
+}
+
+/// A header, a line, rows.
+const PLAIN: TableStyle = TableStyle::new()
+    .header_lines(ContentLineStyle::none())
+    .header_separator(LineStyle::none().fill('─').junction('─'))
+    .content_lines(ContentLineStyle::none());
+
+fn grid(table: &Table, style: TableStyle, padding: (u16, u16)) -> Grid {
+    let mut grid = Grid::new();
+    grid.load_style(style);
+    grid.set_header(table.columns.iter().map(|column| column.heading.as_str()));
+    grid.add_rows(table.rows.iter());
+    for (column, grid_column) in table.columns.iter().zip(grid.column_iter_mut()) {
+        grid_column.set_padding(padding);
+        if column.align == Align::Right {
+            grid_column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    grid
+}
+
+pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
+    let paint =
+        |text: &str, style: Style| if screen.color { format!("{style}{text}{style:#}") } else { text.to_owned() };
+    let mut out = String::new();
+    let mut previous_is_note = false;
+    for block in blocks {
+        let is_note = matches!(block, Block::Note(_));
+        // a blank line between blocks, but none between remarks
+        let continues = is_note && previous_is_note;
+        if !out.is_empty() && !continues {
+            out.push('\n');
+        }
+        previous_is_note = is_note;
+        match block {
+            Block::Title(title) => out.push_str(&paint(title, Style::new().bold())),
+            Block::Note(note) => out.push_str(&wrap(note, screen.width)),
+            Block::Verdict(pass, sentence) => {
+                let (word, color) = if *pass { ("PASS", AnsiColor::Green) } else { ("FAIL", AnsiColor::Red) };
+                let word = paint(word, color.on_default().bold());
+                out.push_str(&wrap(&format!("{word}: {sentence}"), screen.width));
+            }
+            Block::Table(table) => {
+                let mut grid = grid(table, PLAIN, (1, 0));
+                if let Some(width) = screen.width {
+                    grid.set_width(width).set_content_arrangement(ContentArrangement::Dynamic);
+                } else {
+                    grid.set_content_arrangement(ContentArrangement::Disabled);
+                }
+                let lines: Vec<_> = grid.lines().map(|line| line.trim_end().to_owned()).collect();
+                out.push_str(&lines.join("\n"));
+            }
+        }
+        out.push('\n');
+    }
+    out
+}
+
+pub(super) fn markdown(blocks: &[Block]) -> String {
+    let mut out = String::new();
+    for block in blocks {
+        if !out.is_empty() {
+            out.push('\n');
+        }
+        match block {
+            Block::Title(title) => out.push_str(&format!("## {title}\n")),
+            Block::Note(note) => out.push_str(&format!("{note}\n")),
+            Block::Verdict(pass, sentence) => {
+                out.push_str(&format!("**{}**: {sentence}\n", if *pass { "PASS" } else { "FAIL" }));
+            }
+            Block::Table(table) => {
+                let mut escaped = table.clone();
+                for column in &mut escaped.columns {
+                    column.heading = column.heading.replace('\n', " ");
+                }
+                for cell in escaped.rows.iter_mut().flatten() {
+                    *cell = cell.replace('|', "\\|");
+                }
+                let mut grid = grid(&escaped, presets::ASCII_MARKDOWN, (1, 1));
+                grid.set_content_arrangement(ContentArrangement::Disabled);
+                for (index, line) in grid.lines().enumerate() {
+                    let line = if index == 1 { mark_alignment(&line, &table.columns) } else { line };
+                    out.push_str(&line);
+                    out.push('\n');
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Marks right-aligned columns in the rule below a Markdown table's header: `---:`.
+fn mark_alignment(rule: &str, columns: &[Column]) -> String {
+    let marked = rule.trim_matches('|').split('|').zip(columns).map(|(cell, column)| match column.align {
+        Align::Left => cell.to_owned(),
+        Align::Right => format!("{}:", &cell[..cell.len() - 1]),
+    });
+    format!("|{}|", marked.collect::<Vec<_>>().join("|"))
+}
+
+/// Breaks text at blanks to fit `width`.
+fn wrap(text: &str, width: Option<u16>) -> String {
+    let Some(width) = width else { return text.to_owned() };
+    let width = usize::from(width.max(20));
+    let mut out = String::new();
+    let mut column = 0;
+    for word in text.split(' ') {
+        // escape sequences stand only around the verdict's word, which comes first
+        let length = word.chars().count();
+        if column > 0 && column + 1 + length > width {
+            out.push('\n');
+            column = 0;
+        } else if column > 0 {
+            out.push(' ');
+            column += 1;
+        }
+        out.push_str(word);
+        column += length;
+    }
+    out
+}

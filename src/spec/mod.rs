@@ -1,0 +1,408 @@
+//! The gear spec: TOML as written ([`Spec`]), and what it means ([`Spec::part_errors`],
+//! [`Spec::limits`]).
+//!
+//! The command line reads a file and calls [`Spec::parse`]. Parsing checks what stands in the file,
+//! each value by itself, and reports every problem at once, with its place. Resolution asks for what a
+//! result needs, and only then is a key required. Nothing below this module knows TOML.
+
+mod keys;
+mod reader;
+mod resolve;
+mod schema;
+mod template;
+
+pub use schema::json_schema;
+pub use template::TEMPLATE;
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::decision::{Limit, LimitTarget};
+use crate::deviation::ErrorKind;
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::formula::RackLead;
+use crate::quantity::{Angle, Length};
+use keys::{Kind, SECTIONS, Section};
+use reader::{SectionReader, similar};
+
+/// A value and where it was written.
+#[derive(Debug, Clone)]
+pub struct Located<T> {
+    /// The value.
+    pub value: T,
+    /// The bytes of the spec that hold it.
+    pub span: Range<usize>,
+}
+
+/// A spec as it was written: every value valid by itself, nothing required yet.
+#[derive(Debug, Clone)]
+pub struct Spec {
+    /// The text.
+    pub source: Arc<Source>,
+    /// `title`.
+    pub title: Option<String>,
+    /// `[pair]`.
+    pub pair: PairSection,
+    /// `[rack]`.
+    pub rack: RackSection,
+    /// `[pinion]`.
+    pub pinion: PinionSection,
+    /// `[errors]`, in the paper's order.
+    pub errors: Vec<(ErrorKind, Located<WrittenError>)>,
+    /// `[limits]`.
+    pub limits: Vec<(LimitTarget, Located<Limit>)>,
+}
+
+/// `[pair]`: what rack and pinion have in common.
+#[derive(Debug, Clone, Default)]
+pub struct PairSection {
+    /// m_n
+    pub normal_module: Option<Located<Length>>,
+    /// α_n
+    pub normal_pressure_angle: Option<Located<Angle>>,
+}
+
+/// `[rack]`: nominal geometry of the rack.
+#[derive(Debug, Clone, Default)]
+pub struct RackSection {
+    /// β_r
+    pub helix_angle: Option<Located<Angle>>,
+    /// k
+    pub face_width: Option<Located<Length>>,
+    /// h_a
+    pub addendum: Option<Located<Length>>,
+    /// s_n
+    pub tooth_thickness: Option<Located<Length>>,
+    /// K
+    pub datum: Option<Located<Length>>,
+}
+
+/// `[pinion]`: nominal geometry of the pinion.
+#[derive(Debug, Clone, Default)]
+pub struct PinionSection {
+    /// z
+    pub teeth: Option<Located<u32>>,
+    /// β_p
+    pub helix_angle: Option<Located<Angle>>,
+    /// x
+    pub profile_shift: Option<Located<f64>>,
+    /// b
+    pub face_width: Option<Located<Length>>,
+    /// d_a
+    pub tip_diameter: Option<Located<Length>>,
+    /// d_Ff
+    pub root_form_diameter: Option<Located<Length>>,
+    /// Deviation of the transverse tooth thickness at the reference circle.
+    pub tooth_thickness_deviation: Option<Located<Length>>,
+}
+
+/// An entry of `[errors]`, as far as it can be understood without the gear data.
+#[derive(Debug, Clone)]
+pub enum WrittenError {
+    /// A deviation in length, given or measured minus nominal.
+    Length(Length),
+    /// A deviation in angle.
+    Angle(Angle),
+    /// An over-roller measure whose nominal is to be computed.
+    OverRoller {
+        /// The measure M.
+        measured: Length,
+        /// The roller's diameter.
+        roller: Length,
+    },
+}
+
+impl Spec {
+    /// Reads a spec; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// Every problem found in the text: syntax, unknown keys, wrong types, values outside their domain.
+    pub fn parse(name: &str, text: &str) -> Result<Self, Diagnostics> {
+        // a byte order mark, as some editors write, is no part of the text
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let source = Arc::new(Source { name: name.to_owned(), text: text.to_owned() });
+        let mut diagnostics = Vec::new();
+        let (table, errors) = DeTable::parse_recoverable(text);
+        if let Some(error) = errors.first() {
+            return Err(syntax_error(&source, error).into());
+        }
+        let table = table.into_inner();
+        let mut sections = Sections { source: &source, top: &table, diagnostics: &mut diagnostics };
+        sections.refuse_unknown();
+        let title = sections.read(&keys::TOP, |reader| reader.text("title"));
+        let pair = sections.read(&keys::PAIR, |reader| PairSection {
+            normal_module: reader.length("normal_module"),
+            normal_pressure_angle: reader.angle("normal_pressure_angle"),
+        });
+        let rack = sections.read(&keys::RACK, |reader| RackSection {
+            helix_angle: reader.angle("helix_angle"),
+            face_width: reader.length("face_width"),
+            addendum: reader.length("addendum"),
+            tooth_thickness: reader.length("tooth_thickness"),
+            datum: reader.length("datum"),
+        });
+        let pinion = sections.read(&keys::PINION, |reader| PinionSection {
+            teeth: reader.count("teeth"),
+            helix_angle: reader.angle("helix_angle"),
+            profile_shift: reader.number("profile_shift"),
+            face_width: reader.length("face_width"),
+            tip_diameter: reader.length("tip_diameter"),
+            root_form_diameter: reader.length("root_form_diameter"),
+            tooth_thickness_deviation: reader.length("tooth_thickness_deviation"),
+        });
+        let errors = sections.read(&keys::ERRORS, |reader| {
+            ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect()
+        });
+        let limits = sections.read(&keys::LIMITS, |reader| {
+            let targets = ErrorKind::ALL.into_iter().map(LimitTarget::Error);
+            std::iter::once(LimitTarget::CenterDistance)
+                .chain(targets)
+                .filter_map(|target| Some((target, read_limit(reader, target.key())?)))
+                .collect()
+        });
+        if diagnostics.is_empty() {
+            Ok(Self { source, title, pair, rack, pinion, errors, limits })
+        } else {
+            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
+            Err(Diagnostics(diagnostics))
+        }
+    }
+}
+
+/// The tables of a spec while it is being read.
+struct Sections<'a> {
+    source: &'a Arc<Source>,
+    top: &'a DeTable<'a>,
+    diagnostics: &'a mut Vec<Diagnostic>,
+}
+
+impl Sections<'_> {
+    fn refuse_unknown(&mut self) {
+        for (key, value) in self.top {
+            let name = key.get_ref().as_ref();
+            let is_table = matches!(value.get_ref(), DeValue::Table(_));
+            let top_names = keys::TOP.keys.iter().map(|key| key.name);
+            let section_names = SECTIONS.iter().map(|section| section.name);
+            let diagnostic = if SECTIONS.iter().any(|section| section.name == name) {
+                if is_table {
+                    continue;
+                }
+                let found = reader::type_in_words(value.get_ref());
+                Diagnostic::error(Code::WrongType, format!("`{name}` is {found}; it must be a section"))
+                    .help(format!("write its keys under a line `[{name}]`"))
+            } else if keys::TOP.keys.iter().any(|key| key.name == name) {
+                continue;
+            } else {
+                let what = if is_table { "section" } else { "key" };
+                let diagnostic = Diagnostic::error(Code::UnknownKey, format!("there is no {what} `{name}`"));
+                if let Some(similar) = similar(name, section_names.clone().chain(top_names)) {
+                    diagnostic.help(format!("did you mean `{similar}`?"))
+                } else if let Some(home) =
+                    SECTIONS.iter().find(|section| section.keys.iter().any(|key| key.name == name))
+                {
+                    diagnostic.help(format!("`{name}` is a key of [{}]: write it below that line", home.name))
+                } else {
+                    let names: Vec<_> = section_names.map(|name| format!("[{name}]")).collect();
+                    diagnostic.help(format!("the sections are {}", names.join(" ")))
+                }
+            };
+            self.diagnostics.push(diagnostic.at(self.source, key.span(), ""));
+        }
+    }
+
+    fn read<T>(&mut self, section: &'static Section, read: impl FnOnce(&mut SectionReader<'_>) -> T) -> T {
+        let table = if section.name.is_empty() {
+            Some(self.top)
+        } else {
+            self.top.get(section.name).and_then(|value| value.get_ref().as_table())
+        };
+        let mut reader = SectionReader { source: self.source, section, table, diagnostics: self.diagnostics };
+        if !section.name.is_empty() {
+            reader.refuse_unknown_keys();
+        }
+        read(&mut reader)
+    }
+}
+
+/// A syntax error, with a word on the two slips that spreadsheet and drawing users make.
+fn syntax_error(source: &Arc<Source>, error: &toml::de::Error) -> Diagnostic {
+    let span = error.span().unwrap_or(0..0);
+    let diagnostic = Diagnostic::error(Code::TomlSyntax, error.message());
+    let text = &source.text;
+    let start = text.get(..span.start).and_then(|before| before.rfind('\n')).map_or(0, |newline| newline + 1);
+    let line = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
+    let diagnostic = match line.split_once('=').map(|(_, value)| value.trim()) {
+        Some(value) if value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | '±')) => {
+            let digits = |c: char| c.is_ascii_digit();
+            let comma = value
+                .find(',')
+                .is_some_and(|comma| value[..comma].ends_with(digits) && value[comma + 1..].starts_with(digits));
+            if comma {
+                diagnostic.help("numbers take a decimal point, not a comma")
+            } else {
+                diagnostic.help("a value that is more than a number needs quotes: \"20 um\"")
+            }
+        }
+        _ => diagnostic,
+    };
+    diagnostic.at(source, span, "")
+}
+
+/// Reads one entry of `[errors]`.
+fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<WrittenError>> {
+    let name = kind.key();
+    let value = reader.table?.get(name)?;
+    let is_angle = kind == ErrorKind::RackLead;
+    let written = match value.get_ref() {
+        DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
+        _ if is_angle => WrittenError::Angle(reader.angle_value(name, value)?),
+        _ => WrittenError::Length(reader.length_value(name, value)?),
+    };
+    if let WrittenError::Angle(angle) = &written {
+        reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
+    }
+    Some(Located { value: written, span: value.span() })
+}
+
+/// The keys that the table form of an error may have, in the combinations that make an error.
+pub(crate) fn error_table_forms(kind: ErrorKind) -> &'static [&'static [&'static str]] {
+    match kind {
+        ErrorKind::RackOverRoller => &[&["measured", "nominal"], &["measured", "roller"]],
+        ErrorKind::RackLead => &[&["measured", "nominal"], &["f_h_beta", "length"]],
+        _ => &[&["measured", "nominal"]],
+    }
+}
+
+fn read_error_table(
+    reader: &mut SectionReader<'_>,
+    kind: ErrorKind,
+    entry: &DeTable<'_>,
+    span: Range<usize>,
+) -> Option<WrittenError> {
+    let forms = error_table_forms(kind);
+    let mut known = true;
+    for (key, _) in entry {
+        let name = key.get_ref().as_ref();
+        let all = forms.iter().flat_map(|form| form.iter().copied());
+        if !all.clone().any(|candidate| candidate == name) {
+            known = false;
+            let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{}` has no key `{name}`", kind.key()));
+            let diagnostic = match similar(name, all) {
+                Some(similar) => diagnostic.help(format!("did you mean `{similar}`?")),
+                None => diagnostic.help(format!("write {}", forms_in_words(forms))),
+            };
+            reader.report(diagnostic, key.span(), "unknown key");
+        }
+    }
+    if !known {
+        return None;
+    }
+    let Some(form) = forms.iter().find(|form| form.len() == entry.len() && form.iter().all(|k| entry.contains_key(*k)))
+    else {
+        let message = format!("`{}` is a table that makes no error", kind.key());
+        let diagnostic =
+            Diagnostic::error(Code::BadErrorEntry, message).help(format!("write {}", forms_in_words(forms)));
+        reader.report(diagnostic, span, "");
+        return None;
+    };
+    let mut length = |name: &str| reader.length_value(name, entry.get(name)?);
+    match form {
+        ["f_h_beta", "length"] => {
+            let (slope, over) = (length("f_h_beta"), length("length"));
+            match RackLead::error_from_slope(&slope?, &over?) {
+                Ok(angle) => Some(WrittenError::Angle(angle)),
+                Err(error) => {
+                    reader.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
+                    None
+                }
+            }
+        }
+        ["measured", "roller"] => {
+            let (measured, roller) = (length("measured"), length("roller"));
+            let roller = roller?;
+            let roller_span = entry.get("roller").map_or(span, Spanned::span);
+            reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(&roller), roller_span)?;
+            Some(WrittenError::OverRoller { measured: measured?, roller })
+        }
+        _ if kind == ErrorKind::RackLead => {
+            let mut angle = |name: &str| reader.angle_value(name, entry.get(name)?);
+            let (measured, nominal) = (angle("measured"), angle("nominal"));
+            Some(WrittenError::Angle(&measured? - &nominal?))
+        }
+        _ => {
+            let (measured, nominal) = (length("measured"), length("nominal"));
+            Some(WrittenError::Length(&measured? - &nominal?))
+        }
+    }
+}
+
+fn forms_in_words(forms: &[&[&str]]) -> String {
+    let tables: Vec<_> = forms.iter().map(|form| format!("{{ {} = …, {} = … }}", form[0], form[1])).collect();
+    format!("a deviation, or {}", tables.join(" or "))
+}
+
+/// Reads one entry of `[limits]`: `"±0.05"`, or a table with `lower`, `upper` or both.
+fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Located<Limit>> {
+    debug_assert!(reader.section.keys.iter().any(|key| key.name == name && matches!(key.kind, Kind::Limit)));
+    let value = reader.table?.get(name)?;
+    let help = "write \"±0.05\", or { lower = -0.05, upper = 0.05 }";
+    let bad = |message: String| Diagnostic::error(Code::BadLimit, message).help(help);
+    let limit = match value.get_ref() {
+        DeValue::String(text) => {
+            let magnitude = ["±", "+-", "+/-"].iter().find_map(|sign| text.trim().strip_prefix(sign));
+            let Some(magnitude) = magnitude else {
+                reader.report(bad(format!("`{name}` is \"{text}\", which is not a limit")), value.span(), "");
+                return None;
+            };
+            match magnitude.parse::<Length>() {
+                Ok(magnitude) if !magnitude.is_negative() => Limit::symmetric(&magnitude),
+                Ok(_) => {
+                    reader.report(bad(format!("`{name}` has two signs")), value.span(), "");
+                    return None;
+                }
+                Err(error) => {
+                    reader.report(bad(format!("`{name}`: {error}")), value.span(), "");
+                    return None;
+                }
+            }
+        }
+        DeValue::Table(ends) => {
+            for (key, _) in ends {
+                let end = key.get_ref().as_ref();
+                if !matches!(end, "lower" | "upper") {
+                    let diagnostic =
+                        Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{end}`")).help(help);
+                    reader.report(diagnostic, key.span(), "unknown key");
+                    return None;
+                }
+            }
+            let mut end = |name: &str| match ends.get(name) {
+                Some(value) => reader.length_value(name, value).map(Some),
+                None => Some(None),
+            };
+            let (lower, upper) = (end("lower"), end("upper"));
+            let limit = Limit { lower: lower?, upper: upper? };
+            match (&limit.lower, &limit.upper) {
+                (None, None) => {
+                    reader.report(bad(format!("`{name}` limits nothing")), value.span(), "");
+                    return None;
+                }
+                (Some(lower), Some(upper)) if lower > upper => {
+                    let message = format!("the lower limit {lower} is above the upper limit {upper}");
+                    reader.report(bad(message), value.span(), "");
+                    return None;
+                }
+                _ => limit,
+            }
+        }
+        other => {
+            let message = format!("`{name}` is {}; a limit has two ends", reader::type_in_words(other));
+            reader.report(bad(message), value.span(), "");
+            return None;
+        }
+    };
+    Some(Located { value: limit, span: value.span() })
+}

@@ -1,0 +1,203 @@
+//! Reads one section of a spec: typed values by key, collecting every problem on the way.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Located;
+use super::keys::{Kind, SECTIONS, Section};
+use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::quantity::{Angle, DomainError, Length, QuantityError, Rational};
+
+/// A table of the spec while it is being read.
+pub(super) struct SectionReader<'a> {
+    pub(super) source: &'a Arc<Source>,
+    pub(super) section: &'static Section,
+    pub(super) table: Option<&'a DeTable<'a>>,
+    pub(super) diagnostics: &'a mut Vec<Diagnostic>,
+}
+
+impl SectionReader<'_> {
+    /// Reports keys that the section does not have.
+    pub(super) fn refuse_unknown_keys(&mut self) {
+        let known = |name: &str| self.section.keys.iter().any(|key| key.name == name);
+        for (key, _) in self.table.into_iter().flatten() {
+            let name = key.get_ref().as_ref();
+            if !known(name) {
+                let section = format!("[{}]", self.section.name);
+                let mut diagnostic = Diagnostic::error(Code::UnknownKey, format!("{section} has no key `{name}`"));
+                let own = self.section.keys.iter().map(|key| key.name);
+                if let Some(similar) = similar(name, own) {
+                    diagnostic = diagnostic.help(format!("did you mean `{similar}`?"));
+                } else if let Some(other) = SECTIONS.iter().find(|other| other.keys.iter().any(|key| key.name == name))
+                {
+                    diagnostic = diagnostic.help(format!("`{name}` is a key of [{}]", other.name));
+                } else {
+                    let names: Vec<_> = self.section.keys.iter().map(|key| key.name).collect();
+                    diagnostic = diagnostic.help(format!("the keys of {section} are {}", names.join(", ")));
+                }
+                self.diagnostics.push(diagnostic.at(self.source, key.span(), "unknown key"));
+            }
+        }
+    }
+
+    fn kind(&self, name: &str) -> Option<Kind> {
+        let key = self.section.keys.iter().find(|key| key.name == name);
+        debug_assert!(key.is_some(), "{name} is not declared in keys.rs");
+        key.map(|key| key.kind)
+    }
+
+    pub(super) fn report(&mut self, diagnostic: Diagnostic, span: Range<usize>, label: &str) {
+        self.diagnostics.push(diagnostic.at(self.source, span, label));
+    }
+
+    pub(super) fn wrong_type(&mut self, name: &str, value: &Spanned<DeValue<'_>>, needed: &str) {
+        let message = format!("`{name}` is {}; {needed} is needed", type_in_words(value.get_ref()));
+        self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
+    }
+
+    pub(super) fn text(&mut self, name: &str) -> Option<String> {
+        let value = self.table?.get(name)?;
+        if let DeValue::String(text) = value.get_ref() {
+            return Some(text.to_string());
+        }
+        self.wrong_type(name, value, "text in quotes");
+        None
+    }
+
+    pub(super) fn length(&mut self, name: &str) -> Option<Located<Length>> {
+        let value = self.table?.get(name)?;
+        let Some(Kind::Length(domain)) = self.kind(name) else { return None };
+        let length = self.length_value(name, value)?;
+        self.in_domain(domain.check_length(&length), value.span())?;
+        Some(Located { value: length, span: value.span() })
+    }
+
+    pub(super) fn angle(&mut self, name: &str) -> Option<Located<Angle>> {
+        let value = self.table?.get(name)?;
+        let Some(Kind::Angle(domain)) = self.kind(name) else { return None };
+        let angle = self.angle_value(name, value)?;
+        self.in_domain(domain.check_angle(&angle), value.span())?;
+        Some(Located { value: angle, span: value.span() })
+    }
+
+    pub(super) fn number(&mut self, name: &str) -> Option<Located<f64>> {
+        let value = self.table?.get(name)?;
+        let number = self.plain_number(name, value)?;
+        Some(Located { value: number.to_f64(), span: value.span() })
+    }
+
+    pub(super) fn count(&mut self, name: &str) -> Option<Located<u32>> {
+        let value = self.table?.get(name)?;
+        let Some(Kind::Count(domain)) = self.kind(name) else { return None };
+        let DeValue::Integer(_) = value.get_ref() else {
+            self.wrong_type(name, value, "a whole number");
+            return None;
+        };
+        let number = self.plain_number(name, value)?;
+        if !domain.contains(&number) {
+            let message =
+                format!("the {} {} is {number:?}; it must be {}", domain.name, domain.symbol, domain.in_words(""));
+            self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
+            return None;
+        }
+        // the domain is far inside u32, and the number is whole
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the domain")]
+        Some(Located { value: number.to_f64() as u32, span: value.span() })
+    }
+
+    fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rational> {
+        let Some(written) = decimal_text(value.get_ref()) else {
+            self.wrong_type(name, value, "a number");
+            return None;
+        };
+        match Rational::parse_decimal(written) {
+            Ok(number) => Some(number),
+            Err(error) => {
+                let message = format!("`{name}` is not a number: {error}");
+                self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
+                None
+            }
+        }
+    }
+
+    /// A length under `name`, unchecked against a domain.
+    pub(super) fn length_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Length> {
+        self.quantity(name, value, "a length (a number in mm, or text such as \"20 um\")")
+    }
+
+    /// An angle under `name`, unchecked against a domain.
+    pub(super) fn angle_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Angle> {
+        self.quantity(name, value, "an angle (a number in degrees, or text such as \"15 arcmin\")")
+    }
+
+    fn quantity<Q: std::str::FromStr<Err = QuantityError>>(
+        &mut self,
+        name: &str,
+        value: &Spanned<DeValue<'_>>,
+        needed: &str,
+    ) -> Option<Q> {
+        let text = match value.get_ref() {
+            DeValue::String(text) => text.as_ref(),
+            other => {
+                let Some(text) = decimal_text(other) else {
+                    self.wrong_type(name, value, needed);
+                    return None;
+                };
+                text
+            }
+        };
+        match text.parse() {
+            Ok(quantity) => Some(quantity),
+            Err(error) => {
+                let message = format!("`{name}`: {error}");
+                self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
+                None
+            }
+        }
+    }
+
+    pub(super) fn in_domain(&mut self, check: Result<(), DomainError>, span: Range<usize>) -> Option<()> {
+        match check {
+            Ok(()) => Some(()),
+            Err(error) => {
+                self.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
+                None
+            }
+        }
+    }
+}
+
+/// The text of a decimal number as it stands in the file, so that no digit is lost on the way.
+fn decimal_text<'a>(value: &'a DeValue<'_>) -> Option<&'a str> {
+    match value {
+        DeValue::Float(float) => Some(float.as_str()),
+        DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str()),
+        _ => None,
+    }
+}
+
+pub(super) fn type_in_words(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "text",
+        DeValue::Integer(integer) if integer.radix() != 10 => "a number that is not decimal",
+        DeValue::Integer(_) => "a whole number",
+        DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}
+
+/// The name most like a misspelt one, if any is like it at all.
+pub(super) fn similar(name: &str, candidates: impl Iterator<Item = &'static str>) -> Option<&'static str> {
+    const LIKE: f64 = 0.85;
+    candidates
+        .map(|candidate| (strsim::jaro_winkler(&name.to_lowercase(), candidate), candidate))
+        .filter(|(likeness, _)| *likeness >= LIKE)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,172 @@
+//! What a spec means: the errors with their formulas, and the limits.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{Located, Spec, WrittenError};
+use crate::decision::{EvaluationError, Limits};
+use crate::deviation::ErrorKind;
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Model, PartError, PinionPitch, RackLead, RackPitch, formula_text};
+use crate::quantity::{Angle, DomainError};
+
+impl Spec {
+    /// The errors that the spec gives, each with the formula that it needs.
+    ///
+    /// # Errors
+    /// A diagnostic for each key that an error's formula needs and the spec does not have, for gear data
+    /// that contradict each other, or because there are no errors at all.
+    pub fn part_errors(&self) -> Result<Vec<PartError>, Diagnostics> {
+        if self.errors.is_empty() {
+            let place = self.source.text.find("[errors]").map_or(0..0, |start| start..start + "[errors]".len());
+            let diagnostic =
+                Diagnostic::error(Code::NoErrors, "the spec gives no error, so there is nothing to evaluate")
+                    .at(&self.source, place, "")
+                    .help("add an entry such as `rack_over_roller = \"+13 um\"` below [errors]");
+            return Err(diagnostic.into());
+        }
+        let mut missing = Vec::new();
+        let mut diagnostics = Vec::new();
+        let mut errors = Vec::with_capacity(self.errors.len());
+        for (kind, written) in &self.errors {
+            match self.part_error(*kind, written, &mut missing) {
+                Some(Ok(error)) => errors.push(error),
+                Some(Err(error)) => diagnostics.push(self.contradiction(written, &error)),
+                // the key that it needs is among the missing ones
+                None => {}
+            }
+        }
+        diagnostics.extend(missing.iter().map(|key| key.diagnostic(&self.source)));
+        if diagnostics.is_empty() { Ok(errors) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// The limits that the spec gives.
+    #[must_use]
+    pub fn limits(&self) -> Limits {
+        self.limits.iter().map(|(target, limit)| (*target, limit.value.clone())).collect()
+    }
+
+    /// A failed evaluation as a diagnostic that points at the error concerned.
+    #[must_use]
+    pub fn explain_failure(&self, failure: &EvaluationError) -> Diagnostic {
+        let diagnostic = Diagnostic::error(Code::NoResult, failure.to_string());
+        let written = self.errors.iter().find(|(kind, _)| Some(*kind) == failure.error);
+        match written {
+            Some((_, written)) => diagnostic.at(&self.source, written.span.clone(), ""),
+            None => diagnostic,
+        }
+    }
+
+    fn part_error(
+        &self,
+        kind: ErrorKind,
+        written: &Located<WrittenError>,
+        missing: &mut Vec<MissingKey>,
+    ) -> Option<Result<PartError, DomainError>> {
+        let mut need = Need { spec: self, kind, written, missing };
+        Some(match (kind, &written.value) {
+            (ErrorKind::RackOverRoller, WrittenError::Length(error)) => Ok(PartError::RackOverRoller(error.clone())),
+            (ErrorKind::PinionRadial, WrittenError::Length(error)) => Ok(PartError::PinionRadial(error.clone())),
+            (ErrorKind::RackOverRoller, WrittenError::OverRoller { measured, roller }) => {
+                let normal_module = need.key("pair", "normal_module", self.pair.normal_module.as_ref());
+                let pressure_angle = need.pressure_angle();
+                let datum = need.key("rack", "datum", self.rack.datum.as_ref());
+                OverPin {
+                    normal_module: normal_module?,
+                    normal_pressure_angle: pressure_angle?,
+                    tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value.clone()),
+                    pin_diameter: roller.clone(),
+                    datum: datum?,
+                }
+                .measure()
+                .map(|nominal| PartError::RackOverRoller(measured - &nominal))
+            }
+            (ErrorKind::RackPitch, WrittenError::Length(error)) => {
+                RackPitch::new(&need.pressure_angle()?, &helix_angle(self.rack.helix_angle.as_ref()))
+                    .map(|formula| PartError::RackPitch(error.clone(), formula))
+            }
+            (ErrorKind::PinionPitch, WrittenError::Length(error)) => {
+                PinionPitch::new(&need.pressure_angle()?, &helix_angle(self.pinion.helix_angle.as_ref()))
+                    .map(|formula| PartError::PinionPitch(error.clone(), formula))
+            }
+            (ErrorKind::RackLead, WrittenError::Angle(error)) => {
+                let pressure_angle = need.pressure_angle();
+                let face_width = need.key("rack", "face_width", self.rack.face_width.as_ref());
+                RackLead::new(&pressure_angle?, &helix_angle(self.rack.helix_angle.as_ref()), &face_width?)
+                    .map(|formula| PartError::RackLead(error.clone(), formula))
+            }
+            // the reader gives an angle to a lead error only, and a roller to an over-roller error only
+            _ => return None,
+        })
+    }
+
+    /// Values that are each in their domain, but not together.
+    fn contradiction(&self, written: &Located<WrittenError>, error: &DomainError) -> Diagnostic {
+        let span = match error {
+            DomainError::NoSpace { .. } => self.rack.tooth_thickness.as_ref().map(|thickness| thickness.span.clone()),
+            _ => None,
+        };
+        let code = if matches!(error, DomainError::Overflow(_)) { Code::NoResult } else { Code::OutOfDomain };
+        Diagnostic::error(code, error.to_string()).at(&self.source, span.unwrap_or_else(|| written.span.clone()), "")
+    }
+}
+
+fn helix_angle(written: Option<&Located<Angle>>) -> Angle {
+    written.map_or(Angle::ZERO, |angle| angle.value.clone())
+}
+
+/// One error's demand for gear data.
+struct Need<'a> {
+    spec: &'a Spec,
+    kind: ErrorKind,
+    written: &'a Located<WrittenError>,
+    missing: &'a mut Vec<MissingKey>,
+}
+
+/// A key that is not there, and the errors that need it.
+struct MissingKey {
+    section: &'static str,
+    name: &'static str,
+    needed_by: Vec<ErrorKind>,
+    /// The first of them.
+    span: Range<usize>,
+    formula: String,
+}
+
+impl Need<'_> {
+    fn pressure_angle(&mut self) -> Option<Angle> {
+        self.key("pair", "normal_pressure_angle", self.spec.pair.normal_pressure_angle.as_ref())
+    }
+
+    fn key<T: Clone>(&mut self, section: &'static str, name: &'static str, written: Option<&Located<T>>) -> Option<T> {
+        if let Some(written) = written {
+            return Some(written.value.clone());
+        }
+        if let Some(known) = self.missing.iter_mut().find(|key| key.section == section && key.name == name) {
+            known.needed_by.push(self.kind);
+            return None;
+        }
+        let formula = match self.written.value {
+            WrittenError::OverRoller { .. } => {
+                "M_nom = K - (π m_n - s_n) / (2 tan α_n) + (d_p / 2) (1 + 1 / sin α_n)".to_owned()
+            }
+            _ => format!("ΔCD = {}", formula_text(self.kind, Model::Exact)),
+        };
+        let span = self.written.span.clone();
+        self.missing.push(MissingKey { section, name, needed_by: vec![self.kind], span, formula });
+        None
+    }
+}
+
+impl MissingKey {
+    fn diagnostic(&self, source: &Arc<Source>) -> Diagnostic {
+        let Self { section, name, .. } = self;
+        let errors: Vec<_> = self.needed_by.iter().map(|kind| format!("`{}`", kind.key())).collect();
+        let verb = if errors.len() == 1 { "needs" } else { "need" };
+        let message = format!("`{section}.{name}` is missing; {} {verb} it", errors.join(", "));
+        Diagnostic::error(Code::MissingKey, message)
+            .at(source, self.span.clone(), self.formula.as_str())
+            .help(format!("add `{name} = …` below [{section}]"))
+    }
+}

@@ -1,0 +1,108 @@
+//! The spec's JSON Schema, from the same table as the reader.
+
+use serde_json::{Map, Value, json};
+
+use super::keys::{Key, Kind, SECTIONS, Section, TOP};
+use super::{ErrorKind, error_table_forms};
+use crate::quantity::{Bound, Domain};
+
+const LENGTH_TEXT: &str = r"^\s*[+\-−]?[0-9._]+([eE][+\-]?[0-9]+)?\s*(um|µm|μm|mm|in|mil)?\s*$";
+const LIMIT_TEXT: &str = r"^\s*(±|\+-|\+/-)\s*[0-9._]+([eE][+\-]?[0-9]+)?\s*(um|µm|μm|mm|in|mil)?\s*$";
+
+/// The JSON Schema (draft 2020-12) of the spec, so that editors complete keys and mark mistakes.
+#[must_use]
+pub fn json_schema() -> Value {
+    let sections = SECTIONS.iter().map(|section| (section.name, object(section)));
+    let properties: Map<_, _> = TOP
+        .keys
+        .iter()
+        .map(|key| (key.name, property(key)))
+        .chain(sections)
+        .map(|(name, schema)| (name.to_owned(), schema))
+        .collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "rackmesh gear spec",
+        "description": TOP.doc,
+        "type": "object",
+        "additionalProperties": false,
+        "properties": properties,
+    })
+}
+
+fn object(section: &Section) -> Value {
+    let properties: Map<_, _> = section.keys.iter().map(|key| (key.name.to_owned(), property(key))).collect();
+    json!({
+        "description": section.doc,
+        "type": "object",
+        "additionalProperties": false,
+        "properties": properties,
+    })
+}
+
+fn property(key: &Key) -> Value {
+    let mut schema = match key.kind {
+        Kind::Text => json!({ "type": "string" }),
+        Kind::Number(domain) => typed("number", &domain),
+        Kind::Count(domain) => typed("integer", &domain),
+        Kind::Length(domain) => json!({ "anyOf": [typed("number", &domain), length_text()] }),
+        Kind::Angle(domain) => json!({ "anyOf": [typed("number", &domain), { "type": "string" }] }),
+        Kind::Error(kind) => error(kind),
+        Kind::Limit => {
+            let end = json!({ "anyOf": [{ "type": "number" }, length_text()] });
+            json!({ "anyOf": [
+                { "type": "string", "pattern": LIMIT_TEXT },
+                {
+                    "type": "object",
+                    "additionalProperties": false,
+                    "minProperties": 1,
+                    "properties": { "lower": end, "upper": end },
+                },
+            ] })
+        }
+    };
+    if let Value::Object(schema) = &mut schema {
+        schema.insert("description".to_owned(), key.doc.into());
+    }
+    schema
+}
+
+fn length_text() -> Value {
+    json!({ "type": "string", "pattern": LENGTH_TEXT })
+}
+
+fn error(kind: ErrorKind) -> Value {
+    let text = if kind == ErrorKind::RackLead { json!({ "type": "string" }) } else { length_text() };
+    let mut forms = vec![json!({ "type": "number" }), text];
+    for form in error_table_forms(kind) {
+        let value = json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] });
+        let properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value.clone())).collect();
+        forms.push(json!({
+            "type": "object",
+            "additionalProperties": false,
+            "required": form,
+            "properties": properties,
+        }));
+    }
+    json!({ "anyOf": forms })
+}
+
+fn typed(name: &str, domain: &Domain) -> Value {
+    let mut schema = json!({ "type": name });
+    let (lower, upper) = (
+        match domain.lower {
+            Bound::None => None,
+            Bound::Exclusive(bound) => Some(("exclusiveMinimum", bound)),
+            Bound::Inclusive(bound) => Some(("minimum", bound)),
+        },
+        match domain.upper {
+            Bound::None => None,
+            Bound::Exclusive(bound) => Some(("exclusiveMaximum", bound)),
+            Bound::Inclusive(bound) => Some(("maximum", bound)),
+        },
+    );
+    for (keyword, bound) in lower.into_iter().chain(upper) {
+        schema[keyword] = bound.into();
+    }
+    schema
+}
