@@ -54,7 +54,7 @@ const fn helix_angle(name: &'static str, symbol: &'static str) -> Domain {
 /// The normal pitch π m_n.
 pub(crate) fn normal_pitch(normal_module: &Length) -> Result<Length, DomainError> {
     NORMAL_MODULE.check_length(normal_module)?;
-    Ok(Length::from_exact_mm(normal_module.exact_mm() * &Rational::pi(), "the normal pitch")?)
+    Ok(Length::from_exact_mm(normal_module.exact_mm() * Rational::pi(), "the normal pitch")?)
 }
 
 /// The tooth thickness s_n, or π m_n / 2 where none is given; it must leave a space in the pitch.

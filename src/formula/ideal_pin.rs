@@ -60,7 +60,7 @@ pub(super) fn space_width(normal_module: &Length, tooth_thickness: Option<&Lengt
 /// ∂(π m_n − s_n)/∂m_n: half of π if the tooth thickness follows the module.
 pub(super) fn space_per_module(tooth_thickness: Option<&Length>) -> Rational {
     match tooth_thickness {
-        Some(_) => Rational::pi(),
-        None => &Rational::pi() / &Rational::integer(2),
+        Some(_) => Rational::pi().clone(),
+        None => Rational::pi() / &Rational::integer(2),
     }
 }

@@ -20,7 +20,7 @@ use super::{QuantityError, Rational, exact_arithmetic};
 /// assert_eq!("12° 30'".parse::<Angle>()?.degrees(), 12.5);
 /// # Ok::<(), rackmesh::quantity::QuantityError>(())
 /// ```
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Angle {
     degrees: Rational,
 }
@@ -72,7 +72,7 @@ impl AngleUnit {
     /// Degrees in one of this unit.
     #[must_use]
     pub fn in_degrees(self) -> Rational {
-        let radian = || &Rational::integer(180) / &Rational::pi();
+        let radian = || &Rational::integer(180) / Rational::pi();
         match self {
             Self::Degree => Rational::ONE,
             Self::Arcminute => Rational::fraction(1, 60),

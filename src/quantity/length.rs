@@ -18,7 +18,7 @@ use super::{QuantityError, Rational, exact_arithmetic};
 /// assert_eq!("0.5 in".parse::<Length>()?.mm(), 12.7);
 /// # Ok::<(), rackmesh::quantity::QuantityError>(())
 /// ```
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Length {
     mm: Rational,
 }

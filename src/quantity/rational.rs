@@ -4,10 +4,11 @@
 use std::cmp::Ordering;
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::LazyLock;
 
 use dashu_base::{Abs, BitTest, Signed, SquareRoot, UnsignedAbs};
 use dashu_int::{IBig, UBig};
-use dashu_ratio::RBig;
+use dashu_ratio::Relaxed;
 
 use super::NumberError;
 
@@ -15,8 +16,8 @@ use super::NumberError;
 ///
 /// Decimal text and every finite `f64` are rational numbers, and so are their sums, differences,
 /// products and quotients; nothing is lost until [`to_f64`](Self::to_f64) rounds once.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Rational(RBig);
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Rational(Relaxed);
 
 /// Decimal exponents beyond these are refused when text is read: such a number is no `f64`.
 const LARGEST_DECIMAL_EXPONENT: i64 = 308;
@@ -26,14 +27,14 @@ const LONGEST_NUMBER: usize = 1100;
 
 impl Rational {
     /// 0.
-    pub const ZERO: Self = Self(RBig::ZERO);
+    pub const ZERO: Self = Self(Relaxed::ZERO);
     /// 1.
-    pub const ONE: Self = Self(RBig::ONE);
+    pub const ONE: Self = Self(Relaxed::ONE);
 
     /// The whole number `n`.
     #[must_use]
     pub fn integer(n: i64) -> Self {
-        Self(RBig::from(n))
+        Self(Relaxed::from(n))
     }
 
     /// The fraction `numerator / denominator`.
@@ -43,27 +44,30 @@ impl Rational {
     #[must_use]
     pub fn fraction(numerator: i64, denominator: u64) -> Self {
         assert!(denominator != 0, "a fraction's denominator is not 0");
-        Self(RBig::from_parts(IBig::from(numerator), UBig::from(denominator)))
+        Self(Relaxed::from_parts(IBig::from(numerator), UBig::from(denominator)))
     }
 
     /// π with 100 decimals.
     #[must_use]
-    pub fn pi() -> Self {
-        const DECIMALS: &str = "3141592653589793238462643383279502884197169399375105820974944592307\
-                                8164062862089986280348253421170679";
-        let digits = DECIMALS.bytes().fold(UBig::ZERO, |digits, byte| digits * 10u8 + (byte - b'0'));
-        Self::from_parts(digits.into(), UBig::from(10u8).pow(DECIMALS.len() - 1))
+    pub fn pi() -> &'static Self {
+        static PI: LazyLock<Rational> = LazyLock::new(|| {
+            const DIGITS: &str = "3141592653589793238462643383279502884197169399375105820974944592307\
+                                  8164062862089986280348253421170679";
+            let digits = DIGITS.bytes().fold(UBig::ZERO, |digits, byte| digits * 10u8 + (byte - b'0'));
+            Rational::from_parts(digits.into(), UBig::from(10u8).pow(DIGITS.len() - 1))
+        });
+        &PI
     }
 
     pub(crate) fn from_parts(numerator: IBig, denominator: UBig) -> Self {
-        Self(RBig::from_parts(numerator, denominator))
+        Self(Relaxed::from_parts(numerator, denominator))
     }
 
     /// Ten to the power `exponent`.
     #[must_use]
     pub(crate) fn power_of_ten(exponent: i64) -> Self {
         let power = UBig::from(10u8).pow(usize::try_from(exponent.unsigned_abs()).unwrap_or(usize::MAX));
-        if exponent < 0 { Self::from_parts(IBig::ONE, power) } else { Self(RBig::from(power)) }
+        if exponent < 0 { Self::from_parts(IBig::ONE, power) } else { Self(Relaxed::from(power)) }
     }
 
     /// Reads a decimal number, exactly: `25.0131`, `-3`, `+1.5e-3`, `1_000`.
@@ -117,7 +121,7 @@ impl Rational {
             return Err(NumberError::TooSmall);
         }
         let magnitude: UBig = significant.parse().map_err(|_| NumberError::NotANumber)?;
-        let value = &Self(RBig::from(magnitude)) * &Self::power_of_ten(last_place);
+        let value = &Self(Relaxed::from(magnitude)) * &Self::power_of_ten(last_place);
         Ok(if negative { -&value } else { value })
     }
 
@@ -217,7 +221,7 @@ impl Rational {
         }
         let last_place = place + 1 - i64::from(digits);
         let scaled = self / &Self::power_of_ten(last_place);
-        &Self(RBig::from(scaled.0.round())) * &Self::power_of_ten(last_place)
+        &Self(Relaxed::from(scaled.0.round())) * &Self::power_of_ten(last_place)
     }
 }
 

@@ -5,6 +5,8 @@
 //! 30°, 45°, 60° and 90° come out exactly. Results have a relative error below 2⁻¹⁷⁰ (6e-52), for
 //! angles as small as 5e-324° too.
 
+use std::sync::LazyLock;
+
 use dashu_int::IBig;
 
 use crate::quantity::Rational;
@@ -16,7 +18,8 @@ const FRACTION_BITS: usize = 192;
 /// Degrees to radians.
 #[must_use]
 pub fn radians(degrees: &Rational) -> Rational {
-    &(degrees * &Rational::pi()) / &Rational::integer(180)
+    static PER_DEGREE: LazyLock<Rational> = LazyLock::new(|| Rational::pi() / &Rational::integer(180));
+    degrees * &*PER_DEGREE
 }
 
 /// Sine of an angle in degrees. Domain: −90° to 90°.
@@ -82,7 +85,7 @@ pub fn atan(t: &Rational) -> Rational {
     if *t > 1 {
         return &Rational::integer(90) - &atan(&(&Rational::ONE / t));
     }
-    let degree = &Rational::integer(180) / &Rational::pi();
+    let degree = &Rational::integer(180) / Rational::pi();
     // The first approximation has 50 correct bits, or is the tangent itself where that is as good.
     let start = if *t < Rational::fraction(1, 1_000_000_000) {
         t.clone()
