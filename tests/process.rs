@@ -1,0 +1,143 @@
+//! What transcripts cannot show: standard input, closed pipes, files that are written.
+
+use std::io::{Read as _, Write as _};
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+
+fn rackmesh(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn with_input(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = rackmesh(arguments).spawn().expect("the program starts");
+    child.stdin.take().expect("stdin is piped").write_all(input).expect("the program reads its input");
+    child.wait_with_output().expect("the program ends")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("output is UTF-8")
+}
+
+/// A folder of its own for one test, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).expect("the folder can be made");
+        Self(folder)
+    }
+
+    fn path(&self, file: &str) -> String {
+        self.0.join(file).to_str().expect("the path is UTF-8").to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_spec_from_standard_input() {
+    let output = with_input(&["eval", "-", "--format", "json"], b"[errors]\nrack_over_roller = 0.01\n");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the output is JSON");
+    assert_eq!(json["contributions"][0]["delta_cd_mm"], 0.01);
+    assert_eq!(json["verdict"], serde_json::Value::Null);
+}
+
+#[test]
+fn a_byte_order_mark_and_windows_line_ends_are_no_obstacle() {
+    let spec = "\u{feff}[errors]\r\nrack_over_roller = 0,01\r\n";
+    let output = with_input(&["eval", "-"], spec.as_bytes());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("<stdin>:2:21"), "{}", text(&output.stderr));
+    let output = with_input(&["eval", "-"], spec.replace(',', ".").as_bytes());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[test]
+fn what_is_not_text_is_refused() {
+    let output = with_input(&["eval", "-"], b"title = \"\xff\"");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("not text in UTF-8 (byte 9)"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn deep_nesting_is_an_error_and_no_crash() {
+    let spec = format!("title = {}{}", "[".repeat(100_000), "]".repeat(100_000));
+    let output = with_input(&["eval", "-"], spec.as_bytes());
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_closed_pipe_is_success() {
+    for arguments in [&["schema"][..], &["eval", "examples/steering.toml"], &["explain"], &["--help"]] {
+        let mut child: Child = rackmesh(arguments).spawn().expect("the program starts");
+        drop(child.stdout.take());
+        let mut messages = String::new();
+        child.stderr.take().expect("stderr is piped").read_to_string(&mut messages).expect("stderr is read");
+        let status = child.wait().expect("the program ends");
+        // a spec outside its limits still says so
+        let expected = if arguments[0] == "eval" { [Some(0), Some(1)] } else { [Some(0); 2] };
+        assert!(expected.contains(&status.code()), "{arguments:?}: {status:?} {messages}");
+        assert_eq!(messages, "", "{arguments:?}");
+    }
+}
+
+#[test]
+fn colour_only_when_asked_or_on_a_terminal() {
+    let colored = |arguments: &[&str]| text(&with_input(arguments, b"").stdout).contains('\u{1b}');
+    assert!(!colored(&["eval", "examples/steering.toml"]));
+    assert!(colored(&["eval", "examples/steering.toml", "--color", "always"]));
+    let output = rackmesh(&["eval", "examples/steering.toml", "--color", "never"])
+        .env("CLICOLOR_FORCE", "1")
+        .output()
+        .expect("the program runs");
+    assert!(!text(&output.stdout).contains('\u{1b}'));
+}
+
+#[test]
+fn what_init_writes_can_be_evaluated_and_is_not_overwritten() {
+    let folder = Folder::new("init");
+    let spec = folder.path("rack.toml");
+    assert_eq!(with_input(&["init", &spec], b"").status.code(), Some(0));
+    let evaluated = with_input(&["eval", &spec], b"");
+    assert_eq!(evaluated.status.code(), Some(0), "{}", text(&evaluated.stderr));
+    let again = with_input(&["init", &spec], b"");
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("--force"), "{}", text(&again.stderr));
+    assert_eq!(with_input(&["init", &spec, "--force"], b"").status.code(), Some(0));
+}
+
+#[test]
+fn manual_pages_and_completions_come_for_every_subcommand() {
+    let folder = Folder::new("man");
+    assert_eq!(with_input(&["man", "--dir", &folder.path("man1")], b"").status.code(), Some(0));
+    for page in ["rackmesh.1", "rackmesh-eval.1", "rackmesh-calc-pitch.1"] {
+        assert!(std::fs::exists(folder.path("man1/") + page).expect("the folder is read"), "{page}");
+    }
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = with_input(&["completions", shell], b"");
+        assert!(text(&script.stdout).contains("reproduce"), "{shell}");
+    }
+}
+
+#[test]
+fn every_subcommands_help_shows_an_example() {
+    for command in ["eval", "calc", "reproduce", "init", "explain", "schema", "completions", "man"] {
+        let help = with_input(&[command, "--help"], b"");
+        assert!(text(&help.stdout).contains(&format!("  rackmesh {command}")), "{command}");
+    }
+    for formula in
+        ["over-roller", "pitch", "lead", "radial", "pinion-pitch", "pin", "over-pin", "roller-change"]
+    {
+        let help = with_input(&["calc", formula, "--help"], b"");
+        assert!(text(&help.stdout).contains(&format!("  rackmesh calc {formula} ")), "{formula}");
+    }
+}

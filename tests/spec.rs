@@ -1,0 +1,105 @@
+//! The spec's schema, template and reader agree with each other.
+
+use rackmesh::decision::{Stack, evaluate};
+use rackmesh::formula::Model;
+use rackmesh::spec::{Spec, TEMPLATE, json_schema};
+use serde_json::Value;
+
+/// A spec as the JSON that a schema-driven editor makes of it.
+fn as_json(text: &str) -> Value {
+    let table: toml::Table = text.parse().expect("the spec is TOML");
+    serde_json::to_value(table).expect("TOML without dates is JSON")
+}
+
+fn valid(text: &str) -> bool {
+    jsonschema::validator_for(&json_schema()).expect("the schema is a schema").is_valid(&as_json(text))
+}
+
+const EXAMPLES: [&str; 4] = [
+    include_str!("../examples/minimal.toml"),
+    include_str!("../examples/steering.toml"),
+    include_str!("../examples/everything.toml"),
+    TEMPLATE,
+];
+
+#[test]
+fn examples_and_template_evaluate_and_fit_the_schema() {
+    for text in EXAMPLES {
+        assert!(valid(text), "{text}");
+        let spec = Spec::parse("example", text).unwrap_or_else(|error| panic!("{error}"));
+        let errors = spec.part_errors().unwrap_or_else(|error| panic!("{error}"));
+        let evaluation = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range).expect("it evaluates");
+        assert!(evaluation.verdict.is_some());
+    }
+}
+
+#[test]
+fn the_schema_and_the_reader_refuse_the_same() {
+    for text in [
+        "titel = \"x\"",
+        "title = 3",
+        "[pair]\nnormal_module = 0",
+        "[pair]\nnormal_pressure_angle = 45.1",
+        "[pair]\nnormal_pressure_angle = 0",
+        "[rack]\nface_width = \"20 deg\"",
+        "[rack]\nface_width = true",
+        "[pinion]\nteeth = 7.5",
+        "[pinion]\nteeth = 0",
+        "[errors]\nrack_pitch = { measured = 3 }",
+        "[errors]\nrack_pitch = { measured = 3, roller = 2 }",
+        "[errors]\nrack_lead = { f_h_beta = 3 }",
+        "[limits]\ncenter_distance = 0.05",
+        "[limits]\ncenter_distance = {}",
+        "[limits]\ncenter_distance = \"0.05\"",
+        "[limits]\npinion_tip = \"±0.05\"",
+    ] {
+        assert!(!valid(text), "the schema accepts {text}");
+        assert!(Spec::parse("test", text).is_err(), "the reader accepts {text}");
+    }
+}
+
+#[test]
+fn the_template_and_the_full_example_name_every_key() {
+    for text in [TEMPLATE, EXAMPLES[2]] {
+        let uncommented: String = text.lines().map(|line| line.trim_start_matches('#').to_owned() + "\n").collect();
+        for (section, schema) in json_schema()["properties"].as_object().expect("properties") {
+            for key in schema["properties"].as_object().into_iter().flatten().map(|(key, _)| key) {
+                // limits repeat the errors' names
+                assert!(section == "limits" || uncommented.contains(&format!("\n{key} = ")), "{section}.{key}");
+            }
+        }
+    }
+}
+
+#[test]
+fn digits_are_taken_from_the_text() {
+    // as doubles, both numbers are the same
+    let spec = Spec::parse(
+        "digits",
+        "[errors]\nrack_over_roller = { measured = 25.00000000000000000001, nominal = 25.00000000000000000000 }",
+    )
+    .expect("it parses");
+    let errors = spec.part_errors().expect("it resolves");
+    let evaluation = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range).expect("it evaluates");
+    assert_eq!(evaluation.contributions[0].exact.mm(), 1e-20);
+}
+
+#[test]
+fn every_spelling_of_a_limit() {
+    for (limit, verdict_at_20_um) in [
+        ("\"±0.02\"", true),
+        ("\"+-20 um\"", true),
+        ("\"+/- 0.02 mm\"", true),
+        ("{ lower = -0.02, upper = 0.02 }", true),
+        ("{ upper = \"20 um\" }", true),
+        ("{ lower = 0.0200000001 }", false),
+        ("\"±0.0199999999999999999\"", false),
+    ] {
+        let text = format!("[errors]\nrack_over_roller = \"20 um\"\n[limits]\ncenter_distance = {limit}");
+        let spec = Spec::parse("limit", &text).unwrap_or_else(|error| panic!("{error}"));
+        let errors = spec.part_errors().expect("it resolves");
+        let evaluation = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range).expect("it evaluates");
+        let passes = evaluation.verdict.map(|verdict| verdict.name() == "pass");
+        assert_eq!(passes, Some(verdict_at_20_um), "{limit}");
+    }
+}
