@@ -734,7 +734,7 @@ macro_rules! pitch_formula {
                 self.largest_error(delta_cd, model)
             }
             fn sensitivities(&self, error: &Length, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
-                Ok(self.sensitivities(error, model))
+                self.sensitivities(error, model)
             }
         }
     };
