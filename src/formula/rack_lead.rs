@@ -114,7 +114,10 @@ impl RackLead {
             Model::Exact => precise::asin(&ratio).unwrap_or(Rational::integer(90)),
             Model::Paper => precise::atan(&ratio),
         };
-        Ok(Angle::from_degrees(angle.round_significant(super::RESULT_DIGITS).to_f64_toward_zero())?)
+        // An angle closer to 90° than the decimal's last digit must not become 90°, which is no lead error.
+        let decimal = angle.round_significant(super::RESULT_DIGITS);
+        let printed = if decimal < 90 { &decimal } else { &angle };
+        Ok(Angle::from_degrees(printed.to_f64_toward_zero())?)
     }
 
     /// ∂ΔCD/∂Δβ, ∂ΔCD/∂α_n, ∂ΔCD/∂k and (exact model) ∂ΔCD/∂β_r at this error.
