@@ -812,7 +812,7 @@ fn the_rack_lead_error() {
             1 => checks.random.nearby(largest_reached),
             _ => largest_reached * checks.random.unit(),
         };
-        let bound = if bound.is_finite() { bound } else { 0.05 };
+        let bound = if bound.is_finite() { bound.max(0.0) } else { 0.05 };
         checks.inputs = format!("α_n {alpha:e} β_r {beta:e} k {width:e} Δβ {error:e}, or ΔCD {bound:e}");
         let formula = RackLead::new(&angle(alpha), &angle(beta), &length(width)).unwrap();
         let (lead_error, delta_cd) = (angle(error), length(bound));
@@ -876,4 +876,20 @@ fn the_lead_error_of_a_slope() {
         let want = checks.trig.atan(&ratio);
         checks.value("lead error of a slope", got, &want, ROUNDED_ONCE);
     });
+}
+
+#[test]
+fn an_inverse_next_to_a_decimal_or_to_90_degrees_keeps_its_bound() {
+    // At tiny angles the tangent is the angle to 40 digits, so that the inverse is almost a short decimal,
+    // and a ΔCD far beyond the face width belongs to an angle that is almost 90°.
+    for (alpha, width, delta_cd, largest) in [
+        (1e-20, 1.0, 64.159_715_910_064_24, 1.283_194_318_201_284_6e-18),
+        (20.0, 1.0, 1e300, 90.0_f64.next_down()),
+        (20.0, 1e-300, 1.0, 90.0_f64.next_down()),
+    ] {
+        let formula = RackLead::new(&angle(alpha), &Angle::ZERO, &length(width)).unwrap();
+        let inverse = formula.largest_error(&length(delta_cd), Model::Paper).unwrap();
+        assert_eq!(inverse.degrees(), largest, "α_n {alpha:e} k {width:e}");
+        assert!(formula.delta_cd(&inverse, Model::Paper).unwrap() <= length(delta_cd), "α_n {alpha:e} k {width:e}");
+    }
 }
