@@ -107,7 +107,7 @@ fn main() {
     println!("  ratio             {:.2}", ours.as_secs_f64() / theirs.as_secs_f64());
     let peaks = (0..50).filter_map(|_| peak_kib(rackmesh, &["eval", spec]));
     if let Some(peak) = peaks.max() {
-        println!("  rackmesh's memory {:.1} MiB", peak as f64 / 1024.0);
+        println!("  rackmesh's memory {peak} KiB");
     }
     let _ = std::fs::remove_file(&path);
 }

@@ -15,10 +15,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [("A1", "25.0131", "0.02 deg"), ("A2", "25.0400", "3 arcmin"), ("A3", "24.9980", "-0.1 mrad")]
     {
         let measured: Length = over_roller.parse()?;
-        let errors = [
-            PartError::RackOverRoller(&measured - &nominal),
-            PartError::RackLead(lead_error.parse()?, lead.clone()),
-        ];
+        let errors =
+            [PartError::RackOverRoller(&measured - &nominal), PartError::RackLead(lead_error.parse()?, lead.clone())];
         let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range)?;
         let verdict = if evaluation.verdict == Some(Verdict::Pass) { "pass" } else { "FAIL" };
         println!("{part}: up to {:+.4} mm  {verdict}", evaluation.combined.range_upper.mm());

@@ -51,21 +51,22 @@ const fn helix_angle(name: &'static str, symbol: &'static str) -> Domain {
     Domain { name, symbol, lower: Bound::Exclusive(-90), upper: Bound::Exclusive(90) }
 }
 
-/// The normal pitch π m_n.
-pub(crate) fn normal_pitch(normal_module: &Length) -> Result<Length, DomainError> {
+/// The normal pitch π m_n in mm. It may be beyond the range of `f64` where the formula's result is not.
+pub(crate) fn normal_pitch(normal_module: &Length) -> Result<Rational, DomainError> {
     NORMAL_MODULE.check_length(normal_module)?;
-    Ok(Length::from_exact_mm(normal_module.exact_mm() * Rational::pi(), "the normal pitch")?)
+    Ok(normal_module.exact_mm() * Rational::pi())
 }
 
-/// The tooth thickness s_n, or π m_n / 2 where none is given; it must leave a space in the pitch.
-pub(crate) fn tooth_thickness(normal_module: &Length, given: Option<&Length>) -> Result<Length, DomainError> {
+/// The tooth thickness s_n in mm, or π m_n / 2 where none is given; it must leave a space in the pitch.
+pub(crate) fn tooth_thickness(normal_module: &Length, given: Option<&Length>) -> Result<Rational, DomainError> {
     let pitch = normal_pitch(normal_module)?;
     let Some(thickness) = given else {
-        return Ok(Length::from_exact_mm(pitch.exact_mm() / &Rational::integer(2), "the tooth thickness")?);
+        return Ok(&pitch / &Rational::integer(2));
     };
     TOOTH_THICKNESS.check_length(thickness)?;
-    if *thickness >= pitch {
+    if *thickness.exact_mm() >= pitch {
+        let pitch = Length::from_exact_mm(pitch, "the normal pitch")?;
         return Err(DomainError::NoSpace { thickness: thickness.clone(), pitch });
     }
-    Ok(thickness.clone())
+    Ok(thickness.exact_mm().clone())
 }

@@ -46,21 +46,21 @@ impl FlankStep {
         Ok(Length::from_mm(step.exact_mm().to_f64_toward_zero())?)
     }
 
-    pub(super) fn sensitivities(&self, step: &Length, model: Model) -> Vec<Sensitivity> {
+    pub(super) fn sensitivities(&self, step: &Length, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
         let magnitude = step.abs();
         let gain = self.gain(model);
         let alpha = self.pressure_angle.exact_degrees();
         // d(1/tan α)/dα = -1/sin² α = -(1/tan α) / (sin α cos α)
         let by_alpha = -&(&(magnitude.exact_mm() * gain) / &(&precise::sin(alpha) * &precise::cos(alpha)));
         let mut all = vec![
-            Sensitivity::of_magnitude(step.exact_mm(), gain),
-            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha)),
+            Sensitivity::of_magnitude(step.exact_mm(), gain)?,
+            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha))?,
         ];
         if model == Model::Exact {
             // d(cos β)/dβ = -sin β, with the paper's gain being the one without cos β
             let by_beta = -&(&(magnitude.exact_mm() * &self.paper) * &precise::sin(self.helix_angle.exact_degrees()));
-            all.push(Sensitivity::new(Input::HelixAngle, &per_degree(&by_beta)));
+            all.push(Sensitivity::new(Input::HelixAngle, &per_degree(&by_beta))?);
         }
-        all
+        Ok(all)
     }
 }

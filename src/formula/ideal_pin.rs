@@ -16,36 +16,45 @@ use crate::trig::precise;
 /// The ideal pin diameter d_p' = (π m_n − s_n) / cos α_n; s_n = π m_n / 2 if `None`.
 ///
 /// # Errors
-/// [`DomainError`] if an input is outside its domain.
+/// [`DomainError`] if an input is outside its domain, or the result is beyond the range of `f64`.
 pub fn diameter(
     normal_module: &Length,
     normal_pressure_angle: &Angle,
     tooth_thickness: Option<&Length>,
 ) -> Result<Length, DomainError> {
+    result_mm(&exact_diameter(normal_module, normal_pressure_angle, tooth_thickness)?, "the pin diameter d_p'")
+}
+
+/// d_p' in mm, of any size, after a check of every input.
+fn exact_diameter(
+    normal_module: &Length,
+    normal_pressure_angle: &Angle,
+    tooth_thickness: Option<&Length>,
+) -> Result<Rational, DomainError> {
     domain::NORMAL_PRESSURE_ANGLE.check_angle(normal_pressure_angle)?;
     let space = space_width(normal_module, tooth_thickness)?;
-    result_mm(&(&space / &precise::cos(normal_pressure_angle.exact_degrees())), "the pin diameter d_p'")
+    Ok(&space / &precise::cos(normal_pressure_angle.exact_degrees()))
 }
 
 /// ∂d_p'/∂m_n, ∂d_p'/∂α_n and, if a tooth thickness is given, ∂d_p'/∂s_n.
 ///
 /// # Errors
-/// [`DomainError`] if an input is outside its domain.
+/// [`DomainError`] if an input is outside its domain, or a derivative is beyond the range of `f64`.
 pub fn sensitivities(
     normal_module: &Length,
     normal_pressure_angle: &Angle,
     tooth_thickness: Option<&Length>,
 ) -> Result<Vec<Sensitivity>, DomainError> {
-    let diameter = diameter(normal_module, normal_pressure_angle, tooth_thickness)?;
+    let diameter = exact_diameter(normal_module, normal_pressure_angle, tooth_thickness)?;
     let alpha = normal_pressure_angle.exact_degrees();
     let cos = precise::cos(alpha);
     let by_module = &space_per_module(tooth_thickness) / &cos;
     let mut all = vec![
-        Sensitivity::new(Input::NormalModule, &by_module),
-        Sensitivity::new(Input::NormalPressureAngle, &per_degree(&(diameter.exact_mm() * &precise::tan(alpha)))),
+        Sensitivity::new(Input::NormalModule, &by_module)?,
+        Sensitivity::new(Input::NormalPressureAngle, &per_degree(&(&diameter * &precise::tan(alpha))))?,
     ];
     if tooth_thickness.is_some() {
-        all.push(Sensitivity::new(Input::ToothThickness, &-&(&Rational::ONE / &cos)));
+        all.push(Sensitivity::new(Input::ToothThickness, &-&(&Rational::ONE / &cos))?);
     }
     Ok(all)
 }
@@ -54,7 +63,7 @@ pub fn sensitivities(
 pub(super) fn space_width(normal_module: &Length, tooth_thickness: Option<&Length>) -> Result<Rational, DomainError> {
     let pitch = domain::normal_pitch(normal_module)?;
     let thickness = domain::tooth_thickness(normal_module, tooth_thickness)?;
-    Ok(pitch.exact_mm() - thickness.exact_mm())
+    Ok(&pitch - &thickness)
 }
 
 /// ∂(π m_n − s_n)/∂m_n: half of π if the tooth thickness follows the module.

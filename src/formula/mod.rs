@@ -43,7 +43,7 @@ pub use rack_pitch::RackPitch;
 
 use std::fmt;
 
-use crate::quantity::{DomainError, Length, Rational};
+use crate::quantity::{DomainError, Length, QuantityError, Rational};
 
 /// Which reading of a formula to use, where the paper's differs from the exact one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -93,6 +93,22 @@ pub enum Input {
     Datum,
 }
 
+impl Input {
+    /// What an error calls the derivative by this input.
+    const fn sensitivity_name(self) -> &'static str {
+        match self {
+            Self::Error => "the sensitivity to the error itself",
+            Self::NormalPressureAngle => "the sensitivity to the normal pressure angle α_n",
+            Self::HelixAngle => "the sensitivity to the helix angle β",
+            Self::FaceWidth => "the sensitivity to the face width k",
+            Self::NormalModule => "the sensitivity to the normal module m_n",
+            Self::ToothThickness => "the sensitivity to the tooth thickness s_n",
+            Self::PinDiameter => "the sensitivity to the pin diameter d_p",
+            Self::Datum => "the sensitivity to the datum distance K",
+        }
+    }
+}
+
 /// One partial derivative of a formula's result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
@@ -104,21 +120,27 @@ pub struct Sensitivity {
 }
 
 impl Sensitivity {
-    fn new(input: Input, value: &Rational) -> Self {
-        Self { input, value: Some(value.to_f64()) }
+    /// The derivative of an over-roller or radial error: ΔCD is the error.
+    const OF_SHIFT: Self = Self { input: Input::Error, value: Some(1.0) };
+
+    fn new(input: Input, value: &Rational) -> Result<Self, DomainError> {
+        let value = value.to_f64();
+        if value.is_infinite() {
+            return Err(QuantityError::Overflow { what: input.sensitivity_name() }.into());
+        }
+        Ok(Self { input, value: Some(value) })
     }
 
     /// The derivative by the error of a formula that contains its magnitude: `slope` with the error's
     /// sign.
-    fn of_magnitude(error: &Rational, slope: &Rational) -> Self {
-        let value = if error.is_zero() {
-            None
+    fn of_magnitude(error: &Rational, slope: &Rational) -> Result<Self, DomainError> {
+        if error.is_zero() {
+            Ok(Self { input: Input::Error, value: None })
         } else if error.is_negative() {
-            Some((-slope).to_f64())
+            Self::new(Input::Error, &-slope)
         } else {
-            Some(slope.to_f64())
-        };
-        Self { input: Input::Error, value }
+            Self::new(Input::Error, slope)
+        }
     }
 }
 

@@ -61,7 +61,7 @@ impl OverPin {
     /// ∂M/∂K, ∂M/∂d_p, ∂M/∂m_n, ∂M/∂α_n and, if a tooth thickness is given, ∂M/∂s_n.
     ///
     /// # Errors
-    /// [`DomainError`] if an input is outside its domain.
+    /// [`DomainError`] if an input is outside its domain, or a derivative is beyond the range of `f64`.
     pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DomainError> {
         let space = self.checked_space()?;
         let alpha = self.normal_pressure_angle.exact_degrees();
@@ -72,13 +72,13 @@ impl OverPin {
         // d(-1/tan)/dα = 1/sin², d(1/sin)/dα = -cos/sin²
         let by_alpha = &(&(&space - &(self.pin_diameter.exact_mm() * &cos)) * &half) / &sin.square();
         let mut all = vec![
-            Sensitivity::new(Input::Datum, &Rational::ONE),
-            Sensitivity::new(Input::PinDiameter, &(&half * &one_and_cosecant(alpha))),
-            Sensitivity::new(Input::NormalModule, &by_module),
-            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha)),
+            Sensitivity::new(Input::Datum, &Rational::ONE)?,
+            Sensitivity::new(Input::PinDiameter, &(&half * &one_and_cosecant(alpha)))?,
+            Sensitivity::new(Input::NormalModule, &by_module)?,
+            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha))?,
         ];
         if self.tooth_thickness.is_some() {
-            all.push(Sensitivity::new(Input::ToothThickness, &-&by_space));
+            all.push(Sensitivity::new(Input::ToothThickness, &-&by_space)?);
         }
         Ok(all)
     }

@@ -47,8 +47,10 @@ impl PinionPitch {
     }
 
     /// ∂ΔCD/∂f_p, ∂ΔCD/∂α_n and (exact model) ∂ΔCD/∂β_p at this error.
-    #[must_use]
-    pub fn sensitivities(&self, pitch_error: &Length, model: Model) -> Vec<Sensitivity> {
+    ///
+    /// # Errors
+    /// [`DomainError::Overflow`] if one of them is beyond the range of `f64`.
+    pub fn sensitivities(&self, pitch_error: &Length, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
         self.0.sensitivities(pitch_error, model)
     }
 }

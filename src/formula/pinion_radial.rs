@@ -10,8 +10,8 @@
 //! # Ok::<(), rackmesh::quantity::QuantityError>(())
 //! ```
 
-use super::{Input, Sensitivity};
-use crate::quantity::{Length, Rational};
+use super::Sensitivity;
+use crate::quantity::Length;
 
 /// ΔCD of the radial error `r - r_nom`: the same length.
 #[must_use]
@@ -28,5 +28,5 @@ pub fn largest_error(delta_cd: &Length) -> Length {
 /// ∂ΔCD/∂(r - r_nom) = 1.
 #[must_use]
 pub fn sensitivities() -> Vec<Sensitivity> {
-    vec![Sensitivity::new(Input::Error, &Rational::ONE)]
+    vec![Sensitivity::OF_SHIFT]
 }

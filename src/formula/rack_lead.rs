@@ -81,13 +81,18 @@ impl RackLead {
     /// # Errors
     /// [`DomainError`] if Δβ is outside its domain, or the result is beyond the range of `f64`.
     pub fn delta_cd(&self, lead_error: &Angle, model: Model) -> Result<Length, DomainError> {
+        result_mm(&self.exact_delta_cd(lead_error, model)?, "ΔCD")
+    }
+
+    /// ΔCD in mm, of any size, after a check of Δβ.
+    fn exact_delta_cd(&self, lead_error: &Angle, model: Model) -> Result<Rational, DomainError> {
         domain::LEAD_ERROR.check_angle(lead_error)?;
         let error = lead_error.abs();
         let ratio = match model {
             Model::Exact => precise::sin(error.exact_degrees()),
             Model::Paper => precise::tan(error.exact_degrees()),
         };
-        result_mm(&(self.gain(model) * &ratio), "ΔCD")
+        Ok(self.gain(model) * &ratio)
     }
 
     /// The largest |Δβ| whose ΔCD does not exceed `delta_cd`; read again as printed, it still does not.
@@ -109,16 +114,18 @@ impl RackLead {
             Model::Exact => precise::asin(&ratio).unwrap_or(Rational::integer(90)),
             Model::Paper => precise::atan(&ratio),
         };
-        Ok(Angle::from_degrees(angle.round_significant(super::RESULT_DIGITS).to_f64_toward_zero())?)
+        // An angle closer to 90° than the decimal's last digit must not become 90°, which is no lead error.
+        let decimal = angle.round_significant(super::RESULT_DIGITS);
+        let printed = if decimal < 90 { &decimal } else { &angle };
+        Ok(Angle::from_degrees(printed.to_f64_toward_zero())?)
     }
 
     /// ∂ΔCD/∂Δβ, ∂ΔCD/∂α_n, ∂ΔCD/∂k and (exact model) ∂ΔCD/∂β_r at this error.
     ///
     /// # Errors
-    /// [`DomainError`] if Δβ is outside its domain, or ΔCD is beyond the range of `f64`.
+    /// [`DomainError`] if Δβ is outside its domain, or a derivative is beyond the range of `f64`.
     pub fn sensitivities(&self, lead_error: &Angle, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
-        let delta_cd = self.delta_cd(lead_error, model)?;
-        let delta_cd = delta_cd.exact_mm();
+        let delta_cd = &self.exact_delta_cd(lead_error, model)?;
         let cos_error = precise::cos(lead_error.exact_degrees());
         // d(sin)/dΔβ = cos Δβ, d(tan)/dΔβ = 1/cos² Δβ
         let by_error = match model {
@@ -129,14 +136,14 @@ impl RackLead {
         let alpha = self.pressure_angle.exact_degrees();
         let by_alpha = -&(delta_cd / &(&precise::sin(alpha) * &precise::cos(alpha)));
         let mut all = vec![
-            Sensitivity::of_magnitude(lead_error.exact_degrees(), &per_degree(&by_error)),
-            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha)),
-            Sensitivity::new(Input::FaceWidth, &(delta_cd / self.face_width.exact_mm())),
+            Sensitivity::of_magnitude(lead_error.exact_degrees(), &per_degree(&by_error))?,
+            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha))?,
+            Sensitivity::new(Input::FaceWidth, &(delta_cd / self.face_width.exact_mm()))?,
         ];
         if model == Model::Exact {
             // d(1/cos β)/dβ = tan β / cos β
             let by_beta = delta_cd * &precise::tan(self.helix_angle.exact_degrees());
-            all.push(Sensitivity::new(Input::HelixAngle, &per_degree(&by_beta)));
+            all.push(Sensitivity::new(Input::HelixAngle, &per_degree(&by_beta))?);
         }
         Ok(all)
     }

@@ -48,8 +48,10 @@ impl RackPitch {
     }
 
     /// ∂ΔCD/∂Δp, ∂ΔCD/∂α_n and (exact model) ∂ΔCD/∂β_r at this error.
-    #[must_use]
-    pub fn sensitivities(&self, pitch_error: &Length, model: Model) -> Vec<Sensitivity> {
+    ///
+    /// # Errors
+    /// [`DomainError::Overflow`] if one of them is beyond the range of `f64`.
+    pub fn sensitivities(&self, pitch_error: &Length, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
         self.0.sensitivities(pitch_error, model)
     }
 }

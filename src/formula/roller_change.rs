@@ -27,7 +27,7 @@ pub fn difference(from: &Length, to: &Length, normal_pressure_angle: &Angle) -> 
 /// ∂ΔM/∂D_2 (as pin diameter; ∂ΔM/∂D_1 is its negative) and ∂ΔM/∂α_n.
 ///
 /// # Errors
-/// [`DomainError`] if an input is outside its domain.
+/// [`DomainError`] if an input is outside its domain, or a derivative is beyond the range of `f64`.
 pub fn sensitivities(
     from: &Length,
     to: &Length,
@@ -38,8 +38,8 @@ pub fn sensitivities(
     let by_diameter = &one_and_cosecant(alpha) / &Rational::integer(2);
     let by_alpha = -&(&(&half_difference(from, to) * &precise::cos(alpha)) / &precise::sin(alpha).square());
     Ok(vec![
-        Sensitivity::new(Input::PinDiameter, &by_diameter),
-        Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha)),
+        Sensitivity::new(Input::PinDiameter, &by_diameter)?,
+        Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha))?,
     ])
 }
 
