@@ -282,6 +282,7 @@ impl Common {
         formula: &'static str,
         result: Computed,
         models: Option<(Model, Computed)>,
+        is_bound: bool,
     ) -> Result<Status, Failure> {
         let (model, other) = models.unzip();
         let calculation = Calculation {
@@ -291,6 +292,7 @@ impl Common {
             model,
             other,
             decimals: self.decimals.map(usize::from),
+            is_bound,
         };
         if let Some(format) = self.format {
             output.report(&calculation, format)?;
@@ -361,7 +363,7 @@ fn signed(
         }
     };
     let result = Computed { equation, with_numbers, value: ErrorValue::Length(value) };
-    args.common.print(output, formula, result, None)
+    args.common.print(output, formula, result, None, given.inverse.is_some())
 }
 
 fn pitch(
@@ -390,7 +392,7 @@ fn pitch(
         };
         Ok(Computed { equation, with_numbers, value })
     };
-    print_models(&args.common, output, formula, args.model.into(), computed)
+    print_models(&args.common, output, formula, args.model.into(), matches!(asked, Asked::Error(_)), &computed)
 }
 
 /// Prints the chosen model's value and, if it has one, the other's.
@@ -399,13 +401,14 @@ fn print_models(
     output: &mut Output,
     formula: &'static str,
     model: Model,
+    is_bound: bool,
     computed: impl Fn(Model) -> Result<Computed, Failure>,
 ) -> Result<Status, Failure> {
     let other = if model == Model::Exact { Model::Paper } else { Model::Exact };
     let result = computed(model)?;
     // the other model may have no value where the chosen one has
     let other = computed(other).unwrap_or_else(|_| result.clone());
-    common.print(output, formula, result, Some((model, other)))
+    common.print(output, formula, result, Some((model, other)), is_bound)
 }
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
@@ -440,7 +443,7 @@ fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
         };
         Ok(Computed { equation, with_numbers, value: value.map_err(|e| refused(&e))? })
     };
-    print_models(&args.common, output, "rack-lead", args.model.into(), computed)
+    print_models(&args.common, output, "rack-lead", args.model.into(), matches!(asked, Asked::Error(_)), &computed)
 }
 
 fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {
@@ -456,7 +459,7 @@ fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {
         ),
         value: ErrorValue::Length(diameter),
     };
-    args.common.print(output, "ideal-pin", result, None)
+    args.common.print(output, "ideal-pin", result, None, false)
 }
 
 fn thickness_symbol(tooth_thickness: Option<&Length>) -> &'static str {
@@ -493,7 +496,7 @@ fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> 
         ),
         value: ErrorValue::Length(measure),
     };
-    args.common.print(output, "over-pin", result, None)
+    args.common.print(output, "over-pin", result, None, false)
 }
 
 fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status, Failure> {
@@ -503,5 +506,5 @@ fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status
         with_numbers: format!("({} - {}) / 2 · (1 + 1 / sin {})", args.to, args.from, args.pressure_angle),
         value: ErrorValue::Length(difference),
     };
-    args.common.print(output, "roller-change", result, None)
+    args.common.print(output, "roller-change", result, None, false)
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::number::{plain, plain_padded};
+use super::number::{plain, plain_padded, truncated};
 use super::{Block, Column, Report, Table};
 use crate::deviation::ErrorValue;
 use crate::formula::Model;
@@ -23,6 +23,8 @@ pub struct Calculation {
     pub unit: ResultUnit,
     /// Decimals of the result; `None` for all of them, and at least six.
     pub decimals: Option<usize>,
+    /// Whether the result is the largest value allowed, so that it must not be rounded up.
+    pub is_bound: bool,
 }
 
 /// A value and how it came about.
@@ -48,13 +50,16 @@ pub enum ResultUnit {
 impl Calculation {
     /// The value in the unit asked for.
     fn number(&self, value: &ErrorValue) -> f64 {
-        match (value, &self.unit) {
-            (ErrorValue::Length(length), ResultUnit::Length(unit, _)) => length.in_unit(*unit),
-            (ErrorValue::Angle(angle), ResultUnit::Angle(unit, _)) => angle.in_unit(*unit),
-            // the unit's dimension was checked when it was read
-            (ErrorValue::Length(length), ResultUnit::Angle(..)) => length.mm(),
-            (ErrorValue::Angle(angle), ResultUnit::Length(..)) => angle.degrees(),
-        }
+        let base = match value {
+            ErrorValue::Length(length) => length.exact_mm(),
+            ErrorValue::Angle(angle) => angle.exact_degrees(),
+        };
+        let unit = match &self.unit {
+            ResultUnit::Length(unit, _) => unit.in_mm(),
+            ResultUnit::Angle(unit, _) => unit.in_degrees(),
+        };
+        let number = base / &unit;
+        if self.is_bound { number.to_f64_toward_zero() } else { number.to_f64() }
     }
 
     fn unit_name(&self) -> &str {
@@ -66,6 +71,7 @@ impl Calculation {
     fn value_text(&self, value: &ErrorValue) -> String {
         let number = self.number(value);
         let text = match self.decimals {
+            Some(decimals) if self.is_bound => truncated(number, decimals),
             Some(decimals) => format!("{number:.decimals$}"),
             None => plain_padded(number, 6),
         };

@@ -38,6 +38,18 @@ pub(super) fn plain_padded(value: f64, decimals: usize) -> String {
     if has >= decimals { text } else { format!("{value:.decimals$}") }
 }
 
+/// The number with that many decimals, the rest cut off.
+pub(super) fn truncated(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    // rounded up: cut the exact decimal expansion, which has fewer than 1100 decimals, instead
+    if text.parse::<f64>().is_ok_and(|rounded| rounded.abs() > value.abs()) {
+        let full = format!("{value:.1100}");
+        let end = full.find('.').map_or(full.len(), |point| if decimals == 0 { point } else { point + 1 + decimals });
+        return full[..end].to_owned();
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,6 +66,15 @@ mod tests {
             (1e8, "+1.00e8"),
         ] {
             assert_eq!(millimetres(value), text);
+        }
+    }
+
+    #[test]
+    fn what_is_allowed_is_not_rounded_up() {
+        for (value, decimals, text) in
+            [(6.317, 2, "6.31"), (-6.317, 2, "-6.31"), (6.25, 2, "6.25"), (0.9999, 0, "0"), (12.0, 3, "12.000")]
+        {
+            assert_eq!(truncated(value, decimals), text);
         }
     }
 
