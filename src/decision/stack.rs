@@ -68,8 +68,9 @@ impl Combined {
             Length::from_exact_mm(sum.exact_mm().clone(), "the sum of ΔCD")
         };
         let squares = terms.iter().fold(Rational::ZERO, |sum, (_, delta_cd)| &sum + &delta_cd.exact_mm().square());
-        // a root that is a decimal, as that of 0.03² + 0.04², comes out as that decimal
-        let rss = squares.sqrt().unwrap_or(Rational::ZERO).round_significant(40);
+        // a root that is rational, as that of 0.03² + 0.04², is exact, and stays so
+        let root = squares.sqrt().unwrap_or(Rational::ZERO);
+        let rss = if root.square() == squares { root } else { root.round_significant(40) };
         Ok(Self {
             range_lower: sum(&ErrorKind::always_acts, false)?,
             range_upper: sum(&|_| true, false)?,

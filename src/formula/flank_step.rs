@@ -5,7 +5,7 @@
 //! each of the two flanks, inclined by α_n, takes half of it. β is the helix angle of the part whose
 //! pitch was measured. The paper's formula is this with β = 0.
 
-use super::{Input, Model, Sensitivity, domain, per_degree, result_mm};
+use super::{Input, Model, Sensitivity, domain, largest_within, per_degree, result_mm};
 use crate::quantity::{Angle, Domain, DomainError, Length, Rational};
 use crate::trig::precise;
 
@@ -43,7 +43,11 @@ impl FlankStep {
     pub(super) fn largest_error(&self, delta_cd: &Length, model: Model) -> Result<Length, DomainError> {
         domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
         let step = result_mm(&(delta_cd.exact_mm() / self.gain(model)), "the pitch error")?;
-        Ok(Length::from_mm(step.exact_mm().to_f64_toward_zero())?)
+        let largest = largest_within(step.exact_mm().to_f64_toward_zero(), |mm| {
+            let reached = Length::from_mm(mm).map(|step| self.delta_cd(&step, model));
+            reached.is_ok_and(|reached| reached.is_ok_and(|reached| reached <= *delta_cd))
+        });
+        Ok(Length::from_mm(largest)?)
     }
 
     pub(super) fn sensitivities(&self, step: &Length, model: Model) -> Result<Vec<Sensitivity>, DomainError> {

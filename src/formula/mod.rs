@@ -154,6 +154,17 @@ fn result_mm(value: &Rational, what: &'static str) -> Result<Length, DomainError
     Ok(Length::from_exact_mm(value.round_significant(RESULT_DIGITS), what)?)
 }
 
+/// The first number from `start` down to 0 of which `within` holds. An inverse that was rounded to
+/// [`RESULT_DIGITS`] may lie above the true one by less than the last of them, and where it is a short
+/// decimal that is enough to exceed the bound: then the next `f64` below does not.
+fn largest_within(start: f64, within: impl Fn(f64) -> bool) -> f64 {
+    let mut value = start;
+    while value > 0.0 && !within(value) {
+        value = value.next_down();
+    }
+    value
+}
+
 /// Degrees are the unit of angles here, radians that of derivatives: ∂/∂degree = π/180 ∂/∂radian.
 fn per_degree(per_radian: &Rational) -> Rational {
     crate::trig::precise::radians(per_radian)

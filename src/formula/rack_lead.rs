@@ -14,7 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::{Input, Model, Sensitivity, domain, per_degree, result_mm};
+use super::{Input, Model, Sensitivity, domain, largest_within, per_degree, result_mm};
 use crate::quantity::{Angle, DomainError, Length, Rational};
 use crate::trig::precise;
 
@@ -114,10 +114,13 @@ impl RackLead {
             Model::Exact => precise::asin(&ratio).unwrap_or(Rational::integer(90)),
             Model::Paper => precise::atan(&ratio),
         };
-        // An angle closer to 90° than the decimal's last digit must not become 90°, which is no lead error.
-        let decimal = angle.round_significant(super::RESULT_DIGITS);
-        let printed = if decimal < 90 { &decimal } else { &angle };
-        Ok(Angle::from_degrees(printed.to_f64_toward_zero())?)
+        let nearest = angle.round_significant(super::RESULT_DIGITS).to_f64_toward_zero();
+        // 90° itself is no lead error, and has no ΔCD
+        let largest = largest_within(nearest, |degrees| {
+            let reached = Angle::from_degrees(degrees).map(|error| self.delta_cd(&error, model));
+            reached.is_ok_and(|reached| reached.is_ok_and(|reached| reached <= *delta_cd))
+        });
+        Ok(Angle::from_degrees(largest)?)
     }
 
     /// ∂ΔCD/∂Δβ, ∂ΔCD/∂α_n, ∂ΔCD/∂k and (exact model) ∂ΔCD/∂β_r at this error.

@@ -91,9 +91,10 @@ impl Angle {
     /// one.
     ///
     /// # Errors
-    /// [`QuantityError::Overflow`] if `degrees` is not finite.
+    /// [`QuantityError::NotFinite`] if `degrees` is an infinity or NaN.
     pub fn from_degrees(degrees: f64) -> Result<Self, QuantityError> {
-        let degrees = Rational::from_shortest_decimal(degrees).ok_or(QuantityError::Overflow { what: "the angle" })?;
+        let degrees = Rational::from_shortest_decimal(degrees)
+            .ok_or_else(|| QuantityError::NotFinite { what: "the angle", value: degrees.to_string() })?;
         Ok(Self { degrees })
     }
 

@@ -83,9 +83,10 @@ impl Length {
     /// A length in mm; the number is taken as the decimal that was written for it, its shortest one.
     ///
     /// # Errors
-    /// [`QuantityError::Overflow`] if `mm` is not finite.
+    /// [`QuantityError::NotFinite`] if `mm` is an infinity or NaN.
     pub fn from_mm(mm: f64) -> Result<Self, QuantityError> {
-        let mm = Rational::from_shortest_decimal(mm).ok_or(QuantityError::Overflow { what: "the length" })?;
+        let mm = Rational::from_shortest_decimal(mm)
+            .ok_or_else(|| QuantityError::NotFinite { what: "the length", value: mm.to_string() })?;
         Ok(Self { mm })
     }
 

@@ -65,7 +65,15 @@ pub enum QuantityError {
         /// The units to choose from.
         units: &'static str,
     },
-    /// The value is not finite, or beyond the range of double-precision numbers.
+    /// The value is an infinity or not-a-number.
+    #[error("{what} is {value}; it must be a finite number")]
+    NotFinite {
+        /// The quantity.
+        what: &'static str,
+        /// `NaN`, `inf` or `-inf`.
+        value: String,
+    },
+    /// The value is beyond the range of double-precision numbers.
     #[error("{what} is beyond the range of double-precision numbers (1.8e308)")]
     Overflow {
         /// The quantity that overflows.
