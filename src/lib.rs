@@ -1,4 +1,61 @@
-//! Operating centre distance of a rack and pinion, predicted from their manufacturing errors.
+//! How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion.
+//!
+//! A steering rack and its pinion are measured: the measure over a roller, pitches, the lead of the
+//! teeth, radial measures and pitches of the pinion. rackmesh predicts how far the pinion's axis moves
+//! away from the rack, without backlash, because of what was found.
+//!
+//! # The map
+//! Data flows one way:
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`quantity`] | lengths and angles, known exactly; domains and their errors |
+//! | [`trig`] | the only place that computes sines, the same bits everywhere |
+//! | [`deviation`] | what is wrong with a part |
+//! | [`formula`] | ΔCD of one error: the paper's formulas and the exact ones, inverses, sensitivities |
+//! | [`decision`] | errors combined, and judged against limits |
+#![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
+#![cfg_attr(feature = "report", doc = "| [`report`] | results as tables, Markdown, CSV and JSON |")]
+//! | [`diagnostic`] | what is wrong with an input, where, and what to do |
+#![cfg_attr(feature = "cli", doc = "| [`cli`] | the command line |")]
+//!
+//! # For a calculation
+//! ```
+//! use rackmesh::formula::{Model, RackPitch};
+//!
+//! let formula = RackPitch::new(&"20 deg".parse()?, &"12 deg".parse()?)?;
+//! let delta_cd = formula.delta_cd(&"20 um".parse()?, Model::Exact)?;
+//! assert_eq!(format!("{:.4} mm", delta_cd.mm()), "0.0269 mm");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # For a check
+//! ```
+//! use rackmesh::decision::{Limit, LimitTarget, Stack, Verdict, evaluate};
+//! use rackmesh::formula::{Model, PartError};
+//! use rackmesh::quantity::Length;
+//!
+//! let (measured, nominal): (Length, Length) = ("25.0131".parse()?, "25.0000".parse()?);
+//! let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(&"0.0131".parse()?))];
+//! let errors = [PartError::RackOverRoller(&measured - &nominal)];
+//! let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range)?;
+//! assert_eq!(evaluation.verdict, Some(Verdict::Pass)); // equal to the limit is inside it
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+#![cfg_attr(
+    feature = "spec",
+    doc = r#"
+# For a file
+```
+use rackmesh::spec::Spec;
+
+let spec = Spec::parse("rack.toml", "[errors]\nrack_over_roller = \"13 um\"")?;
+assert_eq!(spec.part_errors()?.len(), 1);
+# Ok::<(), rackmesh::diagnostic::Diagnostics>(())
+```
+"#
+)]
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -3,7 +3,7 @@
 //! The platform's own functions differ in the last bits between C libraries, so they are banned by
 //! lint (`clippy.toml`); the ones here are pure Rust and give the same bits everywhere.
 
-pub mod precise;
+pub(crate) mod precise;
 
 /// Sine and cosine of an angle in radians.
 #[must_use]

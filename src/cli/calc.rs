@@ -1,7 +1,6 @@
 //! `rackmesh calc`: one formula, no file.
 
-use clap::error::ErrorKind;
-use clap::{CommandFactory as _, Subcommand};
+use clap::Subcommand;
 
 use super::eval::ModelArg;
 use super::output::{Failure, Output, Status};
@@ -211,8 +210,8 @@ enum Asked<E> {
     Error(Length),
 }
 
-fn usage(kind: ErrorKind, message: impl std::fmt::Display) -> Failure {
-    Failure::Usage(super::Cli::command().error(kind, message))
+fn usage(message: impl Into<String>) -> Failure {
+    Diagnostic::error(Code::Usage, message).help("`rackmesh calc --help` shows examples").into()
 }
 
 /// A value that a formula refuses.
@@ -237,20 +236,15 @@ impl Given {
             (None, _, _, Some(Some(delta_cd))) | (Some(delta_cd), _, _, Some(None)) => {
                 Ok(Asked::Error(read(delta_cd)?))
             }
-            (Some(_), _, _, Some(Some(_))) => {
-                Err(usage(ErrorKind::ArgumentConflict, "--inverse already gives the ΔCD; leave the other value out"))
-            }
-            (None, _, _, Some(None)) => {
-                Err(usage(ErrorKind::MissingRequiredArgument, "--inverse needs a ΔCD: --inverse 50um"))
-            }
+            (Some(_), _, _, Some(Some(_))) => Err(usage("--inverse already gives the ΔCD; leave the other value out")),
+            (None, _, _, Some(None)) => Err(usage("--inverse needs a ΔCD: --inverse 50um")),
             (Some(error), ..) => Ok(Asked::DeltaCd(read(error)?)),
             (None, Some(measured), Some(nominal), None) => {
                 Ok(Asked::DeltaCd(subtract(&read(measured)?, &read(nominal)?)))
             }
-            (None, ..) => Err(usage(
-                ErrorKind::MissingRequiredArgument,
-                "give the error (such as 20um), or --measured and --nominal, or --inverse with a ΔCD",
-            )),
+            (None, ..) => {
+                Err(usage("give the error (such as 20um), or --measured and --nominal, or --inverse with a ΔCD"))
+            }
         }
     }
 }
@@ -259,7 +253,7 @@ impl Common {
     fn unit(&self, is_angle: bool) -> Result<ResultUnit, Failure> {
         let invalid = |dimension: &str, names: &str, unit: &str| {
             let message = format!("the result is {dimension}, and `{unit}` is none of its units: {names}");
-            usage(ErrorKind::InvalidValue, message)
+            usage(message)
         };
         let written = self.unit.as_deref();
         if is_angle {
@@ -392,7 +386,7 @@ fn pitch(
         };
         Ok(Computed { equation, with_numbers, value })
     };
-    print_models(&args.common, output, formula, args.model.into(), matches!(asked, Asked::Error(_)), &computed)
+    print_models(&args.common, output, formula, args.model.into(), matches!(asked, Asked::Error(_)), computed)
 }
 
 /// Prints the chosen model's value and, if it has one, the other's.
@@ -443,7 +437,7 @@ fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
         };
         Ok(Computed { equation, with_numbers, value: value.map_err(|e| refused(&e))? })
     };
-    print_models(&args.common, output, "rack-lead", args.model.into(), matches!(asked, Asked::Error(_)), &computed)
+    print_models(&args.common, output, "rack-lead", args.model.into(), matches!(asked, Asked::Error(_)), computed)
 }
 
 fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {

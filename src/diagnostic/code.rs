@@ -31,6 +31,8 @@ macro_rules! codes {
 }
 
 codes! {
+    /// Arguments that do not make a request.
+    Usage = "usage",
     /// A file cannot be read or written.
     FileAccess = "file-access",
     /// The spec is not valid TOML.

@@ -16,7 +16,7 @@
 //!
 //! # Accuracy
 //! Inputs are exact ([`Length`], [`Angle`](crate::quantity::Angle)), trigonometric functions have 50
-//! correct digits ([`crate::trig::precise`]), and a result is carried as a decimal number of 40
+//! correct digits, and a result is carried as a decimal number of 40
 //! significant digits. So the `f64` that leaves is the true value rounded once (0.5 ulp, over the
 //! whole domain), and a result that is a short decimal in exact arithmetic — `|Δp| · 3/4` at
 //! α_n = β_r = 30° — is that decimal, and equals a limit of the same decimals.

@@ -16,15 +16,13 @@ use crate::quantity::Rational;
 const FRACTION_BITS: usize = 192;
 
 /// Degrees to radians.
-#[must_use]
-pub fn radians(degrees: &Rational) -> Rational {
+pub(crate) fn radians(degrees: &Rational) -> Rational {
     static PER_DEGREE: LazyLock<Rational> = LazyLock::new(|| Rational::pi() / &Rational::integer(180));
     degrees * &*PER_DEGREE
 }
 
 /// Sine of an angle in degrees. Domain: −90° to 90°.
-#[must_use]
-pub fn sin(degrees: &Rational) -> Rational {
+pub(crate) fn sin(degrees: &Rational) -> Rational {
     if degrees.is_negative() {
         return -&sin(&degrees.abs());
     }
@@ -38,8 +36,7 @@ pub fn sin(degrees: &Rational) -> Rational {
 }
 
 /// Cosine of an angle in degrees. Domain: −90° to 90°.
-#[must_use]
-pub fn cos(degrees: &Rational) -> Rational {
+pub(crate) fn cos(degrees: &Rational) -> Rational {
     let degrees = degrees.abs();
     if degrees == 60 {
         return Rational::fraction(1, 2);
@@ -51,8 +48,7 @@ pub fn cos(degrees: &Rational) -> Rational {
 }
 
 /// Tangent of an angle in degrees. Domain: above −90°, below 90°.
-#[must_use]
-pub fn tan(degrees: &Rational) -> Rational {
+pub(crate) fn tan(degrees: &Rational) -> Rational {
     if *degrees == 45 {
         return Rational::ONE;
     }
@@ -60,8 +56,7 @@ pub fn tan(degrees: &Rational) -> Rational {
 }
 
 /// Arc sine in degrees. Domain: −1 to 1; `None` outside it.
-#[must_use]
-pub fn asin(x: &Rational) -> Option<Rational> {
+pub(crate) fn asin(x: &Rational) -> Option<Rational> {
     if x.is_negative() {
         return asin(&-x).map(|angle| -&angle);
     }
@@ -74,8 +69,7 @@ pub fn asin(x: &Rational) -> Option<Rational> {
 }
 
 /// Arc tangent in degrees.
-#[must_use]
-pub fn atan(t: &Rational) -> Rational {
+pub(crate) fn atan(t: &Rational) -> Rational {
     if t.is_negative() {
         return -&atan(&-t);
     }
