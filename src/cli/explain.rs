@@ -33,9 +33,27 @@ fn page(topic: &str) -> Option<String> {
     let topic = topic.trim().to_lowercase().replace('_', "-");
     let formula = CATALOGUE.iter().find(|page| page.name == topic || page.aliases.contains(&topic.as_str()));
     if let Some(page) = formula {
-        return Some(format!("# {}\n\n{}", page.name, page.text));
+        return Some(format!("# {}\n\n{}", page.name, for_screen(page.text)));
     }
     Code::ALL.iter().find(|code| code.name() == topic).map(|code| code.page().to_owned())
+}
+
+/// Fenced code indented instead, as it reads on a screen.
+fn for_screen(text: &str) -> String {
+    let mut inside = false;
+    let mut out = String::new();
+    for line in text.lines() {
+        if line.starts_with("```") {
+            inside = !inside;
+            continue;
+        }
+        if inside {
+            out.push_str("    ");
+        }
+        out.push_str(line);
+        out.push('\n');
+    }
+    out
 }
 
 fn list() -> String {
