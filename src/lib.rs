@@ -3,5 +3,6 @@
 pub mod decision;
 pub mod deviation;
 pub mod formula;
+pub mod gear;
 pub mod quantity;
 pub mod trig;
