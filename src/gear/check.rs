@@ -38,7 +38,9 @@ pub enum GeometryWarning {
         root_form_diameter_mm: f64,
     },
     /// Less than 0.2 m_n of the pinion's tooth is left at its tip.
-    #[error("pinion tooth is nearly pointed: normal thickness {tip_thickness_mm} mm at the tip, less than {limit_mm} mm")]
+    #[error(
+        "pinion tooth is nearly pointed: normal thickness {tip_thickness_mm} mm at the tip, less than {limit_mm} mm"
+    )]
     NearlyPointed {
         /// Normal tooth thickness at the tip, mm.
         tip_thickness_mm: f64,
@@ -97,8 +99,8 @@ impl Pair {
         let (sin_s, cos_s) = trig::sin_cos(self.shaft_angle_rad());
         let (half_b, half_k) = (p.face_width_mm / 2.0, self.rack().face_width_mm / 2.0);
         let y = |(tau, w): (f64, f64)| p.base_radius_mm * (tau * cos_t - sin_t) * sin_s + w * cos_s;
-        let corners = vec![(low, -half_b), (high, -half_b), (high, half_b), (low, half_b)];
-        let polygon = clip(clip(corners, |q| half_k - y(q)), |q| half_k + y(q));
+        let corners = [(low, -half_b), (high, -half_b), (high, half_b), (low, half_b)];
+        let polygon = clip(&clip(&corners, |q| half_k - y(q)), |q| half_k + y(q));
         let kappa = trig::tan(p.helix_angle_rad) / p.reference_radius_mm;
         let phases = polygon.iter().map(|&(tau, w)| tau - kappa * w);
         let (min, max) = phases.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
@@ -141,7 +143,7 @@ impl Pair {
 }
 
 /// The part of a convex polygon on which a linear function is not negative.
-fn clip(polygon: Vec<(f64, f64)>, inside: impl Fn((f64, f64)) -> f64) -> Vec<(f64, f64)> {
+fn clip(polygon: &[(f64, f64)], inside: impl Fn((f64, f64)) -> f64) -> Vec<(f64, f64)> {
     let mut kept = Vec::with_capacity(polygon.len() + 2);
     for (index, &here) in polygon.iter().enumerate() {
         let next = polygon[(index + 1) % polygon.len()];

@@ -88,7 +88,9 @@ pub enum GeometryError {
         max: f64,
     },
     /// The rack's flanks meet below its tip plane.
-    #[error("rack tooth is pointed: normal thickness {tip_thickness_mm} mm at the tip plane, addendum {addendum_mm} mm")]
+    #[error(
+        "rack tooth is pointed: normal thickness {tip_thickness_mm} mm at the tip plane, addendum {addendum_mm} mm"
+    )]
     PointedRack {
         /// Normal tooth thickness at the tip plane, mm, not positive.
         tip_thickness_mm: f64,
@@ -112,7 +114,9 @@ pub enum GeometryError {
         tip_diameter_mm: f64,
     },
     /// The involute has no length: its start lies at or outside the tip.
-    #[error("pinion has no involute: it starts at diameter {start_diameter_mm} mm and the tip is at {tip_diameter_mm} mm")]
+    #[error(
+        "pinion has no involute: it starts at diameter {start_diameter_mm} mm and the tip is at {tip_diameter_mm} mm"
+    )]
     NoInvolute {
         /// Diameter at which the involute starts (root form, at least the base circle), mm.
         start_diameter_mm: f64,
