@@ -4,5 +4,6 @@ pub mod decision;
 pub mod deviation;
 pub mod formula;
 pub mod gear;
+pub mod mesh;
 pub mod quantity;
 pub mod trig;
