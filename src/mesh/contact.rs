@@ -475,7 +475,27 @@ impl FlankContact {
         if lo > hi {
             return None;
         }
-        if self.form.is_some() { self.search(pose, lo, hi) } else { self.climb(pose, lo, hi) }
+        if self.form.is_some() {
+            return self.search(pose, lo, hi);
+        }
+        // Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
+        // sign the best point jumps from one end of the generator to the other, and there may be a peak on either side.
+        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
+        if !(share > 0.0 && share < 2.0) {
+            return self.climb(pose, lo, hi);
+        }
+        let turn = 2.0 * trig::asin((0.5 * share).sqrt());
+        let past = turn * (1.0 + 1e-9);
+        let mut best: Option<Touch> = None;
+        for (from, to) in [(lo.max(-turn), hi.min(turn)), (lo.max(past), hi), (lo, hi.min(-past))] {
+            if from <= to
+                && let Some(touch) = self.climb(pose, from, to)
+                && best.is_none_or(|best| touch.demand > best.demand)
+            {
+                best = Some(touch);
+            }
+        }
+        best
     }
 
     /// Derivative-free maximum over generators, for flank form.

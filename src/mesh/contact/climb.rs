@@ -8,6 +8,9 @@
 
 use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Touch};
 
+/// Brackets this short (rad) let tangents speak for the function: its square times any curvature is below rounding.
+const NARROW: f64 = 1e-7;
+
 #[derive(Clone, Copy)]
 struct Sample {
     x: f64,
@@ -40,6 +43,8 @@ impl FlankContact {
         let mut x = 0.0_f64.clamp(lo, hi);
         let mut width = f64::INFINITY;
         let mut stalls = 0;
+        // evaluations in a row that moved the same end of the bracket, negative for the upper one
+        let mut run = 0_i32;
         for evaluations in 1..=MAX_EVALUATIONS {
             let sample = Sample { x, generator: self.demand(pose, x) };
             if let Generator::Some { demand, rate, w, kind, slope, .. } = sample.generator {
@@ -54,8 +59,10 @@ impl FlankContact {
             let slope = sample.slope();
             if slope > 0.0 && x < hi {
                 below = Some(sample);
+                run = run.max(0) + 1;
             } else if slope < 0.0 && x > lo {
                 above = Some(sample);
+                run = run.min(0) - 1;
             } else {
                 break;
             }
@@ -65,7 +72,7 @@ impl FlankContact {
             }
             stalls = if b - a > 0.5 * width { stalls + 1 } else { 0 };
             width = b - a;
-            let next = self.propose(pose, scale, tolerance, (a, b), (below, above), best.map(|best| best.demand));
+            let next = self.propose(pose, scale, tolerance, (a, b), (below, above), best.map(|best| best.demand), run);
             x = match next {
                 Next::Done => break,
                 Next::Nothing => return None,
@@ -95,6 +102,7 @@ impl FlankContact {
         (a, b): (f64, f64),
         ends: (Option<Sample>, Option<Sample>),
         best: Option<f64>,
+        run: i32,
     ) -> Next {
         match ends {
             (Some(l), Some(h)) => match (l.generator, h.generator) {
@@ -104,11 +112,20 @@ impl FlankContact {
                 ) => {
                     let meet = ((fh - fl) + sl * a - sh * b) / (sl - sh);
                     let bound = fl + sl * (meet - a);
-                    if best.is_some_and(|best| bound - best <= tolerance) {
+                    // the tangents bound a concave function; on a short bracket any smooth one, up to its square
+                    if b - a <= NARROW && best.is_some_and(|best| bound - best <= tolerance) {
                         return Next::Done;
                     }
                     let same = kl == kh && tl == th && (wl > 0.0) == (wh > 0.0);
-                    Next::Try(if same { a + (b - a) * (sl / (sl - sh)) } else { meet })
+                    if same {
+                        return Next::Try(a + (b - a) * (sl / (sl - sh)));
+                    }
+                    // twice from one side: step over the corner, so that the other side comes close too
+                    Next::Try(match run {
+                        2.. => (meet + 2.0 * (meet - a)).max(a + 0.4 * NARROW).min(0.5 * (a + b)),
+                        ..=-2 => (meet + 2.0 * (meet - b)).min(b - 0.4 * NARROW).max(0.5 * (a + b)),
+                        _ => meet,
+                    })
                 }
                 (Generator::None { gap: gl, slope: sl }, Generator::None { gap: gh, slope: sh }) => {
                     let meet = ((gh - gl) + sl * a - sh * b) / (sl - sh);
