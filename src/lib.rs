@@ -63,6 +63,8 @@ pub mod decision;
 pub mod deviation;
 pub mod diagnostic;
 pub mod formula;
+pub mod gear;
+pub mod mesh;
 pub mod quantity;
 #[cfg(feature = "report")]
 pub mod report;

@@ -1,7 +1,22 @@
 //! What is wrong with a part.
 //!
-//! For the formulas, one value per kind of error ([`ErrorKind`]).
+//! For the formulas, one value per kind of error ([`ErrorKind`]). For the mesh and the multibody model, one
+//! displacement and one lead deviation per tooth and flank: [`RackFlanks`] and [`PinionFlanks`], made by the
+//! spec layer from any number of deviations that add up, and from measured rows ([`RackSpaceRow`],
+//! [`PinionToothRow`]). Nothing here reads a file or computes a contact.
 
+mod error;
+mod form;
 mod kind;
+mod measured;
+mod pinion;
+mod rack;
+mod tooth_range;
 
+pub use error::{DeviationError, DeviationQuantity};
+pub use form::{PinionForm, RackForm};
 pub use kind::{ErrorKind, ErrorValue};
+pub use measured::{PinionToothRow, RackSpaceRow, pinion_flanks_from_rows, rack_flanks_from_spaces};
+pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
+pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};
+pub use tooth_range::{ToothRange, ToothRangeError};

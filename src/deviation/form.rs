@@ -1,0 +1,71 @@
+//! Flank form ground on purpose: crowning, tip relief, profile slope. Part of the flanks that the mesh takes.
+//!
+//! Every amount is material removed (positive), measured along the rack flank's normal at the point of contact:
+//! where a rack point and a pinion point would touch with all forms zero, they are apart by the sum of both
+//! parts' amounts there.
+
+use super::DeviationError;
+use super::error::{DeviationQuantity, length};
+
+/// Form of the rack's flanks.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RackForm {
+    /// Lead crowning c: c (2y/k)² is removed at the distance y from mid-width, mm.
+    pub crowning_mm: f64,
+    /// Tip relief t: t (h − h_0)/(h_a − h_0) is removed at the height h > h_0 on the flank, mm.
+    pub tip_relief_mm: f64,
+    /// Height h_0 above the reference plane at which the tip relief starts, mm, below the addendum h_a.
+    pub tip_relief_start_mm: f64,
+}
+
+/// Form of the pinion's flanks.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PinionForm {
+    /// Lead crowning c: c (2w/b)² is removed at the axial distance w from mid-width, mm.
+    pub crowning_mm: f64,
+    /// Profile slope f: f (τ − τ_0)/(τ_a − τ_0) is removed at the roll angle τ between the involute's start τ_0
+    /// and the tip τ_a, mm.
+    pub profile_slope_mm: f64,
+}
+
+impl RackForm {
+    /// Whether the flanks are planes.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.crowning_mm == 0.0 && self.tip_relief_mm == 0.0
+    }
+
+    pub(super) fn checked(self, addendum_mm: f64) -> Result<Self, DeviationError> {
+        for value in [self.crowning_mm, self.tip_relief_mm, self.tip_relief_start_mm] {
+            length(DeviationQuantity::Form, value)?;
+        }
+        // removal only: a negative amount would make the flank concave, and contact there is not unique
+        for value in [self.crowning_mm, self.tip_relief_mm] {
+            if value < 0.0 {
+                return Err(DeviationError::OutOfDomain { quantity: DeviationQuantity::Form, value, limit: 0.0 });
+            }
+        }
+        if self.tip_relief_mm != 0.0 && self.tip_relief_start_mm >= addendum_mm {
+            let value = self.tip_relief_start_mm;
+            return Err(DeviationError::OutOfDomain { quantity: DeviationQuantity::Form, value, limit: addendum_mm });
+        }
+        Ok(self)
+    }
+}
+
+impl PinionForm {
+    /// Whether the flanks are involute helicoids.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.crowning_mm == 0.0 && self.profile_slope_mm == 0.0
+    }
+
+    pub(super) fn checked(self) -> Result<Self, DeviationError> {
+        length(DeviationQuantity::Form, self.profile_slope_mm)?;
+        let value = length(DeviationQuantity::Form, self.crowning_mm)?;
+        if value < 0.0 {
+            return Err(DeviationError::OutOfDomain { quantity: DeviationQuantity::Form, value, limit: 0.0 });
+        }
+        Ok(self)
+    }
+}

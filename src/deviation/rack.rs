@@ -1,0 +1,187 @@
+//! Deviations of the rack, per tooth and flank. Built by the spec layer, evaluated tooth by tooth by the mesh
+//! and the multibody model, so that a long rack costs nothing; never knows which teeth are in contact.
+
+use std::collections::BTreeMap;
+
+use super::error::{DeviationError, DeviationQuantity, length, within};
+use super::{RackForm, ToothRange};
+use crate::gear::Pair;
+use crate::trig;
+
+/// One deviation of some of the rack's teeth. Any number of them add up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RackDeviation {
+    /// The teeth it is on.
+    pub teeth: ToothRange,
+    /// What it does.
+    pub kind: RackDeviationKind,
+}
+
+/// What a deviation does to a rack tooth. Lengths in mm, angles in rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RackDeviationKind {
+    /// Both flank planes shifted along Z; the tip plane stays.
+    OverRoller(f64),
+    /// The pitch before each of these teeth is longer by this; later teeth keep the sum.
+    Pitch(f64),
+    /// The teeth shifted along X.
+    Shift(f64),
+    /// Normal tooth thickness at the reference plane changed; half to each flank.
+    Thickness(f64),
+    /// Helix angle deviation, positive towards right hand: each flank turned about the vertical through its own
+    /// point at Y = 0, Z = 0, its inclination to Z kept.
+    Lead(f64),
+    /// The left flank (facing −X) moved along X, outward positive.
+    Left(f64),
+    /// The right flank (facing +X) moved along X, outward positive.
+    Right(f64),
+}
+
+/// Where one flank of a rack tooth is, relative to nominal.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RackFlank {
+    /// Displacement along +X at Y = 0, Z = 0, mm (outward for a right flank, inward for a left one).
+    pub along_x_mm: f64,
+    /// Displacement along +Z, mm; applied after the turn.
+    pub along_z_mm: f64,
+    /// Turn of the tooth line, positive towards right hand, rad.
+    pub lead_rad: f64,
+}
+
+/// Both flanks of a rack tooth.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RackTooth {
+    /// The flank that faces −X.
+    pub left: RackFlank,
+    /// The flank that faces +X.
+    pub right: RackFlank,
+}
+
+/// All deviations of a rack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RackFlanks {
+    deviations: Vec<RackDeviation>,
+    measured: BTreeMap<i64, RackTooth>,
+    form: RackForm,
+    /// Normal thickness to displacement of each flank along X, 1/(2 cos β_r).
+    thickness_to_x: f64,
+    helix_angle_rad: f64,
+}
+
+/// Steepest tooth line a lead deviation may lead to.
+const MAX_HELIX_RAD: f64 = 85.0 * std::f64::consts::PI / 180.0;
+
+impl RackFlanks {
+    /// A rack without deviations.
+    #[must_use]
+    pub fn nominal(pair: &Pair) -> Self {
+        let helix_angle_rad = pair.rack().helix_angle_rad;
+        Self {
+            deviations: Vec::new(),
+            measured: BTreeMap::new(),
+            form: RackForm::default(),
+            thickness_to_x: 0.5 / trig::cos(helix_angle_rad),
+            helix_angle_rad,
+        }
+    }
+
+    /// A rack with deviations, which add up.
+    ///
+    /// # Errors
+    /// [`DeviationError::OutOfDomain`] if a value is not finite, longer than 1 km, or turns a tooth line beyond 85°.
+    pub fn new(pair: &Pair, deviations: &[RackDeviation]) -> Result<Self, DeviationError> {
+        let mut flanks = Self::nominal(pair);
+        let mut lead_sum = 0.0;
+        for deviation in deviations {
+            match deviation.kind {
+                RackDeviationKind::Lead(value) => lead_sum += within(DeviationQuantity::Lead, value, 1.0)?.abs(),
+                RackDeviationKind::OverRoller(value)
+                | RackDeviationKind::Pitch(value)
+                | RackDeviationKind::Shift(value)
+                | RackDeviationKind::Thickness(value)
+                | RackDeviationKind::Left(value)
+                | RackDeviationKind::Right(value) => {
+                    length(DeviationQuantity::Displacement, value)?;
+                }
+            }
+        }
+        flanks.check_lead(lead_sum)?;
+        flanks.deviations = deviations.to_vec();
+        Ok(flanks)
+    }
+
+    /// The same rack with measured displacements added, as [`rack_flanks_from_spaces`](super::rack_flanks_from_spaces)
+    /// gives them.
+    ///
+    /// # Errors
+    /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
+    pub fn with_measured(mut self, measured: BTreeMap<i64, RackTooth>) -> Result<Self, DeviationError> {
+        for flank in measured.values().flat_map(|tooth| [tooth.left, tooth.right]) {
+            length(DeviationQuantity::Displacement, flank.along_x_mm)?;
+            length(DeviationQuantity::Displacement, flank.along_z_mm)?;
+            self.check_lead(flank.lead_rad)?;
+        }
+        self.measured = measured;
+        Ok(self)
+    }
+
+    /// The same rack with flank form.
+    ///
+    /// # Errors
+    /// [`DeviationError::OutOfDomain`] for a negative amount or a relief that starts above the tip.
+    pub fn with_form(mut self, pair: &Pair, form: RackForm) -> Result<Self, DeviationError> {
+        self.form = form.checked(pair.rack().addendum_mm)?;
+        Ok(self)
+    }
+
+    fn check_lead(&self, lead: f64) -> Result<(), DeviationError> {
+        within(DeviationQuantity::Lead, lead, MAX_HELIX_RAD - self.helix_angle_rad.abs()).map(drop)
+    }
+
+    /// The form of all its flanks.
+    #[must_use]
+    pub const fn form(&self) -> &RackForm {
+        &self.form
+    }
+
+    /// Where the flanks of a tooth are.
+    #[must_use]
+    pub fn tooth(&self, index: i64) -> RackTooth {
+        let mut tooth = self.measured.get(&index).copied().unwrap_or_default();
+        for deviation in &self.deviations {
+            let RackTooth { left, right } = &mut tooth;
+            if let RackDeviationKind::Pitch(value) = deviation.kind {
+                // indices stay below 2⁵¹, so the conversion is exact
+                #[allow(clippy::cast_precision_loss)]
+                let sum = deviation.teeth.pitches_before(index) as f64 * value;
+                left.along_x_mm += sum;
+                right.along_x_mm += sum;
+                continue;
+            }
+            if !deviation.teeth.contains(index) {
+                continue;
+            }
+            match deviation.kind {
+                RackDeviationKind::OverRoller(value) => {
+                    left.along_z_mm += value;
+                    right.along_z_mm += value;
+                }
+                RackDeviationKind::Pitch(value) | RackDeviationKind::Shift(value) => {
+                    left.along_x_mm += value;
+                    right.along_x_mm += value;
+                }
+                RackDeviationKind::Thickness(value) => {
+                    left.along_x_mm -= value * self.thickness_to_x;
+                    right.along_x_mm += value * self.thickness_to_x;
+                }
+                RackDeviationKind::Lead(value) => {
+                    left.lead_rad += value;
+                    right.lead_rad += value;
+                }
+                RackDeviationKind::Left(value) => left.along_x_mm -= value,
+                RackDeviationKind::Right(value) => right.along_x_mm += value,
+            }
+        }
+        tooth
+    }
+}

@@ -1,0 +1,160 @@
+//! What a valid geometry does badly: contact ratio, undercut, interference, thin tips. Called by whoever
+//! builds a [`Pair`] and wants to warn; forbids nothing.
+
+use super::Pair;
+use crate::trig;
+
+/// Contact ratio of the nominal pair, in teeth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactRatio {
+    /// Length of the path of contact in a transverse section of the pinion over the base pitch.
+    pub transverse: f64,
+    /// What the helix adds: total − transverse; 0 for a pinion without helix.
+    pub overlap: f64,
+    /// The stroke during which one flank pair keeps contact anywhere, over the pitch.
+    pub total: f64,
+}
+
+/// Something about a valid geometry that a designer would want to know.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GeometryWarning {
+    /// A rack cutter as high as this rack would undercut the pinion.
+    #[error("undercut: profile shift {profile_shift} is below the limit {limit} for this addendum")]
+    Undercut {
+        /// The pinion's profile shift coefficient.
+        profile_shift: f64,
+        /// The smallest one without undercut, (h_a − r sin² α_t)/m_n.
+        limit: f64,
+    },
+    /// The rack's tip reaches further down than the involute.
+    #[error(
+        "tip interference: the rack tip would touch at diameter {contact_diameter_mm} mm, the involute starts at {root_form_diameter_mm} mm"
+    )]
+    TipInterference {
+        /// Pinion diameter at which the rack's tip edge would touch, mm.
+        contact_diameter_mm: f64,
+        /// Diameter at which the involute starts, mm.
+        root_form_diameter_mm: f64,
+    },
+    /// Less than 0.2 m_n of the pinion's tooth is left at its tip.
+    #[error(
+        "pinion tooth is nearly pointed: normal thickness {tip_thickness_mm} mm at the tip, less than {limit_mm} mm"
+    )]
+    NearlyPointed {
+        /// Normal tooth thickness at the tip, mm.
+        tip_thickness_mm: f64,
+        /// 0.2 m_n, mm.
+        limit_mm: f64,
+    },
+    /// A flank pair leaves contact before the next one enters it.
+    #[error("contact ratio {total} is below 1 (transverse {transverse}, overlap {overlap})")]
+    LowContactRatio {
+        /// Transverse contact ratio.
+        transverse: f64,
+        /// Overlap ratio.
+        overlap: f64,
+        /// Their sum.
+        total: f64,
+    },
+}
+
+/// Below this share of m_n the tip's case would be hardened through (usual workshop rule).
+const THIN_TIP: f64 = 0.2;
+
+impl Pair {
+    /// Smallest profile shift at which a rack cutter with this rack's addendum leaves no undercut:
+    /// x = (h_a − r sin² α_t) / m_n.
+    #[must_use]
+    pub fn undercut_limit(&self) -> f64 {
+        let sin_t = trig::sin(self.pinion().transverse_pressure_angle_rad);
+        (self.rack().addendum_mm - self.pinion().reference_radius_mm * sin_t * sin_t) / self.normal_module_mm()
+    }
+
+    /// Roll angle τ at which the rack's tip plane meets the line of action at a = a_0:
+    /// the contact point's height is Z = x m_n + r sin² α_t − r_b τ sin α_t. Negative with undercut.
+    fn rack_tip_roll_rad(&self) -> f64 {
+        let p = self.pinion();
+        let sin_t = trig::sin(p.transverse_pressure_angle_rad);
+        let height = p.profile_shift * self.normal_module_mm() + p.reference_radius_mm * sin_t * sin_t;
+        (height - self.rack().addendum_mm) / (p.base_radius_mm * sin_t)
+    }
+
+    /// Contact ratio of the nominal pair at a_0.
+    ///
+    /// A point of contact is known by its roll angle τ and its place w along the pinion's axis. The pair's flanks
+    /// bound both: τ between the involute's start (or the rack's tip) and its tip, |w| ≤ b/2, and |y| ≤ k/2
+    /// with y = r_b (τ cos α_t − sin α_t) sin Σ + w cos Σ. On that polygon the phase of the mesh is
+    /// τ − w tan β_b / r_b; its extent over the angular pitch is the total contact ratio.
+    #[must_use]
+    pub fn contact_ratio(&self) -> ContactRatio {
+        let p = self.pinion();
+        let low = self.rack_tip_roll_rad().max(p.start_roll_rad);
+        let high = p.tip_roll_rad;
+        let pitch = p.angular_pitch_rad();
+        if low >= high {
+            return ContactRatio { transverse: 0.0, overlap: 0.0, total: 0.0 };
+        }
+        let (sin_t, cos_t) = trig::sin_cos(p.transverse_pressure_angle_rad);
+        let (sin_s, cos_s) = trig::sin_cos(self.shaft_angle_rad());
+        let (half_b, half_k) = (p.face_width_mm / 2.0, self.rack().face_width_mm / 2.0);
+        let y = |(tau, w): (f64, f64)| p.base_radius_mm * (tau * cos_t - sin_t) * sin_s + w * cos_s;
+        let corners = [(low, -half_b), (high, -half_b), (high, half_b), (low, half_b)];
+        let polygon = clip(&clip(&corners, |q| half_k - y(q)), |q| half_k + y(q));
+        let kappa = trig::tan(p.helix_angle_rad) / p.reference_radius_mm;
+        let phases = polygon.iter().map(|&(tau, w)| tau - kappa * w);
+        let (min, max) = phases.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
+        let total = if max > min { (max - min) / pitch } else { 0.0 };
+        let transverse = ((high - low) / pitch).min(total);
+        ContactRatio { transverse, overlap: total - transverse, total }
+    }
+
+    /// Everything about this geometry that a designer would want to know, worst first.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<GeometryWarning> {
+        let p = self.pinion();
+        let mut found = Vec::new();
+        let ratio = self.contact_ratio();
+        if ratio.total < 1.0 {
+            let ContactRatio { transverse, overlap, total } = ratio;
+            found.push(GeometryWarning::LowContactRatio { transverse, overlap, total });
+        }
+        let limit = self.undercut_limit();
+        if p.profile_shift < limit {
+            found.push(GeometryWarning::Undercut { profile_shift: p.profile_shift, limit });
+        }
+        let roll = self.rack_tip_roll_rad();
+        if roll < p.start_roll_rad {
+            let roll = roll.max(0.0);
+            found.push(GeometryWarning::TipInterference {
+                contact_diameter_mm: 2.0 * p.base_radius_mm * (1.0 + roll * roll).sqrt(),
+                root_form_diameter_mm: 2.0 * p.root_form_radius_mm,
+            });
+        }
+        // the helix angle at the tip circle: tan β_a = (r_a / r) tan β_p
+        let tan_tip = p.tip_radius_mm / p.reference_radius_mm * trig::tan(p.helix_angle_rad);
+        let normal = p.tip_thickness_mm() / (1.0 + tan_tip * tan_tip).sqrt();
+        let limit_mm = THIN_TIP * self.normal_module_mm();
+        if normal < limit_mm {
+            found.push(GeometryWarning::NearlyPointed { tip_thickness_mm: normal, limit_mm });
+        }
+        found
+    }
+}
+
+/// The part of a convex polygon on which a linear function is not negative.
+fn clip(polygon: &[(f64, f64)], inside: impl Fn((f64, f64)) -> f64) -> Vec<(f64, f64)> {
+    let mut kept = Vec::with_capacity(polygon.len() + 2);
+    for (index, &here) in polygon.iter().enumerate() {
+        let next = polygon[(index + 1) % polygon.len()];
+        let (f, g) = (inside(here), inside(next));
+        if f >= 0.0 {
+            kept.push(here);
+        }
+        if (f > 0.0 && g < 0.0) || (f < 0.0 && g > 0.0) {
+            let t = f / (f - g);
+            kept.push((here.0 + t * (next.0 - here.0), here.1 + t * (next.1 - here.1)));
+        }
+    }
+    kept
+}

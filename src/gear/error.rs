@@ -1,0 +1,126 @@
+//! Why a geometry cannot be built. Raised by [`Pair::new`](super::Pair::new); holds data, words only in `Display`.
+
+use std::fmt;
+
+/// A quantity of the pair's drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Normal module m_n.
+    NormalModule,
+    /// Normal pressure angle α_n.
+    NormalPressureAngle,
+    /// Rack helix angle β_r.
+    RackHelixAngle,
+    /// Rack face width k.
+    RackFaceWidth,
+    /// Rack addendum.
+    RackAddendum,
+    /// Rack normal tooth thickness.
+    RackToothThickness,
+    /// Pinion number of teeth z.
+    PinionTeeth,
+    /// Pinion helix angle β_p.
+    PinionHelixAngle,
+    /// Pinion profile shift coefficient x.
+    PinionProfileShift,
+    /// Pinion tip diameter.
+    PinionTipDiameter,
+    /// Pinion root form diameter.
+    PinionRootFormDiameter,
+    /// Pinion face width b.
+    PinionFaceWidth,
+    /// Pinion tooth thickness deviation.
+    PinionToothThicknessDeviation,
+}
+
+impl Quantity {
+    /// The name that people read.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NormalModule => "normal module",
+            Self::NormalPressureAngle => "normal pressure angle",
+            Self::RackHelixAngle => "rack helix angle",
+            Self::RackFaceWidth => "rack face width",
+            Self::RackAddendum => "rack addendum",
+            Self::RackToothThickness => "rack tooth thickness",
+            Self::PinionTeeth => "pinion number of teeth",
+            Self::PinionHelixAngle => "pinion helix angle",
+            Self::PinionProfileShift => "pinion profile shift",
+            Self::PinionTipDiameter => "pinion tip diameter",
+            Self::PinionRootFormDiameter => "pinion root form diameter",
+            Self::PinionFaceWidth => "pinion face width",
+            Self::PinionToothThicknessDeviation => "pinion tooth thickness deviation",
+        }
+    }
+
+    /// The unit its values are in: `mm`, `rad` or nothing.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::NormalPressureAngle | Self::RackHelixAngle | Self::PinionHelixAngle => "rad",
+            Self::PinionTeeth | Self::PinionProfileShift => "",
+            _ => "mm",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Why a rack and pinion with these numbers cannot exist or cannot mesh.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GeometryError {
+    /// A value outside the domain in which the geometry is defined (NaN and infinities always are).
+    #[error("{quantity} = {value} {unit} is outside {min} .. {max}", unit = .quantity.unit())]
+    OutOfDomain {
+        /// Which number.
+        quantity: Quantity,
+        /// Its value, in the quantity's unit.
+        value: f64,
+        /// Smallest allowed value.
+        min: f64,
+        /// Largest allowed value.
+        max: f64,
+    },
+    /// The rack's flanks meet below its tip plane.
+    #[error(
+        "rack tooth is pointed: normal thickness {tip_thickness_mm} mm at the tip plane, addendum {addendum_mm} mm"
+    )]
+    PointedRack {
+        /// Normal tooth thickness at the tip plane, mm, not positive.
+        tip_thickness_mm: f64,
+        /// The addendum, mm.
+        addendum_mm: f64,
+    },
+    /// The rack's teeth are as thick as the pitch: no space is left for the pinion.
+    #[error("rack tooth space has no width: normal thickness {tooth_thickness_mm} mm, normal pitch {pitch_mm} mm")]
+    NoRackSpace {
+        /// Normal tooth thickness at the reference plane, mm.
+        tooth_thickness_mm: f64,
+        /// Normal pitch, mm.
+        pitch_mm: f64,
+    },
+    /// The pinion's flanks meet below its tip circle.
+    #[error("pinion tooth is pointed: transverse thickness {tip_thickness_mm} mm at tip diameter {tip_diameter_mm} mm")]
+    PointedPinion {
+        /// Transverse tooth thickness at the tip, mm, not positive.
+        tip_thickness_mm: f64,
+        /// The tip diameter, mm.
+        tip_diameter_mm: f64,
+    },
+    /// The involute has no length: its start lies at or outside the tip.
+    #[error(
+        "pinion has no involute: it starts at diameter {start_diameter_mm} mm and the tip is at {tip_diameter_mm} mm"
+    )]
+    NoInvolute {
+        /// Diameter at which the involute starts (root form, at least the base circle), mm.
+        start_diameter_mm: f64,
+        /// The tip diameter, mm.
+        tip_diameter_mm: f64,
+    },
+}

@@ -1,0 +1,548 @@
+//! One rack flank against one pinion flank: the centre distance at which they touch. Called by the solver for every
+//! flank pair in reach; knows nothing of other teeth, strokes or tolerances of a curve.
+//!
+//! # Setting
+//! Everything is written for a right flank of the rack and a left flank of the pinion; the other side is the mirror
+//! image in X. Transverse coordinates of the pinion are ξ, horizontal, and ζ, vertical, both from its axis, and w
+//! along the axis. With the base radius r_b, κ = tan β_b / r_b and the angle c of the flank's start at
+//! mid-width, the involute helicoid is the set of straight generators, one for each angle γ,
+//!
+//! ```text
+//! τ = γ − c + κ w,   ξ = r_b (sin γ − τ cos γ),   ζ = −r_b (cos γ + τ sin γ),
+//! ```
+//!
+//! bounded by τ_0 ≤ τ ≤ τ_a, |w| ≤ b/2, and by the rack's end faces |y| ≤ k/2. Along a generator all coordinates are
+//! linear in w. The rack tooth is the solid under planes; where a pinion point lies over it, the flank's plane and
+//! the tip's plane each ask for a centre distance that is linear in the coordinates, and the smaller of both keeps the
+//! point out. So on one generator the largest demand is that of a concave function, piecewise linear in w,
+//! on an interval: it is found in closed form ([`FlankContact::demand`]), and what remains is one maximum over γ.
+//!
+//! With ν the angle at which the flank plane's normal appears in the transverse plane and δ = γ − ν, the demand at a
+//! fixed w has the derivative −(r_b/sin ν) τ sin δ: without bounds the best generator is δ = 0. If the base helix angle
+//! fits the plane, the demand is constant along that generator, which is then the contact line.
+
+mod climb;
+
+use std::f64::consts::PI;
+
+use crate::trig;
+
+/// A plane of the rack tooth, scaled so that it asks for the centre distance `d − t ξ − w_coefficient w − ζ`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Plane {
+    pub(super) d: f64,
+    pub(super) t: f64,
+    pub(super) w: f64,
+}
+
+/// The coordinate across the rack: `t ξ + w_coefficient w + z ζ + pose.across`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Across {
+    pub(super) t: f64,
+    pub(super) w: f64,
+    pub(super) z: f64,
+    pub(super) half_width: f64,
+}
+
+/// Flank form of both parts, as amounts along Z.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Form {
+    pub(super) rack_crowning: f64,
+    pub(super) pinion_crowning: f64,
+    pub(super) profile_slope: f64,
+    pub(super) tip_relief: f64,
+    pub(super) relief_start: f64,
+    pub(super) tip: f64,
+}
+
+/// Where on the flanks a contact is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ContactKind {
+    /// Along a whole generator: flank against flank.
+    Line,
+    /// Inside both flanks at one point; only with flank form.
+    Point,
+    /// At the pinion's tip edge.
+    TipEdge,
+    /// At the edge where the pinion's involute starts.
+    RootEdge,
+    /// At the edge between the rack's flank and its tip plane.
+    RackEdge,
+    /// At an end face of the rack.
+    RackEndEdge,
+    /// At an end face of the pinion.
+    PinionEndEdge,
+    /// Where two of these edges meet.
+    Corner,
+}
+
+impl ContactKind {
+    /// The name in tables and CSV: `line`, `tip edge`, `rack edge`, `end edge`, ...
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Point => "point",
+            Self::TipEdge => "tip edge",
+            Self::RootEdge => "root edge",
+            Self::RackEdge => "rack edge",
+            Self::RackEndEdge | Self::PinionEndEdge => "end edge",
+            Self::Corner => "corner",
+        }
+    }
+}
+
+impl std::fmt::Display for ContactKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A flank pair, ready to be asked. `c` and the eccentric offsets are set for each position of the pinion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FlankContact {
+    pub(super) base_radius: f64,
+    pub(super) kappa: f64,
+    pub(super) start_roll: f64,
+    pub(super) tip_roll: f64,
+    pub(super) half_face: f64,
+    pub(super) flank: Plane,
+    pub(super) tip: Plane,
+    pub(super) across: Across,
+    /// ν and its sine and cosine.
+    pub(super) nu: f64,
+    pub(super) sin_nu: f64,
+    pub(super) cos_nu: f64,
+    /// Whether the base helix angle fits the plane, so that the contact line is a generator.
+    pub(super) fits: bool,
+    /// Bound of |w| from all end faces.
+    pub(super) w_extent: f64,
+    /// Slope of the demand along the generator δ = 0.
+    pub(super) tilt: f64,
+    pub(super) form: Option<Form>,
+}
+
+/// The part that changes with the pinion's rotation and the stroke.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pose {
+    /// Angle of the flank's start at mid-width.
+    pub(super) c: f64,
+    /// Added to the flank plane's `d`.
+    pub(super) shift: f64,
+    /// Eccentric offset along ξ and ζ, and its derivative by c.
+    pub(super) offset: (f64, f64),
+    pub(super) offset_rate: (f64, f64),
+    /// Constant part of the coordinate across the rack; not 0 only when the rack is rolled.
+    pub(super) across: f64,
+}
+
+/// The largest demand of a flank pair and where it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    /// Centre distance asked for.
+    pub(super) demand: f64,
+    /// Its derivative by c.
+    pub(super) rate: f64,
+    pub(super) kind: ContactKind,
+    /// Generator and place on it.
+    pub(super) delta: f64,
+    pub(super) w: f64,
+    pub(super) evaluations: u32,
+}
+
+/// The demand of one generator.
+#[derive(Debug, Clone, Copy)]
+enum Generator {
+    /// It has points over the rack tooth.
+    Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, on_tip: bool },
+    /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope`.
+    None { gap: f64, slope: f64 },
+}
+
+/// Bounds on w may miss each other by this share of the face width and still count as meeting: the vertex of a
+/// patch is a point, and rounding must not lose it.
+const VERTEX: f64 = 1e-13;
+
+/// Relative accuracy of a demand, against the base radius. Rounding leaves about 1e-15.
+const DEMAND: f64 = 2e-15;
+
+/// Iterations after which a maximum over generators is given up refining; the bracket halves at least every third.
+const MAX_EVALUATIONS: u32 = 200;
+
+#[derive(Clone, Copy)]
+struct Bound {
+    w: f64,
+    slope: f64,
+    rate: f64,
+    kind: ContactKind,
+}
+
+/// A linear function of w on the generator at δ, with its derivatives by δ and c.
+#[derive(Clone, Copy)]
+struct Line {
+    p: f64,
+    q: f64,
+    p_slope: f64,
+    q_slope: f64,
+    p_rate: f64,
+}
+
+impl Line {
+    fn at(&self, w: f64) -> f64 {
+        self.p + self.q * w
+    }
+    fn slope_at(&self, w: f64) -> f64 {
+        self.p_slope + self.q_slope * w
+    }
+}
+
+/// Coordinates on a generator.
+struct Coordinates {
+    t0: f64,
+    xi: Line,
+    zeta: Line,
+}
+
+impl FlankContact {
+    fn coordinates(&self, pose: &Pose, delta: f64) -> Coordinates {
+        let (sin_d, cos_d) = trig::sin_cos(delta);
+        let sin = sin_d * self.cos_nu + cos_d * self.sin_nu;
+        let cos = cos_d * self.cos_nu - sin_d * self.sin_nu;
+        let r = self.base_radius;
+        let t0 = (self.nu - pose.c) + delta;
+        let rk = r * self.kappa;
+        Coordinates {
+            t0,
+            xi: Line {
+                p: r * (sin - t0 * cos) + pose.offset.0,
+                q: -rk * cos,
+                p_slope: r * t0 * sin,
+                q_slope: rk * sin,
+                p_rate: r * cos + pose.offset_rate.0,
+            },
+            zeta: Line {
+                p: -r * (cos + t0 * sin) + pose.offset.1,
+                q: -rk * sin,
+                p_slope: -r * t0 * cos,
+                q_slope: -rk * cos,
+                p_rate: r * sin + pose.offset_rate.1,
+            },
+        }
+    }
+
+    fn plane(plane: &Plane, shift: f64, at: &Coordinates) -> Line {
+        let Coordinates { xi, zeta, .. } = at;
+        Line {
+            p: plane.d + shift - plane.t * xi.p - zeta.p,
+            q: -plane.t * xi.q - plane.w - zeta.q,
+            p_slope: -plane.t * xi.p_slope - zeta.p_slope,
+            q_slope: -plane.t * xi.q_slope - zeta.q_slope,
+            p_rate: -plane.t * xi.p_rate - zeta.p_rate,
+        }
+    }
+
+    fn across_line(&self, pose: &Pose, at: &Coordinates) -> Line {
+        let (a, Coordinates { xi, zeta, .. }) = (&self.across, at);
+        Line {
+            p: a.t * xi.p + a.z * zeta.p + pose.across,
+            q: a.t * xi.q + a.z * zeta.q + a.w,
+            p_slope: a.t * xi.p_slope + a.z * zeta.p_slope,
+            q_slope: a.t * xi.q_slope + a.z * zeta.q_slope,
+            p_rate: a.t * xi.p_rate + a.z * zeta.p_rate,
+        }
+    }
+
+    /// The interval of w on a generator.
+    fn interval(&self, pose: &Pose, at: &Coordinates) -> (Bound, Bound) {
+        let end = |w| Bound { w, slope: 0.0, rate: 0.0, kind: ContactKind::PinionEndEdge };
+        let (mut lo, mut hi) = (end(-self.half_face), end(self.half_face));
+        let mut narrow = |low: Bound, high: Bound| {
+            if low.w > lo.w {
+                lo = low;
+            }
+            if high.w < hi.w {
+                hi = high;
+            }
+        };
+        if self.kappa == 0.0 {
+            // the generator lies at one roll angle; the caller keeps that within bounds
+        } else {
+            let inverse = 1.0 / self.kappa;
+            let edge = |roll: f64, kind| Bound { w: (roll - at.t0) * inverse, slope: -inverse, rate: inverse, kind };
+            let (root, tip) = (edge(self.start_roll, ContactKind::RootEdge), edge(self.tip_roll, ContactKind::TipEdge));
+            if inverse > 0.0 { narrow(root, tip) } else { narrow(tip, root) }
+        }
+        let y = self.across_line(pose, at);
+        let k = self.across.half_width;
+        if y.q.abs() * self.half_face > 1e-12 * k {
+            let inverse = 1.0 / y.q;
+            let edge = |y_end: f64| {
+                let w = (y_end - y.p) * inverse;
+                Bound {
+                    w,
+                    slope: -y.slope_at(w) * inverse,
+                    rate: -y.p_rate * inverse,
+                    kind: ContactKind::RackEndEdge,
+                }
+            };
+            if inverse > 0.0 { narrow(edge(-k), edge(k)) } else { narrow(edge(k), edge(-k)) }
+        } else if y.p.abs() > k {
+            // the generator runs along the rack, outside it: no w helps, δ must change
+            let gap = (k - y.p.abs()).min(0.0);
+            let slope = -y.p_slope * y.p.signum();
+            let kind = ContactKind::RackEndEdge;
+            return (
+                Bound { w: -gap / 2.0, slope: -slope / 2.0, rate: 0.0, kind },
+                Bound { w: gap / 2.0, slope: slope / 2.0, rate: 0.0, kind },
+            );
+        }
+        (lo, hi)
+    }
+
+    /// The largest demand on the generator δ.
+    fn demand(&self, pose: &Pose, delta: f64) -> Generator {
+        let at = self.coordinates(pose, delta);
+        let (lo, hi) = self.interval(pose, &at);
+        let gap = hi.w - lo.w;
+        if gap < -VERTEX * self.half_face {
+            return Generator::None { gap, slope: hi.slope - lo.slope };
+        }
+        let flank = Self::plane(&self.flank, pose.shift, &at);
+        let tip = Self::plane(&self.tip, 0.0, &at);
+        if let Some(form) = self.form {
+            return self.demand_with_form(&form, pose, &at, flank, tip, (lo, hi));
+        }
+        let at_bound = |bound: &Bound| {
+            let (f, t) = (flank.at(bound.w), tip.at(bound.w));
+            if f <= t { (f, flank, false) } else { (t, tip, true) }
+        };
+        let ended = |bound: &Bound, demand: f64, line: &Line, on_tip: bool| Generator::Some {
+            demand,
+            slope: line.slope_at(bound.w) + line.q * bound.slope,
+            rate: line.p_rate + line.q * bound.rate,
+            w: bound.w,
+            kind: bound.kind,
+            on_tip,
+        };
+        let (demand, line, on_tip) = at_bound(&hi);
+        if line.q >= 0.0 {
+            return ended(&hi, demand, &line, on_tip);
+        }
+        let (demand, line, on_tip) = at_bound(&lo);
+        if line.q <= 0.0 {
+            return ended(&lo, demand, &line, on_tip);
+        }
+        // rising at the lower end and falling at the upper one: the two planes cross between
+        let inverse = 1.0 / (tip.q - flank.q);
+        let w = ((flank.p - tip.p) * inverse).clamp(lo.w.min(hi.w), hi.w.max(lo.w));
+        let w_slope = (flank.slope_at(w) - tip.slope_at(w)) * inverse;
+        let w_rate = (flank.p_rate - tip.p_rate) * inverse;
+        Generator::Some {
+            demand: flank.at(w).min(tip.at(w)),
+            slope: flank.slope_at(w) + flank.q * w_slope,
+            rate: flank.p_rate + flank.q * w_rate,
+            w,
+            kind: ContactKind::RackEdge,
+            on_tip: false,
+        }
+    }
+
+    /// The same with flank form: still concave in w, but no longer piecewise linear, so it is searched.
+    fn demand_with_form(
+        &self,
+        form: &Form,
+        pose: &Pose,
+        at: &Coordinates,
+        flank: Line,
+        tip: Line,
+        (lo, hi): (Bound, Bound),
+    ) -> Generator {
+        let y = self.across_line(pose, at);
+        let value = |w: f64| {
+            let across = y.at(w) / self.across.half_width;
+            let axial = w / self.half_face;
+            let roll = (at.t0 + self.kappa * w - self.start_roll) / (self.tip_roll - self.start_roll);
+            let plane = flank.at(w);
+            let relief = if form.tip_relief > 0.0 {
+                let height = plane + at.zeta.at(w);
+                form.tip_relief * ((height - form.relief_start) / (form.tip - form.relief_start)).max(0.0)
+            } else {
+                0.0
+            };
+            let formed = plane
+                - form.rack_crowning * across * across
+                - form.pinion_crowning * axial * axial
+                - form.profile_slope * roll
+                - relief;
+            formed.min(tip.at(w))
+        };
+        let w = golden(lo.w, hi.w.max(lo.w), &value);
+        let near = 1e-6 * self.half_face;
+        let on_tip = (tip.at(w) - value(w)).abs() <= 1e-9 * self.half_face;
+        let kind = match (w - lo.w < near, hi.w - w < near) {
+            (true, _) => lo.kind,
+            (_, true) => hi.kind,
+            _ if on_tip => ContactKind::RackEdge,
+            _ => ContactKind::Point,
+        };
+        Generator::Some { demand: value(w), slope: f64::NAN, rate: flank.p_rate, w, kind, on_tip }
+    }
+
+    /// A demand that this pair cannot exceed: at each w the best generator is δ = 0, and where that lies off the
+    /// involute by the roll angle η the edge stays clear of it by (r_b/sin ν)(τ η²/2 + …).
+    pub(super) fn upper_bound(&self, pose: &Pose) -> f64 {
+        let scale = self.base_radius / self.sin_nu;
+        let roll = self.nu - pose.c;
+        let reach = self.kappa.abs() * self.w_extent;
+        let beyond_tip = roll - reach - self.tip_roll;
+        let below_start = self.start_roll - reach - roll;
+        let loss = if beyond_tip > 0.0 {
+            let e = beyond_tip.min(1.0);
+            e * e * (self.tip_roll * (0.5 - e * e / 24.0))
+        } else if below_start > 0.0 {
+            let e = below_start.min(1.0);
+            e * e * (self.start_roll * (0.5 - e * e / 24.0) - e / 6.0)
+        } else {
+            0.0
+        };
+        let slope = if self.form.is_some_and(|form| form.profile_slope < 0.0) {
+            self.form.map_or(0.0, |form| -form.profile_slope)
+        } else {
+            0.0
+        };
+        self.unbounded(pose) + self.tilt.abs() * self.w_extent - scale * loss + slope
+    }
+
+    /// The demand of the generator δ = 0 at w = 0, bounds ignored.
+    fn unbounded(&self, pose: &Pose) -> f64 {
+        self.flank.d + pose.shift + self.base_radius / self.sin_nu * (self.nu - pose.c)
+            - self.flank.t * pose.offset.0
+            - pose.offset.1
+    }
+
+    /// The contact along a whole generator, if the helix fits and part of that generator is on both flanks.
+    fn line(&self, pose: &Pose) -> Option<Touch> {
+        if !self.fits {
+            return None;
+        }
+        let r = self.base_radius;
+        let roll = self.nu - pose.c;
+        if self.kappa == 0.0 && !(self.start_roll..=self.tip_roll).contains(&roll) {
+            return None;
+        }
+        let (sin, cos) = (self.sin_nu, self.cos_nu);
+        let xi = r * (sin - roll * cos) + pose.offset.0;
+        let zeta = -r * (cos + roll * sin) + pose.offset.1;
+        let rk = r * self.kappa;
+        let (mut lo, mut hi) = (-self.half_face, self.half_face);
+        if self.kappa != 0.0 {
+            let (a, b) = ((self.start_roll - roll) / self.kappa, (self.tip_roll - roll) / self.kappa);
+            lo = lo.max(a.min(b));
+            hi = hi.min(a.max(b));
+        }
+        let y = self.across.t * xi + self.across.z * zeta + pose.across;
+        let y_w = self.across.w - rk * (self.across.t * cos + self.across.z * sin);
+        let k = self.across.half_width;
+        if y_w.abs() * self.half_face > 1e-12 * k {
+            let (a, b) = ((-k - y) / y_w, (k - y) / y_w);
+            lo = lo.max(a.min(b));
+            hi = hi.min(a.max(b));
+        } else if y.abs() > k {
+            return None;
+        }
+        if lo > hi {
+            return None;
+        }
+        let demand = self.unbounded(pose);
+        // the tip plane asks for tip.d − ζ (it is level whenever the helix fits); highest where ζ is lowest
+        let lowest = (zeta - rk * sin * lo).min(zeta - rk * sin * hi);
+        if self.tip.d - lowest < demand {
+            return None;
+        }
+        let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
+        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0, w: 0.5 * (lo + hi), evaluations: 0 })
+    }
+
+    /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
+    pub(super) fn touch(&self, pose: &Pose) -> Option<Touch> {
+        if let Some(line) = self.line(pose) {
+            return Some(line);
+        }
+        let zero = pose.c - self.nu;
+        let reach = self.kappa.abs() * self.half_face;
+        let lo = (zero + self.start_roll - reach).max(-PI);
+        let hi = (zero + self.tip_roll + reach).min(PI);
+        if lo > hi {
+            return None;
+        }
+        if self.form.is_some() {
+            return self.search(pose, lo, hi);
+        }
+        // Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
+        // sign the best point jumps from one end of the generator to the other, and there may be a peak on either side.
+        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
+        if !(share > 0.0 && share < 2.0) {
+            return self.climb(pose, lo, hi);
+        }
+        let turn = 2.0 * trig::asin((0.5 * share).sqrt());
+        let past = turn * (1.0 + 1e-9);
+        let mut best: Option<Touch> = None;
+        for (from, to) in [(lo.max(-turn), hi.min(turn)), (lo.max(past), hi), (lo, hi.min(-past))] {
+            if from <= to
+                && let Some(touch) = self.climb(pose, from, to)
+                && best.is_none_or(|best| touch.demand > best.demand)
+            {
+                best = Some(touch);
+            }
+        }
+        best
+    }
+
+    /// Derivative-free maximum over generators, for flank form.
+    fn search(&self, pose: &Pose, lo: f64, hi: f64) -> Option<Touch> {
+        let scale = self.base_radius;
+        // generators off the flank rank below all others, the nearer ones higher
+        let value = |delta: f64| match self.demand(pose, delta) {
+            Generator::Some { demand, .. } => demand,
+            Generator::None { gap, .. } => -1e3 * scale + 1e3 * gap,
+        };
+        let delta = golden(lo, hi, &value);
+        match self.demand(pose, delta) {
+            Generator::Some { demand, rate, w, kind, .. } => {
+                Some(Touch { demand, rate, kind, delta, w, evaluations: 0 })
+            }
+            Generator::None { .. } => None,
+        }
+    }
+}
+
+/// Maximum of a unimodal function by golden section. The value is good to rounding, the place to its root.
+fn golden(lo: f64, hi: f64, value: &impl Fn(f64) -> f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (lo, hi);
+    let (mut x, mut y) = (b - RATIO * (b - a), a + RATIO * (b - a));
+    let (mut fx, mut fy) = (value(x), value(y));
+    // 0.618^75 = 2e-16
+    for _ in 0..75 {
+        if fx >= fy {
+            b = y;
+            (y, fy) = (x, fx);
+            x = b - RATIO * (b - a);
+            fx = value(x);
+        } else {
+            a = x;
+            (x, fx) = (y, fy);
+            y = a + RATIO * (b - a);
+            fy = value(y);
+        }
+    }
+    let middle = 0.5 * (a + b);
+    let mut best = (middle, value(middle));
+    for end in [lo, hi] {
+        let at_end = value(end);
+        if at_end > best.1 {
+            best = (end, at_end);
+        }
+    }
+    best.0
+}

@@ -1,0 +1,180 @@
+//! The maximum over generators of a plain flank pair: a bracketed climb on the derivative. Called by
+//! [`FlankContact::touch`]; bounded in its evaluations, and ends with the best generator seen.
+//!
+//! The demand is smooth except where the bound on w changes from one edge to another; there its derivative jumps. Where both
+//! ends of the bracket lie on one edge the secant of the derivative is taken, where they lie on different edges the
+//! intersection of both tangents, which meets such a corner quadratically. For a concave function that
+//! intersection also is an upper bound, which ends the climb once it is as low as the best value.
+
+use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Touch};
+
+/// Brackets this short (rad) let tangents speak for the function: its square times any curvature is below rounding.
+const NARROW: f64 = 1e-7;
+
+#[derive(Clone, Copy)]
+struct Sample {
+    x: f64,
+    generator: Generator,
+}
+
+impl Sample {
+    /// Derivative of the demand, or, off the flank, of the way to it.
+    fn slope(&self) -> f64 {
+        match self.generator {
+            Generator::Some { slope, .. } | Generator::None { slope, .. } => slope,
+        }
+    }
+}
+
+/// What to do after an evaluation.
+enum Next {
+    Try(f64),
+    Done,
+    Nothing,
+}
+
+impl FlankContact {
+    /// Largest demand for δ in `lo..=hi`.
+    pub(super) fn climb(&self, pose: &Pose, lo: f64, hi: f64) -> Option<Touch> {
+        let scale = self.base_radius / self.sin_nu;
+        let tolerance = DEMAND * scale;
+        let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
+        let mut best: Option<Touch> = None;
+        let mut x = 0.0_f64.clamp(lo, hi);
+        let mut width = f64::INFINITY;
+        let mut stalls = 0;
+        // evaluations in a row that moved the same end of the bracket, negative for the upper one
+        let mut run = 0_i32;
+        for evaluations in 1..=MAX_EVALUATIONS {
+            let sample = Sample { x, generator: self.demand(pose, x) };
+            if let Generator::Some { demand, rate, w, kind, slope, .. } = sample.generator {
+                if best.is_none_or(|best| demand > best.demand) {
+                    best = Some(Touch { demand, rate, kind, delta: x, w, evaluations });
+                }
+                let roll = (self.nu - pose.c) + x + self.kappa * w;
+                if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
+                    break;
+                }
+            }
+            let slope = sample.slope();
+            if slope > 0.0 && x < hi {
+                below = Some(sample);
+                run = run.max(0) + 1;
+            } else if slope < 0.0 && x > lo {
+                above = Some(sample);
+                run = run.min(0) - 1;
+            } else {
+                break;
+            }
+            let (a, b) = (below.map_or(lo, |s| s.x), above.map_or(hi, |s| s.x));
+            if b - a <= 2.0 * f64::EPSILON * (a.abs() + b.abs()) {
+                break;
+            }
+            stalls = if b - a > 0.5 * width { stalls + 1 } else { 0 };
+            width = b - a;
+            let next = self.propose(pose, scale, tolerance, (a, b), (below, above), best.map(|best| best.demand), run);
+            x = match next {
+                Next::Done => break,
+                Next::Nothing => return None,
+                // two steps that did not halve the bracket: halve it
+                Next::Try(_) if stalls >= 2 && below.is_some() && above.is_some() => {
+                    stalls = 0;
+                    0.5 * (a + b)
+                }
+                Next::Try(x) => x,
+            };
+            if !(x > a && x < b) && (x != lo && x != hi || below.is_some_and(|s| s.x == x) || above.is_some_and(|s| s.x == x))
+            {
+                x = 0.5 * (a + b);
+                if x <= a || x >= b {
+                    break;
+                }
+            }
+        }
+        best.map(|touch| self.settle(touch, (lo, hi), below, above))
+    }
+
+    fn propose(
+        &self,
+        pose: &Pose,
+        scale: f64,
+        tolerance: f64,
+        (a, b): (f64, f64),
+        ends: (Option<Sample>, Option<Sample>),
+        best: Option<f64>,
+        run: i32,
+    ) -> Next {
+        match ends {
+            (Some(l), Some(h)) => match (l.generator, h.generator) {
+                (
+                    Generator::Some { demand: fl, slope: sl, kind: kl, w: wl, on_tip: tl, .. },
+                    Generator::Some { demand: fh, slope: sh, kind: kh, w: wh, on_tip: th, .. },
+                ) => {
+                    let meet = ((fh - fl) + sl * a - sh * b) / (sl - sh);
+                    let bound = fl + sl * (meet - a);
+                    // the tangents bound a concave function; on a short bracket any smooth one, up to its square
+                    if b - a <= NARROW && best.is_some_and(|best| bound - best <= tolerance) {
+                        return Next::Done;
+                    }
+                    let same = kl == kh && tl == th && (wl > 0.0) == (wh > 0.0);
+                    if same {
+                        return Next::Try(a + (b - a) * (sl / (sl - sh)));
+                    }
+                    // twice from one side: step over the corner, so that the other side comes close too
+                    Next::Try(match run {
+                        2.. => (meet + 2.0 * (meet - a)).max(a + 0.4 * NARROW).min(0.5 * (a + b)),
+                        ..=-2 => (meet + 2.0 * (meet - b)).min(b - 0.4 * NARROW).max(0.5 * (a + b)),
+                        _ => meet,
+                    })
+                }
+                (Generator::None { gap: gl, slope: sl }, Generator::None { gap: gh, slope: sh }) => {
+                    let meet = ((gh - gl) + sl * a - sh * b) / (sl - sh);
+                    if gl + sl * (meet - a) < -super::VERTEX * self.half_face { Next::Nothing } else { Next::Try(meet) }
+                }
+                (Generator::None { gap, slope }, _) => Next::Try(a - gap / slope),
+                (_, Generator::None { gap, slope }) => Next::Try(b - gap / slope),
+            },
+            (Some(l), None) => match l.generator {
+                Generator::Some { slope, w, .. } => {
+                    let roll = ((self.nu - pose.c) + a + self.kappa * w).max(0.1);
+                    Next::Try((a + 1.2 * slope / (scale * roll)).min(b))
+                }
+                Generator::None { gap, slope } => Next::Try((a - gap / slope).min(b)),
+            },
+            (None, Some(h)) => match h.generator {
+                Generator::Some { slope, w, .. } => {
+                    let roll = ((self.nu - pose.c) + b + self.kappa * w).max(0.1);
+                    Next::Try((b + 1.2 * slope / (scale * roll)).max(a))
+                }
+                Generator::None { gap, slope } => Next::Try((b - gap / slope).max(a)),
+            },
+            (None, None) => Next::Done,
+        }
+    }
+
+    /// Names the contact and mixes the derivatives where two edges meet.
+    fn settle(&self, mut touch: Touch, (lo, hi): (f64, f64), below: Option<Sample>, above: Option<Sample>) -> Touch {
+        if self.kappa == 0.0 && (touch.delta == lo || touch.delta == hi) {
+            // the generators end at the involute's ends; on them the bound on w makes a corner unless it is free
+            touch.kind = if self.fits {
+                if touch.delta == hi { ContactKind::TipEdge } else { ContactKind::RootEdge }
+            } else {
+                ContactKind::Corner
+            };
+            return touch;
+        }
+        if let (Some(l), Some(h)) = (below, above)
+            && let (
+                Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, .. },
+                Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, .. },
+            ) = (l.generator, h.generator)
+            && h.x - l.x <= 1e-6
+            && (kl != kh || (wl > 0.0) != (wh > 0.0))
+        {
+            let share = -sh / (sl - sh);
+            touch.rate = share * rl + (1.0 - share) * rh;
+            touch.kind = ContactKind::Corner;
+        }
+        touch
+    }
+}

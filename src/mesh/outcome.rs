@@ -1,0 +1,135 @@
+//! What a solve at one stroke says, or why it cannot say anything. Made by the solver, read by everyone.
+
+use super::ContactKind;
+
+/// Which flank of the rack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum FlankSide {
+    /// The flanks that face +X.
+    Right,
+    /// The flanks that face −X.
+    Left,
+}
+
+impl std::fmt::Display for FlankSide {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Right => "right",
+            Self::Left => "left",
+        })
+    }
+}
+
+/// The flank pair that carries on one side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Carrier {
+    /// Tooth of the rack.
+    pub rack_tooth: i64,
+    /// Tooth of the pinion, 0 to z − 1.
+    pub pinion_tooth: u32,
+    /// Where on the flanks.
+    pub contact: ContactKind,
+}
+
+/// How a solve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Ending {
+    /// Both sides ask for the same centre distance within rounding.
+    Converged,
+    /// The bracket of the rotation shrank to neighbouring numbers first; the residual says how far both sides are apart.
+    BracketExhausted,
+    /// The iteration limit was reached; the residual says how far both sides are apart.
+    IterationLimit,
+}
+
+/// The mesh at one stroke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshPoint {
+    /// Stroke s, mm.
+    pub stroke_mm: f64,
+    /// Centre distance a at zero backlash, mm.
+    pub center_distance_mm: f64,
+    /// ΔCD = a − a_0, mm.
+    pub delta_cd_mm: f64,
+    /// Rotation of the pinion since s = 0, positive as the stroke rises, rad; nominally 2π s / (z p_x).
+    pub pinion_angle_rad: f64,
+    /// Its difference from nominal, rad: the transmission error.
+    pub transmission_error_rad: f64,
+    /// Roll of the rack about its own axis, rad; 0 with a fixed support.
+    pub roll_rad: f64,
+    /// What carries on right rack flanks.
+    pub right: Carrier,
+    /// What carries on left rack flanks.
+    pub left: Carrier,
+    /// Difference of the centre distances that both sides ask for at the last rotation tried, mm; the
+    /// result is corrected for it to first order.
+    pub residual_mm: f64,
+    /// Rotations tried.
+    pub iterations: u32,
+    /// How the solve ended.
+    pub ending: Ending,
+}
+
+impl MeshPoint {
+    /// Whether the solve converged.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.ending == Ending::Converged
+    }
+}
+
+/// Why there is no mesh at a stroke, or none at all.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// The stroke is not finite, or so large that tooth numbers are no longer exact.
+    #[error("stroke {stroke_mm} mm is outside ±{limit_mm} mm")]
+    StrokeOutOfDomain {
+        /// The stroke.
+        stroke_mm: f64,
+        /// The largest one, mm.
+        limit_mm: f64,
+    },
+    /// No pinion flank reaches any rack flank of one side.
+    #[error("stroke {stroke_mm} mm: no pinion flank reaches a {side} rack flank")]
+    NoContact {
+        /// The stroke.
+        stroke_mm: f64,
+        /// The side without contact.
+        side: FlankSide,
+    },
+    /// Deviations are so large that a rack tooth has passed its neighbour, or its own flanks have.
+    #[error("stroke {stroke_mm} mm: rack tooth {tooth} is displaced beyond its neighbour or has no thickness")]
+    RackToothOrder {
+        /// The stroke.
+        stroke_mm: f64,
+        /// The tooth.
+        tooth: i64,
+    },
+    /// Deviations are so large that a pinion tooth has passed its neighbour, or its own flanks have.
+    #[error("pinion tooth {tooth} is displaced beyond its neighbour or has no thickness")]
+    PinionToothOrder {
+        /// The tooth.
+        tooth: u32,
+    },
+    /// The support's roll axis depth is not finite or beyond 1 km.
+    #[error("roll axis depth {depth_mm} mm is outside ±1e6 mm")]
+    RollAxis {
+        /// The depth.
+        depth_mm: f64,
+    },
+    /// A range of strokes that is empty or not finite.
+    #[error("strokes {from_mm} .. {to_mm} mm are not a range")]
+    EmptyRange {
+        /// Its start.
+        from_mm: f64,
+        /// Its end.
+        to_mm: f64,
+    },
+    /// A tolerance or a pin that is not a positive finite length.
+    #[error("{value_mm} mm is not a positive length")]
+    NotPositive {
+        /// The value.
+        value_mm: f64,
+    },
+}

@@ -1,0 +1,369 @@
+//! The solve at one stroke: which rotation makes both sides ask for the same centre distance. Used through
+//! [`Mesh::at`], [`Mesh::sample`] and [`Sampler`]; allocates nothing per stroke once a sampler is warm.
+
+use super::contact::{ContactKind, Pose, Touch};
+use super::prepare::{Prepared, Roll};
+use super::{Carrier, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support};
+use crate::trig;
+
+/// Solves one stroke after the other, each starting from the last one's solution.
+#[derive(Debug, Clone)]
+pub struct Sampler<'a> {
+    pub(super) mesh: &'a Mesh,
+    constants: Constants,
+    cache: [Vec<Option<(i64, Prepared)>>; 2],
+    pub(super) roll: Roll,
+    /// Centre distance assumed where a rolled rack's end faces need one.
+    pub(super) assumed: f64,
+    /// Rotation offset and rack displacement of the last solution.
+    last: Option<(f64, f64)>,
+    pub(super) last_roll: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Constants {
+    pitch: f64,
+    angular_pitch: f64,
+    angle_per_mm: f64,
+    nominal: f64,
+    /// Range of the pinion tooth's angle within which its flank can touch, for a right rack flank.
+    window: (f64, f64),
+    eccentricity: (f64, f64),
+    stroke_limit: f64,
+    default_rate: f64,
+    tolerance: f64,
+}
+
+/// A position of the pinion.
+#[derive(Debug, Clone, Copy)]
+struct Position {
+    /// The rack tooth nearest to the pinion, and its nominal place.
+    tooth: i64,
+    place: f64,
+    /// Angle of the pinion tooth of the same number at offset 0.
+    angle: f64,
+    /// Angle of pinion tooth 0 less that.
+    to_first: f64,
+}
+
+/// What one side asks for.
+#[derive(Debug, Clone, Copy)]
+struct Demand {
+    value: f64,
+    rate: f64,
+    tooth: i64,
+    kind: ContactKind,
+}
+
+/// Rotations tried at most; Newton needs two or three, a bisection of the whole range 60.
+const MAX_ITERATIONS: u32 = 120;
+
+/// Both sides agree if their demands differ by less than this share of r_a; rounding leaves 1e-15 of it.
+const AGREEMENT: f64 = 1e-14;
+
+impl Mesh {
+    /// Solves one stroke.
+    ///
+    /// # Errors
+    /// [`MeshError`] says why there is no mesh here.
+    pub fn at(&self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
+        Sampler::new(self).at(stroke_mm)
+    }
+
+    /// Solves many strokes on all cores. The result does not depend on the number of cores: strokes are dealt
+    /// in blocks of fixed size, each solved from a fresh start.
+    #[must_use]
+    pub fn sample(&self, strokes_mm: &[f64]) -> Vec<Result<MeshPoint, MeshError>> {
+        /// Long enough that starting a block costs nothing, short enough to share out evenly.
+        const BLOCK: usize = 512;
+        let solve = |block: &[f64]| -> Vec<_> {
+            let mut sampler = Sampler::new(self);
+            block.iter().map(|&stroke| sampler.at(stroke)).collect()
+        };
+        let blocks: Vec<&[f64]> = strokes_mm.chunks(BLOCK).collect();
+        let cores = std::thread::available_parallelism().map_or(1, usize::from).min(blocks.len());
+        if cores <= 1 {
+            return blocks.into_iter().flat_map(solve).collect();
+        }
+        let (next, solve, blocks) = (std::sync::atomic::AtomicUsize::new(0), &solve, &blocks);
+        let mut done: Vec<(usize, Vec<_>)> = std::thread::scope(|scope| {
+            let worker = || {
+                let mut mine = Vec::new();
+                loop {
+                    let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    match blocks.get(index) {
+                        Some(block) => mine.push((index, solve(block))),
+                        None => return mine,
+                    }
+                }
+            };
+            let handles: Vec<_> = (1..cores).map(|_| scope.spawn(worker)).collect();
+            let mut done = worker();
+            for handle in handles {
+                match handle.join() {
+                    Ok(part) => done.extend(part),
+                    Err(panic) => std::panic::resume_unwind(panic),
+                }
+            }
+            done
+        });
+        done.sort_unstable_by_key(|&(index, _)| index);
+        done.into_iter().flat_map(|(_, points)| points).collect()
+    }
+}
+
+impl<'a> Sampler<'a> {
+    /// A sampler that has seen no stroke yet.
+    #[must_use]
+    pub fn new(mesh: &'a Mesh) -> Self {
+        let constants = Constants::new(mesh);
+        let teeth = (constants.window.1 - constants.window.0) / constants.angular_pitch + 4.0;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped
+        let slots = (teeth.clamp(4.0, 4096.0) as usize).next_power_of_two();
+        Self {
+            mesh,
+            constants,
+            cache: [vec![None; slots], vec![None; slots]],
+            roll: Roll::NONE,
+            assumed: mesh.pair().nominal_center_distance_mm(),
+            last: None,
+            last_roll: None,
+        }
+    }
+
+    /// Solves one stroke. Near the last one it is faster; the result differs from a fresh start by rounding only.
+    ///
+    /// # Errors
+    /// [`MeshError`] says why there is no mesh here.
+    pub fn at(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
+        match self.mesh.support() {
+            Support::Fixed => self.solve(stroke_mm),
+            Support::FreeRoll { axis_depth_mm } => self.solve_rolling(stroke_mm, axis_depth_mm),
+        }
+    }
+
+    /// Forgets the flank pairs of another roll.
+    pub(super) fn set_roll(&mut self, roll: Roll) {
+        self.roll = roll;
+        for slot in self.cache.iter_mut().flatten() {
+            *slot = None;
+        }
+    }
+
+    fn prepared(&mut self, side: FlankSide, tooth: i64) -> &Prepared {
+        let (mesh, roll) = (self.mesh, self.roll);
+        let slots = &mut self.cache[usize::from(side == FlankSide::Left)];
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // only the low bits matter
+        let slot = (tooth as usize) & (slots.len() - 1);
+        let slot = &mut slots[slot];
+        if slot.as_ref().is_some_and(|(key, _)| *key != tooth) {
+            *slot = None;
+        }
+        &slot.get_or_insert_with(|| (tooth, mesh.prepare(side, tooth, &roll))).1
+    }
+
+    /// The zero-backlash position at the present roll.
+    pub(super) fn solve(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
+        let position = self.locate(stroke_mm)?;
+        let Constants { tolerance, angle_per_mm, angular_pitch, default_rate, nominal, .. } = self.constants;
+        let displacement = self.prepared(FlankSide::Right, position.tooth).center;
+        let guess = displacement * angle_per_mm;
+        let mut offset = match self.last {
+            Some((offset, at)) if (offset - at * angle_per_mm).abs() < 0.5 * angular_pitch => {
+                offset + (displacement - at) * angle_per_mm
+            }
+            _ => guess,
+        };
+        let (mut low, mut high) = (guess - 0.75 * angular_pitch, guess + 0.75 * angular_pitch);
+        let mut iterations = 0;
+        let (right, left, step, ending) = loop {
+            iterations += 1;
+            let right = self.demand(FlankSide::Right, &position, offset, stroke_mm)?;
+            let left = self.demand(FlankSide::Left, &position, offset, stroke_mm)?;
+            let excess = right.value - left.value;
+            let mut slope = right.rate - left.rate;
+            if !slope.is_finite() || slope >= -0.1 * default_rate {
+                slope = -2.0 * default_rate;
+            }
+            let step = -excess / slope;
+            if excess.abs() <= tolerance {
+                break (right, left, step, Ending::Converged);
+            }
+            if excess > 0.0 {
+                low = offset;
+            } else {
+                high = offset;
+            }
+            if iterations >= MAX_ITERATIONS {
+                break (right, left, 0.0, Ending::IterationLimit);
+            }
+            let mut next = offset + step;
+            // Newton's step, unless it leaves the bracket or has been given its chance
+            if next <= low || next >= high || iterations % 8 == 0 {
+                next = 0.5 * (low + high);
+            }
+            if next == offset || high - low <= f64::EPSILON * offset.abs().max(1e-300) {
+                break (right, left, 0.0, Ending::BracketExhausted);
+            }
+            offset = next;
+        };
+        // where both tangents cross; without a step the larger demand, which certainly suffices
+        let a = if step == 0.0 { right.value.max(left.value) } else { right.value + right.rate * step };
+        self.last = Some((offset, displacement));
+        let error = -(offset + step);
+        Ok(MeshPoint {
+            stroke_mm,
+            center_distance_mm: a,
+            delta_cd_mm: a - nominal,
+            pinion_angle_rad: stroke_mm * angle_per_mm + error,
+            transmission_error_rad: error,
+            roll_rad: self.roll.angle,
+            right: self.carrier(FlankSide::Right, &right),
+            left: self.carrier(FlankSide::Left, &left),
+            residual_mm: right.value - left.value,
+            iterations,
+            ending,
+        })
+    }
+
+    fn carrier(&self, side: FlankSide, demand: &Demand) -> Carrier {
+        let teeth = i64::from(self.mesh.pair().pinion().teeth);
+        let partner = if side == FlankSide::Right { demand.tooth } else { demand.tooth - 1 };
+        Carrier {
+            rack_tooth: demand.tooth,
+            pinion_tooth: u32::try_from(partner.rem_euclid(teeth)).unwrap_or(0),
+            contact: demand.kind,
+        }
+    }
+
+    /// The rack tooth nearest to the pinion's axis, wherever its deviations have put it.
+    fn locate(&mut self, stroke_mm: f64) -> Result<Position, MeshError> {
+        let Constants { pitch, angular_pitch, angle_per_mm, stroke_limit, .. } = self.constants;
+        if stroke_mm.abs() > stroke_limit || stroke_mm.is_nan() {
+            return Err(MeshError::StrokeOutOfDomain { stroke_mm, limit_mm: stroke_limit });
+        }
+        #[allow(clippy::cast_possible_truncation)] // the stroke's limit keeps it within 2⁵⁰
+        let mut tooth = (stroke_mm / pitch).round() as i64;
+        let mut place = reduced(tooth, pitch, stroke_mm);
+        for _ in 0..64 {
+            let actual = place + self.prepared(FlankSide::Right, tooth).center;
+            let steps = (actual / pitch).round();
+            if steps == 0.0 {
+                break;
+            }
+            #[allow(clippy::cast_possible_truncation)] // clamped
+            let steps = steps.clamp(-1e15, 1e15) as i64;
+            tooth = (tooth - steps).clamp(-(1 << 52), 1 << 52);
+            place = reduced(tooth, pitch, stroke_mm);
+        }
+        if (place + self.prepared(FlankSide::Right, tooth).center).abs() > 2.0 * pitch {
+            return Err(MeshError::RackToothOrder { stroke_mm, tooth });
+        }
+        let teeth = i64::from(self.mesh.pair().pinion().teeth);
+        #[allow(clippy::cast_precision_loss)] // at most 10 000 teeth
+        let to_first = -(tooth.rem_euclid(teeth) as f64) * angular_pitch;
+        Ok(Position { tooth, place, angle: 0.5 * angular_pitch + place * angle_per_mm, to_first })
+    }
+
+    /// The largest demand of one side with the pinion turned by `offset` against its nominal rotation.
+    fn demand(
+        &mut self,
+        side: FlankSide,
+        position: &Position,
+        offset: f64,
+        stroke_mm: f64,
+    ) -> Result<Demand, MeshError> {
+        let Constants { pitch, angular_pitch, window, eccentricity, .. } = self.constants;
+        let sign = side.sign();
+        let angle = position.angle + offset;
+        let (along, across) = eccentricity;
+        let (offsets, rates) = if along == 0.0 && across == 0.0 {
+            ((0.0, 0.0), (0.0, 0.0))
+        } else {
+            let (sin, cos) = trig::sin_cos(angle + position.to_first);
+            let turned = (along * sin + across * cos, along * cos - across * sin);
+            ((sign * turned.0, -turned.1), (turned.1, sign * turned.0))
+        };
+        let across = self.roll.sin * (self.roll.depth + self.assumed);
+        // rack tooth i meets pinion tooth i with its right flank, i − 1 with its left one
+        let (from, to, ahead) = match side {
+            FlankSide::Right => ((window.0 - angle) / angular_pitch, (window.1 - angle) / angular_pitch, 0),
+            FlankSide::Left => ((-window.1 - angle) / angular_pitch, (-window.0 - angle) / angular_pitch, 1),
+        };
+        #[allow(clippy::cast_possible_truncation)] // a few teeth
+        let (from, to) = (from.ceil() as i64, to.floor() as i64);
+        let mut best: Option<Demand> = None;
+        for n in from..=to {
+            #[allow(clippy::cast_precision_loss)] // a few teeth
+            let turned = angle + n as f64 * angular_pitch;
+            let n = n + ahead;
+            let tooth = position.tooth + n;
+            #[allow(clippy::cast_precision_loss)] // a few teeth
+            let place = position.place + n as f64 * pitch;
+            let prepared = self.prepared(side, tooth);
+            if !prepared.in_order {
+                return Err(MeshError::RackToothOrder { stroke_mm, tooth });
+            }
+            let pose = Pose {
+                c: sign * turned + prepared.start,
+                shift: prepared.per_shift * place,
+                offset: offsets,
+                offset_rate: rates,
+                across,
+            };
+            if best.is_some_and(|best| prepared.contact.upper_bound(&pose) <= best.value) {
+                continue;
+            }
+            if let Some(Touch { demand, rate, kind, .. }) = prepared.contact.touch(&pose)
+                && best.is_none_or(|best| demand > best.value)
+            {
+                best = Some(Demand { value: demand, rate: sign * rate, tooth, kind });
+            }
+        }
+        best.ok_or(MeshError::NoContact { stroke_mm, side })
+    }
+}
+
+impl Constants {
+    fn new(mesh: &Mesh) -> Self {
+        let (rack, pinion) = (mesh.pair().rack(), mesh.pair().pinion());
+        let angular_pitch = pinion.angular_pitch_rad();
+        let alpha = pinion.transverse_pressure_angle_rad;
+        let sin = trig::sin(alpha);
+        let scale = pinion.base_radius_mm / sin;
+        // beyond the involute's end by η a flank stays clear by (r_b/sin ν) τ η²/2; leave half a module of that
+        let margin = (mesh.pair().normal_module_mm() / (scale * pinion.tip_roll_rad)).sqrt().min(1.0);
+        let kappa = trig::tan(pinion.helix_angle_rad).abs() / pinion.reference_radius_mm;
+        let contact = mesh.prepare(FlankSide::Right, 0, &Roll::NONE).contact;
+        let reach = 1.1 * kappa * contact.w_extent + margin;
+        let low = alpha - (pinion.tip_roll_rad + reach) + pinion.base_half_angle_rad;
+        let high = alpha - (pinion.start_roll_rad - reach - margin) + pinion.base_half_angle_rad;
+        Self {
+            pitch: rack.pitch_mm,
+            angular_pitch,
+            angle_per_mm: angular_pitch / rack.pitch_mm,
+            nominal: mesh.pair().nominal_center_distance_mm(),
+            window: (low, high),
+            eccentricity: mesh.pinion().eccentricity_mm(),
+            // tooth numbers below 2⁵⁰
+            stroke_limit: rack.pitch_mm * 1_125_899_906_842_624.0,
+            default_rate: scale,
+            tolerance: AGREEMENT * (pinion.tip_radius_mm + mesh.eccentricity()),
+        }
+    }
+}
+
+/// `tooth · pitch − stroke` with one rounding of the result: the product is split exactly in two.
+fn reduced(tooth: i64, pitch: f64, stroke: f64) -> f64 {
+    #[allow(clippy::cast_precision_loss)] // below 2⁵³
+    let count = tooth as f64;
+    let split = |x: f64| {
+        let c = 134_217_729.0 * x; // 2²⁷ + 1
+        let high = c - (c - x);
+        (high, x - high)
+    };
+    let product = count * pitch;
+    let ((a, b), (c, d)) = (split(count), split(pitch));
+    let error = ((a * c - product) + a * d + b * c) + b * d;
+    (product - stroke) + error
+}
