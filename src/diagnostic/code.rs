@@ -49,6 +49,8 @@ codes! {
     MissingKey = "missing-key",
     /// An error entry whose keys do not make an error.
     BadErrorEntry = "bad-error-entry",
+    /// A range of teeth that is none.
+    BadTeeth = "bad-teeth",
     /// A limit that is not a limit.
     BadLimit = "bad-limit",
     /// There is nothing to evaluate.

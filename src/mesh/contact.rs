@@ -278,12 +278,7 @@ impl FlankContact {
             let inverse = 1.0 / y.q;
             let edge = |y_end: f64| {
                 let w = (y_end - y.p) * inverse;
-                Bound {
-                    w,
-                    slope: -y.slope_at(w) * inverse,
-                    rate: -y.p_rate * inverse,
-                    kind: ContactKind::RackEndEdge,
-                }
+                Bound { w, slope: -y.slope_at(w) * inverse, rate: -y.p_rate * inverse, kind: ContactKind::RackEndEdge }
             };
             if inverse > 0.0 { narrow(edge(-k), edge(k)) } else { narrow(edge(k), edge(-k)) }
         } else if y.p.abs() > k {

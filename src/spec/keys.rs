@@ -22,6 +22,16 @@ pub(crate) enum Kind {
     Error(ErrorKind),
     /// Limits of ΔCD.
     Limit,
+    /// The name of a file, relative to the spec.
+    File,
+    /// One of these words.
+    Word(&'static [&'static str]),
+    /// Which teeth: `"all"`, `5`, `"5"`, `"8.."`, `"8..=12"`.
+    Teeth,
+    /// A table with these keys.
+    Table(&'static Section),
+    /// Any number of such tables: `[[section.key]]`.
+    Tables(&'static Section),
 }
 
 /// One key.
@@ -88,6 +98,15 @@ pub(crate) const RACK: Section = Section {
             Kind::Length(domain::DATUM),
             "Distance K from the measuring datum (the bar's axis or back) to the reference plane.",
         ),
+        key("pin", Kind::Length(domain::PIN_DIAMETER), "Diameter of the pin behind measured over-pin values."),
+        key("measured", Kind::File, "Table of measured spaces: over-pin, position, lead."),
+        key("deviation", Kind::Tables(&RACK_DEVIATION), "Deviations of some teeth; any number, they add up."),
+        key(
+            "crowning",
+            Kind::Length(FORM),
+            "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.",
+        ),
+        key("tip_relief", Kind::Table(&TIP_RELIEF), "Relief of the flanks towards their tips."),
     ],
 };
 
@@ -126,6 +145,18 @@ pub(crate) const PINION: Section = Section {
             "tooth_thickness_deviation",
             Kind::Length(Domain::any("tooth thickness deviation of the pinion", "E_s")),
             "Deviation of the transverse tooth thickness at the reference circle from nominal. Default 0.",
+        ),
+        key("measured", Kind::File, "Table of measured teeth: radial, left and right pitch, lead."),
+        key("deviation", Kind::Tables(&PINION_DEVIATION), "Deviations of some teeth; any number, they add up."),
+        key(
+            "crowning",
+            Kind::Length(FORM),
+            "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.",
+        ),
+        key(
+            "profile_slope",
+            Kind::Length(Domain::any("profile slope", "f_Hα")),
+            "Removed at the tip, in proportion to the roll angle from the start of the involute.",
         ),
     ],
 };
@@ -167,5 +198,91 @@ pub(crate) const LIMITS: Section = Section {
     ],
 };
 
+/// An amount removed from a flank, normal to it.
+const FORM: Domain =
+    Domain { name: "amount removed from the flank", symbol: "c", lower: Bound::Inclusive(0), upper: Bound::None };
+
+const DISPLACEMENT: Domain = Domain::any("displacement", "e");
+
+pub(crate) const TIP_RELIEF: Section = Section {
+    name: "rack.tip_relief",
+    doc: "Tip relief of the rack, growing linearly from its start to the tip.",
+    keys: &[
+        key("amount", Kind::Length(FORM), "Removed at the tip, normal to the flank."),
+        key(
+            "start",
+            Kind::Length(Domain::any("start of the tip relief", "h_0")),
+            "Height above the reference plane at which it starts.",
+        ),
+    ],
+};
+
+pub(crate) const RACK_DEVIATION: Section = Section {
+    name: "rack.deviation",
+    doc: "What is wrong with some teeth of the rack.",
+    keys: &[
+        key("teeth", Kind::Teeth, "The teeth concerned. Default \"all\"."),
+        key("over_roller", Kind::Length(DISPLACEMENT), "Pitch-line shift of both flanks, along Z; the tip stays."),
+        key(
+            "pitch",
+            Kind::Length(DISPLACEMENT),
+            "The pitch before each of these teeth is longer by this; later teeth keep the sum.",
+        ),
+        key("shift", Kind::Length(DISPLACEMENT), "The teeth shifted along X."),
+        key("thickness", Kind::Length(DISPLACEMENT), "Change of the normal tooth thickness at the reference plane."),
+        key(
+            "lead",
+            Kind::Angle(Domain::any("lead deviation", "Δβ")),
+            "Helix angle deviation: each flank turned about the vertical through its own mid-width point.",
+        ),
+        key("left", Kind::Length(DISPLACEMENT), "Left flank alone, along X, outward positive."),
+        key("right", Kind::Length(DISPLACEMENT), "Right flank (facing +X) alone, along X, outward positive."),
+    ],
+};
+
+pub(crate) const ECCENTRICITY: Section = Section {
+    name: "pinion.deviation.eccentricity",
+    doc: "The tooth system sits off the axis of rotation, towards a tooth.",
+    keys: &[
+        key("amount", Kind::Length(Domain::any("eccentricity", "f_e")), "How far."),
+        key("tooth", Kind::Count(TOOTH), "Towards which tooth, 0 to z - 1."),
+    ],
+};
+
+const TOOTH: Domain =
+    Domain { name: "tooth number", symbol: "j", lower: Bound::Inclusive(0), upper: Bound::Inclusive(99_999) };
+
+pub(crate) const PINION_DEVIATION: Section = Section {
+    name: "pinion.deviation",
+    doc: "What is wrong with some teeth of the pinion; lengths are arcs at the reference circle.",
+    keys: &[
+        key("teeth", Kind::Teeth, "The teeth concerned, 0 to z - 1. Default \"all\"."),
+        key("shift", Kind::Length(DISPLACEMENT), "The teeth shifted towards higher index."),
+        key("thickness", Kind::Length(DISPLACEMENT), "Change of the transverse tooth thickness."),
+        key(
+            "lead",
+            Kind::Angle(Domain::any("lead deviation", "Δβ")),
+            "Helix angle deviation; the section at mid-width stays.",
+        ),
+        key("left", Kind::Length(DISPLACEMENT), "Left flank (facing lower index) alone, outward positive."),
+        key("right", Kind::Length(DISPLACEMENT), "Right flank (facing higher index) alone, outward positive."),
+        key("radial", Kind::Length(DISPLACEMENT), "The space after each of these teeth sits higher by this."),
+        key("eccentricity", Kind::Table(&ECCENTRICITY), "The whole part off its axis."),
+    ],
+};
+
+pub(crate) const SUPPORT: Section = Section {
+    name: "support",
+    doc: "How the rack is held.",
+    keys: &[
+        key("roll", Kind::Word(&["fixed", "free"]), "Whether the rack may roll about its own axis. Default fixed."),
+        key(
+            "roll_axis_depth",
+            Kind::Length(Domain::any("depth of the roll axis", "h_roll")),
+            "How far the roll axis lies below the reference plane.",
+        ),
+    ],
+};
+
 /// The sections in the order in which they are documented.
-pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, ERRORS, LIMITS];
+pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, ERRORS, LIMITS];

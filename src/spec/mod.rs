@@ -5,12 +5,14 @@
 //! each value by itself, and reports every problem at once, with its place. Resolution asks for what a
 //! result needs, and only then is a key required. Nothing below this module knows TOML.
 
+mod deviations;
 mod keys;
 mod reader;
 mod resolve;
 mod schema;
 mod template;
 
+pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use schema::json_schema;
 pub use template::TEMPLATE;
 
@@ -21,7 +23,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::decision::{Limit, LimitTarget};
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, RackDeviation};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::RackLead;
 use crate::quantity::{Angle, Length};
@@ -50,6 +52,8 @@ pub struct Spec {
     pub rack: RackSection,
     /// `[pinion]`.
     pub pinion: PinionSection,
+    /// `[support]`.
+    pub support: SupportSection,
     /// `[errors]`, in the paper's order.
     pub errors: Vec<(ErrorKind, Located<WrittenError>)>,
     /// `[limits]`.
@@ -78,6 +82,16 @@ pub struct RackSection {
     pub tooth_thickness: Option<Located<Length>>,
     /// K
     pub datum: Option<Located<Length>>,
+    /// Diameter of the pin behind measured over-pin values.
+    pub pin: Option<Located<Length>>,
+    /// Table of measured spaces.
+    pub measured: Option<Located<String>>,
+    /// `[[rack.deviation]]`
+    pub deviations: Vec<Located<RackDeviation>>,
+    /// Lead crowning.
+    pub crowning: Option<Located<Length>>,
+    /// Tip relief.
+    pub tip_relief: Option<Located<TipRelief>>,
 }
 
 /// `[pinion]`: nominal geometry of the pinion.
@@ -97,6 +111,23 @@ pub struct PinionSection {
     pub root_form_diameter: Option<Located<Length>>,
     /// Deviation of the transverse tooth thickness at the reference circle.
     pub tooth_thickness_deviation: Option<Located<Length>>,
+    /// Table of measured teeth.
+    pub measured: Option<Located<String>>,
+    /// `[[pinion.deviation]]`
+    pub deviations: Vec<Located<WrittenPinionDeviation>>,
+    /// Lead crowning.
+    pub crowning: Option<Located<Length>>,
+    /// Profile slope.
+    pub profile_slope: Option<Located<Length>>,
+}
+
+/// `[support]`: how the rack is held.
+#[derive(Debug, Clone, Default)]
+pub struct SupportSection {
+    /// `fixed` or `free`.
+    pub roll: Option<Located<&'static str>>,
+    /// How far the roll axis lies below the reference plane.
+    pub roll_axis_depth: Option<Located<Length>>,
 }
 
 /// An entry of `[errors]`, as far as it can be understood without the gear data.
@@ -143,6 +174,11 @@ impl Spec {
             addendum: reader.length("addendum"),
             tooth_thickness: reader.length("tooth_thickness"),
             datum: reader.length("datum"),
+            pin: reader.length("pin"),
+            measured: reader.file("measured"),
+            deviations: deviations::rack(reader),
+            crowning: reader.length("crowning"),
+            tip_relief: deviations::tip_relief(reader),
         });
         let pinion = sections.read(&keys::PINION, |reader| PinionSection {
             teeth: reader.count("teeth"),
@@ -152,6 +188,14 @@ impl Spec {
             tip_diameter: reader.length("tip_diameter"),
             root_form_diameter: reader.length("root_form_diameter"),
             tooth_thickness_deviation: reader.length("tooth_thickness_deviation"),
+            measured: reader.file("measured"),
+            deviations: deviations::pinion(reader),
+            crowning: reader.length("crowning"),
+            profile_slope: reader.length("profile_slope"),
+        });
+        let support = sections.read(&keys::SUPPORT, |reader| SupportSection {
+            roll: reader.word("roll"),
+            roll_axis_depth: reader.length("roll_axis_depth"),
         });
         let errors = sections.read(&keys::ERRORS, |reader| {
             ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect()
@@ -164,7 +208,7 @@ impl Spec {
                 .collect()
         });
         if diagnostics.is_empty() {
-            Ok(Self { source, title, pair, rack, pinion, errors, limits })
+            Ok(Self { source, title, pair, rack, pinion, support, errors, limits })
         } else {
             diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
             Err(Diagnostics(diagnostics))

@@ -48,6 +48,11 @@ fn property(key: &Key) -> Value {
         Kind::Length(domain) => json!({ "anyOf": [typed("number", &domain), length_text()] }),
         Kind::Angle(domain) => json!({ "anyOf": [typed("number", &domain), { "type": "string" }] }),
         Kind::Error(kind) => error(kind),
+        Kind::File => json!({ "type": "string" }),
+        Kind::Word(words) => json!({ "enum": words }),
+        Kind::Teeth => json!({ "anyOf": [{ "type": "integer" }, { "type": "string" }] }),
+        Kind::Table(section) => object(section),
+        Kind::Tables(section) => json!({ "type": "array", "items": object(section) }),
         Kind::Limit => {
             let end = json!({ "anyOf": [{ "type": "number" }, length_text()] });
             json!({ "anyOf": [

@@ -83,7 +83,8 @@ impl FlankContact {
                 }
                 Next::Try(x) => x,
             };
-            if !(x > a && x < b) && (x != lo && x != hi || below.is_some_and(|s| s.x == x) || above.is_some_and(|s| s.x == x))
+            if !(x > a && x < b)
+                && (x != lo && x != hi || below.is_some_and(|s| s.x == x) || above.is_some_and(|s| s.x == x))
             {
                 x = 0.5 * (a + b);
                 if x <= a || x >= b {

@@ -1,0 +1,254 @@
+//! `[[rack.deviation]]`, `[[pinion.deviation]]` and the flanks' form, as written.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Located;
+use super::keys::{self, Kind, Section};
+use super::reader::{SectionReader, type_in_words};
+use crate::deviation::{
+    Eccentricity, PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, ToothRange,
+};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Length;
+
+/// `rack.tip_relief`.
+#[derive(Debug, Clone)]
+pub struct TipRelief {
+    /// Removed at the tip, normal to the flank.
+    pub amount: Length,
+    /// Height above the reference plane at which it starts.
+    pub start: Length,
+}
+
+/// One deviation of the pinion: of some teeth, or of the whole part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WrittenPinionDeviation {
+    /// Of some teeth.
+    Teeth(PinionDeviation),
+    /// The whole part off its axis.
+    Eccentricity(Eccentricity),
+}
+
+type Displacement<Kind> = (&'static str, fn(f64) -> Kind);
+
+const RACK_DISPLACEMENTS: [Displacement<RackDeviationKind>; 6] = [
+    ("over_roller", RackDeviationKind::OverRoller),
+    ("pitch", RackDeviationKind::Pitch),
+    ("shift", RackDeviationKind::Shift),
+    ("thickness", RackDeviationKind::Thickness),
+    ("left", RackDeviationKind::Left),
+    ("right", RackDeviationKind::Right),
+];
+
+const PINION_DISPLACEMENTS: [Displacement<PinionDeviationKind>; 5] = [
+    ("shift", PinionDeviationKind::Shift),
+    ("thickness", PinionDeviationKind::Thickness),
+    ("left", PinionDeviationKind::Left),
+    ("right", PinionDeviationKind::Right),
+    ("radial", PinionDeviationKind::Radial),
+];
+
+/// Reads every `[[rack.deviation]]`.
+pub(super) fn rack(reader: &mut SectionReader<'_>) -> Vec<Located<RackDeviation>> {
+    let mut deviations = Vec::new();
+    each_table(
+        reader,
+        "deviation",
+        &keys::RACK_DEVIATION,
+        |entry, found| {
+            let Some(teeth) = entry.teeth("teeth") else { return };
+            for (name, kind) in RACK_DISPLACEMENTS {
+                if let Some(length) = entry.length(name) {
+                    let deviation = RackDeviation { teeth, kind: kind(length.value.mm()) };
+                    found.push(Located { value: deviation, span: length.span });
+                }
+            }
+            if let Some(angle) = entry.angle("lead") {
+                let deviation = RackDeviation { teeth, kind: RackDeviationKind::Lead(angle.value.radians()) };
+                found.push(Located { value: deviation, span: angle.span });
+            }
+        },
+        &mut deviations,
+    );
+    deviations
+}
+
+/// Reads every `[[pinion.deviation]]`.
+pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinionDeviation>> {
+    let mut deviations = Vec::new();
+    each_table(
+        reader,
+        "deviation",
+        &keys::PINION_DEVIATION,
+        |entry, found| {
+            let Some(teeth) = entry.teeth("teeth") else { return };
+            let mut of_teeth = |kind, span| {
+                let deviation = WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind });
+                found.push(Located { value: deviation, span });
+            };
+            for (name, kind) in PINION_DISPLACEMENTS {
+                if let Some(length) = entry.length(name) {
+                    of_teeth(kind(length.value.mm()), length.span);
+                }
+            }
+            if let Some(angle) = entry.angle("lead") {
+                of_teeth(PinionDeviationKind::Lead(angle.value.radians()), angle.span);
+            }
+            let eccentricity = entry.table("eccentricity", &keys::ECCENTRICITY, |reader| {
+                (reader.required_length("amount"), reader.required_count("tooth"))
+            });
+            if let Some(Located { value: (Some(amount), Some(tooth)), span }) = eccentricity {
+                let eccentricity = Eccentricity { amount_mm: amount.value.mm(), tooth: i64::from(tooth.value) };
+                found.push(Located { value: WrittenPinionDeviation::Eccentricity(eccentricity), span });
+            }
+        },
+        &mut deviations,
+    );
+    deviations
+}
+
+/// Reads `rack.tip_relief`.
+pub(super) fn tip_relief(reader: &mut SectionReader<'_>) -> Option<Located<TipRelief>> {
+    let read = reader.table("tip_relief", &keys::TIP_RELIEF, |reader| {
+        (reader.required_length("amount"), reader.required_length("start"))
+    })?;
+    let (amount, start) = read.value;
+    Some(Located { value: TipRelief { amount: amount?.value, start: start?.value }, span: read.span })
+}
+
+/// Reads each table of `[[section.name]]`; one that holds nothing but teeth is a mistake.
+fn each_table<T>(
+    reader: &mut SectionReader<'_>,
+    name: &str,
+    section: &'static Section,
+    read: impl Fn(&mut SectionReader<'_>, &mut Vec<T>),
+    found: &mut Vec<T>,
+) {
+    let Some(value) = reader.table.and_then(|table| table.get(name)) else { return };
+    let entries: Vec<&Spanned<DeValue<'_>>> = match value.get_ref() {
+        DeValue::Array(entries) => entries.iter().collect(),
+        _ => vec![value],
+    };
+    for entry in entries {
+        let DeValue::Table(table) = entry.get_ref() else {
+            let message =
+                format!("an entry of `{}` is {}; it must be a table", section.name, type_in_words(entry.get_ref()));
+            let diagnostic = Diagnostic::error(Code::WrongType, message)
+                .help(format!("write its keys under a line `[[{}]]`", section.name));
+            reader.report(diagnostic, entry.span(), "");
+            continue;
+        };
+        if !table.iter().any(|(key, _)| key.get_ref() != "teeth") {
+            let names: Vec<_> = section.keys.iter().map(|key| key.name).filter(|name| *name != "teeth").collect();
+            let diagnostic = Diagnostic::error(Code::BadErrorEntry, format!("this `{}` changes nothing", section.name))
+                .help(format!("give at least one of {}", names.join(", ")));
+            reader.report(diagnostic, entry.span(), "");
+            continue;
+        }
+        reader.inner(section, table, |inner| read(inner, found));
+    }
+}
+
+impl SectionReader<'_> {
+    /// Reads a table below this one with the keys of `section`.
+    fn inner<T>(
+        &mut self,
+        section: &'static Section,
+        table: &DeTable<'_>,
+        read: impl FnOnce(&mut SectionReader<'_>) -> T,
+    ) -> T {
+        let mut inner =
+            SectionReader { source: self.source, section, table: Some(table), diagnostics: self.diagnostics };
+        inner.refuse_unknown_keys();
+        read(&mut inner)
+    }
+
+    /// Reads the table under `name`.
+    fn table<T>(
+        &mut self,
+        name: &str,
+        section: &'static Section,
+        read: impl FnOnce(&mut SectionReader<'_>) -> T,
+    ) -> Option<Located<T>> {
+        let value = self.table?.get(name)?;
+        let DeValue::Table(table) = value.get_ref() else {
+            let names: Vec<_> = section.keys.iter().map(|key| format!("{} = …", key.name)).collect();
+            self.wrong_type(name, value, &format!("a table {{ {} }}", names.join(", ")));
+            return None;
+        };
+        let before = self.diagnostics.len();
+        let read = self.inner(section, table, read);
+        (self.diagnostics.len() == before).then(|| Located { value: read, span: value.span() })
+    }
+
+    fn required_length(&mut self, name: &str) -> Option<Located<Length>> {
+        self.require(name)?;
+        self.length(name)
+    }
+
+    fn required_count(&mut self, name: &str) -> Option<Located<u32>> {
+        self.require(name)?;
+        self.count(name)
+    }
+
+    /// Reports a key without which its table means nothing.
+    fn require(&mut self, name: &str) -> Option<()> {
+        let table = self.table?;
+        if table.contains_key(name) {
+            return Some(());
+        }
+        // a table without keys has no place of its own; its section's name is in the message
+        let span = table.iter().next().map_or(0..0, |(key, value)| key.span().start..value.span().end);
+        let message = format!("`{}` needs `{name}`", self.section.name);
+        self.report(Diagnostic::error(Code::MissingKey, message), span, "");
+        None
+    }
+
+    /// A range of teeth; every tooth if there is none.
+    fn teeth(&mut self, name: &str) -> Option<ToothRange> {
+        debug_assert!(self.section.keys.iter().any(|key| key.name == name && matches!(key.kind, Kind::Teeth)));
+        let Some(value) = self.table.and_then(|table| table.get(name)) else { return Some(ToothRange::ALL) };
+        let text = match value.get_ref() {
+            DeValue::String(text) => text.as_ref(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+            _ => {
+                self.wrong_type(name, value, "a tooth number or text such as \"8..=12\"");
+                return None;
+            }
+        };
+        match text.parse() {
+            Ok(range) => Some(range),
+            Err(error) => {
+                self.report(Diagnostic::error(Code::BadTeeth, format!("`{name}`: {error}")), value.span(), "");
+                None
+            }
+        }
+    }
+
+    /// A file's name.
+    pub(super) fn file(&mut self, name: &str) -> Option<Located<String>> {
+        let value = self.table?.get(name)?;
+        let text = self.text(name)?;
+        Some(Located { value: text, span: value.span() })
+    }
+
+    /// One of the words that the key allows.
+    pub(super) fn word(&mut self, name: &str) -> Option<Located<&'static str>> {
+        let value = self.table?.get(name)?;
+        let words = self.section.keys.iter().find_map(|key| match key.kind {
+            Kind::Word(words) if key.name == name => Some(words),
+            _ => None,
+        })?;
+        let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+        let found = match value.get_ref() {
+            DeValue::String(text) => words.iter().find(|word| **word == text.as_ref()),
+            _ => None,
+        };
+        if found.is_none() {
+            let message = format!("`{name}` must be {}", quoted.join(" or "));
+            self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
+        }
+        Some(Located { value: found?, span: value.span() })
+    }
+}
