@@ -15,6 +15,7 @@
 //! | [`formula`] | ΔCD of one error: the paper's formulas and the exact ones, inverses, sensitivities |
 //! | [`decision`] | errors combined, and judged against limits |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
+#![cfg_attr(feature = "cmm", doc = "| [`cmm`] | tables of measured values |")]
 #![cfg_attr(feature = "report", doc = "| [`report`] | results as tables, Markdown, CSV and JSON |")]
 //! | [`diagnostic`] | what is wrong with an input, where, and what to do |
 #![cfg_attr(feature = "cli", doc = "| [`cli`] | the command line |")]
@@ -59,6 +60,8 @@ assert_eq!(spec.part_errors()?.len(), 1);
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "cmm")]
+pub mod cmm;
 pub mod decision;
 pub mod deviation;
 pub mod diagnostic;

@@ -45,12 +45,16 @@ codes! {
     BadQuantity = "bad-quantity",
     /// A value outside its domain.
     OutOfDomain = "out-of-domain",
+    /// Teeth that cannot be.
+    BadGeometry = "bad-geometry",
     /// A key that a requested result needs is not there.
     MissingKey = "missing-key",
     /// An error entry whose keys do not make an error.
     BadErrorEntry = "bad-error-entry",
     /// A range of teeth that is none.
     BadTeeth = "bad-teeth",
+    /// A table of measured values that cannot be read.
+    BadTable = "bad-table",
     /// A limit that is not a limit.
     BadLimit = "bad-limit",
     /// There is nothing to evaluate.

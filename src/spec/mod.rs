@@ -7,12 +7,14 @@
 
 mod deviations;
 mod keys;
+mod mesh;
 mod reader;
 mod resolve;
 mod schema;
 mod template;
 
 pub use deviations::{TipRelief, WrittenPinionDeviation};
+pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use schema::json_schema;
 pub use template::TEMPLATE;
 

@@ -26,7 +26,7 @@ impl Spec {
                     .help("add an entry such as `rack_over_roller = \"+13 um\"` below [errors]");
             return Err(diagnostic.into());
         }
-        let mut missing = Vec::new();
+        let mut missing = MissingKeys::default();
         let mut diagnostics = Vec::new();
         let mut errors = Vec::with_capacity(self.errors.len());
         for (kind, written) in &self.errors {
@@ -37,7 +37,7 @@ impl Spec {
                 None => {}
             }
         }
-        diagnostics.extend(missing.iter().map(|key| key.diagnostic(&self.source)));
+        diagnostics.extend(missing.diagnostics(&self.source));
         if diagnostics.is_empty() { Ok(errors) } else { Err(Diagnostics(diagnostics)) }
     }
 
@@ -62,7 +62,7 @@ impl Spec {
         &self,
         kind: ErrorKind,
         written: &Located<WrittenError>,
-        missing: &mut Vec<MissingKey>,
+        missing: &mut MissingKeys,
     ) -> Option<Result<PartError, DomainError>> {
         let mut need = Need { spec: self, kind, written, missing };
         Some(match (kind, &written.value) {
@@ -121,17 +121,7 @@ struct Need<'a> {
     spec: &'a Spec,
     kind: ErrorKind,
     written: &'a Located<WrittenError>,
-    missing: &'a mut Vec<MissingKey>,
-}
-
-/// A key that is not there, and the errors that need it.
-struct MissingKey {
-    section: &'static str,
-    name: &'static str,
-    needed_by: Vec<ErrorKind>,
-    /// The first of them.
-    span: Range<usize>,
-    formula: String,
+    missing: &'a mut MissingKeys,
 }
 
 impl Need<'_> {
@@ -140,33 +130,61 @@ impl Need<'_> {
     }
 
     fn key<T: Clone>(&mut self, section: &'static str, name: &'static str, written: Option<&Located<T>>) -> Option<T> {
-        if let Some(written) = written {
-            return Some(written.value.clone());
-        }
-        if let Some(known) = self.missing.iter_mut().find(|key| key.section == section && key.name == name) {
-            known.needed_by.push(self.kind);
-            return None;
-        }
-        let formula = match self.written.value {
-            WrittenError::OverRoller { .. } => {
-                "M_nom = K - (π m_n - s_n) / (2 tan α_n) + (d_p / 2) (1 + 1 / sin α_n)".to_owned()
-            }
-            _ => format!("ΔCD = {}", formula_text(self.kind, Model::Exact)),
-        };
-        let span = self.written.span.clone();
-        self.missing.push(MissingKey { section, name, needed_by: vec![self.kind], span, formula });
-        None
+        self.missing.take(section, name, written, || {
+            let formula = match self.written.value {
+                WrittenError::OverRoller { .. } => {
+                    "M_nom = K - (π m_n - s_n) / (2 tan α_n) + (d_p / 2) (1 + 1 / sin α_n)".to_owned()
+                }
+                _ => format!("ΔCD = {}", formula_text(self.kind, Model::Exact)),
+            };
+            (format!("`{}`", self.kind.key()), Some((self.written.span.clone(), formula)))
+        })
     }
 }
 
-impl MissingKey {
-    fn diagnostic(&self, source: &Arc<Source>) -> Diagnostic {
-        let Self { section, name, .. } = self;
-        let errors: Vec<_> = self.needed_by.iter().map(|kind| format!("`{}`", kind.key())).collect();
-        let verb = if errors.len() == 1 { "needs" } else { "need" };
-        let message = format!("`{section}.{name}` is missing; {} {verb} it", errors.join(", "));
-        Diagnostic::error(Code::MissingKey, message)
-            .at(source, self.span.clone(), self.formula.as_str())
-            .help(format!("add `{name} = …` below [{section}]"))
+/// The keys that a request needs and the spec does not have, each named once.
+#[derive(Default)]
+pub(super) struct MissingKeys(Vec<MissingKey>);
+
+struct MissingKey {
+    section: &'static str,
+    name: &'static str,
+    needed_by: Vec<String>,
+    /// Where the first need was written, and why it needs the key.
+    place: Option<(Range<usize>, String)>,
+}
+
+impl MissingKeys {
+    /// The value of a key, or a note that it is missing; `need` says who needs it, and where that stands.
+    pub(super) fn take<T: Clone>(
+        &mut self,
+        section: &'static str,
+        name: &'static str,
+        written: Option<&Located<T>>,
+        need: impl FnOnce() -> (String, Option<(Range<usize>, String)>),
+    ) -> Option<T> {
+        if let Some(written) = written {
+            return Some(written.value.clone());
+        }
+        let (needed_by, place) = need();
+        match self.0.iter_mut().find(|key| key.section == section && key.name == name) {
+            Some(known) => known.needed_by.push(needed_by),
+            None => self.0.push(MissingKey { section, name, needed_by: vec![needed_by], place }),
+        }
+        None
+    }
+
+    pub(super) fn diagnostics(&self, source: &Arc<Source>) -> impl Iterator<Item = Diagnostic> {
+        self.0.iter().map(|key| {
+            let MissingKey { section, name, needed_by, place } = key;
+            let verb = if needed_by.len() == 1 { "needs" } else { "need" };
+            let message = format!("`{section}.{name}` is missing; {} {verb} it", needed_by.join(", "));
+            let diagnostic =
+                Diagnostic::error(Code::MissingKey, message).help(format!("add `{name} = …` below [{section}]"));
+            match place {
+                Some((span, label)) => diagnostic.at(source, span.clone(), label.as_str()),
+                None => diagnostic,
+            }
+        })
     }
 }

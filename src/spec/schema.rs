@@ -42,13 +42,12 @@ fn object(section: &Section) -> Value {
 
 fn property(key: &Key) -> Value {
     let mut schema = match key.kind {
-        Kind::Text => json!({ "type": "string" }),
+        Kind::Text | Kind::File => json!({ "type": "string" }),
         Kind::Number(domain) => typed("number", &domain),
         Kind::Count(domain) => typed("integer", &domain),
         Kind::Length(domain) => json!({ "anyOf": [typed("number", &domain), length_text()] }),
         Kind::Angle(domain) => json!({ "anyOf": [typed("number", &domain), { "type": "string" }] }),
         Kind::Error(kind) => error(kind),
-        Kind::File => json!({ "type": "string" }),
         Kind::Word(words) => json!({ "enum": words }),
         Kind::Teeth => json!({ "anyOf": [{ "type": "integer" }, { "type": "string" }] }),
         Kind::Table(section) => object(section),

@@ -1,0 +1,409 @@
+//! What a spec means for the exact mesh: the pair, its deviations, and the rack's support.
+
+use std::ops::Range;
+
+use super::resolve::MissingKeys;
+use super::{Located, Spec, WrittenPinionDeviation};
+use crate::cmm::{Measured, PinionTeeth, RackSpaces};
+use crate::deviation::{
+    PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, PinionToothRow, RackDeviation, RackDeviationKind,
+    RackFlanks, RackForm, RackSpaceRow, ToothRange, pinion_flanks_from_rows, rack_flanks_from_spaces,
+};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::PartError;
+use crate::formula::over_pin::OverPin;
+use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
+use crate::mesh::{Mesh, Support};
+use crate::quantity::{Angle, Length};
+
+/// The tables that a spec names, read by the caller.
+#[derive(Debug, Clone, Default)]
+pub struct MeasuredTables {
+    /// `rack.measured`
+    pub rack: Option<RackSpaces>,
+    /// `pinion.measured`
+    pub pinion: Option<PinionTeeth>,
+}
+
+/// Where the deviations of a mesh come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// Deviations per tooth: `deviation` and `measured`; none at all is a perfect pair.
+    Teeth,
+    /// One value per error, from `[errors]`: put on the teeth as the formulas understand them.
+    Errors,
+}
+
+/// A mesh and what its user should know.
+#[derive(Debug, Clone)]
+pub struct MeshInput {
+    /// Ready to be solved.
+    pub mesh: Mesh,
+    /// Where its deviations come from.
+    pub origin: Origin,
+    /// What the geometry does badly.
+    pub warnings: Vec<GeometryWarning>,
+    /// The rack's deviations other than measured tables, for the formulas.
+    pub rack_deviations: Vec<RackDeviation>,
+    /// The pinion's deviations other than measured tables, for the formulas.
+    pub pinion_deviations: Vec<WrittenPinionDeviation>,
+    /// The measured rows of the rack.
+    pub rack_rows: Vec<RackSpaceRow>,
+    /// The measured rows of the pinion.
+    pub pinion_rows: Vec<PinionToothRow>,
+}
+
+/// The first rack tooth with a pitch or lead error that `[errors]` gives as one value: teeth before it are
+/// sound, as in the paper's model.
+const FIRST_ODD_TOOTH: i64 = 4;
+
+impl Spec {
+    /// Whether the spec gives deviations per tooth.
+    #[must_use]
+    pub fn has_deviations(&self) -> bool {
+        let (rack, pinion) = (&self.rack, &self.pinion);
+        !rack.deviations.is_empty()
+            || !pinion.deviations.is_empty()
+            || rack.measured.is_some()
+            || pinion.measured.is_some()
+    }
+
+    /// The nominal pair; `what` needs it.
+    ///
+    /// # Errors
+    /// A diagnostic for each key that is missing, or for geometry that cannot mesh.
+    pub fn pair(&self, what: &str) -> Result<Pair, Diagnostics> {
+        let mut missing = MissingKeys::default();
+        let who = || (what.to_owned(), None);
+        let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), who);
+        let alpha = missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), who);
+        let rack_face = missing.take("rack", "face_width", self.rack.face_width.as_ref(), who);
+        let addendum = missing.take("rack", "addendum", self.rack.addendum.as_ref(), who);
+        let teeth = missing.take("pinion", "teeth", self.pinion.teeth.as_ref(), who);
+        let pinion_face = missing.take("pinion", "face_width", self.pinion.face_width.as_ref(), who);
+        let tip = missing.take("pinion", "tip_diameter", self.pinion.tip_diameter.as_ref(), who);
+        let (Some(module), Some(alpha), Some(rack_face), Some(addendum), Some(teeth), Some(pinion_face), Some(tip)) =
+            (module, alpha, rack_face, addendum, teeth, pinion_face, tip)
+        else {
+            return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
+        };
+        let radians = |angle: &Option<Located<Angle>>| angle.as_ref().map_or(0.0, |angle| angle.value.radians());
+        let mm = |length: &Option<Located<Length>>| length.as_ref().map(|length| length.value.mm());
+        let data = PairData {
+            normal_module_mm: module.mm(),
+            normal_pressure_angle_rad: alpha.radians(),
+            rack: RackData {
+                helix_angle_rad: radians(&self.rack.helix_angle),
+                face_width_mm: rack_face.mm(),
+                addendum_mm: addendum.mm(),
+                tooth_thickness_mm: mm(&self.rack.tooth_thickness),
+            },
+            pinion: PinionData {
+                teeth,
+                helix_angle_rad: radians(&self.pinion.helix_angle),
+                profile_shift: self.pinion.profile_shift.as_ref().map_or(0.0, |shift| shift.value),
+                tip_diameter_mm: tip.mm(),
+                root_form_diameter_mm: mm(&self.pinion.root_form_diameter),
+                face_width_mm: pinion_face.mm(),
+                tooth_thickness_deviation_mm: mm(&self.pinion.tooth_thickness_deviation).unwrap_or(0.0),
+            },
+        };
+        Pair::new(&data).map_err(|error| self.bad_geometry(&error).into())
+    }
+
+    /// The mesh of the pair with everything that the spec says is wrong with it.
+    ///
+    /// Without deviations per tooth, the values in `[errors]` are put on the teeth: over-roller and radial
+    /// errors on all of them, the rack's pitch and lead errors on the teeth from number 4 on, the pinion's
+    /// pitch error as one step half way round.
+    ///
+    /// # Errors
+    /// Diagnostics for missing keys, geometry that cannot mesh, and deviations that cannot be.
+    pub fn mesh(&self, tables: &MeasuredTables) -> Result<MeshInput, Diagnostics> {
+        let pair = self.pair("the exact mesh")?;
+        let (mut rack_deviations, mut pinion_deviations): (Vec<_>, Vec<_>) = (
+            self.rack.deviations.iter().map(|deviation| deviation.value).collect(),
+            self.pinion.deviations.iter().map(|deviation| deviation.value).collect(),
+        );
+        let origin = if self.has_deviations() || self.errors.is_empty() { Origin::Teeth } else { Origin::Errors };
+        if origin == Origin::Errors {
+            (rack_deviations, pinion_deviations) = on_teeth(&self.part_errors()?, &pair);
+        }
+        let rack_rows = match &tables.rack {
+            Some(spaces) => self.rack_rows(spaces, &pair)?,
+            None => Vec::new(),
+        };
+        let pinion_rows = tables.pinion.as_ref().map(pinion_rows).unwrap_or_default();
+        let rack = self.rack_flanks(&pair, &rack_deviations, &rack_rows, tables)?;
+        let pinion = self.pinion_flanks(&pair, &pinion_deviations, &pinion_rows, tables)?;
+        let support = self.support()?;
+        let mesh = Mesh::new(pair, rack, pinion, support)
+            .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+        let warnings = pair.warnings();
+        Ok(MeshInput { mesh, origin, warnings, rack_deviations, pinion_deviations, rack_rows, pinion_rows })
+    }
+
+    fn support(&self) -> Result<Support, Diagnostics> {
+        if self.support.roll.as_ref().is_none_or(|roll| roll.value == "fixed") {
+            return Ok(Support::Fixed);
+        }
+        let mut missing = MissingKeys::default();
+        let place = self.support.roll.as_ref().map(|roll| (roll.span.clone(), String::new()));
+        let depth = missing.take("support", "roll_axis_depth", self.support.roll_axis_depth.as_ref(), || {
+            ("a rack that is free to roll".to_owned(), place)
+        });
+        match depth {
+            Some(depth) => Ok(Support::FreeRoll { axis_depth_mm: depth.mm() }),
+            None => Err(Diagnostics(missing.diagnostics(&self.source).collect())),
+        }
+    }
+
+    fn rack_flanks(
+        &self,
+        pair: &Pair,
+        deviations: &[RackDeviation],
+        rows: &[RackSpaceRow],
+        tables: &MeasuredTables,
+    ) -> Result<RackFlanks, Diagnostic> {
+        // each by itself first, so that the message points at the one that cannot be
+        for written in &self.rack.deviations {
+            RackFlanks::new(pair, &[written.value]).map_err(|error| self.bad_value(&error, written.span.clone()))?;
+        }
+        let whole = |error| self.bad_value(&error, 0..0);
+        let measured = rack_flanks_from_spaces(pair, rows).map_err(whole)?;
+        let in_table = |error: crate::deviation::DeviationError| match &tables.rack {
+            Some(table) => Diagnostic::error(Code::BadTable, error.to_string()).at(&table.source, 0..0, ""),
+            None => self.bad_value(&error, 0..0),
+        };
+        let (relief, start) = self
+            .rack
+            .tip_relief
+            .as_ref()
+            .map_or((0.0, 0.0), |relief| (relief.value.amount.mm(), relief.value.start.mm()));
+        let form = RackForm {
+            crowning_mm: self.rack.crowning.as_ref().map_or(0.0, |crowning| crowning.value.mm()),
+            tip_relief_mm: relief,
+            tip_relief_start_mm: start,
+        };
+        let form_span = self.rack.tip_relief.as_ref().map(|relief| relief.span.clone());
+        let form_span = form_span.or_else(|| self.rack.crowning.as_ref().map(|crowning| crowning.span.clone()));
+        RackFlanks::new(pair, deviations)
+            .map_err(whole)?
+            .with_measured(measured)
+            .map_err(in_table)?
+            .with_form(pair, form)
+            .map_err(|error| self.bad_value(&error, form_span.unwrap_or(0..0)))
+    }
+
+    fn pinion_flanks(
+        &self,
+        pair: &Pair,
+        deviations: &[WrittenPinionDeviation],
+        rows: &[PinionToothRow],
+        tables: &MeasuredTables,
+    ) -> Result<PinionFlanks, Diagnostic> {
+        for written in &self.pinion.deviations {
+            let checked = match written.value {
+                WrittenPinionDeviation::Teeth(deviation) => PinionFlanks::new(pair, &[deviation]),
+                WrittenPinionDeviation::Eccentricity(eccentricity) => {
+                    PinionFlanks::nominal(pair).with_eccentricity(&[eccentricity])
+                }
+            };
+            checked.map_err(|error| self.bad_value(&error, written.span.clone()))?;
+        }
+        let mut of_teeth = Vec::new();
+        let mut eccentricities = Vec::new();
+        for deviation in deviations {
+            match deviation {
+                WrittenPinionDeviation::Teeth(deviation) => of_teeth.push(*deviation),
+                WrittenPinionDeviation::Eccentricity(eccentricity) => eccentricities.push(*eccentricity),
+            }
+        }
+        let whole = |error| self.bad_value(&error, 0..0);
+        let in_table = |error: crate::deviation::DeviationError| match &tables.pinion {
+            Some(table) => Diagnostic::error(Code::BadTable, error.to_string()).at(&table.source, 0..0, ""),
+            None => self.bad_value(&error, 0..0),
+        };
+        let form = PinionForm {
+            crowning_mm: self.pinion.crowning.as_ref().map_or(0.0, |crowning| crowning.value.mm()),
+            profile_slope_mm: self.pinion.profile_slope.as_ref().map_or(0.0, |slope| slope.value.mm()),
+        };
+        let form_span = self.pinion.profile_slope.as_ref().map(|slope| slope.span.clone());
+        let measured = pinion_flanks_from_rows(pair, rows).map_err(in_table)?;
+        PinionFlanks::new(pair, &of_teeth)
+            .and_then(|flanks| flanks.with_eccentricity(&eccentricities))
+            .map_err(whole)?
+            .with_measured(&measured)
+            .map_err(in_table)?
+            .with_form(form)
+            .map_err(|error| self.bad_value(&error, form_span.unwrap_or(0..0)))
+    }
+
+    fn bad_value(&self, error: &crate::deviation::DeviationError, span: Range<usize>) -> Diagnostic {
+        let code = match error {
+            crate::deviation::DeviationError::NoSuchTooth { .. } => Code::BadTeeth,
+            _ => Code::OutOfDomain,
+        };
+        let diagnostic = Diagnostic::error(code, error.to_string());
+        if span.is_empty() { diagnostic } else { diagnostic.at(&self.source, span, "") }
+    }
+
+    /// Measured values less their nominal ones.
+    fn rack_rows(&self, spaces: &RackSpaces, pair: &Pair) -> Result<Vec<RackSpaceRow>, Diagnostics> {
+        let absolute = spaces.rows.iter().find(|row| matches!(row.over_pin, Some(Measured::Absolute(_))));
+        let nominal = match absolute {
+            Some(_) => Some(self.nominal_over_pin()?),
+            None => None,
+        };
+        let mut rows = Vec::with_capacity(spaces.rows.len());
+        for row in &spaces.rows {
+            let height = match (&row.over_pin, &nominal) {
+                (Some(Measured::Deviation(length)), _) => length.mm(),
+                (Some(Measured::Absolute(length)), Some(nominal)) => (length - nominal).mm(),
+                _ => 0.0,
+            };
+            if height.abs() > pair.normal_module_mm() {
+                let message = format!("over-pin differs from its nominal value by {height:.4} mm, more than a module");
+                let diagnostic = Diagnostic::error(Code::OutOfDomain, message)
+                    .at(&spaces.source, row.span.clone(), "")
+                    .help("check the units, `rack.pin` and `rack.datum`");
+                return Err(diagnostic.into());
+            }
+            // tooth indices are far below 2⁵³
+            #[expect(clippy::cast_precision_loss, reason = "tooth numbers are small")]
+            let nominal_position = (row.space as f64 + 0.5) * pair.rack().pitch_mm;
+            let position = match &row.position {
+                Some(Measured::Deviation(length)) => length.mm(),
+                Some(Measured::Absolute(length)) => length.mm() - nominal_position,
+                None => 0.0,
+            };
+            if position.abs() > pair.rack().pitch_mm / 2.0 {
+                let message = format!(
+                    "the pin of space {} stands {position:.4} mm from its nominal position {nominal_position:.4} mm, more than half a pitch",
+                    row.space
+                );
+                let diagnostic = Diagnostic::error(Code::OutOfDomain, message)
+                    .at(&spaces.source, row.span.clone(), "")
+                    .help("space j is nominally at (j + 1/2) p_x; shift the positions, or give `position_deviation`");
+                return Err(diagnostic.into());
+            }
+            rows.push(RackSpaceRow {
+                space: row.space,
+                height_mm: height,
+                position_mm: position,
+                lead_rad: row.lead.as_ref().map(Angle::radians),
+            });
+        }
+        Ok(rows)
+    }
+
+    /// The nominal measure over the pin `rack.pin`.
+    ///
+    /// # Errors
+    /// Diagnostics for missing keys, or a thickness that leaves no space.
+    pub fn nominal_over_pin(&self) -> Result<Length, Diagnostics> {
+        let mut missing = MissingKeys::default();
+        let place = self.rack.measured.as_ref().map(|file| file.span.clone());
+        let who = || {
+            let place = place.clone().map(|span| (span, "has absolute over-pin values".to_owned()));
+            ("the nominal measure over the pin".to_owned(), place)
+        };
+        let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), who);
+        let alpha = missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), who);
+        let pin = missing.take("rack", "pin", self.rack.pin.as_ref(), who);
+        let datum = missing.take("rack", "datum", self.rack.datum.as_ref(), who);
+        let (Some(module), Some(alpha), Some(pin), Some(datum)) = (module, alpha, pin, datum) else {
+            return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
+        };
+        let over_pin = OverPin {
+            normal_module: module,
+            normal_pressure_angle: alpha,
+            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value.clone()),
+            pin_diameter: pin,
+            datum,
+        };
+        over_pin.measure().map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
+    }
+
+    /// Geometry that cannot mesh, with the place of the value to blame.
+    fn bad_geometry(&self, error: &GeometryError) -> Diagnostic {
+        let span = match error {
+            GeometryError::OutOfDomain { quantity, .. } => self.span_of(*quantity),
+            GeometryError::PointedRack { .. } => self.span_of(Quantity::RackAddendum),
+            GeometryError::NoRackSpace { .. } => self.span_of(Quantity::RackToothThickness),
+            GeometryError::PointedPinion { .. } => self.span_of(Quantity::PinionTipDiameter),
+            GeometryError::NoInvolute { .. } => self.span_of(Quantity::PinionRootFormDiameter),
+        };
+        let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string());
+        match span {
+            Some(span) => diagnostic.at(&self.source, span, ""),
+            None => diagnostic,
+        }
+    }
+
+    fn span_of(&self, quantity: Quantity) -> Option<Range<usize>> {
+        fn span<T>(value: Option<&Located<T>>) -> Option<Range<usize>> {
+            value.map(|value| value.span.clone())
+        }
+        match quantity {
+            Quantity::NormalModule => span(self.pair.normal_module.as_ref()),
+            Quantity::NormalPressureAngle => span(self.pair.normal_pressure_angle.as_ref()),
+            Quantity::RackHelixAngle => span(self.rack.helix_angle.as_ref()),
+            Quantity::RackFaceWidth => span(self.rack.face_width.as_ref()),
+            Quantity::RackAddendum => span(self.rack.addendum.as_ref()),
+            Quantity::RackToothThickness => span(self.rack.tooth_thickness.as_ref()),
+            Quantity::PinionTeeth => span(self.pinion.teeth.as_ref()),
+            Quantity::PinionHelixAngle => span(self.pinion.helix_angle.as_ref()),
+            Quantity::PinionProfileShift => span(self.pinion.profile_shift.as_ref()),
+            Quantity::PinionTipDiameter => span(self.pinion.tip_diameter.as_ref()),
+            Quantity::PinionRootFormDiameter => span(self.pinion.root_form_diameter.as_ref()),
+            Quantity::PinionFaceWidth => span(self.pinion.face_width.as_ref()),
+            Quantity::PinionToothThicknessDeviation => span(self.pinion.tooth_thickness_deviation.as_ref()),
+        }
+    }
+}
+
+/// The rows of a pinion's table as deviations.
+fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
+    let mm = |length: &Option<Length>| length.as_ref().map(Length::mm);
+    teeth
+        .rows
+        .iter()
+        .map(|row| PinionToothRow {
+            tooth: row.tooth,
+            radial_mm: mm(&row.radial),
+            left_pitch_mm: mm(&row.left_pitch),
+            right_pitch_mm: mm(&row.right_pitch),
+            lead_rad: row.lead.as_ref().map(Angle::radians),
+        })
+        .collect()
+}
+
+/// One value per error, put on the teeth as the formulas understand them.
+fn on_teeth(errors: &[PartError], pair: &Pair) -> (Vec<RackDeviation>, Vec<WrittenPinionDeviation>) {
+    let later = ToothRange::new(Some(FIRST_ODD_TOOTH), None).unwrap_or(ToothRange::ALL);
+    let half_turn = ToothRange::new(Some(i64::from(pair.pinion().teeth / 2)), None).unwrap_or(ToothRange::ALL);
+    let (mut rack, mut pinion) = (Vec::new(), Vec::new());
+    for error in errors {
+        match error {
+            PartError::RackOverRoller(length) => {
+                rack.push(RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::OverRoller(length.mm()) });
+            }
+            PartError::RackPitch(length, _) => {
+                rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Shift(length.mm()) });
+            }
+            PartError::RackLead(angle, _) => {
+                rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(angle.radians()) });
+            }
+            PartError::PinionRadial(length) => pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
+                teeth: ToothRange::ALL,
+                kind: PinionDeviationKind::Radial(length.mm()),
+            })),
+            PartError::PinionPitch(length, _) => pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
+                teeth: half_turn,
+                kind: PinionDeviationKind::Shift(length.mm()),
+            })),
+        }
+    }
+    (rack, pinion)
+}
