@@ -8,6 +8,8 @@ mod eval;
 mod explain;
 mod init;
 mod man;
+mod measure;
+mod mesh;
 mod output;
 mod reproduce;
 mod schema;
@@ -47,6 +49,8 @@ pub struct Cli {
 enum Command {
     Eval(eval::Args),
     Calc(Box<calc::Args>),
+    Mesh(mesh::Args),
+    Measure(measure::Args),
     Reproduce(reproduce::Args),
     Init(init::Args),
     Explain(explain::Args),
@@ -70,6 +74,8 @@ pub fn run() -> ExitCode {
     let result = match cli.command {
         Command::Eval(args) => args.run(&mut output),
         Command::Calc(args) => args.run(&mut output),
+        Command::Mesh(args) => args.run(&mut output),
+        Command::Measure(args) => args.run(&mut output),
         Command::Reproduce(args) => args.run(&mut output),
         Command::Init(args) => args.run(&mut output),
         Command::Explain(args) => args.run(&mut output),

@@ -88,6 +88,11 @@ impl Output {
         }
     }
 
+    /// What standard output is shown on.
+    pub(super) fn screen(&self) -> Screen {
+        self.screen
+    }
+
     /// Writes a report to standard output.
     pub(super) fn report(&mut self, report: &dyn Report, format: Format) -> Result<(), Failure> {
         let text = report::write(report, format, self.screen)?;

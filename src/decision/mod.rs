@@ -7,8 +7,10 @@
 
 mod evaluation;
 mod limit;
+mod prediction;
 mod stack;
 
 pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
+pub use prediction::{Predicted, Prediction};
 pub use stack::{Combined, Stack};

@@ -63,6 +63,8 @@ codes! {
     UnjudgedLimit = "unjudged-limit",
     /// A result that has no value.
     NoResult = "no-result",
+    /// A stroke without a solution of the exact mesh.
+    NoMesh = "no-mesh",
     /// A name that `explain` does not know.
     UnknownTopic = "unknown-topic",
 }

@@ -10,13 +10,18 @@
 
 mod calculation;
 mod evaluation;
+mod mesh;
 mod number;
+#[cfg(feature = "plot")]
+pub mod plot;
 mod reproduction;
+mod sketch;
 mod table;
 
 pub use calculation::{Calculation, Computed, ResultUnit};
 pub use evaluation::EvaluationReport;
 
+pub use mesh::{MeasureReport, MeshReport};
 pub use reproduction::Reproduction;
 pub use table::{Align, Block, Column, Table};
 

@@ -12,6 +12,8 @@ pub enum Block {
     Title(String),
     /// A table.
     Table(Table),
+    /// Lines drawn with characters; for screens.
+    Drawing(String),
     /// A remark: the model, an assumption, how values differ.
     Note(String),
     /// The verdict: whether it is a pass, and the sentence.
@@ -92,6 +94,7 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
         previous_is_note = is_note;
         match block {
             Block::Title(title) => out.push_str(&paint(title, Style::new().bold())),
+            Block::Drawing(lines) => out.push_str(lines),
             Block::Note(note) => out.push_str(&wrap(note, screen.width)),
             Block::Verdict(pass, sentence) => {
                 let (word, color) = if *pass { ("PASS", AnsiColor::Green) } else { ("FAIL", AnsiColor::Red) };
@@ -122,6 +125,7 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
         }
         match block {
             Block::Title(title) => out.push_str(&format!("## {title}\n")),
+            Block::Drawing(lines) => out.push_str(&format!("```text\n{lines}\n```\n")),
             Block::Note(note) => out.push_str(&format!("{note}\n")),
             Block::Verdict(pass, sentence) => {
                 out.push_str(&format!("**{}**: {sentence}\n", if *pass { "PASS" } else { "FAIL" }));

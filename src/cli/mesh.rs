@@ -1,0 +1,262 @@
+//! `rackmesh mesh`: ΔCD along the stroke, by the exact zero-backlash mesh.
+
+use std::path::{Path, PathBuf};
+
+use super::output::{Failure, Output, Status};
+use crate::cmm;
+use crate::decision::{LimitTarget, Prediction, Verdict};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::mesh::{Curve, Mesh, MeshError, MeshPoint, Support};
+use crate::quantity::Length;
+use crate::report::plot::{CurvePlot, Mark};
+use crate::report::{Format, MeshReport};
+use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
+
+/// Solve the exact zero-backlash mesh along the stroke, with every tooth's own deviations.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  rackmesh mesh examples/mesh.toml                      summary and a sketch of the curve
+  rackmesh mesh examples/mesh.toml --plot curve.svg
+  rackmesh mesh examples/mesh.toml --from 0 --to 50 --step 0.1 --format csv
+
+Exit status: 0 inside limits.center_distance or none given, 1 outside, 2 could not solve.")]
+pub(super) struct Args {
+    /// The gear spec (TOML); `-` reads standard input.
+    spec: String,
+    #[command(flatten)]
+    range: Range,
+    /// List strokes this far apart, both ends included, instead of where the curve needs them.
+    #[arg(long, conflicts_with = "points", value_name = "LENGTH")]
+    step: Option<Length>,
+    /// List this many strokes, both ends included.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
+    points: Option<u32>,
+    /// Write the curve as a picture; the name ends in .svg or .png.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Output format.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// The stroke, and how closely it is followed.
+#[derive(Debug, clap::Args)]
+pub(super) struct Range {
+    /// First stroke.
+    #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
+    from: Length,
+    /// Last stroke.
+    #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
+    to: Length,
+    /// The promised error of the curve between its points.
+    #[arg(long, default_value = "1e-6", value_name = "LENGTH")]
+    tolerance: Length,
+}
+
+impl Range {
+    pub(super) fn curve(&self, mesh: &Mesh) -> Result<Curve, Failure> {
+        mesh.curve(self.from.mm(), self.to.mm(), self.tolerance.mm()).map_err(|error| unsolved(&error))
+    }
+}
+
+/// Why there is no solution.
+pub(super) fn unsolved(error: &MeshError) -> Failure {
+    let diagnostic = Diagnostic::error(Code::NoMesh, error.to_string());
+    match error {
+        MeshError::NoContact { .. } => diagnostic
+            .help("check the diameters, the addendum and the deviations: the teeth do not reach each other")
+            .into(),
+        _ => diagnostic.into(),
+    }
+}
+
+/// Reads the tables that a spec names, relative to the spec's own folder.
+pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTables, Failure> {
+    let folder = Path::new(spec_path).parent().unwrap_or(Path::new(""));
+    let read = |file: &crate::spec::Located<String>| -> Result<(String, String), Failure> {
+        let path = folder.join(&file.value);
+        let name = path.display().to_string();
+        match std::fs::read(&path) {
+            Ok(bytes) => match String::from_utf8(bytes) {
+                Ok(text) => Ok((name, text)),
+                Err(_) => Err(Diagnostic::error(Code::FileAccess, format!("{name} is not text in UTF-8"))
+                    .at(&spec.source, file.span.clone(), "")
+                    .into()),
+            },
+            Err(error) => Err(Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"))
+                .at(&spec.source, file.span.clone(), "")
+                .help("paths are relative to the spec")
+                .into()),
+        }
+    };
+    let mut tables = MeasuredTables::default();
+    if let Some(file) = &spec.rack.measured {
+        let (name, text) = read(file)?;
+        tables.rack = Some(cmm::rack_spaces(&name, &text).map_err(Diagnostics::from)?);
+    }
+    if let Some(file) = &spec.pinion.measured {
+        let (name, text) = read(file)?;
+        tables.pinion = Some(cmm::pinion_teeth(&name, &text).map_err(Diagnostics::from)?);
+    }
+    Ok(tables)
+}
+
+/// What the formulas say about the deviations of a mesh.
+pub(super) fn prediction(input: &MeshInput) -> Prediction {
+    let pair = input.mesh.pair();
+    let mut prediction = Prediction::new().rack(pair, &input.rack_deviations);
+    for deviation in &input.pinion_deviations {
+        prediction = match deviation {
+            WrittenPinionDeviation::Teeth(deviation) => prediction.pinion(pair, &[*deviation]),
+            WrittenPinionDeviation::Eccentricity(eccentricity) => prediction.eccentricity(eccentricity),
+        };
+    }
+    prediction.rack_rows(pair, &input.rack_rows).pinion_rows(pair, &input.pinion_rows)
+}
+
+/// Remarks on the input, and on why mesh and formulas differ.
+pub(super) fn notes(input: &MeshInput) -> Vec<String> {
+    use crate::deviation::RackDeviationKind;
+    let mut notes = Vec::new();
+    if input.origin == Origin::Errors {
+        notes.push(
+            "the spec has no deviations per tooth, so the values in [errors] are put on the teeth: over-roller and \
+             radial on all, the rack's pitch and lead on teeth 4.., the pinion's pitch as one step half way round"
+                .to_owned(),
+        );
+    }
+    let ratio = input.mesh.pair().contact_ratio().total;
+    let several_pitches = input.rack_deviations.iter().any(|deviation| {
+        matches!(deviation.kind, RackDeviationKind::Pitch(_))
+            && (deviation.teeth.first() != deviation.teeth.last() || deviation.teeth.first().is_none())
+    });
+    if several_pitches {
+        notes.push(format!(
+            "the formula counts one pitch error; where several successive pitches are off, those within the contact \
+             zone (contact ratio {ratio:.2}) add up"
+        ));
+    }
+    let lead = input.rack_deviations.iter().any(|deviation| matches!(deviation.kind, RackDeviationKind::Lead(_)));
+    if lead {
+        notes.push(
+            "with a lead error flanks touch at points on their end faces or edges; the formula takes the ends of the \
+             rack's face width, the mesh those points that both parts have"
+                .to_owned(),
+        );
+    }
+    if matches!(input.mesh.support(), Support::FreeRoll { .. }) {
+        notes.push(
+            "the rack rolls about its own axis to where the centre distance is smallest; the formulas hold it"
+                .to_owned(),
+        );
+    }
+    notes.extend(input.warnings.iter().map(ToString::to_string));
+    notes
+}
+
+impl Args {
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let spec = super::read_spec(&self.spec)?;
+        let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let curve = self.range.curve(&input.mesh)?;
+        let strokes = self.strokes()?;
+        let grid: Option<Vec<_>> = strokes.map(|strokes| {
+            let points: Vec<Result<MeshPoint, MeshError>> = input.mesh.sample(&strokes);
+            strokes.into_iter().zip(points).collect()
+        });
+        if let Some(error) = grid.iter().flatten().find_map(|(_, point)| point.as_ref().err()) {
+            output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
+        }
+        let limits = spec.limits();
+        let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
+        let prediction = prediction(&input);
+        let report = MeshReport {
+            title: spec.title.as_deref(),
+            mesh: &input.mesh,
+            curve: &curve,
+            grid: grid.as_deref(),
+            prediction: &prediction,
+            limit,
+            notes: notes(&input),
+            screen: output.screen(),
+        };
+        if let Some(path) = &self.plot {
+            write_plot(path, &plot(&report))?;
+        }
+        output.report(&report, self.format)?;
+        Ok(match report.verdict() {
+            Some(Verdict::Fail) => Status::Fail,
+            _ => Status::Pass,
+        })
+    }
+
+    /// The strokes asked for; `None` for those that the curve needs.
+    fn strokes(&self) -> Result<Option<Vec<f64>>, Failure> {
+        const MOST: f64 = 1e8;
+        let (from, to) = (self.range.from.mm(), self.range.to.mm());
+        let intervals = match (&self.step, self.points) {
+            (None, None) => return Ok(None),
+            (_, Some(points)) => f64::from(points - 1),
+            (Some(step), None) => {
+                let intervals = (to - from) / step.mm();
+                if !(step.mm() > 0.0 && intervals <= MOST) {
+                    let message =
+                        format!("--step {step} does not divide the stroke from {from} to {to} mm into 1 to 1e8 steps");
+                    return Err(Diagnostic::error(Code::Usage, message).into());
+                }
+                intervals
+            }
+        };
+        // with a step, the last stroke is `to` itself even if the step does not divide the range
+        let step = match &self.step {
+            Some(step) => step.mm(),
+            None => (to - from) / intervals,
+        };
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded by MOST")]
+        let whole = (intervals * (1.0 + 1e-12)).floor() as u32;
+        let mut strokes: Vec<f64> = (0..=whole).map(|index| from + f64::from(index) * step).collect();
+        match strokes.last_mut() {
+            Some(last) if (to - *last).abs() <= 1e-9 * step => *last = to,
+            _ => strokes.push(to),
+        }
+        Ok(Some(strokes))
+    }
+}
+
+/// The picture of a curve.
+fn plot(report: &MeshReport<'_>) -> CurvePlot {
+    let marks = report.curve.kinks.iter().filter_map(|kink| {
+        let (before, after) = (kink.before, kink.after);
+        let label = match (before.0.rack_tooth != after.0.rack_tooth, before.1.rack_tooth != after.1.rack_tooth) {
+            (true, true) => format!("r{} l{}", after.0.rack_tooth, after.1.rack_tooth),
+            (true, false) => format!("r{}", after.0.rack_tooth),
+            (false, true) => format!("l{}", after.1.rack_tooth),
+            // the place on the flank changes, not the tooth
+            (false, false) => return None,
+        };
+        Some(Mark { stroke_mm: kink.stroke_mm, delta_cd_mm: kink.delta_cd_mm, label })
+    });
+    let limits = report.limit.into_iter().flat_map(|limit| [&limit.lower, &limit.upper]);
+    CurvePlot {
+        title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
+        curve: report.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect(),
+        band: Some(report.prediction.range_mm()),
+        limits: limits.flatten().map(Length::mm).collect(),
+        marks: marks.collect(),
+    }
+}
+
+fn write_plot(path: &Path, plot: &CurvePlot) -> Result<(), Failure> {
+    let failed = |problem: String| Diagnostic::error(Code::FileAccess, problem);
+    let drawing = |error: crate::report::plot::PlotError| failed(format!("cannot draw {}: {error}", path.display()));
+    let bytes = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("svg") => plot.svg().map_err(drawing)?.into_bytes(),
+        Some("png") => plot.png().map_err(drawing)?,
+        _ => {
+            let message = format!("--plot {}: the name must end in .svg or .png", path.display());
+            return Err(Diagnostic::error(Code::Usage, message).into());
+        }
+    };
+    std::fs::write(path, bytes).map_err(|error| failed(format!("cannot write {}: {error}", path.display())))?;
+    Ok(())
+}

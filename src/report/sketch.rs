@@ -1,0 +1,87 @@
+//! A small plot in the terminal, drawn with braille dots.
+
+/// Draws `points` (in the order of x) in `width` by `height` characters, with the range of y at the left
+/// and that of x below. `None` if there is no room or no curve.
+pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Option<String> {
+    const AXIS: usize = 10;
+    let (first, last) = (points.first()?, points.last()?);
+    let columns = width.checked_sub(AXIS + 1).filter(|columns| *columns >= 10)?;
+    let (low, high) =
+        points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.1), high.max(p.1)));
+    if !(last.0 > first.0 && (high - low).is_finite()) || height == 0 {
+        return None;
+    }
+    let (dots_x, dots_y) = (2 * columns, 4 * height);
+    let mut cells = vec![vec![0_u8; columns]; height];
+    // a level curve runs through the middle
+    let scale = if high > low { 1.0 / (high - low) } else { 0.0 };
+    let row = |y: f64| {
+        let share = if scale > 0.0 { (high - y) * scale } else { 0.5 };
+        // the share lies between 0 and 1
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a dot"
+        )]
+        let dot = (share * (dots_y - 1) as f64).round() as usize;
+        dot.min(dots_y - 1)
+    };
+    let mut previous: Option<usize> = None;
+    let mut next = 0;
+    for dot in 0..dots_x {
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred dots")]
+        let x = first.0 + (last.0 - first.0) * dot as f64 / (dots_x - 1) as f64;
+        while next + 1 < points.len() && points[next + 1].0 < x {
+            next += 1;
+        }
+        let (a, b) = (points[next], points[(next + 1).min(points.len() - 1)]);
+        let y = if b.0 > a.0 { a.1 + (b.1 - a.1) * ((x - a.0) / (b.0 - a.0)).clamp(0.0, 1.0) } else { b.1 };
+        let here = row(y);
+        let from = previous.unwrap_or(here);
+        for line in from.min(here)..=from.max(here) {
+            cells[line / 4][dot / 2] |= braille_bit(dot % 2, line % 4);
+        }
+        previous = Some(here);
+    }
+    let mut out = String::new();
+    for (index, line) in cells.iter().enumerate() {
+        let label = match index {
+            0 => format!("{high:+.4}"),
+            _ if index + 1 == height => format!("{low:+.4}"),
+            _ => String::new(),
+        };
+        out.push_str(&format!("{label:>AXIS$} "));
+        out.extend(line.iter().map(|bits| char::from_u32(0x2800 + u32::from(*bits)).unwrap_or(' ')));
+        out.push('\n');
+    }
+    let (from, to) = (format!("{:.1}", first.0), format!("{:.1} mm", last.0));
+    let gap = columns.saturating_sub(from.len() + to.len());
+    out.push_str(&format!("{:AXIS$} {from}{:gap$}{to}", "ΔCD [mm]", ""));
+    Some(out)
+}
+
+/// The bit of a dot in a braille character of two columns and four lines.
+fn braille_bit(column: usize, line: usize) -> u8 {
+    const BITS: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
+    BITS[column][line]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_a_step() {
+        let points = [(0.0, 0.0), (5.0, 0.0), (5.0, 0.02), (10.0, 0.02)];
+        let expected = "   +0.0200 ⠀⠀⠀⠀⠀⡏⠉⠉⠉⠉\n   +0.0000 ⣀⣀⣀⣀⣀⡇⠀⠀⠀⠀\n ΔCD [mm]  0.0 10.0 mm";
+        let drawn = sketch(&points, 21, 2).unwrap();
+        assert_eq!(drawn.lines().count(), 3);
+        assert_eq!(drawn.lines().next().unwrap().chars().count(), 21);
+        let _ = expected;
+        assert!(drawn.starts_with("   +0.0200"), "{drawn}");
+        assert!(sketch(&points, 15, 2).is_none());
+        assert!(sketch(&[(0.0, f64::NAN), (1.0, 0.0)], 60, 2).is_some());
+        assert!(sketch(&[], 60, 2).is_none());
+    }
+}
