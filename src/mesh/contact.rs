@@ -465,9 +465,6 @@ impl FlankContact {
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
     pub(super) fn touch(&self, pose: &Pose) -> Option<Touch> {
-        if let Some(line) = self.line(pose) {
-            return Some(line);
-        }
         let zero = pose.c - self.nu;
         let reach = self.kappa.abs() * self.half_face;
         let lo = (zero + self.start_roll - reach).max(-PI);
@@ -478,22 +475,43 @@ impl FlankContact {
         if self.form.is_some() {
             return self.search(pose, lo, hi);
         }
-        // Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
-        // sign the best point jumps from one end of the generator to the other, and there may be a peak on either side.
-        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
-        if !(share > 0.0 && share < 2.0) {
-            return self.climb(pose, lo, hi);
-        }
-        let turn = 2.0 * trig::asin((0.5 * share).sqrt());
-        let past = turn * (1.0 + 1e-9);
-        let mut best: Option<Touch> = None;
-        for (from, to) in [(lo.max(-turn), hi.min(turn)), (lo.max(past), hi), (lo, hi.min(-past))] {
+        let mut best = self.line(pose);
+        let mut climb = |from: f64, to: f64| {
             if from <= to
                 && let Some(touch) = self.climb(pose, from, to)
                 && best.is_none_or(|best| touch.demand > best.demand)
             {
                 best = Some(touch);
             }
+        };
+        // Along the edge where the involute starts, at δ beyond the contact line, the demand differs from the line's by
+        // (r_b/sin ν)(δ³/6 − τ_0 δ²/2 + …): an involute that starts near its base circle reaches out again there.
+        let rise = 2.0 * self.start_roll;
+        if zero + self.start_roll + reach > rise {
+            climb(lo.max(rise), hi);
+        }
+        if self.fits && best.is_some_and(|best| best.kind == ContactKind::Line) {
+            return best;
+        }
+        let mut climb = |from: f64, to: f64| {
+            if from <= to
+                && let Some(touch) = self.climb(pose, from, to)
+                && best.is_none_or(|best| touch.demand > best.demand)
+            {
+                best = Some(touch);
+            }
+        };
+        // Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
+        // sign the best point jumps from one end of the generator to the other, and there may be a peak on either side.
+        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
+        if share > 0.0 && share < 2.0 {
+            let turn = 2.0 * trig::asin((0.5 * share).sqrt());
+            let past = turn * (1.0 + 1e-9);
+            climb(lo.max(-turn), hi.min(turn));
+            climb(lo.max(past), hi);
+            climb(lo, hi.min(-past));
+        } else {
+            climb(lo, hi);
         }
         best
     }

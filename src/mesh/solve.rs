@@ -332,7 +332,7 @@ impl Constants {
         let sin = trig::sin(alpha);
         let scale = pinion.base_radius_mm / sin;
         // beyond the involute's end by η a flank stays clear by (r_b/sin ν) τ η²/2; leave half a module of that
-        let margin = (mesh.pair().normal_module_mm() / (scale * pinion.tip_roll_rad)).sqrt().min(1.0);
+        let margin = (mesh.pair().normal_module_mm() / (scale * pinion.tip_roll_rad)).sqrt().min(1.0) * 3.0;
         let kappa = trig::tan(pinion.helix_angle_rad).abs() / pinion.reference_radius_mm;
         let contact = mesh.prepare(FlankSide::Right, 0, &Roll::NONE).contact;
         let reach = 1.1 * kappa * contact.w_extent + margin;

@@ -8,6 +8,9 @@
 
 use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Touch};
 
+/// First step off the start of the flank, rad.
+const INSIDE: f64 = 1e-3;
+
 /// Brackets this short (rad) let tangents speak for the function: its square times any curvature is below rounding.
 const NARROW: f64 = 1e-7;
 
@@ -40,7 +43,8 @@ impl FlankContact {
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
         let mut best: Option<Touch> = None;
-        let mut x = 0.0_f64.clamp(lo, hi);
+        // where the involute starts at its base circle the derivative vanishes whichever way it goes: look beside it
+        let mut x = 0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi);
         let mut width = f64::INFINITY;
         let mut stalls = 0;
         // evaluations in a row that moved the same end of the bracket, negative for the upper one
@@ -72,7 +76,7 @@ impl FlankContact {
             }
             stalls = if b - a > 0.5 * width { stalls + 1 } else { 0 };
             width = b - a;
-            let next = self.propose(pose, scale, tolerance, (a, b), (below, above), best.map(|best| best.demand), run);
+            let next = self.propose(pose, scale, tolerance, (a, b, hi), (below, above), best.map(|best| best.demand), run);
             x = match next {
                 Next::Done => break,
                 Next::Nothing => return None,
@@ -99,7 +103,7 @@ impl FlankContact {
         pose: &Pose,
         scale: f64,
         tolerance: f64,
-        (a, b): (f64, f64),
+        (a, b, hi): (f64, f64, f64),
         ends: (Option<Sample>, Option<Sample>),
         best: Option<f64>,
         run: i32,
@@ -144,7 +148,8 @@ impl FlankContact {
             (None, Some(h)) => match h.generator {
                 Generator::Some { slope, w, .. } => {
                     let roll = ((self.nu - pose.c) + b + self.kappa * w).max(0.1);
-                    Next::Try((b + 1.2 * slope / (scale * roll)).max(a))
+                    let inside = a + INSIDE.min(0.25 * (hi - a));
+                    Next::Try((b + 1.2 * slope / (scale * roll)).max(if b > inside { inside } else { a }))
                 }
                 Generator::None { gap, slope } => Next::Try((b - gap / slope).max(a)),
             },
