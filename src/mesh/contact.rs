@@ -144,10 +144,8 @@ pub(super) struct Touch {
     /// Its derivative by c.
     pub(super) rate: f64,
     pub(super) kind: ContactKind,
-    /// Generator and place on it.
+    /// The generator.
     pub(super) delta: f64,
-    pub(super) w: f64,
-    pub(super) evaluations: u32,
 }
 
 /// The demand of one generator.
@@ -155,8 +153,8 @@ pub(super) struct Touch {
 enum Generator {
     /// It has points over the rack tooth.
     Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, on_tip: bool },
-    /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope`.
-    None { gap: f64, slope: f64 },
+    /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope` and with c by `rate`.
+    None { gap: f64, slope: f64, rate: f64 },
 }
 
 /// Bounds on w may miss each other by this share of the face width and still count as meeting: the vertex of a
@@ -278,12 +276,7 @@ impl FlankContact {
             let inverse = 1.0 / y.q;
             let edge = |y_end: f64| {
                 let w = (y_end - y.p) * inverse;
-                Bound {
-                    w,
-                    slope: -y.slope_at(w) * inverse,
-                    rate: -y.p_rate * inverse,
-                    kind: ContactKind::RackEndEdge,
-                }
+                Bound { w, slope: -y.slope_at(w) * inverse, rate: -y.p_rate * inverse, kind: ContactKind::RackEndEdge }
             };
             if inverse > 0.0 { narrow(edge(-k), edge(k)) } else { narrow(edge(k), edge(-k)) }
         } else if y.p.abs() > k {
@@ -305,7 +298,7 @@ impl FlankContact {
         let (lo, hi) = self.interval(pose, &at);
         let gap = hi.w - lo.w;
         if gap < -VERTEX * self.half_face {
-            return Generator::None { gap, slope: hi.slope - lo.slope };
+            return Generator::None { gap, slope: hi.slope - lo.slope, rate: hi.rate - lo.rate };
         }
         let flank = Self::plane(&self.flank, pose.shift, &at);
         let tip = Self::plane(&self.tip, 0.0, &at);
@@ -460,7 +453,7 @@ impl FlankContact {
             return None;
         }
         let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
-        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0, w: 0.5 * (lo + hi), evaluations: 0 })
+        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0 })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
@@ -526,9 +519,7 @@ impl FlankContact {
         };
         let delta = golden(lo, hi, &value);
         match self.demand(pose, delta) {
-            Generator::Some { demand, rate, w, kind, .. } => {
-                Some(Touch { demand, rate, kind, delta, w, evaluations: 0 })
-            }
+            Generator::Some { demand, rate, kind, .. } => Some(Touch { demand, rate, kind, delta }),
             Generator::None { .. } => None,
         }
     }

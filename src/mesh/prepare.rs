@@ -168,12 +168,8 @@ impl Mesh {
             t: tan_roll * sin_s,
             w: -tan_roll * cos_s,
         };
-        let across = Across {
-            t: -sin_s * roll.cos,
-            w: cos_s * roll.cos,
-            z: roll.sin,
-            half_width: 0.5 * rack.face_width_mm,
-        };
+        let across =
+            Across { t: -sin_s * roll.cos, w: cos_s * roll.cos, z: roll.sin, half_width: 0.5 * rack.face_width_mm };
         let half_face = 0.5 * pinion.face_width_mm;
         let helix = pinion.helix_angle_rad + partner.lead_rad;
         let kappa = sign * trig::tan(helix) / pinion.reference_radius_mm;

@@ -106,13 +106,22 @@ impl Brute<'_> {
                 return -1e9 - (y0.abs().min(y1.abs()) - k);
             }
             let (low, high) = (y0.min(y1), y0.max(y1));
-            let mut ends = (if low < -k { edge(-k) } else if y0 < y1 { -b } else { b }, if high > k {
-                edge(k)
-            } else if y0 < y1 {
-                b
-            } else {
-                -b
-            });
+            let mut ends = (
+                if low < -k {
+                    edge(-k)
+                } else if y0 < y1 {
+                    -b
+                } else {
+                    b
+                },
+                if high > k {
+                    edge(k)
+                } else if y0 < y1 {
+                    b
+                } else {
+                    -b
+                },
+            );
             if ends.0 > ends.1 {
                 ends = (ends.1, ends.0);
             }
