@@ -469,10 +469,12 @@ impl FlankContact {
             return self.search(pose, lo, hi);
         }
         let mut best = self.line(pose);
+        // peaks equal within rounding: the first found names the contact
+        let tie = 8.0 * DEMAND * self.base_radius / self.sin_nu;
         let mut climb = |from: f64, to: f64| {
             if from <= to
                 && let Some(touch) = self.climb(pose, from, to)
-                && best.is_none_or(|best| touch.demand > best.demand)
+                && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
             }
@@ -489,7 +491,7 @@ impl FlankContact {
         let mut climb = |from: f64, to: f64| {
             if from <= to
                 && let Some(touch) = self.climb(pose, from, to)
-                && best.is_none_or(|best| touch.demand > best.demand)
+                && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
             }

@@ -40,6 +40,11 @@ const MAX_STEPS: f64 = 4e6;
 /// Halvings of a first step at most: 2⁻³⁵ of 1/32 pitch is below the width of a kink.
 const MAX_DEPTH: u32 = 36;
 
+/// Halvings after which a kink may be called harmless: 1/(32·2¹²) of a pitch.
+const HARMLESS_DEPTH: u32 = 12;
+/// A kink is harmless if it bends the curve by less than this share of the tolerance between its neighbours.
+const HARMLESS: f64 = 1e-3;
+
 impl Mesh {
     /// The curve from one stroke to another, resolved so that no extreme is missed by more than the tolerance.
     ///
@@ -115,6 +120,14 @@ impl Refiner<'_> {
         if same && sagitta <= 0.5 * self.tolerance {
             self.keep(&m, false);
             self.keep(b, false);
+            return Ok(());
+        }
+        // a kink that no longer shows is located well enough
+        if kinked && depth >= HARMLESS_DEPTH && sagitta <= HARMLESS * self.tolerance {
+            let after = (b.right, b.left);
+            let kink = Kink { stroke_mm: b.stroke_mm, delta_cd_mm: b.delta_cd_mm, before: (a.right, a.left), after };
+            self.curve.kinks.push(kink);
+            self.keep(b, true);
             return Ok(());
         }
         self.refine(a, &m, depth + 1)?;

@@ -45,6 +45,9 @@ struct Position {
     to_first: f64,
 }
 
+/// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
+const TIE: f64 = 1e-14;
+
 /// What one side asks for.
 #[derive(Debug, Clone, Copy)]
 struct Demand {
@@ -280,8 +283,8 @@ impl<'a> Sampler<'a> {
         offset: f64,
         stroke_mm: f64,
     ) -> Result<Demand, MeshError> {
-        let Constants { pitch, angular_pitch, window, eccentricity, tolerance, .. } = self.constants;
-        let tie = 2.0 * tolerance;
+        let Constants { pitch, angular_pitch, window, eccentricity, default_rate, .. } = self.constants;
+        let tie = TIE * default_rate;
         let sign = side.sign();
         let angle = position.angle + offset;
         let (along, across) = eccentricity;

@@ -171,11 +171,11 @@ impl FlankContact {
         }
         if let (Some(l), Some(h)) = (below, above)
             && let (
-                Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, .. },
-                Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, .. },
+                Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, on_tip: tl, .. },
+                Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, on_tip: th, .. },
             ) = (l.generator, h.generator)
             && h.x - l.x <= 1e-6
-            && (kl != kh || (wl > 0.0) != (wh > 0.0))
+            && (kl != kh || tl != th || (wl > 0.0) != (wh > 0.0))
         {
             let share = -sh / (sl - sh);
             touch.rate = share * rl + (1.0 - share) * rh;
