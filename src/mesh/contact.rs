@@ -144,10 +144,8 @@ pub(super) struct Touch {
     /// Its derivative by c.
     pub(super) rate: f64,
     pub(super) kind: ContactKind,
-    /// Generator and place on it.
+    /// The generator.
     pub(super) delta: f64,
-    pub(super) w: f64,
-    pub(super) evaluations: u32,
 }
 
 /// The demand of one generator.
@@ -155,8 +153,8 @@ pub(super) struct Touch {
 enum Generator {
     /// It has points over the rack tooth.
     Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, on_tip: bool },
-    /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope`.
-    None { gap: f64, slope: f64 },
+    /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope` and with c by `rate`.
+    None { gap: f64, slope: f64, rate: f64 },
 }
 
 /// Bounds on w may miss each other by this share of the face width and still count as meeting: the vertex of a
@@ -300,7 +298,7 @@ impl FlankContact {
         let (lo, hi) = self.interval(pose, &at);
         let gap = hi.w - lo.w;
         if gap < -VERTEX * self.half_face {
-            return Generator::None { gap, slope: hi.slope - lo.slope };
+            return Generator::None { gap, slope: hi.slope - lo.slope, rate: hi.rate - lo.rate };
         }
         let flank = Self::plane(&self.flank, pose.shift, &at);
         let tip = Self::plane(&self.tip, 0.0, &at);
@@ -455,14 +453,11 @@ impl FlankContact {
             return None;
         }
         let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
-        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0, w: 0.5 * (lo + hi), evaluations: 0 })
+        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0 })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
     pub(super) fn touch(&self, pose: &Pose) -> Option<Touch> {
-        if let Some(line) = self.line(pose) {
-            return Some(line);
-        }
         let zero = pose.c - self.nu;
         let reach = self.kappa.abs() * self.half_face;
         let lo = (zero + self.start_roll - reach).max(-PI);
@@ -473,22 +468,45 @@ impl FlankContact {
         if self.form.is_some() {
             return self.search(pose, lo, hi);
         }
-        // Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
-        // sign the best point jumps from one end of the generator to the other, and there may be a peak on either side.
-        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
-        if !(share > 0.0 && share < 2.0) {
-            return self.climb(pose, lo, hi);
-        }
-        let turn = 2.0 * trig::asin((0.5 * share).sqrt());
-        let past = turn * (1.0 + 1e-9);
-        let mut best: Option<Touch> = None;
-        for (from, to) in [(lo.max(-turn), hi.min(turn)), (lo.max(past), hi), (lo, hi.min(-past))] {
+        let mut best = self.line(pose);
+        // peaks equal within rounding: the first found names the contact
+        let tie = 8.0 * DEMAND * self.base_radius / self.sin_nu;
+        let mut climb = |from: f64, to: f64| {
             if from <= to
                 && let Some(touch) = self.climb(pose, from, to)
-                && best.is_none_or(|best| touch.demand > best.demand)
+                && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
             }
+        };
+        // Along the edge where the involute starts, at δ beyond the contact line, the demand differs from the line's by
+        // (r_b/sin ν)(δ³/6 − τ_0 δ²/2 + …): an involute that starts near its base circle reaches out again there.
+        let rise = 2.0 * self.start_roll;
+        if zero + self.start_roll + reach > rise {
+            climb(lo.max(rise), hi);
+        }
+        if self.fits && best.is_some_and(|best| best.kind == ContactKind::Line) {
+            return best;
+        }
+        let mut climb = |from: f64, to: f64| {
+            if from <= to
+                && let Some(touch) = self.climb(pose, from, to)
+                && best.is_none_or(|best| touch.demand > best.demand + tie)
+            {
+                best = Some(touch);
+            }
+        };
+        // Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
+        // sign the best point jumps from one end of the generator to the other, and there may be a peak on either side.
+        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
+        if share > 0.0 && share < 2.0 {
+            let turn = 2.0 * trig::asin((0.5 * share).sqrt());
+            let past = turn * (1.0 + 1e-9);
+            climb(lo.max(-turn), hi.min(turn));
+            climb(lo.max(past), hi);
+            climb(lo, hi.min(-past));
+        } else {
+            climb(lo, hi);
         }
         best
     }
@@ -503,9 +521,7 @@ impl FlankContact {
         };
         let delta = golden(lo, hi, &value);
         match self.demand(pose, delta) {
-            Generator::Some { demand, rate, w, kind, .. } => {
-                Some(Touch { demand, rate, kind, delta, w, evaluations: 0 })
-            }
+            Generator::Some { demand, rate, kind, .. } => Some(Touch { demand, rate, kind, delta }),
             Generator::None { .. } => None,
         }
     }

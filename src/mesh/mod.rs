@@ -13,12 +13,18 @@
 //! minimised over too.
 
 mod contact;
+mod curve;
+mod measure;
 mod outcome;
 mod prepare;
 mod roll;
 mod solve;
+mod summary;
 
 pub use contact::ContactKind;
+pub use curve::{Curve, Kink};
+pub use measure::{PinionReading, RackReading};
 pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint};
 pub use prepare::{Mesh, Support};
 pub use solve::Sampler;
+pub use summary::Summary;

@@ -17,7 +17,6 @@ pub struct Sampler<'a> {
     pub(super) assumed: f64,
     /// Rotation offset and rack displacement of the last solution.
     last: Option<(f64, f64)>,
-    pub(super) last_roll: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +44,9 @@ struct Position {
     /// Angle of pinion tooth 0 less that.
     to_first: f64,
 }
+
+/// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
+const TIE: f64 = 1e-14;
 
 /// What one side asks for.
 #[derive(Debug, Clone, Copy)]
@@ -127,7 +129,6 @@ impl<'a> Sampler<'a> {
             roll: Roll::NONE,
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
-            last_roll: None,
         }
     }
 
@@ -176,6 +177,7 @@ impl<'a> Sampler<'a> {
         };
         let (mut low, mut high) = (guess - 0.75 * angular_pitch, guess + 0.75 * angular_pitch);
         let mut iterations = 0;
+        let mut before: Option<(f64, f64)> = None;
         let (right, left, step, ending) = loop {
             iterations += 1;
             let right = self.demand(FlankSide::Right, &position, offset, stroke_mm)?;
@@ -185,6 +187,14 @@ impl<'a> Sampler<'a> {
             if !slope.is_finite() || slope >= -0.1 * default_rate {
                 slope = -2.0 * default_rate;
             }
+            // where edges meet the derivative may belong to one of them only: the secant knows better
+            if let Some((at, value)) = before {
+                let secant: f64 = (excess - value) / (offset - at);
+                if iterations > 3 && secant < -0.1 * default_rate && secant.is_finite() {
+                    slope = secant;
+                }
+            }
+            before = Some((offset, excess));
             let step = -excess / slope;
             if excess.abs() <= tolerance {
                 break (right, left, step, Ending::Converged);
@@ -273,7 +283,8 @@ impl<'a> Sampler<'a> {
         offset: f64,
         stroke_mm: f64,
     ) -> Result<Demand, MeshError> {
-        let Constants { pitch, angular_pitch, window, eccentricity, .. } = self.constants;
+        let Constants { pitch, angular_pitch, window, eccentricity, default_rate, .. } = self.constants;
+        let tie = TIE * default_rate;
         let sign = side.sign();
         let angle = position.angle + offset;
         let (along, across) = eccentricity;
@@ -311,11 +322,12 @@ impl<'a> Sampler<'a> {
                 offset_rate: rates,
                 across,
             };
-            if best.is_some_and(|best| prepared.contact.upper_bound(&pose) <= best.value) {
+            // of pairs that ask for the same within rounding the first carries: names of carriers must not flicker
+            if best.is_some_and(|best| prepared.contact.upper_bound(&pose) <= best.value + tie) {
                 continue;
             }
             if let Some(Touch { demand, rate, kind, .. }) = prepared.contact.touch(&pose)
-                && best.is_none_or(|best| demand > best.value)
+                && best.is_none_or(|best| demand > best.value + tie)
             {
                 best = Some(Demand { value: demand, rate: sign * rate, tooth, kind });
             }

@@ -90,7 +90,7 @@ impl Brute<'_> {
         let p = self.pair.pinion();
         let (b, k) = (p.face_width_mm / 2.0, self.pair.rack().face_width_mm / 2.0);
         let deviation = self.rack.tooth(rack_tooth);
-        let mut along = |radius: f64| {
+        let along = |radius: f64| {
             let y = |w: f64| self.point(tooth, side, angle, radius, w)[1];
             // y is monotone in w for every geometry tried here; find where it leaves the face
             let (y0, y1) = (y(-b), y(b));
@@ -168,7 +168,7 @@ impl Brute<'_> {
     /// a(s), by regula falsi on the two sides' difference; `None` if a side has no contact.
     pub fn center_distance(&self, stroke: f64, rack_teeth: &[i64], start: f64) -> Option<f64> {
         let p = self.pair.pinion();
-        let mut sides = |offset: f64| {
+        let sides = |offset: f64| {
             let l = self.demand(stroke, -1.0, offset, rack_teeth);
             let r = self.demand(stroke, 1.0, offset, rack_teeth);
             (l, r)

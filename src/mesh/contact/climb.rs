@@ -8,6 +8,9 @@
 
 use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Touch};
 
+/// First step off the start of the flank, rad.
+const INSIDE: f64 = 1e-3;
+
 /// Brackets this short (rad) let tangents speak for the function: its square times any curvature is below rounding.
 const NARROW: f64 = 1e-7;
 
@@ -40,16 +43,17 @@ impl FlankContact {
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
         let mut best: Option<Touch> = None;
-        let mut x = 0.0_f64.clamp(lo, hi);
+        // where the involute starts at its base circle the derivative vanishes whichever way it goes: look beside it
+        let mut x = 0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi);
         let mut width = f64::INFINITY;
         let mut stalls = 0;
         // evaluations in a row that moved the same end of the bracket, negative for the upper one
         let mut run = 0_i32;
-        for evaluations in 1..=MAX_EVALUATIONS {
+        for _ in 0..MAX_EVALUATIONS {
             let sample = Sample { x, generator: self.demand(pose, x) };
             if let Generator::Some { demand, rate, w, kind, slope, .. } = sample.generator {
                 if best.is_none_or(|best| demand > best.demand) {
-                    best = Some(Touch { demand, rate, kind, delta: x, w, evaluations });
+                    best = Some(Touch { demand, rate, kind, delta: x });
                 }
                 let roll = (self.nu - pose.c) + x + self.kappa * w;
                 if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
@@ -72,7 +76,8 @@ impl FlankContact {
             }
             stalls = if b - a > 0.5 * width { stalls + 1 } else { 0 };
             width = b - a;
-            let next = self.propose(pose, scale, tolerance, (a, b), (below, above), best.map(|best| best.demand), run);
+            let next =
+                self.propose(pose, (scale, tolerance), (a, b, hi), (below, above), best.map(|best| best.demand), run);
             x = match next {
                 Next::Done => break,
                 Next::Nothing => return None,
@@ -98,9 +103,8 @@ impl FlankContact {
     fn propose(
         &self,
         pose: &Pose,
-        scale: f64,
-        tolerance: f64,
-        (a, b): (f64, f64),
+        (scale, tolerance): (f64, f64),
+        (a, b, hi): (f64, f64, f64),
         ends: (Option<Sample>, Option<Sample>),
         best: Option<f64>,
         run: i32,
@@ -128,26 +132,27 @@ impl FlankContact {
                         _ => meet,
                     })
                 }
-                (Generator::None { gap: gl, slope: sl }, Generator::None { gap: gh, slope: sh }) => {
+                (Generator::None { gap: gl, slope: sl, .. }, Generator::None { gap: gh, slope: sh, .. }) => {
                     let meet = ((gh - gl) + sl * a - sh * b) / (sl - sh);
                     if gl + sl * (meet - a) < -super::VERTEX * self.half_face { Next::Nothing } else { Next::Try(meet) }
                 }
-                (Generator::None { gap, slope }, _) => Next::Try(a - gap / slope),
-                (_, Generator::None { gap, slope }) => Next::Try(b - gap / slope),
+                (Generator::None { gap, slope, .. }, _) => Next::Try(a - gap / slope),
+                (_, Generator::None { gap, slope, .. }) => Next::Try(b - gap / slope),
             },
             (Some(l), None) => match l.generator {
                 Generator::Some { slope, w, .. } => {
                     let roll = ((self.nu - pose.c) + a + self.kappa * w).max(0.1);
                     Next::Try((a + 1.2 * slope / (scale * roll)).min(b))
                 }
-                Generator::None { gap, slope } => Next::Try((a - gap / slope).min(b)),
+                Generator::None { gap, slope, .. } => Next::Try((a - gap / slope).min(b)),
             },
             (None, Some(h)) => match h.generator {
                 Generator::Some { slope, w, .. } => {
                     let roll = ((self.nu - pose.c) + b + self.kappa * w).max(0.1);
-                    Next::Try((b + 1.2 * slope / (scale * roll)).max(a))
+                    let inside = a + INSIDE.min(0.25 * (hi - a));
+                    Next::Try((b + 1.2 * slope / (scale * roll)).max(if b > inside { inside } else { a }))
                 }
-                Generator::None { gap, slope } => Next::Try((b - gap / slope).max(a)),
+                Generator::None { gap, slope, .. } => Next::Try((b - gap / slope).max(a)),
             },
             (None, None) => Next::Done,
         }
@@ -166,14 +171,31 @@ impl FlankContact {
         }
         if let (Some(l), Some(h)) = (below, above)
             && let (
-                Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, .. },
-                Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, .. },
+                Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, on_tip: tl, .. },
+                Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, on_tip: th, .. },
             ) = (l.generator, h.generator)
             && h.x - l.x <= 1e-6
-            && (kl != kh || (wl > 0.0) != (wh > 0.0))
+            && (kl != kh || tl != th || (wl > 0.0) != (wh > 0.0))
         {
             let share = -sh / (sl - sh);
             touch.rate = share * rl + (1.0 - share) * rh;
+            touch.kind = ContactKind::Corner;
+        }
+        // where the flank itself ends in a vertex, the vertex moves with c
+        let vertex = match (below, above) {
+            (Some(Sample { generator: Generator::None { slope, rate, .. }, x }), Some(inner))
+            | (Some(inner), Some(Sample { generator: Generator::None { slope, rate, .. }, x })) => {
+                Some((-rate / slope, x, inner))
+            }
+            (None, Some(inner)) => Some((1.0, lo, inner)),
+            (Some(inner), None) => Some((1.0, hi, inner)),
+            _ => None,
+        };
+        if let Some((speed, x, Sample { generator: Generator::Some { slope, .. }, .. })) = vertex
+            && (touch.delta - x).abs() <= 1e-6
+            && speed.is_finite()
+        {
+            touch.rate += slope * speed;
             touch.kind = ContactKind::Corner;
         }
         touch

@@ -1,0 +1,149 @@
+//! The centre distance over a range of strokes, with every kink. Made by [`Mesh::curve`], read by reports and plots;
+//! solves nothing itself.
+
+use super::{Carrier, Mesh, MeshError, MeshPoint, Sampler};
+
+/// Where the carrying flank pair of one side, or the place on it, changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kink {
+    /// Stroke, mm.
+    pub stroke_mm: f64,
+    /// ΔCD there, mm.
+    pub delta_cd_mm: f64,
+    /// Right and left carrier just before.
+    pub before: (Carrier, Carrier),
+    /// Right and left carrier just after.
+    pub after: (Carrier, Carrier),
+}
+
+/// A curve whose points, joined by straight lines, lie within the tolerance of the exact one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Solved strokes in rising order, both ends and both sides of every kink included.
+    pub points: Vec<MeshPoint>,
+    /// The kinks, in rising order.
+    pub kinks: Vec<Kink>,
+    /// The promised tolerance, mm.
+    pub tolerance_mm: f64,
+    /// Whether the tolerance holds everywhere; `false` if refining was given up at [`Mesh::curve`]'s limit of points.
+    pub resolved: bool,
+}
+
+/// First steps per pitch. Every flank pair carries for a large part of a pitch or not at all between such steps.
+const STEPS_PER_PITCH: f64 = 32.0;
+/// Kinks are located to this share of a pitch; the error in ΔCD is less by the jump in slope.
+const KINK_WIDTH: f64 = 1e-10;
+/// Points nearer than this share of a pitch to a kink are not worth keeping.
+const CROWDED: f64 = 1e-6;
+/// First steps at most; longer ranges start coarser.
+const MAX_STEPS: f64 = 4e6;
+/// Halvings of a first step at most: 2⁻³⁵ of 1/32 pitch is below the width of a kink.
+const MAX_DEPTH: u32 = 36;
+
+/// Halvings after which a kink may be called harmless: 1/(32·2¹²) of a pitch.
+const HARMLESS_DEPTH: u32 = 12;
+/// A kink is harmless if it bends the curve by less than this share of the tolerance between its neighbours.
+const HARMLESS: f64 = 1e-3;
+
+impl Mesh {
+    /// The curve from one stroke to another, resolved so that no extreme is missed by more than the tolerance.
+    ///
+    /// Intervals are halved until their middle lies within half the tolerance of the chord, and wherever the carriers
+    /// differ at the ends until the kink is located. Assumes that no pair carries for less than 1/64 of a pitch between
+    /// two others.
+    ///
+    /// # Errors
+    /// [`MeshError::EmptyRange`] unless `from_mm <= to_mm` and both are finite, [`MeshError::NotPositive`] for the
+    /// tolerance, and whatever a stroke in the range gives.
+    pub fn curve(&self, from_mm: f64, to_mm: f64, tolerance_mm: f64) -> Result<Curve, MeshError> {
+        if !(from_mm <= to_mm && (to_mm - from_mm).is_finite()) {
+            return Err(MeshError::EmptyRange { from_mm, to_mm });
+        }
+        if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
+            return Err(MeshError::NotPositive { value_mm: tolerance_mm });
+        }
+        let pitch = self.pair().rack().pitch_mm;
+        let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil().clamp(2.0, MAX_STEPS);
+        let at = |step: f64| if step >= steps { to_mm } else { from_mm + (to_mm - from_mm) * (step / steps) };
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped above
+        let strokes: Vec<f64> = (0..=steps as u32).map(|step| at(f64::from(step))).collect();
+        let first: Vec<MeshPoint> = self.sample(&strokes).into_iter().collect::<Result<_, _>>()?;
+        let mut refiner = Refiner {
+            sampler: Sampler::new(self),
+            tolerance: tolerance_mm,
+            pitch,
+            curve: Curve { points: vec![first[0]], kinks: Vec::new(), tolerance_mm, resolved: true },
+            budget: 64 * strokes.len() + 1_000_000,
+        };
+        for ends in first.windows(2) {
+            refiner.refine(&ends[0], &ends[1], 0)?;
+        }
+        Ok(refiner.curve)
+    }
+}
+
+struct Refiner<'a> {
+    sampler: Sampler<'a>,
+    tolerance: f64,
+    pitch: f64,
+    curve: Curve,
+    /// Strokes that may still be solved; keeps a curve that is rough at every scale from running forever.
+    budget: usize,
+}
+
+impl Refiner<'_> {
+    /// Adds the points after `a` up to `b`.
+    fn refine(&mut self, a: &MeshPoint, b: &MeshPoint, depth: u32) -> Result<(), MeshError> {
+        let width = b.stroke_mm - a.stroke_mm;
+        let middle = a.stroke_mm + 0.5 * width;
+        let kinked = a.right != b.right || a.left != b.left;
+        let exhausted = depth >= MAX_DEPTH || middle <= a.stroke_mm || middle >= b.stroke_mm;
+        if exhausted || (kinked && width <= KINK_WIDTH * self.pitch) {
+            if kinked {
+                let after = (b.right, b.left);
+                let kink =
+                    Kink { stroke_mm: b.stroke_mm, delta_cd_mm: b.delta_cd_mm, before: (a.right, a.left), after };
+                self.curve.kinks.push(kink);
+            }
+            self.keep(b, kinked);
+            return Ok(());
+        }
+        if self.budget == 0 {
+            self.curve.resolved = false;
+            self.keep(b, false);
+            return Ok(());
+        }
+        self.budget -= 1;
+        let m = self.sampler.at(middle)?;
+        let sagitta = (m.delta_cd_mm - 0.5 * (a.delta_cd_mm + b.delta_cd_mm)).abs();
+        let same = !kinked && m.right == a.right && m.left == a.left;
+        if same && sagitta <= 0.5 * self.tolerance {
+            self.keep(&m, false);
+            self.keep(b, false);
+            return Ok(());
+        }
+        // a kink that no longer shows is located well enough
+        if kinked && depth >= HARMLESS_DEPTH && sagitta <= HARMLESS * self.tolerance {
+            let after = (b.right, b.left);
+            let kink = Kink { stroke_mm: b.stroke_mm, delta_cd_mm: b.delta_cd_mm, before: (a.right, a.left), after };
+            self.curve.kinks.push(kink);
+            self.keep(b, true);
+            return Ok(());
+        }
+        self.refine(a, &m, depth + 1)?;
+        self.refine(&m, b, depth + 1)
+    }
+
+    fn keep(&mut self, point: &MeshPoint, must: bool) {
+        let crowded =
+            self.curve.points.last().is_some_and(|last| point.stroke_mm - last.stroke_mm < CROWDED * self.pitch);
+        if must || !crowded {
+            self.curve.points.push(*point);
+        } else if let Some(last) = self.curve.points.last_mut()
+            && self.curve.kinks.last().is_none_or(|kink| kink.stroke_mm != last.stroke_mm)
+        {
+            // of crowded points the last one stays, so that an end or a kink's near side is never lost
+            *last = *point;
+        }
+    }
+}

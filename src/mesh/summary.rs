@@ -1,0 +1,103 @@
+//! What a curve amounts to. Called by reports; computes from solved points only.
+
+use super::{Curve, Mesh};
+
+/// A curve in a few numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Mean of ΔCD over the stroke, mm.
+    pub mean_mm: f64,
+    /// Smallest ΔCD, mm.
+    pub min_mm: f64,
+    /// Stroke at which it is first reached, mm.
+    pub min_stroke_mm: f64,
+    /// Largest ΔCD, mm.
+    pub max_mm: f64,
+    /// Stroke at which it is first reached, mm.
+    pub max_stroke_mm: f64,
+    /// Largest − smallest ΔCD, mm. Over at least one turn of the pinion this is the total radial composite
+    /// deviation F_i''.
+    pub peak_to_peak_mm: f64,
+    /// Largest peak-to-peak of ΔCD within any stroke of one pitch, mm: the tooth-to-tooth radial composite deviation
+    /// f_i''.
+    pub tooth_to_tooth_mm: f64,
+    /// Largest |dΔCD/ds| between neighbouring points.
+    pub largest_rate: f64,
+    /// Peak-to-peak of the transmission error, rad of the pinion.
+    pub transmission_error_rad: f64,
+    /// The same as travel of the rack, mm.
+    pub transmission_error_mm: f64,
+}
+
+impl Curve {
+    /// Summarises the curve; `None` if it has no points.
+    #[must_use]
+    pub fn summary(&self, mesh: &Mesh) -> Option<Summary> {
+        let first = self.points.first()?;
+        let pitch = mesh.pair().rack().pitch_mm;
+        let (mut low, mut high) = (first, first);
+        let (mut te_low, mut te_high) = (first.transmission_error_rad, first.transmission_error_rad);
+        let mut area = 0.0;
+        let mut largest_rate: f64 = 0.0;
+        for point in &self.points {
+            if point.delta_cd_mm < low.delta_cd_mm {
+                low = point;
+            }
+            if point.delta_cd_mm > high.delta_cd_mm {
+                high = point;
+            }
+            te_low = te_low.min(point.transmission_error_rad);
+            te_high = te_high.max(point.transmission_error_rad);
+        }
+        for ends in self.points.windows(2) {
+            let width = ends[1].stroke_mm - ends[0].stroke_mm;
+            // from the first value, so that a constant curve has exactly its value as mean
+            area +=
+                width * 0.5 * ((ends[0].delta_cd_mm - first.delta_cd_mm) + (ends[1].delta_cd_mm - first.delta_cd_mm));
+            // closer points tell more of rounding than of the curve
+            if width > 1e-5 * pitch {
+                largest_rate = largest_rate.max(((ends[1].delta_cd_mm - ends[0].delta_cd_mm) / width).abs());
+            }
+        }
+        let range = self.points.last().map_or(0.0, |last| last.stroke_mm - first.stroke_mm);
+        let transmission_error_rad = te_high - te_low;
+        Some(Summary {
+            mean_mm: first.delta_cd_mm + if range > 0.0 { area / range } else { 0.0 },
+            min_mm: low.delta_cd_mm,
+            min_stroke_mm: low.stroke_mm,
+            max_mm: high.delta_cd_mm,
+            max_stroke_mm: high.stroke_mm,
+            peak_to_peak_mm: high.delta_cd_mm - low.delta_cd_mm,
+            tooth_to_tooth_mm: self.largest_swing(pitch),
+            largest_rate,
+            transmission_error_rad,
+            transmission_error_mm: transmission_error_rad / mesh.pair().rotation_per_stroke_rad(),
+        })
+    }
+
+    /// Largest peak-to-peak within any window of the given length, by two monotone queues.
+    fn largest_swing(&self, window: f64) -> f64 {
+        let mut swing: f64 = 0.0;
+        let (mut lows, mut highs) = (std::collections::VecDeque::new(), std::collections::VecDeque::new());
+        for point in &self.points {
+            let (at, value) = (point.stroke_mm, point.delta_cd_mm);
+            while highs.back().is_some_and(|&(_, v)| v <= value) {
+                highs.pop_back();
+            }
+            while lows.back().is_some_and(|&(_, v)| v >= value) {
+                lows.pop_back();
+            }
+            highs.push_back((at, value));
+            lows.push_back((at, value));
+            for queue in [&mut lows, &mut highs] {
+                while queue.front().is_some_and(|&(s, _)| s < at - window) {
+                    queue.pop_front();
+                }
+            }
+            if let (Some(&(_, low)), Some(&(_, high))) = (lows.front(), highs.front()) {
+                swing = swing.max(high - low);
+            }
+        }
+        swing
+    }
+}
