@@ -12,12 +12,7 @@ fn spur() -> PairData {
     PairData {
         normal_module_mm: 2.0,
         normal_pressure_angle_rad: 20.0_f64.to_radians(),
-        rack: RackData {
-            helix_angle_rad: 0.0,
-            face_width_mm: 20.0,
-            addendum_mm: 2.0,
-            tooth_thickness_mm: None,
-        },
+        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 2.0, tooth_thickness_mm: None },
         pinion: PinionData {
             teeth: 20,
             helix_angle_rad: 0.0,
@@ -171,9 +166,8 @@ fn flank_form_lowers_the_pinion() {
     let form = RackForm { crowning_mm: 0.02, tip_relief_mm: 0.01, tip_relief_start_mm: 1.0 };
     let formed = plain.clone().with_form(&pair, form).unwrap();
     let pinion = PinionFlanks::nominal(&pair);
-    let at = |rack: RackFlanks| {
-        Mesh::new(pair, rack, pinion.clone(), Support::Fixed).unwrap().at(0.4).unwrap().delta_cd_mm
-    };
+    let at =
+        |rack: RackFlanks| Mesh::new(pair, rack, pinion.clone(), Support::Fixed).unwrap().at(0.4).unwrap().delta_cd_mm;
     let (without, with) = (at(plain), at(formed));
     // with y = k/2 · t the demand is (tan lead · k/2 · t − c t²)/tan α: at t = 1 without, at its top with crowning
     let slope = 0.002_f64.tan() * 10.0;

@@ -11,7 +11,8 @@ use crate::formula::{Model, PinionPitch, RackLead, RackPitch, ideal_pin, over_ro
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
 use crate::report::{Calculation, Computed, Format, ResultUnit};
 
-/// Compute one formula: prints just the number and its unit.
+pub(super) const ABOUT: &str = "Compute one formula: prints just the number and its unit";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Values are in mm or degrees, or take a unit: 20um, 0.5in, 15arcmin, 0.3mrad.
 

@@ -4,7 +4,8 @@ use clap_complete::Shell;
 
 use super::output::{Failure, Output, Status};
 
-/// Print completions for a shell.
+pub(super) const ABOUT: &str = "Print completions for a shell";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh completions bash > ~/.local/share/bash-completion/completions/rackmesh

@@ -9,7 +9,8 @@ use crate::formula::Model;
 use crate::report::{EvaluationReport, Format};
 use crate::spec::Spec;
 
-/// Evaluate a spec: ΔCD of each error, combined and judged against the limits.
+pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged against the limits";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh eval rack.toml

@@ -6,7 +6,8 @@ use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::CATALOGUE;
 
-/// Print the documentation of a diagnostic code or a formula.
+pub(super) const ABOUT: &str = "Print the documentation of a diagnostic code or a formula";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh explain                lists every topic

@@ -7,7 +7,8 @@ use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::TEMPLATE;
 
-/// Write a commented spec to start from.
+pub(super) const ABOUT: &str = "Write a commented spec to start from";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh init > rack.toml

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Print the manual page, or write the pages of all subcommands to a folder.
+pub(super) const ABOUT: &str = "Print the manual page, or write the pages of all subcommands to a folder";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh man | man -l -

@@ -8,7 +8,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Length;
 use crate::report::{Format, MeasureReport};
 
-/// Roll a pin through the spaces of the rack (or pinion) of a spec, deviations included.
+pub(super) const ABOUT: &str = "Roll a pin through the spaces of the rack (or pinion) of a spec, deviations included";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "What it prints can be measured data of another spec:
   rackmesh measure examples/mesh.toml --format csv > rack.csv

@@ -12,7 +12,8 @@ use crate::report::plot::{CurvePlot, Mark};
 use crate::report::{Format, MeshReport};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
 
-/// Solve the exact zero-backlash mesh along the stroke, with every tooth's own deviations.
+pub(super) const ABOUT: &str = "Solve the exact zero-backlash mesh along the stroke, with every tooth's own deviations";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh mesh examples/mesh.toml                      summary and a sketch of the curve

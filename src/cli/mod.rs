@@ -17,78 +17,99 @@ mod schema;
 use std::io::Read as _;
 use std::process::ExitCode;
 
-use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
+use clap::{Arg, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::Spec;
-use output::{Failure, Output};
+use output::{Failure, Output, Status};
 
-/// How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion.
-#[derive(Debug, Parser)]
-#[command(
-    name = "rackmesh",
-    version,
-    arg_required_else_help = true,
-    after_help = "Examples:
+const EXAMPLES: &str = "Examples:
   rackmesh init > rack.toml      write a commented spec to start from
   rackmesh eval rack.toml        ΔCD of every error in it, combined and judged
+  rackmesh mesh rack.toml        ΔCD along the stroke, by the exact mesh
   rackmesh calc pitch 20um --pressure-angle 20
   rackmesh explain rack-pitch    the formula behind a number
 
-Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge."
-)]
-pub struct Cli {
-    #[command(subcommand)]
-    command: Command,
-    /// When to use colours.
-    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
-    color: ColorChoice,
+Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge.";
+
+type Run = fn(&ArgMatches, &mut Output) -> Result<Status, Failure>;
+
+/// A subcommand: its name, what it does, its arguments, and how it is run.
+struct Subcommand {
+    name: &'static str,
+    about: &'static str,
+    arguments: fn(Command) -> Command,
+    run: Run,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Eval(eval::Args),
-    Calc(Box<calc::Args>),
-    Mesh(mesh::Args),
-    Measure(measure::Args),
-    Reproduce(reproduce::Args),
-    Init(init::Args),
-    Explain(explain::Args),
-    Schema(schema::Args),
-    Completions(completions::Args),
-    Man(man::Args),
+macro_rules! subcommand {
+    ($name:literal, $module:ident) => {
+        Subcommand {
+            name: $name,
+            about: $module::ABOUT,
+            arguments: $module::Args::augment_args,
+            run: |matches, output| $module::Args::from_arg_matches(matches).map_err(Failure::Usage)?.run(output),
+        }
+    };
+}
+
+/// Every subcommand, in the order of the help.
+const SUBCOMMANDS: &[Subcommand] = &[
+    subcommand!("eval", eval),
+    subcommand!("calc", calc),
+    subcommand!("mesh", mesh),
+    subcommand!("measure", measure),
+    subcommand!("reproduce", reproduce),
+    subcommand!("init", init),
+    subcommand!("explain", explain),
+    subcommand!("schema", schema),
+    subcommand!("completions", completions),
+    subcommand!("man", man),
+];
+
+/// The program's arguments. Those of a subcommand are built only when it is the one that is called (or
+/// when its help, completions or manual page is made), which is a third of the start-up time.
+fn command() -> Command {
+    let mut command = Command::new("rackmesh")
+        .about("How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion")
+        .version(env!("CARGO_PKG_VERSION"))
+        .after_help(EXAMPLES)
+        .subcommand_required(true)
+        .arg_required_else_help(true)
+        .arg(
+            Arg::new("color")
+                .long("color")
+                .global(true)
+                .value_name("WHEN")
+                .help("When to use colours")
+                .default_value("auto")
+                .value_parser(clap::value_parser!(ColorChoice)),
+        );
+    for subcommand in SUBCOMMANDS {
+        let arguments = Command::new(subcommand.name).about(subcommand.about).defer(subcommand.arguments);
+        command = command.subcommand(arguments);
+    }
+    command
 }
 
 /// Runs the program with the process's own arguments.
 #[must_use]
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let matches = match command().try_get_matches() {
+        Ok(matches) => matches,
         Err(error) => {
             // help and version go to standard output and are no failure; a closed pipe is none either
             let _ = error.print();
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
-    let mut output = Output::new(cli.color);
-    let result = match cli.command {
-        Command::Eval(args) => args.run(&mut output),
-        Command::Calc(args) => args.run(&mut output),
-        Command::Mesh(args) => args.run(&mut output),
-        Command::Measure(args) => args.run(&mut output),
-        Command::Reproduce(args) => args.run(&mut output),
-        Command::Init(args) => args.run(&mut output),
-        Command::Explain(args) => args.run(&mut output),
-        Command::Schema(args) => args.run(&mut output),
-        Command::Completions(args) => args.run(&mut output),
-        Command::Man(args) => args.run(&mut output),
-    };
-    output.finish(result).into()
-}
-
-/// The program's arguments, as completions and manual pages describe them.
-fn command() -> clap::Command {
-    Cli::command()
+    let mut output = Output::new(matches.get_one("color").copied().unwrap_or(ColorChoice::Auto));
+    let called = matches.subcommand().and_then(|(name, matches)| {
+        let subcommand = SUBCOMMANDS.iter().find(|subcommand| subcommand.name == name)?;
+        Some((subcommand.run)(matches, &mut output))
+    });
+    // a subcommand is required, so there always is one
+    output.finish(called.unwrap_or(Ok(Status::Pass))).into()
 }
 
 /// The largest spec that is read: far beyond any that a person writes.

@@ -35,6 +35,8 @@ impl From<Status> for ExitCode {
 pub(super) enum Failure {
     /// What is wrong with the input.
     Diagnostics(Vec<Diagnostic>),
+    /// What is wrong with the arguments.
+    Usage(clap::Error),
     /// The output cannot be written.
     Write(io::Error),
 }
@@ -126,6 +128,10 @@ impl Output {
                 for diagnostic in &diagnostics {
                     self.diagnostic(diagnostic);
                 }
+                Status::Undecided
+            }
+            Err(Failure::Usage(error)) => {
+                let _ = error.print();
                 Status::Undecided
             }
             // the reader of the output has seen enough

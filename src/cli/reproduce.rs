@@ -4,7 +4,8 @@ use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::{Format, Reproduction};
 
-/// Recompute the analytic columns of the paper's Tables 1 to 3.
+pub(super) const ABOUT: &str = "Recompute the analytic columns of the paper's Tables 1 to 3";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:
   rackmesh reproduce

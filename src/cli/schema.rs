@@ -3,7 +3,8 @@
 use super::output::{Failure, Output, Status};
 use crate::spec::json_schema;
 
-/// Print the JSON Schema of the spec, from which editors complete it.
+pub(super) const ABOUT: &str = "Print the JSON Schema of the spec, from which editors complete it";
+
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:
   rackmesh schema > rackmesh.schema.json

@@ -116,6 +116,7 @@ impl CurvePlot {
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, (FAMILY, 24).into_font().color(&INK))
             .margin(16)
+            .margin_right(28)
             .x_label_area_size(52)
             .y_label_area_size(84)
             .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
