@@ -40,7 +40,10 @@ fn random_pairs_agree_with_brute_force() {
     let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|v| v == "1");
     let first: u64 = std::env::var("RACKMESH_FIRST_SEED").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
     let count = if long { 400 } else { 24 };
-    let seeds: Vec<u64> = (first..first + count).collect();
+    // these once found peaks that the solver missed: corners of functions that are not concave, an involute that starts
+    // at its base circle, almost no helix
+    const ONCE_WRONG: [u64; 6] = [33, 35, 67, 2291, 2481, 384];
+    let seeds: Vec<u64> = ONCE_WRONG.into_iter().chain(first..first + count).collect();
     let next = std::sync::atomic::AtomicUsize::new(0);
     let failures = std::sync::Mutex::new(Vec::new());
     let compared = std::sync::atomic::AtomicUsize::new(0);
@@ -53,7 +56,7 @@ fn random_pairs_agree_with_brute_force() {
                         compared.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                         let mut worst = worst.lock().unwrap();
                         *worst = worst.max(error.abs());
-                        if !(error.abs() <= ALLOWED_MM) {
+                        if error.is_nan() || error.abs() > ALLOWED_MM {
                             failures.lock().unwrap().push(format!("{error:e} mm, {what}"));
                         }
                     }

@@ -146,6 +146,8 @@ pub(super) struct Touch {
     pub(super) kind: ContactKind,
     /// The generator.
     pub(super) delta: f64,
+    /// Whether the search ended early because the floor is out of reach; `demand` is then an upper bound.
+    pub(super) clipped: bool,
 }
 
 /// The demand of one generator.
@@ -389,7 +391,11 @@ impl FlankContact {
         let reach = self.kappa.abs() * self.w_extent;
         let beyond_tip = roll - reach - self.tip_roll;
         let below_start = self.start_roll - reach - roll;
-        let loss = if beyond_tip > 0.0 {
+        // at the involute's start the edge is clear by τ_0 η²/2 − η³/6, which turns negative where η > 3 τ_0
+        let past_start = self.start_roll + reach - roll;
+        let loss = if past_start > 0.0 && past_start > 2.5 * self.start_roll {
+            -past_start * past_start * past_start / 6.0
+        } else if beyond_tip > 0.0 {
             let e = beyond_tip.min(1.0);
             e * e * (self.tip_roll * (0.5 - e * e / 24.0))
         } else if below_start > 0.0 {
@@ -453,11 +459,13 @@ impl FlankContact {
             return None;
         }
         let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
-        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0 })
+        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0, clipped: false })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
-    pub(super) fn touch(&self, pose: &Pose) -> Option<Touch> {
+    ///
+    /// Demands that cannot reach `floor` need not be exact.
+    pub(super) fn touch(&self, pose: &Pose, floor: f64) -> Option<Touch> {
         let zero = pose.c - self.nu;
         let reach = self.kappa.abs() * self.half_face;
         let lo = (zero + self.start_roll - reach).max(-PI);
@@ -473,7 +481,7 @@ impl FlankContact {
         let tie = 8.0 * DEMAND * self.base_radius / self.sin_nu;
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, from, to)
+                && let Some(touch) = self.climb(pose, (from, to), floor)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
@@ -490,7 +498,7 @@ impl FlankContact {
         }
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, from, to)
+                && let Some(touch) = self.climb(pose, (from, to), floor)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
@@ -521,7 +529,7 @@ impl FlankContact {
         };
         let delta = golden(lo, hi, &value);
         match self.demand(pose, delta) {
-            Generator::Some { demand, rate, kind, .. } => Some(Touch { demand, rate, kind, delta }),
+            Generator::Some { demand, rate, kind, .. } => Some(Touch { demand, rate, kind, delta, clipped: false }),
             Generator::None { .. } => None,
         }
     }

@@ -11,12 +11,29 @@ use crate::trig;
 pub struct Sampler<'a> {
     pub(super) mesh: &'a Mesh,
     constants: Constants,
-    cache: [Vec<Option<(i64, Prepared)>>; 2],
+    cache: [Vec<Option<Slot>>; 2],
     pub(super) roll: Roll,
     /// Centre distance assumed where a rolled rack's end faces need one.
     pub(super) assumed: f64,
     /// Rotation offset and rack displacement of the last solution.
     last: Option<(f64, f64)>,
+    /// Rack teeth that carried last, right and left.
+    carried: [i64; 2],
+}
+
+/// A flank pair, with what it asked for when it was last searched and where that was.
+#[derive(Debug, Clone, Copy)]
+struct Slot {
+    tooth: i64,
+    prepared: Prepared,
+    seen: Option<Seen>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    demand: f64,
+    c: f64,
+    shift: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +61,10 @@ struct Position {
     /// Angle of pinion tooth 0 less that.
     to_first: f64,
 }
+
+/// A demand changes with the pinion's rotation by (r_b/sin ν)|cos δ + τ sin δ| at a point of the flank, and a little more
+/// where end faces sweep over it: this many times r_b / sin α_t is certainly enough.
+const LIPSCHITZ: f64 = 4.0;
 
 /// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
 const TIE: f64 = 1e-14;
@@ -129,6 +150,7 @@ impl<'a> Sampler<'a> {
             roll: Roll::NONE,
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
+            carried: [0; 2],
         }
     }
 
@@ -151,23 +173,23 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    fn prepared(&mut self, side: FlankSide, tooth: i64) -> &Prepared {
+    fn slot(&mut self, side: FlankSide, tooth: i64) -> &mut Slot {
         let (mesh, roll) = (self.mesh, self.roll);
         let slots = &mut self.cache[usize::from(side == FlankSide::Left)];
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // only the low bits matter
         let slot = (tooth as usize) & (slots.len() - 1);
         let slot = &mut slots[slot];
-        if slot.as_ref().is_some_and(|(key, _)| *key != tooth) {
+        if slot.as_ref().is_some_and(|slot| slot.tooth != tooth) {
             *slot = None;
         }
-        &slot.get_or_insert_with(|| (tooth, mesh.prepare(side, tooth, &roll))).1
+        slot.get_or_insert_with(|| Slot { tooth, prepared: mesh.prepare(side, tooth, &roll), seen: None })
     }
 
     /// The zero-backlash position at the present roll.
     pub(super) fn solve(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
         let position = self.locate(stroke_mm)?;
         let Constants { tolerance, angle_per_mm, angular_pitch, default_rate, nominal, .. } = self.constants;
-        let displacement = self.prepared(FlankSide::Right, position.tooth).center;
+        let displacement = self.slot(FlankSide::Right, position.tooth).prepared.center;
         let guess = displacement * angle_per_mm;
         let mut offset = match self.last {
             Some((offset, at)) if (offset - at * angle_per_mm).abs() < 0.5 * angular_pitch => {
@@ -256,7 +278,7 @@ impl<'a> Sampler<'a> {
         let mut tooth = (stroke_mm / pitch).round() as i64;
         let mut place = reduced(tooth, pitch, stroke_mm);
         for _ in 0..64 {
-            let actual = place + self.prepared(FlankSide::Right, tooth).center;
+            let actual = place + self.slot(FlankSide::Right, tooth).prepared.center;
             let steps = (actual / pitch).round();
             if steps == 0.0 {
                 break;
@@ -266,7 +288,7 @@ impl<'a> Sampler<'a> {
             tooth = (tooth - steps).clamp(-(1 << 52), 1 << 52);
             place = reduced(tooth, pitch, stroke_mm);
         }
-        if (place + self.prepared(FlankSide::Right, tooth).center).abs() > 2.0 * pitch {
+        if (place + self.slot(FlankSide::Right, tooth).prepared.center).abs() > 2.0 * pitch {
             return Err(MeshError::RackToothOrder { stroke_mm, tooth });
         }
         let teeth = i64::from(self.mesh.pair().pinion().teeth);
@@ -304,14 +326,18 @@ impl<'a> Sampler<'a> {
         #[allow(clippy::cast_possible_truncation)] // a few teeth
         let (from, to) = (from.ceil() as i64, to.floor() as i64);
         let mut best: Option<Demand> = None;
-        for n in from..=to {
+        // the pair that carried last first: it sets the mark that the others must reach
+        let favourite = self.carried[usize::from(side == FlankSide::Left)];
+        let favourite = favourite.wrapping_sub(position.tooth + ahead);
+        let first = (from..=to).contains(&favourite).then_some(favourite);
+        for n in first.into_iter().chain((from..=to).filter(|&n| Some(n) != first)) {
             #[allow(clippy::cast_precision_loss)] // a few teeth
             let turned = angle + n as f64 * angular_pitch;
             let n = n + ahead;
             let tooth = position.tooth + n;
             #[allow(clippy::cast_precision_loss)] // a few teeth
             let place = position.place + n as f64 * pitch;
-            let prepared = self.prepared(side, tooth);
+            let Slot { prepared, seen, .. } = self.slot(side, tooth);
             if !prepared.in_order {
                 return Err(MeshError::RackToothOrder { stroke_mm, tooth });
             }
@@ -326,11 +352,27 @@ impl<'a> Sampler<'a> {
             if best.is_some_and(|best| prepared.contact.upper_bound(&pose) <= best.value + tie) {
                 continue;
             }
-            if let Some(Touch { demand, rate, kind, .. }) = prepared.contact.touch(&pose)
+            if let (Some(best), Some(seen)) = (best, *seen)
+                && seen.demand + LIPSCHITZ * default_rate * (pose.c - seen.c).abs() + (pose.shift - seen.shift).abs()
+                    < best.value
+            {
+                continue;
+            }
+            let floor = best.map_or(f64::NEG_INFINITY, |best| best.value);
+            let touch = prepared.contact.touch(&pose, floor);
+            *seen = touch.filter(|touch| !touch.clipped).map(|touch| Seen {
+                demand: touch.demand,
+                c: pose.c,
+                shift: pose.shift,
+            });
+            if let Some(Touch { demand, rate, kind, .. }) = touch
                 && best.is_none_or(|best| demand > best.value + tie)
             {
                 best = Some(Demand { value: demand, rate: sign * rate, tooth, kind });
             }
+        }
+        if let Some(best) = best {
+            self.carried[usize::from(side == FlankSide::Left)] = best.tooth;
         }
         best.ok_or(MeshError::NoContact { stroke_mm, side })
     }

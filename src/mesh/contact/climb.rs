@@ -36,9 +36,18 @@ enum Next {
     Nothing,
 }
 
+/// Shortest step after `run` steps the same way: where the derivative tells little of the distance the steps must grow.
+fn stride(run: i32) -> f64 {
+    match run {
+        ..=2 => 0.0,
+        3..=12 => INSIDE * f64::from(1 << (2 * (run - 3))),
+        _ => std::f64::consts::PI,
+    }
+}
+
 impl FlankContact {
     /// Largest demand for δ in `lo..=hi`.
-    pub(super) fn climb(&self, pose: &Pose, lo: f64, hi: f64) -> Option<Touch> {
+    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64) -> Option<Touch> {
         let scale = self.base_radius / self.sin_nu;
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
@@ -53,7 +62,7 @@ impl FlankContact {
             let sample = Sample { x, generator: self.demand(pose, x) };
             if let Generator::Some { demand, rate, w, kind, slope, .. } = sample.generator {
                 if best.is_none_or(|best| demand > best.demand) {
-                    best = Some(Touch { demand, rate, kind, delta: x });
+                    best = Some(Touch { demand, rate, kind, delta: x, clipped: false });
                 }
                 let roll = (self.nu - pose.c) + x + self.kappa * w;
                 if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
@@ -76,6 +85,12 @@ impl FlankContact {
             }
             stalls = if b - a > 0.5 * width { stalls + 1 } else { 0 };
             width = b - a;
+            if let Some(bound) = self.bound(scale, below, above)
+                && bound < floor
+            {
+                // kept as an upper bound, which never carries
+                return best.map(|touch| Touch { demand: bound, clipped: true, ..touch });
+            }
             let next =
                 self.propose(pose, (scale, tolerance), (a, b, hi), (below, above), best.map(|best| best.demand), run);
             x = match next {
@@ -98,6 +113,19 @@ impl FlankContact {
             }
         }
         best.map(|touch| self.settle(touch, (lo, hi), below, above))
+    }
+
+    /// An upper bound of the demand between two samples: their tangents' intersection, and what any curvature can add.
+    fn bound(&self, scale: f64, below: Option<Sample>, above: Option<Sample>) -> Option<f64> {
+        let (Some(l), Some(h)) = (below, above) else { return None };
+        let (Generator::Some { demand: fl, slope: sl, .. }, Generator::Some { demand: fh, slope: sh, .. }) =
+            (l.generator, h.generator)
+        else {
+            return None;
+        };
+        let width = h.x - l.x;
+        let meet = ((fh - fl) - sh * width) / (sl - sh);
+        Some((fl + sl * meet).max(fl).max(fh) + (scale + self.base_radius) * width * width)
     }
 
     fn propose(
@@ -142,7 +170,7 @@ impl FlankContact {
             (Some(l), None) => match l.generator {
                 Generator::Some { slope, w, .. } => {
                     let roll = ((self.nu - pose.c) + a + self.kappa * w).max(0.1);
-                    Next::Try((a + 1.2 * slope / (scale * roll)).min(b))
+                    Next::Try((a + (1.2 * slope / (scale * roll)).max(stride(run))).min(b))
                 }
                 Generator::None { gap, slope, .. } => Next::Try((a - gap / slope).min(b)),
             },
@@ -150,7 +178,11 @@ impl FlankContact {
                 Generator::Some { slope, w, .. } => {
                     let roll = ((self.nu - pose.c) + b + self.kappa * w).max(0.1);
                     let inside = a + INSIDE.min(0.25 * (hi - a));
-                    Next::Try((b + 1.2 * slope / (scale * roll)).max(if b > inside { inside } else { a }))
+                    Next::Try((b + (1.2 * slope / (scale * roll)).min(-stride(-run))).max(if b > inside {
+                        inside
+                    } else {
+                        a
+                    }))
                 }
                 Generator::None { gap, slope, .. } => Next::Try((b - gap / slope).max(a)),
             },
