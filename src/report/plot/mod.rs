@@ -4,10 +4,14 @@
 //! [`CurvePlot::png`] return. Text in a PNG is set in a font that comes with the crate (see
 //! `FONT-LICENSE`), so that a picture looks the same everywhere.
 
+mod axis;
+
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use thiserror::Error;
+
+use axis::Axis;
 
 /// A curve with what it is held against.
 #[derive(Debug, Clone, Default)]
@@ -119,14 +123,13 @@ impl CurvePlot {
             .margin_right(28)
             .x_label_area_size(52)
             .y_label_area_size(84)
-            .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
+            .build_cartesian_2d(Axis::new(x, 1), Axis::new(y, 4))?;
         chart
             .configure_mesh()
             .x_desc("stroke [mm]")
             .y_desc("ΔCD [mm]")
             .x_labels(12)
             .y_labels(9)
-            .y_label_formatter(&|value| format!("{value:.4}"))
             .axis_desc_style((FAMILY, 20).into_font().color(&INK))
             .label_style((FAMILY, 17).into_font().color(&INK))
             .bold_line_style(GRID)
@@ -144,7 +147,7 @@ impl CurvePlot {
             }
         }
         for (index, limit) in self.limits.iter().enumerate() {
-            let line = DashedLineSeries::new([(x.0, *limit), (x.1, *limit)], 10, 6, LIMIT.stroke_width(2));
+            let line = LineSeries::new([(x.0, *limit), (x.1, *limit)], LIMIT.stroke_width(2));
             let drawn = chart.draw_series(line)?;
             if index == 0 {
                 drawn.label("limits").legend(|(x, y)| PathElement::new([(x, y), (x + 22, y)], LIMIT.stroke_width(2)));
@@ -169,11 +172,7 @@ impl CurvePlot {
     /// A dot at each mark, and its label where there is room for it.
     fn draw_marks<DB: DrawingBackend>(
         &self,
-        chart: &mut ChartContext<
-            '_,
-            DB,
-            Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>,
-        >,
+        chart: &mut ChartContext<'_, DB, Cartesian2d<Axis, Axis>>,
     ) -> Result<(), Failure> {
         const ROOM: i32 = 34;
         let style = (FAMILY, 14).into_font().color(&INK).pos(Pos::new(HPos::Center, VPos::Bottom));
