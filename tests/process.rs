@@ -116,6 +116,42 @@ fn what_init_writes_can_be_evaluated_and_is_not_overwritten() {
 }
 
 #[test]
+fn measured_values_fed_back_give_the_same_curve() {
+    let folder = Folder::new("measured");
+    let spec = std::fs::read_to_string("examples/mesh.toml").expect("the example is there");
+    let table = with_input(&["measure", "examples/mesh.toml", "--format", "csv"], b"");
+    std::fs::write(folder.path("rack.csv"), &table.stdout).expect("the table can be written");
+    let (start, end) = (spec.find("[[rack.deviation]]").expect("deviations"), spec.find("[limits]").expect("limits"));
+    let measured = (spec[..start].to_owned() + &spec[end..]).replace("[rack]", "[rack]\nmeasured = \"rack.csv\"");
+    std::fs::write(folder.path("measured.toml"), measured).expect("the spec can be written");
+    let curve = |spec: &str| {
+        let output = with_input(&["mesh", spec, "--step", "0.5", "--format", "csv"], b"");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let rows = text(&output.stdout).lines().skip(1).map(|line| {
+            let cells: Vec<_> = line.split(',').collect();
+            cells[1].parse::<f64>().expect("ΔCD is a number")
+        });
+        rows.collect::<Vec<_>>()
+    };
+    let (given, again) = (curve("examples/mesh.toml"), curve(&folder.path("measured.toml")));
+    assert_eq!(given.len(), 101);
+    assert!(given.iter().any(|delta_cd| *delta_cd > 0.04));
+    for (a, b) in given.iter().zip(&again) {
+        assert!((a - b).abs() < 1e-11, "{a} {b}");
+    }
+}
+
+#[test]
+fn plots_are_written_in_the_format_of_their_name() {
+    let folder = Folder::new("plots");
+    for (file, start) in [("curve.svg", &b"<svg"[..]), ("curve.png", b"\x89PNG")] {
+        let output = with_input(&["mesh", "examples/mesh.toml", "--plot", &folder.path(file)], b"");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(std::fs::read(folder.path(file)).expect("the plot is there").starts_with(start), "{file}");
+    }
+}
+
+#[test]
 fn manual_pages_and_completions_come_for_every_subcommand() {
     let folder = Folder::new("man");
     assert_eq!(with_input(&["man", "--dir", &folder.path("man1")], b"").status.code(), Some(0));
@@ -130,7 +166,7 @@ fn manual_pages_and_completions_come_for_every_subcommand() {
 
 #[test]
 fn every_subcommands_help_shows_an_example() {
-    for command in ["eval", "calc", "reproduce", "init", "explain", "schema", "completions", "man"] {
+    for command in ["eval", "calc", "mesh", "measure", "reproduce", "init", "explain", "schema", "completions", "man"] {
         let help = with_input(&[command, "--help"], b"");
         assert!(text(&help.stdout).contains(&format!("  rackmesh {command}")), "{command}");
     }

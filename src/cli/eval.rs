@@ -2,11 +2,12 @@
 
 use clap::ValueEnum;
 
+use super::mesh;
 use super::output::{Failure, Output, Status};
 use crate::decision::{self, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
-use crate::report::{EvaluationReport, Format};
+use crate::report::{EvaluationReport, Format, MeshPart};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged against the limits";
@@ -15,6 +16,7 @@ pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined an
 #[command(after_help = "Examples:
   rackmesh eval rack.toml
   rackmesh eval rack.toml --stack worst --format json
+  rackmesh eval examples/mesh-errors.toml --mesh
   rackmesh init | rackmesh eval -
 
 Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge.")]
@@ -27,6 +29,9 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    /// Add the exact mesh of the same parts, along a stroke of 50 mm.
+    #[arg(long)]
+    mesh: bool,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -81,7 +86,10 @@ impl Args {
             output.diagnostic(&unjudged(&spec, target));
         }
         let rack_is_helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
-        let report = EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical);
+        let mut report = EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical);
+        if self.mesh {
+            report.mesh = Some(self.mesh_part(&spec)?);
+        }
         output.report(&report, self.format)?;
         Ok(match evaluation.verdict {
             Some(Verdict::Fail) => Status::Fail,
@@ -89,6 +97,20 @@ impl Args {
             None if evaluation.limits.is_empty() => Status::Pass,
             None => Status::Undecided,
         })
+    }
+}
+
+impl Args {
+    /// The exact mesh of the spec, in short.
+    fn mesh_part(&self, spec: &Spec) -> Result<MeshPart, Failure> {
+        const STROKE_MM: (f64, f64) = (0.0, 50.0);
+        const TOLERANCE_MM: f64 = 1e-6;
+        let input = spec.mesh(&mesh::measured_tables(spec, &self.spec)?)?;
+        let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM).map_err(|error| mesh::unsolved(&error))?;
+        let summary = curve
+            .summary(&input.mesh)
+            .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;
+        Ok(MeshPart { stroke_mm: STROKE_MM, summary, notes: mesh::notes(&input) })
     }
 }
 

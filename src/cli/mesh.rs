@@ -131,7 +131,7 @@ pub(super) fn notes(input: &MeshInput) -> Vec<String> {
         matches!(deviation.kind, RackDeviationKind::Pitch(_))
             && (deviation.teeth.first() != deviation.teeth.last() || deviation.teeth.first().is_none())
     });
-    if several_pitches {
+    if several_pitches || input.rack_rows.len() > 1 {
         notes.push(format!(
             "the formula counts one pitch error; where several successive pitches are off, those within the contact \
              zone (contact ratio {ratio:.2}) add up"

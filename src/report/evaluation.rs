@@ -3,11 +3,12 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::number::{millimetres, plain, signed};
+use super::number::{millimetres, plain, signed, tidy};
 use super::{Block, Column, Report, Table};
 use crate::decision::{Evaluation, LimitCheck, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Model, formula_text};
+use crate::mesh::Summary;
 use crate::quantity::{Length, LengthUnit};
 
 /// An evaluation with its title.
@@ -18,6 +19,19 @@ pub struct EvaluationReport<'a> {
     /// What was computed.
     pub evaluation: &'a Evaluation,
     /// Remarks on the results' validity.
+    pub notes: Vec<String>,
+    /// The exact mesh over a stroke, where it was asked for.
+    pub mesh: Option<MeshPart>,
+}
+
+/// The exact mesh of the same parts, in short.
+#[derive(Debug)]
+pub struct MeshPart {
+    /// The stroke, mm.
+    pub stroke_mm: (f64, f64),
+    /// Its summary.
+    pub summary: Summary,
+    /// What the reader should know.
     pub notes: Vec<String>,
 }
 
@@ -102,8 +116,16 @@ impl EvaluationReport<'_> {
                 .to_owned(),
             ]
         });
+        let mesh = self.mesh.iter().map(|mesh| {
+            vec![
+                "exact mesh".to_owned(),
+                millimetres(tidy(mesh.summary.min_mm)),
+                millimetres(tidy(mesh.summary.max_mm)),
+                format!("stroke {} … {} mm", plain(mesh.stroke_mm.0), plain(mesh.stroke_mm.1)),
+            ]
+        });
         Table {
-            rows: rows.collect(),
+            rows: rows.chain(mesh).collect(),
             columns: vec![
                 Column::text("combination"),
                 Column::number("from\n[mm]"),
@@ -221,6 +243,14 @@ impl Report for EvaluationReport<'_> {
             "stack": evaluation.stack.name(),
             "limits": limits,
             "verdict": verdict_name(evaluation.verdict),
+            "mesh": self.mesh.as_ref().map(|mesh| json!({
+                "from_mm": mesh.stroke_mm.0,
+                "to_mm": mesh.stroke_mm.1,
+                "min_mm": tidy(mesh.summary.min_mm),
+                "max_mm": tidy(mesh.summary.max_mm),
+                "mean_mm": tidy(mesh.summary.mean_mm),
+                "notes": mesh.notes,
+            })),
             "notes": self.notes,
         })
     }
@@ -283,6 +313,10 @@ impl Report for EvaluationReport<'_> {
             let (lower, upper) = self.evaluation.combined.interval(stack);
             interval_row("combined", stack.name(), [plain(lower.mm()), plain(upper.mm()), empty(), empty()], empty());
         }
+        if let Some(MeshPart { summary, .. }) = &self.mesh {
+            let ends = [plain(tidy(summary.min_mm)), plain(tidy(summary.max_mm)), empty(), empty()];
+            interval_row("mesh", "mesh", ends, empty());
+        }
         for check in &self.evaluation.limits {
             let ends = [
                 mm(check.result.as_ref().map(|(lower, _)| lower)),
@@ -306,7 +340,8 @@ impl Report for EvaluationReport<'_> {
         if !self.evaluation.limits.is_empty() {
             blocks.push(Block::Table(self.limit_table()));
         }
-        blocks.extend(self.notes.iter().map(|note| Block::Note(note.clone())));
+        let mesh_notes = self.mesh.iter().flat_map(|mesh| mesh.notes.iter().map(|note| format!("note: {note}")));
+        blocks.extend(self.notes.iter().cloned().chain(mesh_notes).map(Block::Note));
         blocks.extend(self.verdict_block());
         blocks
     }
@@ -321,6 +356,6 @@ impl<'a> EvaluationReport<'a> {
         if has_lead && rack_is_helical {
             notes.push("note: for a helical rack the formula of the lead error holds within about 2 %".to_owned());
         }
-        Self { title, evaluation, notes }
+        Self { title, evaluation, notes, mesh: None }
     }
 }

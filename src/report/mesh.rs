@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::number::{plain, signed};
+use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
 use crate::decision::{Limit, Prediction, Verdict};
 use crate::mesh::{Curve, Mesh, MeshError, MeshPoint, Summary};
@@ -73,14 +73,6 @@ impl MeshReport<'_> {
     }
 }
 
-/// A value without the digits that are rounding of the solution (1e-15 of the centre distance) only.
-fn tidy(value: f64) -> f64 {
-    const PICO: f64 = 1e12;
-    let rounded = (value * PICO).round() / PICO;
-    // -0 says nothing
-    if rounded == 0.0 || !rounded.is_finite() { rounded.abs() } else { rounded }
-}
-
 fn millimetres(mm: f64) -> String {
     super::number::millimetres(tidy(mm))
 }
@@ -147,7 +139,7 @@ impl Report for MeshReport<'_> {
                 "max_stroke_mm": summary.max_stroke_mm,
                 "peak_to_peak_mm": tidy(summary.peak_to_peak_mm),
                 "tooth_to_tooth_mm": tidy(summary.tooth_to_tooth_mm),
-                "largest_rate": summary.largest_rate,
+                "largest_rate": tidy(summary.largest_rate),
                 "transmission_error_mm": tidy(summary.transmission_error_mm),
                 "transmission_error_deg": tidy(summary.transmission_error_rad * DEGREES_PER_RADIAN),
             })

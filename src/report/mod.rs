@@ -19,7 +19,7 @@ mod sketch;
 mod table;
 
 pub use calculation::{Calculation, Computed, ResultUnit};
-pub use evaluation::EvaluationReport;
+pub use evaluation::{EvaluationReport, MeshPart};
 
 pub use mesh::{MeasureReport, MeshReport};
 pub use reproduction::Reproduction;

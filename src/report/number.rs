@@ -38,6 +38,14 @@ pub(super) fn plain_padded(value: f64, decimals: usize) -> String {
     if has >= decimals { text } else { format!("{value:.decimals$}") }
 }
 
+/// A value without the digits that are rounding of the solution (1e-15 of the centre distance) only.
+pub(super) fn tidy(value: f64) -> f64 {
+    const PICO: f64 = 1e12;
+    let rounded = (value * PICO).round() / PICO;
+    // -0 says nothing
+    if rounded == 0.0 || !rounded.is_finite() { rounded.abs() } else { rounded }
+}
+
 /// The number with that many decimals, the rest cut off.
 pub(super) fn truncated(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
