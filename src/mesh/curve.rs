@@ -73,7 +73,7 @@ impl Mesh {
             tolerance: tolerance_mm,
             pitch,
             curve: Curve { points: vec![first[0]], kinks: Vec::new(), tolerance_mm, resolved: true },
-            budget: 64 * strokes.len() + 1_000_000,
+            budget: 64 * strokes.len() + 200_000,
         };
         for ends in first.windows(2) {
             refiner.refine(&ends[0], &ends[1], 0)?;

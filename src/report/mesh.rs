@@ -151,6 +151,7 @@ impl Report for MeshReport<'_> {
             "tolerance_mm": self.curve.tolerance_mm,
             "largest_residual_mm": self.largest_residual_mm(),
             "unconverged": self.unconverged(),
+            "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
             "verdict": self.verdict().map(Verdict::name),
@@ -204,6 +205,13 @@ impl Report for MeshReport<'_> {
             let residual = self.largest_residual_mm();
             blocks.push(Block::Note(format!(
                 "note: {unconverged} strokes did not converge; the largest residual is {residual:.1e} mm"
+            )));
+        }
+        if !self.curve.resolved {
+            blocks.push(Block::Note(format!(
+                "note: the curve bends too often to be resolved to {} mm everywhere; choose a shorter stroke or a larger \
+                 --tolerance",
+                plain(self.curve.tolerance_mm)
             )));
         }
         if let Some(verdict) = self.verdict() {
