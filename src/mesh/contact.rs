@@ -494,8 +494,8 @@ impl FlankContact {
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
     ///
-    /// Demands that cannot reach `floor` need not be exact.
-    pub(super) fn touch(&self, pose: &Pose, floor: f64) -> Option<Touch> {
+    /// Demands that cannot reach `floor` need not be exact. `hint` is the generator of a contact nearby, to start from.
+    pub(super) fn touch(&self, pose: &Pose, floor: f64, hint: Option<f64>) -> Option<Touch> {
         let zero = pose.c - self.nu;
         let reach = self.kappa.abs() * self.half_face;
         let lo = (zero + self.start_roll - reach).max(-PI);
@@ -509,9 +509,15 @@ impl FlankContact {
         let mut best = self.line(pose);
         // peaks equal within rounding: the first found names the contact
         let tie = 8.0 * DEMAND * self.base_radius / self.sin_nu;
+        // Only the edge itself can gain, and there the rack's level tip asks for no more than where that edge is lowest.
+        let (sin, cos) = (self.sin_nu, self.cos_nu);
+        let harmless = self.fits
+            && sin >= self.start_roll * cos
+            && self.tip.d + self.base_radius * (cos + self.start_roll * sin) - pose.offset.1
+                <= best.map_or(floor, |best| best.demand.max(floor));
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), floor)
+                && let Some(touch) = self.climb(pose, (from, to), floor, hint)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
@@ -520,7 +526,7 @@ impl FlankContact {
         // Along the edge where the involute starts, at δ beyond the contact line, the demand differs from the line's by
         // (r_b/sin ν)(δ³/6 − τ_0 δ²/2 + …): an involute that starts near its base circle reaches out again there.
         let rise = 2.0 * self.start_roll;
-        if zero + self.start_roll + reach > rise {
+        if !harmless && zero + self.start_roll + reach > rise {
             climb(lo.max(rise), hi);
         }
         if self.fits && best.is_some_and(|best| best.kind == ContactKind::Line) {
@@ -528,7 +534,7 @@ impl FlankContact {
         }
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), floor)
+                && let Some(touch) = self.climb(pose, (from, to), floor, hint)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);

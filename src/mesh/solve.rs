@@ -51,6 +51,8 @@ struct Seen {
     shift: f64,
     roll: f64,
     across: f64,
+    /// The generator of the contact.
+    delta: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -417,13 +419,15 @@ impl<'a> Sampler<'a> {
                 continue;
             }
             let floor = best.map_or(f64::NEG_INFINITY, |best| best.value);
-            let touch = prepared.contact.touch(&pose, floor);
-            *seen = touch.filter(|touch| !touch.clipped).map(|touch| Seen {
+            let touch = prepared.contact.touch(&pose, floor, seen.map(|seen| seen.delta));
+            // a clipped demand is an upper bound, which is all that is asked of it
+            *seen = touch.map(|touch| Seen {
                 demand: touch.demand,
                 c: pose.c,
                 shift: pose.shift,
                 roll,
                 across: pose.across,
+                delta: touch.spot.delta,
             });
             if let Some(touch) = touch
                 && best.is_none_or(|best| touch.demand > best.value + tie)

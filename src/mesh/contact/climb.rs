@@ -47,13 +47,16 @@ fn stride(run: i32) -> f64 {
 
 impl FlankContact {
     /// Largest demand for δ in `lo..=hi`.
-    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64) -> Option<Touch> {
+    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64, hint: Option<f64>) -> Option<Touch> {
         let scale = self.base_radius / self.sin_nu;
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
         let mut best: Option<Touch> = None;
         // where the involute starts at its base circle the derivative vanishes whichever way it goes: look beside it
-        let mut x = 0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi);
+        let mut x = match hint {
+            Some(hint) if hint > lo && hint < hi => hint,
+            _ => 0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi),
+        };
         let mut width = f64::INFINITY;
         let mut stalls = 0;
         // evaluations in a row that moved the same end of the bracket, negative for the upper one
