@@ -144,10 +144,39 @@ pub(super) struct Touch {
     /// Its derivative by c.
     pub(super) rate: f64,
     pub(super) kind: ContactKind,
-    /// The generator.
-    pub(super) delta: f64,
+    pub(super) spot: Spot,
+    /// Where two edges meet: the other spot, and the share of the first in what their meeting point does.
+    pub(super) other: Option<(Spot, f64)>,
+    /// At a vertex of the patch: a generator beyond it and the demand's rate per rate of the gap there.
+    pub(super) vertex: Option<(f64, f64)>,
     /// Whether the search ended early because the floor is out of reach; `demand` is then an upper bound.
     pub(super) clipped: bool,
+}
+
+/// A point of contact: generator, place on it, and what bounds it there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spot {
+    pub(super) delta: f64,
+    pub(super) w: f64,
+    pub(super) kind: ContactKind,
+    pub(super) on_tip: bool,
+}
+
+/// How a flank pair changes with the rack's roll.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RollRates {
+    pub(super) flank: Plane,
+    pub(super) tip: Plane,
+    /// `half_width` is not used.
+    pub(super) across: Across,
+    pub(super) per_shift: f64,
+}
+
+/// The same for a position: of `pose.shift`, and of `pose.across` by the roll and by the centre distance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PoseRates {
+    pub(super) shift: f64,
+    pub(super) across: [f64; 2],
 }
 
 /// The demand of one generator.
@@ -459,13 +488,14 @@ impl FlankContact {
             return None;
         }
         let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
-        Some(Touch { demand, rate, kind: ContactKind::Line, delta: 0.0, clipped: false })
+        let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, on_tip: false };
+        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, vertex: None, clipped: false })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
     ///
-    /// Demands that cannot reach `floor` need not be exact.
-    pub(super) fn touch(&self, pose: &Pose, floor: f64) -> Option<Touch> {
+    /// Demands that cannot reach `floor` need not be exact. `hint` is the generator of a contact nearby, to start from.
+    pub(super) fn touch(&self, pose: &Pose, floor: f64, hint: Option<f64>) -> Option<Touch> {
         let zero = pose.c - self.nu;
         let reach = self.kappa.abs() * self.half_face;
         let lo = (zero + self.start_roll - reach).max(-PI);
@@ -479,9 +509,15 @@ impl FlankContact {
         let mut best = self.line(pose);
         // peaks equal within rounding: the first found names the contact
         let tie = 8.0 * DEMAND * self.base_radius / self.sin_nu;
+        // Only the edge itself can gain, and there the rack's level tip asks for no more than where that edge is lowest.
+        let (sin, cos) = (self.sin_nu, self.cos_nu);
+        let harmless = self.fits
+            && sin >= self.start_roll * cos
+            && self.tip.d + self.base_radius * (cos + self.start_roll * sin) - pose.offset.1
+                <= best.map_or(floor, |best| best.demand.max(floor));
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), floor)
+                && let Some(touch) = self.climb(pose, (from, to), floor, hint)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
@@ -490,7 +526,7 @@ impl FlankContact {
         // Along the edge where the involute starts, at δ beyond the contact line, the demand differs from the line's by
         // (r_b/sin ν)(δ³/6 − τ_0 δ²/2 + …): an involute that starts near its base circle reaches out again there.
         let rise = 2.0 * self.start_roll;
-        if zero + self.start_roll + reach > rise {
+        if !harmless && zero + self.start_roll + reach > rise {
             climb(lo.max(rise), hi);
         }
         if self.fits && best.is_some_and(|best| best.kind == ContactKind::Line) {
@@ -498,7 +534,7 @@ impl FlankContact {
         }
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), floor)
+                && let Some(touch) = self.climb(pose, (from, to), floor, hint)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
@@ -519,6 +555,55 @@ impl FlankContact {
         best
     }
 
+    /// The demand's derivatives by the rack's roll and by the centre distance that places its end faces.
+    pub(super) fn roll_rate(&self, pose: &Pose, touch: &Touch, (rates, moved): (&RollRates, &PoseRates)) -> [f64; 2] {
+        let first = self.spot_roll_rate(pose, &touch.spot, rates, moved);
+        let mut rate = match &touch.other {
+            Some((spot, share)) => {
+                let other = self.spot_roll_rate(pose, spot, rates, moved);
+                [0, 1].map(|i| share * first[i] + (1.0 - share) * other[i])
+            }
+            None => first,
+        };
+        if let Some((delta, per_gap)) = touch.vertex {
+            let at = self.coordinates(pose, delta);
+            let (lo, hi) = self.interval(pose, &at);
+            let y = self.across_line(pose, &at);
+            let moving = |bound: &Bound| {
+                let sweep = Self::sweep(&at, bound.w, rates, moved).map(|sweep| -sweep / y.q);
+                if bound.kind == ContactKind::RackEndEdge { sweep } else { [0.0; 2] }
+            };
+            let (lo, hi) = (moving(&lo), moving(&hi));
+            rate = [0, 1].map(|i| rate[i] + per_gap * (hi[i] - lo[i]));
+        }
+        rate
+    }
+
+    /// How the coordinate across the rack changes at a point of the pinion.
+    fn sweep(at: &Coordinates, w: f64, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
+        let a = &rates.across;
+        [a.t * at.xi.at(w) + a.z * at.zeta.at(w) + a.w * w + moved.across[0], moved.across[1]]
+    }
+
+    fn spot_roll_rate(&self, pose: &Pose, spot: &Spot, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
+        let at = self.coordinates(pose, spot.delta);
+        let xi = at.xi.at(spot.w);
+        let by_roll = |plane: &Plane| plane.d - plane.t * xi - plane.w * spot.w;
+        let (on_flank, on_tip) = (by_roll(&rates.flank) + moved.shift, by_roll(&rates.tip));
+        let flank = Self::plane(&self.flank, pose.shift, &at);
+        let tip = Self::plane(&self.tip, 0.0, &at);
+        let (line, rate) = if spot.on_tip { (tip, on_tip) } else { (flank, on_flank) };
+        match spot.kind {
+            ContactKind::RackEndEdge => {
+                let y = self.across_line(pose, &at);
+                let sweep = Self::sweep(&at, spot.w, rates, moved);
+                [rate - line.q * sweep[0] / y.q, -line.q * sweep[1] / y.q]
+            }
+            ContactKind::RackEdge => [on_flank + flank.q * (on_flank - on_tip) / (tip.q - flank.q), 0.0],
+            _ => [rate, 0.0],
+        }
+    }
+
     /// Derivative-free maximum over generators, for flank form.
     fn search(&self, pose: &Pose, lo: f64, hi: f64) -> Option<Touch> {
         let scale = self.base_radius;
@@ -529,7 +614,10 @@ impl FlankContact {
         };
         let delta = golden(lo, hi, &value);
         match self.demand(pose, delta) {
-            Generator::Some { demand, rate, kind, .. } => Some(Touch { demand, rate, kind, delta, clipped: false }),
+            Generator::Some { demand, rate, kind, w, on_tip, .. } => {
+                let spot = Spot { delta, w, kind, on_tip };
+                Some(Touch { demand, rate, kind, spot, other: None, vertex: None, clipped: false })
+            }
             Generator::None { .. } => None,
         }
     }

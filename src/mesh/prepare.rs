@@ -1,7 +1,7 @@
 //! A pair with its deviations, and each flank pair's constants made from them. Called by the solver once per
 //! tooth; does no search.
 
-use super::contact::{Across, FlankContact, Form, Plane};
+use super::contact::{Across, FlankContact, Form, Plane, RollRates};
 use super::{FlankSide, MeshError};
 use crate::deviation::{PinionFlanks, RackFlanks};
 use crate::gear::Pair;
@@ -97,6 +97,8 @@ pub(super) struct Prepared {
     pub(super) start: f64,
     /// Demand per displacement of the tooth, away from its own side.
     pub(super) per_shift: f64,
+    /// How all this changes with the rack's roll.
+    pub(super) rates: RollRates,
     /// Mean displacement of the rack tooth along X, mm.
     pub(super) center: f64,
     /// Whether the tooth has thickness and lies before the next one.
@@ -170,6 +172,19 @@ impl Mesh {
         };
         let across =
             Across { t: -sin_s * roll.cos, w: cos_s * roll.cos, z: roll.sin, half_width: 0.5 * rack.face_width_mm };
+        // all of it by the roll: the normal turns, y' = −z and z' = y
+        let inverse_rate = -inverse * inverse * rolled_y;
+        let level = 1.0 / (roll.cos * roll.cos);
+        let rates = RollRates {
+            flank: Plane {
+                d: -rolled_y * roll.depth * inverse + rolled_d * inverse_rate,
+                t: rolled_z * sin_s * inverse + (normal.0 * cos_s - rolled_y * sin_s) * inverse_rate,
+                w: -rolled_z * cos_s * inverse + (normal.0 * sin_s + rolled_y * cos_s) * inverse_rate,
+            },
+            tip: Plane { d: (rack.addendum_mm + roll.depth) * roll.sin * level, t: sin_s * level, w: -cos_s * level },
+            across: Across { t: sin_s * roll.sin, w: -cos_s * roll.sin, z: roll.cos, half_width: 0.0 },
+            per_shift: sign * normal.0 * inverse_rate,
+        };
         let half_face = 0.5 * pinion.face_width_mm;
         let helix = pinion.helix_angle_rad + partner.lead_rad;
         let kappa = sign * trig::tan(helix) / pinion.reference_radius_mm;
@@ -205,6 +220,7 @@ impl Mesh {
             contact,
             start: sign * partner.arc_mm / pinion.reference_radius_mm - pinion.base_half_angle_rad,
             per_shift: sign * normal.0 * inverse,
+            rates,
             center: middle(&tooth),
             in_order: thickness > 0.0 && rack.pitch_mm + middle(&next) - middle(&tooth) > 0.0,
         }

@@ -1,8 +1,9 @@
 //! The solve at one stroke: which rotation makes both sides ask for the same centre distance. Used through
 //! [`Mesh::at`], [`Mesh::sample`] and [`Sampler`]; allocates nothing per stroke once a sampler is warm.
 
-use super::contact::{ContactKind, Pose, Touch};
+use super::contact::{ContactKind, Pose, PoseRates, Touch};
 use super::prepare::{Prepared, Roll};
+use super::roll::Valleys;
 use super::{Carrier, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support};
 use crate::trig;
 
@@ -18,13 +19,27 @@ pub struct Sampler<'a> {
     /// Rotation offset and rack displacement of the last solution.
     last: Option<(f64, f64)>,
     /// Rack teeth that carried last, right and left.
-    carried: [i64; 2],
+    pub(super) carried: [i64; 2],
+    /// For a rack that rolls: how the last solution changes with the roll, and what is known of its rolls.
+    pub(super) rolling: Rolling,
+    pub(super) valleys: Valleys,
+}
+
+/// How a solution changes with the rack's roll.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rolling {
+    /// Derivatives of the centre distance by the roll, and by the one assumed.
+    pub(super) rate: [f64; 2],
+    /// Names the contacts of both sides and the ends of the face they are at.
+    pub(super) at: Option<[(i64, ContactKind, bool, bool); 2]>,
 }
 
 /// A flank pair, with what it asked for when it was last searched and where that was.
 #[derive(Debug, Clone, Copy)]
 struct Slot {
     tooth: i64,
+    /// The rack's roll that it is prepared for.
+    roll: f64,
     prepared: Prepared,
     seen: Option<Seen>,
 }
@@ -34,6 +49,10 @@ struct Seen {
     demand: f64,
     c: f64,
     shift: f64,
+    roll: f64,
+    across: f64,
+    /// The generator of the contact.
+    delta: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +67,8 @@ struct Constants {
     stroke_limit: f64,
     default_rate: f64,
     tolerance: f64,
+    /// No demand changes faster than this with the rack's roll, mm/rad.
+    roll_reach: f64,
 }
 
 /// A position of the pinion.
@@ -75,7 +96,10 @@ struct Demand {
     value: f64,
     rate: f64,
     tooth: i64,
-    kind: ContactKind,
+    touch: Touch,
+    pose: Pose,
+    /// The rack tooth's nominal place.
+    place: f64,
 }
 
 /// Rotations tried at most; Newton needs two or three, a bisection of the whole range 60.
@@ -151,6 +175,8 @@ impl<'a> Sampler<'a> {
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
             carried: [0; 2],
+            rolling: Rolling::default(),
+            valleys: Valleys::default(),
         }
     }
 
@@ -165,12 +191,9 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Forgets the flank pairs of another roll.
+    /// Rolls the rack: flank pairs are prepared anew when they are next asked.
     pub(super) fn set_roll(&mut self, roll: Roll) {
         self.roll = roll;
-        for slot in self.cache.iter_mut().flatten() {
-            *slot = None;
-        }
     }
 
     fn slot(&mut self, side: FlankSide, tooth: i64) -> &mut Slot {
@@ -182,7 +205,17 @@ impl<'a> Sampler<'a> {
         if slot.as_ref().is_some_and(|slot| slot.tooth != tooth) {
             *slot = None;
         }
-        slot.get_or_insert_with(|| Slot { tooth, prepared: mesh.prepare(side, tooth, &roll), seen: None })
+        if let Some(slot) = slot.as_mut()
+            && slot.roll != roll.angle
+        {
+            (slot.prepared, slot.roll) = (mesh.prepare(side, tooth, &roll), roll.angle);
+        }
+        slot.get_or_insert_with(|| Slot {
+            tooth,
+            roll: roll.angle,
+            prepared: mesh.prepare(side, tooth, &roll),
+            seen: None,
+        })
     }
 
     /// The zero-backlash position at the present roll.
@@ -242,6 +275,9 @@ impl<'a> Sampler<'a> {
         // where both tangents cross; without a step the larger demand, which certainly suffices
         let a = if step == 0.0 { right.value.max(left.value) } else { right.value + right.rate * step };
         self.last = Some((offset, displacement));
+        if self.mesh.support() != Support::Fixed {
+            self.rolling = self.rolling(&right, &left);
+        }
         let error = -(offset + step);
         Ok(MeshPoint {
             stroke_mm,
@@ -258,13 +294,32 @@ impl<'a> Sampler<'a> {
         })
     }
 
+    /// At the balance of both sides their shares in the centre distance are those that cancel the rotation.
+    fn rolling(&mut self, right: &Demand, left: &Demand) -> Rolling {
+        let Roll { sin, cos, depth, .. } = self.roll;
+        let across = [cos * (depth + self.assumed), sin];
+        let mut rate = |side, demand: &Demand| {
+            let prepared = &self.slot(side, demand.tooth).prepared;
+            let moved = PoseRates { shift: prepared.rates.per_shift * demand.place, across };
+            prepared.contact.roll_rate(&demand.pose, &demand.touch, (&prepared.rates, &moved))
+        };
+        let (r, l) = (rate(FlankSide::Right, right), rate(FlankSide::Left, left));
+        let share = left.rate / (left.rate - right.rate);
+        let share = if (0.0..=1.0).contains(&share) { share } else { 0.5 };
+        let at = |demand: &Demand| {
+            let spot = &demand.touch.spot;
+            (demand.tooth, demand.touch.kind, spot.w > 0.0, spot.on_tip)
+        };
+        Rolling { rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]), at: Some([at(right), at(left)]) }
+    }
+
     fn carrier(&self, side: FlankSide, demand: &Demand) -> Carrier {
         let teeth = i64::from(self.mesh.pair().pinion().teeth);
         let partner = if side == FlankSide::Right { demand.tooth } else { demand.tooth - 1 };
         Carrier {
             rack_tooth: demand.tooth,
             pinion_tooth: u32::try_from(partner.rem_euclid(teeth)).unwrap_or(0),
-            contact: demand.kind,
+            contact: demand.touch.kind,
         }
     }
 
@@ -305,7 +360,8 @@ impl<'a> Sampler<'a> {
         offset: f64,
         stroke_mm: f64,
     ) -> Result<Demand, MeshError> {
-        let Constants { pitch, angular_pitch, window, eccentricity, default_rate, .. } = self.constants;
+        let Constants { pitch, angular_pitch, window, eccentricity, default_rate, roll_reach, .. } = self.constants;
+        let roll = self.roll.angle;
         let tie = TIE * default_rate;
         let sign = side.sign();
         let angle = position.angle + offset;
@@ -353,22 +409,30 @@ impl<'a> Sampler<'a> {
                 continue;
             }
             if let (Some(best), Some(seen)) = (best, *seen)
-                && seen.demand + LIPSCHITZ * default_rate * (pose.c - seen.c).abs() + (pose.shift - seen.shift).abs()
+                && seen.demand
+                    + LIPSCHITZ * default_rate * (pose.c - seen.c).abs()
+                    + (pose.shift - seen.shift).abs()
+                    + roll_reach * (roll - seen.roll).abs()
+                    + (pose.across - seen.across).abs()
                     < best.value
             {
                 continue;
             }
             let floor = best.map_or(f64::NEG_INFINITY, |best| best.value);
-            let touch = prepared.contact.touch(&pose, floor);
-            *seen = touch.filter(|touch| !touch.clipped).map(|touch| Seen {
+            let touch = prepared.contact.touch(&pose, floor, seen.map(|seen| seen.delta));
+            // a clipped demand is an upper bound, which is all that is asked of it
+            *seen = touch.map(|touch| Seen {
                 demand: touch.demand,
                 c: pose.c,
                 shift: pose.shift,
+                roll,
+                across: pose.across,
+                delta: touch.spot.delta,
             });
-            if let Some(Touch { demand, rate, kind, .. }) = touch
-                && best.is_none_or(|best| demand > best.value + tie)
+            if let Some(touch) = touch
+                && best.is_none_or(|best| touch.demand > best.value + tie)
             {
-                best = Some(Demand { value: demand, rate: sign * rate, tooth, kind });
+                best = Some(Demand { value: touch.demand, rate: sign * touch.rate, tooth, touch, pose, place });
             }
         }
         if let Some(best) = best {
@@ -402,6 +466,14 @@ impl Constants {
             // tooth numbers below 2⁵⁰
             stroke_limit: rack.pitch_mm * 1_125_899_906_842_624.0,
             default_rate: scale,
+            roll_reach: 4.0
+                * (rack.face_width_mm
+                    + rack.addendum_mm
+                    + pinion.tip_radius_mm
+                    + match mesh.support() {
+                        Support::Fixed => 0.0,
+                        Support::FreeRoll { axis_depth_mm } => axis_depth_mm.abs(),
+                    }),
             tolerance: AGREEMENT * (pinion.tip_radius_mm + mesh.eccentricity()),
         }
     }

@@ -6,7 +6,7 @@
 //! intersection of both tangents, which meets such a corner quadratically. For a concave function that
 //! intersection also is an upper bound, which ends the climb once it is as low as the best value.
 
-use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Touch};
+use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Spot, Touch};
 
 /// First step off the start of the flank, rad.
 const INSIDE: f64 = 1e-3;
@@ -47,22 +47,26 @@ fn stride(run: i32) -> f64 {
 
 impl FlankContact {
     /// Largest demand for δ in `lo..=hi`.
-    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64) -> Option<Touch> {
+    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64, hint: Option<f64>) -> Option<Touch> {
         let scale = self.base_radius / self.sin_nu;
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
         let mut best: Option<Touch> = None;
         // where the involute starts at its base circle the derivative vanishes whichever way it goes: look beside it
-        let mut x = 0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi);
+        let mut x = match hint {
+            Some(hint) if hint > lo && hint < hi => hint,
+            _ => 0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi),
+        };
         let mut width = f64::INFINITY;
         let mut stalls = 0;
         // evaluations in a row that moved the same end of the bracket, negative for the upper one
         let mut run = 0_i32;
         for _ in 0..MAX_EVALUATIONS {
             let sample = Sample { x, generator: self.demand(pose, x) };
-            if let Generator::Some { demand, rate, w, kind, slope, .. } = sample.generator {
-                if best.is_none_or(|best| demand > best.demand) {
-                    best = Some(Touch { demand, rate, kind, delta: x, clipped: false });
+            if let Generator::Some { demand, rate, w, kind, slope, on_tip } = sample.generator {
+                if best.is_none_or(|best: Touch| demand > best.demand) {
+                    let spot = Spot { delta: x, w, kind, on_tip };
+                    best = Some(Touch { demand, rate, kind, spot, other: None, vertex: None, clipped: false });
                 }
                 let roll = (self.nu - pose.c) + x + self.kappa * w;
                 if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
@@ -192,10 +196,10 @@ impl FlankContact {
 
     /// Names the contact and mixes the derivatives where two edges meet.
     fn settle(&self, mut touch: Touch, (lo, hi): (f64, f64), below: Option<Sample>, above: Option<Sample>) -> Touch {
-        if self.kappa == 0.0 && (touch.delta == lo || touch.delta == hi) {
+        if self.kappa == 0.0 && (touch.spot.delta == lo || touch.spot.delta == hi) {
             // the generators end at the involute's ends; on them the bound on w makes a corner unless it is free
             touch.kind = if self.fits {
-                if touch.delta == hi { ContactKind::TipEdge } else { ContactKind::RootEdge }
+                if touch.spot.delta == hi { ContactKind::TipEdge } else { ContactKind::RootEdge }
             } else {
                 ContactKind::Corner
             };
@@ -211,23 +215,26 @@ impl FlankContact {
         {
             let share = -sh / (sl - sh);
             touch.rate = share * rl + (1.0 - share) * rh;
+            touch.spot = Spot { delta: l.x, w: wl, kind: kl, on_tip: tl };
+            touch.other = Some((Spot { delta: h.x, w: wh, kind: kh, on_tip: th }, share));
             touch.kind = ContactKind::Corner;
         }
         // where the flank itself ends in a vertex, the vertex moves with c
         let vertex = match (below, above) {
             (Some(Sample { generator: Generator::None { slope, rate, .. }, x }), Some(inner))
             | (Some(inner), Some(Sample { generator: Generator::None { slope, rate, .. }, x })) => {
-                Some((-rate / slope, x, inner))
+                Some((-rate / slope, x, inner, Some(slope)))
             }
-            (None, Some(inner)) => Some((1.0, lo, inner)),
-            (Some(inner), None) => Some((1.0, hi, inner)),
+            (None, Some(inner)) => Some((1.0, lo, inner, None)),
+            (Some(inner), None) => Some((1.0, hi, inner, None)),
             _ => None,
         };
-        if let Some((speed, x, Sample { generator: Generator::Some { slope, .. }, .. })) = vertex
-            && (touch.delta - x).abs() <= 1e-6
+        if let Some((speed, x, Sample { generator: Generator::Some { slope, .. }, .. }, gap_slope)) = vertex
+            && (touch.spot.delta - x).abs() <= 1e-6
             && speed.is_finite()
         {
             touch.rate += slope * speed;
+            touch.vertex = gap_slope.map(|gap_slope| (x, -slope / gap_slope));
             touch.kind = ContactKind::Corner;
         }
         touch
