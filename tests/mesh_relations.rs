@@ -117,7 +117,8 @@ proptest! {
     }
 
     // relations 3 and 4: while flank meets flank, ΔCD is exactly (e_right - e_left) / (2 tan α) of the teeth that carry:
-    // the step's value while both sides of it carry, 0 before and after, and never anything between
+    // the step's value while both sides of it carry and 0 before and after; with a low contact ratio a pinion alone in a
+    // widened space sinks
     #[test]
     fn a_pitch_step_moves_the_pinion_while_both_sides_of_it_carry(seed: u64, step in -0.03..0.03_f64) {
         let mut random = Random(seed);
@@ -132,7 +133,6 @@ proptest! {
             let e = shift(point.right.rack_tooth) - shift(point.left.rack_tooth);
             let expected = base + e / (2.0 * pair.rack().tan_pressure_angle_x);
             prop_assert!((point.delta_cd_mm - expected).abs() < 1e-11, "{} {expected}", point.delta_cd_mm);
-            prop_assert!(e >= 0.0, "a pitch step never lets the pinion sink");
         }
     }
 
