@@ -6,7 +6,7 @@ mod common;
 use common::random::{self, Random};
 use rackmesh::deviation::*;
 use rackmesh::gear::{GeometryError, Pair, PairData, PinionData, RackData};
-use rackmesh::mesh::{Mesh, MeshError, Support};
+use rackmesh::mesh::{Mesh, MeshError, Sampler, Support};
 
 fn spur() -> PairData {
     PairData {
@@ -181,4 +181,137 @@ fn flank_form_lowers_the_pinion() {
     let expected = (slope * t * 20.0_f64.to_radians().cos() - 0.02 * t * t) / 20.0_f64.to_radians().sin();
     assert!(with < without - 1e-3, "{with} {without}");
     assert!((with - expected).abs() < 2e-4 * expected.max(0.1), "{with} {expected}");
+}
+
+fn with(pair: &Pair, list: &[RackDeviation], support: Support) -> Mesh {
+    Mesh::new(*pair, RackFlanks::new(pair, list).unwrap(), PinionFlanks::nominal(pair), support).unwrap()
+}
+
+/// The order of deviations does not matter, nor whether one is given at once or in two parts.
+#[test]
+fn deviations_add_up_in_any_order() {
+    let pair = Pair::new(&spur()).unwrap();
+    let one = |first, kind| RackDeviation { teeth: ToothRange::new(Some(first), None).unwrap(), kind };
+    let list = [
+        one(2, RackDeviationKind::Pitch(0.02)),
+        one(3, RackDeviationKind::Lead(0.002)),
+        one(1, RackDeviationKind::OverRoller(0.01)),
+        one(4, RackDeviationKind::Left(-0.03)),
+    ];
+    let mut turned = list;
+    turned.reverse();
+    let mut halved = Vec::new();
+    for deviation in list {
+        let half = match deviation.kind {
+            RackDeviationKind::Pitch(v) => RackDeviationKind::Pitch(v / 2.0),
+            RackDeviationKind::Lead(v) => RackDeviationKind::Lead(v / 2.0),
+            RackDeviationKind::OverRoller(v) => RackDeviationKind::OverRoller(v / 2.0),
+            RackDeviationKind::Left(v) => RackDeviationKind::Left(v / 2.0),
+            other => panic!("{other:?}"),
+        };
+        halved.extend([RackDeviation { kind: half, ..deviation }; 2]);
+    }
+    let meshes = [&list[..], &turned, &halved].map(|list| with(&pair, list, Support::Fixed));
+    for i in 0..100 {
+        let s = f64::from(i) * 0.31;
+        let [a, b, c] = [0, 1, 2].map(|i| meshes[i].at(s).unwrap().delta_cd_mm);
+        assert!((a - b).abs() < 1e-11 && (a - c).abs() < 1e-11, "stroke {s}: {a} {b} {c}");
+    }
+}
+
+/// Whichever way the strokes are run through, the points are the same.
+#[test]
+fn strokes_in_reverse_give_the_same_points() {
+    let pair = Pair::new(&spur()).unwrap();
+    let lead = |first| RackDeviation {
+        teeth: ToothRange::new(Some(first), None).unwrap(),
+        kind: RackDeviationKind::Lead(0.004),
+    };
+    for support in [Support::Fixed, Support::FreeRoll { axis_depth_mm: 8.0 }] {
+        let mesh = with(&pair, &[lead(2)], support);
+        let strokes: Vec<f64> = (0..150).map(|i| f64::from(i) * 0.17).collect();
+        let (mut up, mut down) = (Sampler::new(&mesh), Sampler::new(&mesh));
+        let rising: Vec<_> = strokes.iter().map(|&s| up.at(s).unwrap().center_distance_mm).collect();
+        let falling: Vec<_> = strokes.iter().rev().map(|&s| down.at(s).unwrap().center_distance_mm).collect();
+        for ((a, b), s) in rising.iter().zip(falling.iter().rev()).zip(&strokes) {
+            assert!((a - b).abs() < 1e-10, "{support:?}, stroke {s}: {a} {b}");
+        }
+    }
+}
+
+/// A face that the crossed rack's never reaches: no contact, said so.
+#[test]
+fn flanks_that_never_meet_are_no_contact() {
+    let mut data = spur();
+    data.pinion.face_width_mm = 0.01;
+    data.rack.face_width_mm = 0.01;
+    data.pinion.tip_diameter_mm = 40.1;
+    data.pinion.root_form_diameter_mm = Some(40.0);
+    if let Ok(pair) = Pair::new(&data) {
+        let mesh = Mesh::nominal(pair).unwrap();
+        for i in 0..100 {
+            match mesh.at(f64::from(i) * 0.07) {
+                Ok(point) => assert!(point.center_distance_mm.is_finite()),
+                Err(error) => assert!(matches!(error, MeshError::NoContact { .. }), "{error}"),
+            }
+        }
+    }
+}
+
+/// A steering pair with a total contact ratio above 2.
+fn steering() -> Pair {
+    let mut data = spur();
+    data.normal_pressure_angle_rad = 19.9_f64.to_radians();
+    data.rack.face_width_mm = 19.7;
+    data.rack.addendum_mm = 1.7;
+    data.pinion = PinionData {
+        teeth: 8,
+        helix_angle_rad: 21.0_f64.to_radians(),
+        profile_shift: 0.3,
+        tip_diameter_mm: 19.738,
+        root_form_diameter_mm: None,
+        face_width_mm: 30.0,
+        tooth_thickness_deviation_mm: 0.0,
+    };
+    Pair::new(&data).unwrap()
+}
+
+/// Never above the fixed rack, two mirror rolls, about half a percent lower.
+#[test]
+fn a_rolling_rack_takes_one_of_two_mirror_rolls_half_a_percent_lower() {
+    let pair = steering();
+    let lead = RackDeviation {
+        teeth: ToothRange::new(Some(4), None).unwrap(),
+        kind: RackDeviationKind::Lead(0.25_f64.to_radians()),
+    };
+    let fixed = with(&pair, &[lead], Support::Fixed);
+    let free = with(&pair, &[lead], Support::FreeRoll { axis_depth_mm: 8.0 });
+    let (mut least, mut most) = (0.0_f64, 0.0_f64);
+    for i in 0..120 {
+        let s = f64::from(i) * 0.41;
+        let (rolled, held) = (free.at(s).unwrap(), fixed.at(s).unwrap());
+        assert!(rolled.delta_cd_mm <= held.delta_cd_mm + 1e-11, "stroke {s}: {rolled:?} {held:?}");
+        (least, most) = (least.min(rolled.roll_rad), most.max(rolled.roll_rad));
+    }
+    assert!((least + most).abs() < 0.01 * most && most > 0.011, "{least} {most}");
+    let curve = free.curve(0.0, 50.0, 1e-6).unwrap();
+    assert!(curve.resolved && curve.points.len() < 10_000 && curve.kinks.len() < 200);
+    let top = |curve: rackmesh::mesh::Curve, mesh: &Mesh| curve.summary(mesh).unwrap().max_mm;
+    let ratio = top(curve, &free) / top(fixed.curve(0.0, 50.0, 1e-6).unwrap(), &fixed);
+    assert!((0.994..0.996).contains(&ratio), "{ratio}");
+}
+
+/// Each piece of a single pitch step's curve is known: 0, or |Δp| / (2 tan α).
+#[test]
+fn the_summary_of_a_pitch_step_is_known() {
+    let pair = steering();
+    let step = RackDeviation { teeth: ToothRange::single(4).unwrap(), kind: RackDeviationKind::Pitch(0.01) };
+    let mesh = with(&pair, &[step], Support::Fixed);
+    let p = pair.rack().pitch_mm;
+    let summary = mesh.curve(0.0, 8.0 * p, 1e-6).unwrap().summary(&mesh).unwrap();
+    let height = 0.01 / (2.0 * 19.9_f64.to_radians().tan());
+    assert!(summary.min_mm.abs() < 1e-11 && (summary.max_mm - height).abs() < 1e-11, "{summary:?}");
+    assert!((summary.peak_to_peak_mm - height).abs() < 1e-11 && (summary.tooth_to_tooth_mm - height).abs() < 1e-11);
+    assert!(summary.mean_mm > 0.0 && summary.mean_mm < height && summary.largest_rate > 0.0);
+    assert!(summary.max_stroke_mm > 2.0 * p && summary.max_stroke_mm < 5.0 * p);
 }

@@ -302,6 +302,34 @@ fn a_lead_error_of_a_straight_rack_lifts_the_pinion() {
     }
 }
 
+/// Relation 7 for a helical rack: k |sin Δβ| / (2 cos β_rack tan α_n) within 2 %.
+#[test]
+fn a_lead_error_of_a_helical_rack_lifts_the_pinion() {
+    let r = 8.0 / 21.0_f64.to_radians().cos();
+    let pair = Pair::new(&PairData {
+        normal_module_mm: 2.0,
+        normal_pressure_angle_rad: 19.9_f64.to_radians(),
+        rack: RackData { helix_angle_rad: 0.15, face_width_mm: 19.7, addendum_mm: 1.7, tooth_thickness_mm: None },
+        pinion: PinionData {
+            teeth: 8,
+            helix_angle_rad: 21.0_f64.to_radians(),
+            profile_shift: 0.3,
+            tip_diameter_mm: 2.0 * r + 2.6,
+            root_form_diameter_mm: None,
+            face_width_mm: 34.0,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    })
+    .unwrap();
+    let lead = 0.25_f64.to_radians();
+    let mesh =
+        mesh(&pair, rack_with(&pair, ToothRange::ALL, &[RackDeviationKind::Lead(lead)]), PinionFlanks::nominal(&pair));
+    let expected = 19.7 * lead.sin() / (2.0 * 0.15_f64.cos() * pair.normal_pressure_angle_rad().tan());
+    let largest = mesh.curve(0.0, 13.0, 1e-6).unwrap().summary(&mesh).unwrap().max_mm;
+    println!("{largest} {expected}");
+    assert!((largest / expected - 1.0).abs() < 0.02, "{largest} {expected}");
+}
+
 /// What a pin sees of the rack, fed back as measured, gives the same curve.
 #[test]
 fn the_virtual_measuring_machine_closes_the_loop() {

@@ -139,7 +139,7 @@ pub(super) struct Pose {
 /// The largest demand of a flank pair and where it is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
-    /// Centre distance asked for.
+    /// Centre distance asked for; an upper bound if the search ended early because the floor is out of reach.
     pub(super) demand: f64,
     /// Its derivative by c.
     pub(super) rate: f64,
@@ -149,8 +149,6 @@ pub(super) struct Touch {
     pub(super) other: Option<(Spot, f64)>,
     /// At a vertex of the patch: a generator beyond it and the demand's rate per rate of the gap there.
     pub(super) vertex: Option<(f64, f64)>,
-    /// Whether the search ended early because the floor is out of reach; `demand` is then an upper bound.
-    pub(super) clipped: bool,
 }
 
 /// A point of contact: generator, place on it, and what bounds it there.
@@ -489,7 +487,7 @@ impl FlankContact {
         }
         let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
         let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, on_tip: false };
-        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, vertex: None, clipped: false })
+        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, vertex: None })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
@@ -616,7 +614,7 @@ impl FlankContact {
         match self.demand(pose, delta) {
             Generator::Some { demand, rate, kind, w, on_tip, .. } => {
                 let spot = Spot { delta, w, kind, on_tip };
-                Some(Touch { demand, rate, kind, spot, other: None, vertex: None, clipped: false })
+                Some(Touch { demand, rate, kind, spot, other: None, vertex: None })
             }
             Generator::None { .. } => None,
         }

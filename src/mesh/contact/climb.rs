@@ -66,7 +66,7 @@ impl FlankContact {
             if let Generator::Some { demand, rate, w, kind, slope, on_tip } = sample.generator {
                 if best.is_none_or(|best: Touch| demand > best.demand) {
                     let spot = Spot { delta: x, w, kind, on_tip };
-                    best = Some(Touch { demand, rate, kind, spot, other: None, vertex: None, clipped: false });
+                    best = Some(Touch { demand, rate, kind, spot, other: None, vertex: None });
                 }
                 let roll = (self.nu - pose.c) + x + self.kappa * w;
                 if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
@@ -93,7 +93,7 @@ impl FlankContact {
                 && bound < floor
             {
                 // kept as an upper bound, which never carries
-                return best.map(|touch| Touch { demand: bound, clipped: true, ..touch });
+                return best.map(|touch| Touch { demand: bound, ..touch });
             }
             let next =
                 self.propose(pose, (scale, tolerance), (a, b, hi), (below, above), best.map(|best| best.demand), run);
