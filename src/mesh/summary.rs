@@ -29,6 +29,10 @@ pub struct Summary {
     pub transmission_error_mm: f64,
 }
 
+/// Extremes nearer to each other than this, mm, are the same: far above the rounding of a solution (1e-14) and
+/// far below its accuracy (1e-9).
+const TIE_MM: f64 = 1e-11;
+
 impl Curve {
     /// Summarises the curve; `None` if it has no points.
     #[must_use]
@@ -59,14 +63,18 @@ impl Curve {
                 largest_rate = largest_rate.max(((ends[1].delta_cd_mm - ends[0].delta_cd_mm) / width).abs());
             }
         }
+        // values that differ by rounding only are reached where they are reached first
+        let first_at = |value: f64| {
+            self.points.iter().find(|point| (point.delta_cd_mm - value).abs() <= TIE_MM).unwrap_or(first).stroke_mm
+        };
         let range = self.points.last().map_or(0.0, |last| last.stroke_mm - first.stroke_mm);
         let transmission_error_rad = te_high - te_low;
         Some(Summary {
             mean_mm: first.delta_cd_mm + if range > 0.0 { area / range } else { 0.0 },
             min_mm: low.delta_cd_mm,
-            min_stroke_mm: low.stroke_mm,
+            min_stroke_mm: first_at(low.delta_cd_mm),
             max_mm: high.delta_cd_mm,
-            max_stroke_mm: high.stroke_mm,
+            max_stroke_mm: first_at(high.delta_cd_mm),
             peak_to_peak_mm: high.delta_cd_mm - low.delta_cd_mm,
             tooth_to_tooth_mm: self.largest_swing(pitch),
             largest_rate,

@@ -195,7 +195,8 @@ impl Report for MeshReport<'_> {
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(Block::Table(summary_table(&summary)));
         if let Some(width) = self.screen.width {
-            let points: Vec<_> = self.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
+            let points: Vec<_> =
+                self.curve.points.iter().map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
             blocks.extend(sketch::sketch(&points, usize::from(width.min(100)), 8).map(Block::Drawing));
         }
         blocks.push(Block::Table(comparison_table(&summary, self.prediction)));
