@@ -94,6 +94,7 @@ impl Args {
         Ok(match evaluation.verdict {
             Some(Verdict::Fail) => Status::Fail,
             Some(Verdict::Pass) => Status::Pass,
+            Some(Verdict::Indeterminate) => Status::Indeterminate,
             None if evaluation.limits.is_empty() => Status::Pass,
             None => Status::Undecided,
         })

@@ -187,7 +187,8 @@ impl Args {
         output.report(&report, self.format)?;
         Ok(match report.verdict() {
             Some(Verdict::Fail) => Status::Fail,
-            _ => Status::Pass,
+            Some(Verdict::Indeterminate) => Status::Indeterminate,
+            Some(Verdict::Pass) | None => Status::Pass,
         })
     }
 

@@ -18,6 +18,8 @@ pub(super) enum Status {
     Fail,
     /// There is a result, but it could not be judged.
     Undecided,
+    /// It was judged, and the decision rule proves neither conformity nor non-conformity.
+    Indeterminate,
 }
 
 impl From<Status> for ExitCode {
@@ -26,6 +28,7 @@ impl From<Status> for ExitCode {
             Status::Pass => Self::SUCCESS,
             Status::Fail => Self::from(1),
             Status::Undecided => Self::from(2),
+            Status::Indeterminate => Self::from(3),
         }
     }
 }

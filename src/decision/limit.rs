@@ -53,15 +53,18 @@ pub enum Verdict {
     Pass,
     /// Outside the limit.
     Fail,
+    /// Too near the limit for the uncertainty or the guard band: neither conformity nor non-conformity is proven.
+    Indeterminate,
 }
 
 impl Verdict {
-    /// `pass` or `fail`.
+    /// `pass`, `fail` or `indeterminate`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Pass => "pass",
             Self::Fail => "fail",
+            Self::Indeterminate => "indeterminate",
         }
     }
 }

@@ -161,7 +161,7 @@ impl EvaluationReport<'_> {
     fn verdict_block(&self) -> Option<Block> {
         let evaluation = self.evaluation;
         if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
-            return Some(Block::Verdict(false, failure_sentence(failed, evaluation.stack)));
+            return Some(Block::Verdict(Verdict::Fail, failure_sentence(failed, evaluation.stack)));
         }
         let unjudged: Vec<_> = evaluation.unjudged().map(|target| target.to_string()).collect();
         if !unjudged.is_empty() {
@@ -172,7 +172,7 @@ impl EvaluationReport<'_> {
             1 => "the limit is met".to_owned(),
             count => format!("all {count} limits are met"),
         };
-        Some(Block::Verdict(true, format!("{count} (judged by {})", evaluation.stack)))
+        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {})", evaluation.stack)))
     }
 }
 

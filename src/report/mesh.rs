@@ -225,8 +225,9 @@ impl Report for MeshReport<'_> {
             let sentence = match verdict {
                 Verdict::Pass => format!("ΔCD {range} is within the limits {limit}"),
                 Verdict::Fail => format!("ΔCD {range} is not within the limits {limit}"),
+                Verdict::Indeterminate => format!("ΔCD {range} is too near the limits {limit}"),
             };
-            blocks.push(Block::Verdict(verdict == Verdict::Pass, sentence));
+            blocks.push(Block::Verdict(verdict, sentence));
         }
         blocks
     }

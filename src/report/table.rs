@@ -4,6 +4,7 @@ use anstyle::{AnsiColor, Style};
 use comfy_table::{CellAlignment, ContentArrangement, ContentLineStyle, LineStyle, Table as Grid, TableStyle, presets};
 
 use super::Screen;
+use crate::decision::Verdict;
 
 /// A piece of a report.
 #[derive(Debug, Clone)]
@@ -16,8 +17,8 @@ pub enum Block {
     Drawing(String),
     /// A remark: the model, an assumption, how values differ.
     Note(String),
-    /// The verdict: whether it is a pass, and the sentence.
-    Verdict(bool, String),
+    /// The verdict and its sentence.
+    Verdict(Verdict, String),
 }
 
 /// A table.
@@ -96,9 +97,13 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
             Block::Title(title) => out.push_str(&paint(title, Style::new().bold())),
             Block::Drawing(lines) => out.push_str(lines),
             Block::Note(note) => out.push_str(&wrap(note, screen.width)),
-            Block::Verdict(pass, sentence) => {
-                let (word, color) = if *pass { ("PASS", AnsiColor::Green) } else { ("FAIL", AnsiColor::Red) };
-                let word = paint(word, color.on_default().bold());
+            Block::Verdict(verdict, sentence) => {
+                let color = match verdict {
+                    Verdict::Pass => AnsiColor::Green,
+                    Verdict::Fail => AnsiColor::Red,
+                    Verdict::Indeterminate => AnsiColor::Yellow,
+                };
+                let word = paint(&verdict.name().to_uppercase(), color.on_default().bold());
                 out.push_str(&wrap(&format!("{word}: {sentence}"), screen.width));
             }
             Block::Table(table) => {
@@ -127,8 +132,8 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
             Block::Title(title) => out.push_str(&format!("## {title}\n")),
             Block::Drawing(lines) => out.push_str(&format!("```text\n{lines}\n```\n")),
             Block::Note(note) => out.push_str(&format!("{note}\n")),
-            Block::Verdict(pass, sentence) => {
-                out.push_str(&format!("**{}**: {sentence}\n", if *pass { "PASS" } else { "FAIL" }));
+            Block::Verdict(verdict, sentence) => {
+                out.push_str(&format!("**{}**: {sentence}\n", verdict.name().to_uppercase()));
             }
             Block::Table(table) => {
                 let mut escaped = table.clone();
