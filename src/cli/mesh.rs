@@ -8,7 +8,7 @@ use crate::decision::{LimitTarget, Prediction, Verdict};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::mesh::{Curve, Mesh, MeshError, MeshPoint, Support};
 use crate::quantity::Length;
-use crate::report::plot::{CurvePlot, Mark};
+use crate::report::plot::{CurvePlot, Mark, Series};
 use crate::report::{Format, MeshReport};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
 
@@ -241,7 +241,10 @@ fn plot(report: &MeshReport<'_>) -> CurvePlot {
     let limits = report.limit.into_iter().flat_map(|limit| [&limit.lower, &limit.upper]);
     CurvePlot {
         title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
-        curve: report.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect(),
+        curves: vec![Series {
+            label: "exact mesh".to_owned(),
+            points: report.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect(),
+        }],
         band: Some(report.prediction.range_mm()),
         limits: limits.flatten().map(Length::mm).collect(),
         marks: marks.collect(),

@@ -1,4 +1,4 @@
-//! A linear axis with round tick marks, found without the platform's logarithm.
+//! A linear axis with round tick marks, found without the platform's logarithm, and a logarithmic one.
 
 use std::ops::Range;
 
@@ -72,6 +72,52 @@ impl Ranged for Axis {
 impl ValueFormatter<f64> for Axis {
     fn format_ext(&self, value: &f64) -> String {
         format!("{value:.*}", self.decimals)
+    }
+}
+
+/// A logarithmic axis over whole decades.
+#[derive(Debug, Clone)]
+pub(super) struct LogAxis {
+    /// Exponents of ten.
+    from: i32,
+    to: i32,
+}
+
+impl LogAxis {
+    /// The whole decades that hold everything from the lowest to the highest (both positive).
+    pub(super) fn around((low, high): (f64, f64)) -> Self {
+        #[expect(clippy::cast_possible_truncation, reason = "exponents of doubles are below 400")]
+        let (from, to) = (libm::log10(low).floor() as i32, libm::log10(high).ceil() as i32);
+        Self { from, to: to.max(from + 1) }
+    }
+}
+
+impl Ranged for LogAxis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let share = (libm::log10(*value) - f64::from(self.from)) / f64::from(self.to - self.from);
+        let (low, high) = (f64::from(limit.0), f64::from(limit.1));
+        #[expect(clippy::cast_possible_truncation, reason = "clamped")]
+        let pixel = (low + share * (high - low)).round().clamp(-1e6, 1e6) as i32;
+        pixel
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        let most = i32::try_from(hint.max_num_points()).unwrap_or(i32::MAX).max(2);
+        let every = (self.to - self.from).unsigned_abs().div_ceil(most.unsigned_abs()).max(1);
+        (self.from..=self.to).step_by(every as usize).map(|exponent| libm::exp10(f64::from(exponent))).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        libm::exp10(f64::from(self.from))..libm::exp10(f64::from(self.to))
+    }
+}
+
+impl ValueFormatter<f64> for LogAxis {
+    fn format_ext(&self, value: &f64) -> String {
+        format!("1e{:.0}", libm::log10(*value))
     }
 }
 

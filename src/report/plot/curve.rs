@@ -1,0 +1,200 @@
+//! Curves of ΔCD over the stroke, with what they are held against.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::axis::Axis;
+use super::canvas::{Drawing, FAMILY, Failure, GRID, INK, PlotError, SERIES};
+
+/// A curve with what it is held against.
+#[derive(Debug, Clone, Default)]
+pub struct CurvePlot {
+    /// Above the picture.
+    pub title: String,
+    /// The curves; marks are drawn on the first.
+    pub curves: Vec<Series>,
+    /// What the formulas predict, from lowest to highest, mm.
+    pub band: Option<(f64, f64)>,
+    /// Limits of ΔCD, mm.
+    pub limits: Vec<f64>,
+    /// Where contact changes teeth.
+    pub marks: Vec<Mark>,
+}
+
+/// One curve.
+#[derive(Debug, Clone, Default)]
+pub struct Series {
+    /// What it is, for the legend.
+    pub label: String,
+    /// Stroke and ΔCD, mm, in the order of the stroke.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// A marked point of the curve.
+#[derive(Debug, Clone)]
+pub struct Mark {
+    /// Stroke, mm.
+    pub stroke_mm: f64,
+    /// ΔCD, mm.
+    pub delta_cd_mm: f64,
+    /// A few characters.
+    pub label: String,
+}
+
+const BAND: RGBColor = RGBColor(222, 146, 32);
+const LIMIT: RGBColor = RGBColor(190, 40, 40);
+
+impl CurvePlot {
+    /// The picture as SVG.
+    ///
+    /// # Errors
+    /// [`PlotError`] if there is no curve.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        self.to_svg()
+    }
+
+    /// The picture as PNG.
+    ///
+    /// # Errors
+    /// [`PlotError`] if there is no curve.
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        self.to_png()
+    }
+
+    /// The lowest and highest stroke and ΔCD shown, with some air around the curve.
+    fn ranges(&self) -> Result<[(f64, f64); 2], PlotError> {
+        let span = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+        };
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let x = span(&mut points().map(|point| point.0));
+        let band = self.band.into_iter().flat_map(|(low, high)| [low, high]);
+        let y = span(&mut points().map(|point| point.1).chain(band).chain(self.limits.iter().copied()));
+        if x.1.partial_cmp(&x.0) != Some(std::cmp::Ordering::Greater) {
+            return Err(PlotError::TooFewPoints);
+        }
+        // a level curve is shown in a window of 2 µm
+        let air = ((y.1 - y.0) * 0.08).max(0.001);
+        Ok([x, (y.0 - air, y.1 + air)])
+    }
+
+    /// A dot at each mark, and its label where there is room for it.
+    fn draw_marks<DB: DrawingBackend>(
+        &self,
+        chart: &mut ChartContext<'_, DB, Cartesian2d<Axis, Axis>>,
+    ) -> Result<(), Failure> {
+        const ROOM: i32 = 34;
+        let style = (FAMILY, 14).into_font().color(&INK).pos(Pos::new(HPos::Center, VPos::Bottom));
+        let mut last: Option<i32> = None;
+        for mark in &self.marks {
+            let point = (mark.stroke_mm, mark.delta_cd_mm);
+            chart.draw_series([Circle::new(point, 3, SERIES[0].filled())])?;
+            let (x, _) = chart.backend_coord(&point);
+            if last.is_none_or(|last| x - last >= ROOM) {
+                last = Some(x);
+                let label = EmptyElement::at(point) + Text::new(mark.label.clone(), (0, -6), style.clone());
+                chart.draw_series([label])?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Drawing for CurvePlot {
+    const SIZE: (u32, u32) = (1200, 560);
+
+    fn draw_on<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Failure> {
+        let [x, y] = self.ranges().map_err(Failure::Plot)?;
+        area.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(area)
+            .caption(&self.title, (FAMILY, 24).into_font().color(&INK))
+            .margin(16)
+            .margin_right(28)
+            .x_label_area_size(52)
+            .y_label_area_size(84)
+            .build_cartesian_2d(Axis::new(x, 1), Axis::new(y, 4))?;
+        chart
+            .configure_mesh()
+            .x_desc("stroke [mm]")
+            .y_desc("ΔCD [mm]")
+            .x_labels(12)
+            .y_labels(9)
+            .axis_desc_style((FAMILY, 20).into_font().color(&INK))
+            .label_style((FAMILY, 17).into_font().color(&INK))
+            .bold_line_style(GRID)
+            .light_line_style(WHITE)
+            .axis_style(INK)
+            .draw()?;
+        if let Some((low, high)) = self.band {
+            chart
+                .draw_series([Rectangle::new([(x.0, low), (x.1, high)], BAND.mix(0.18).filled())])?
+                .label("formulas")
+                .legend(|(x, y)| Rectangle::new([(x, y - 6), (x + 22, y + 6)], BAND.mix(0.35).filled()));
+            // a band without height is still to be seen
+            for edge in [low, high] {
+                chart.draw_series(LineSeries::new([(x.0, edge), (x.1, edge)], BAND.mix(0.7)))?;
+            }
+        }
+        for (index, limit) in self.limits.iter().enumerate() {
+            let line = LineSeries::new([(x.0, *limit), (x.1, *limit)], LIMIT.stroke_width(2));
+            let drawn = chart.draw_series(line)?;
+            if index == 0 {
+                drawn.label("limits").legend(|(x, y)| PathElement::new([(x, y), (x + 22, y)], LIMIT.stroke_width(2)));
+            }
+        }
+        for (curve, color) in self.curves.iter().zip(SERIES.iter().cycle()) {
+            let style = color.stroke_width(2);
+            chart
+                .draw_series(LineSeries::new(curve.points.iter().copied(), style))?
+                .label(&curve.label)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));
+        }
+        self.draw_marks(&mut chart)?;
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .background_style(WHITE.mix(0.85))
+            .border_style(GRID)
+            .label_font((FAMILY, 17).into_font().color(&INK))
+            .draw()?;
+        area.present()?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot() -> CurvePlot {
+        CurvePlot {
+            title: "lot 7: α_n = 20°".to_owned(),
+            curves: vec![Series {
+                label: "exact mesh".to_owned(),
+                points: vec![(0.0, 0.0), (10.0, 0.0), (10.5, 0.027), (50.0, 0.027)],
+            }],
+            band: Some((0.0, 0.0275)),
+            limits: vec![-0.03, 0.03],
+            marks: vec![Mark { stroke_mm: 10.5, delta_cd_mm: 0.027, label: "r4".to_owned() }],
+        }
+    }
+
+    #[test]
+    fn svg_and_png_hold_the_picture() {
+        let svg = plot().svg().unwrap();
+        for part in ["lot 7: α_n = 20°", "stroke [mm]", "ΔCD [mm]", "formulas", "limits", "exact mesh", "r4"] {
+            assert!(svg.contains(part), "{part}");
+        }
+        let png = plot().png().unwrap();
+        assert!(png.starts_with(b"\x89PNG"));
+    }
+
+    #[test]
+    fn no_curve_is_an_error_and_a_level_one_is_none() {
+        assert!(matches!(CurvePlot::default().svg(), Err(PlotError::TooFewPoints)));
+        let plot = |points| CurvePlot { curves: vec![Series { points, ..Series::default() }], ..CurvePlot::default() };
+        assert!(plot(vec![(0.0, 0.0), (1.0, 0.0)]).svg().is_ok());
+        assert!(plot(vec![(1.0, 0.0), (1.0, 0.0)]).png().is_err());
+    }
+}
