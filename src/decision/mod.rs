@@ -5,10 +5,12 @@
 //! module writes. Sums and comparisons are exact: a result equal to a limit in decimal arithmetic is
 //! inside it. Nothing here reads files or prints.
 
+pub mod capability;
 mod evaluation;
 mod limit;
 mod prediction;
 mod stack;
+pub mod statistics;
 
 pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};

@@ -1,0 +1,431 @@
+//! Process capability of a batch: how the spread of one characteristic compares with its limits. Called by `batch` with
+//! the ΔCD of its parts; judges no single part and reads no file.
+//!
+//! ```text
+//! Pp = (U − L) / (6 s)          Ppk = min(U − x̄, x̄ − L) / (3 s)          s: standard deviation of all parts
+//! Cp = (U − L) / (6 σ̂_w)        Cpk = min(U − x̄, x̄ − L) / (3 σ̂_w)        σ̂_w: of short duration
+//! ```
+//!
+//! σ̂_w is the pooled standard deviation of consecutive subgroups; for single parts the mean moving range divided by
+//! d_2 = 2/√π. The indices say what they seem to say only of a stable process and a normal distribution: the normality
+//! indication comes with them. Confidence intervals: χ² for Cp and Pp, the normal approximation of Bissell (1990) for Cpk
+//! and Ppk. The measuring uncertainty is part of the spread; its share of the variance is the gauge share.
+
+use thiserror::Error;
+
+use super::Limit;
+use super::statistics::{chi_square_quantile, normal_quantile};
+use crate::quantity::Length;
+
+/// Fewer parts give no indices: with ten the 95 % interval of Pp already reaches from 0.55 to 1.45 of its value.
+pub const FEWEST_PARTS: usize = 10;
+
+/// With fewer parts the indices are preliminary.
+pub const PRELIMINARY_PARTS: usize = 50;
+
+/// Confidence of all intervals.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// An index with its confidence interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Index {
+    /// The estimate.
+    pub value: f64,
+    /// Lower end of its 95 % confidence interval.
+    pub lower: f64,
+    /// Upper end.
+    pub upper: f64,
+}
+
+/// Whether values look normally distributed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normality {
+    /// Skewness, 0 for a normal distribution.
+    pub skewness: f64,
+    /// Kurtosis less 3, 0 for a normal distribution.
+    pub excess_kurtosis: f64,
+    /// The Anderson-Darling statistic A*² (mean and deviation estimated from the values).
+    pub anderson_darling: f64,
+    /// The probability of a statistic at least as large if the values are normal.
+    pub p_value: f64,
+}
+
+impl Normality {
+    /// Whether normality is rejected at the 5 % level.
+    #[must_use]
+    pub fn rejected(&self) -> bool {
+        self.p_value < 0.05
+    }
+}
+
+/// What the measuring uncertainty does to the indices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gauge {
+    /// Its share of the observed variance, u² / s².
+    pub variance_share: f64,
+    /// 6 u / (U − L); `None` unless both limits are given.
+    pub tolerance_share: Option<f64>,
+    /// Standard deviation of the parts alone, √(s² − u²), mm; `None` if u exceeds s.
+    pub part_deviation_mm: Option<f64>,
+    /// Ppk of the parts alone; `None` without a part deviation above 0.
+    pub part_ppk: Option<f64>,
+}
+
+/// The capability of a batch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Capability {
+    /// Number of parts.
+    pub parts: usize,
+    /// Parts per subgroup; 1 if the short-term deviation comes from moving ranges.
+    pub subgroup: usize,
+    /// Mean, mm.
+    pub mean_mm: f64,
+    /// Standard deviation of all parts s, mm.
+    pub overall_deviation_mm: f64,
+    /// Standard deviation of short duration σ̂_w, mm.
+    pub within_deviation_mm: f64,
+    /// Cp; `None` unless both limits are given.
+    pub cp: Option<Index>,
+    /// Cpk.
+    pub cpk: Index,
+    /// Pp; `None` unless both limits are given.
+    pub pp: Option<Index>,
+    /// Ppk.
+    pub ppk: Index,
+    /// The normality indication.
+    pub normality: Normality,
+    /// What the measuring uncertainty does; `None` if none is given.
+    pub gauge: Option<Gauge>,
+    /// Share of the parts outside the limits, as counted.
+    pub outside: f64,
+}
+
+impl Capability {
+    /// Remarks that the indices need: too few parts, no normal distribution, a coarse gauge.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        if self.parts < PRELIMINARY_PARTS {
+            remarks.push(format!(
+                "{} parts make the indices preliminary: {PRELIMINARY_PARTS} or more are customary",
+                self.parts
+            ));
+        }
+        if self.normality.rejected() {
+            remarks.push(format!(
+                "the values are not normally distributed (Anderson-Darling A*² {:.2}, p {:.2e}): the indices do not give the share outside",
+                self.normality.anderson_darling, self.normality.p_value
+            ));
+        }
+        if let Some(gauge) = &self.gauge {
+            if gauge.part_deviation_mm.is_none() {
+                remarks.push("the given uncertainty exceeds the spread of the values: it is overstated".to_owned());
+            } else if gauge.variance_share > 0.1 {
+                remarks.push(format!("{:.0} % of the variance is measuring uncertainty", 100.0 * gauge.variance_share));
+            }
+        }
+        remarks
+    }
+}
+
+/// Why a batch has no capability indices.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CapabilityError {
+    /// Too few parts.
+    #[error(
+        "{parts} parts are too few for capability indices: at least {FEWEST_PARTS} are needed, {PRELIMINARY_PARTS} or more are customary"
+    )]
+    TooFewParts {
+        /// How many there are.
+        parts: usize,
+    },
+    /// All values are the same.
+    #[error("all {parts} values are the same, so there is no spread to compare with the limits")]
+    NoSpread {
+        /// How many there are.
+        parts: usize,
+    },
+    /// The limit has no end.
+    #[error("the limit has neither a lower nor an upper end")]
+    NoLimit,
+    /// A value that is not finite.
+    #[error("value {index} is not a finite number")]
+    NotFinite {
+        /// Which one, from 0.
+        index: usize,
+    },
+    /// Subgroups that do not fit.
+    #[error(
+        "subgroups of {subgroup} parts do not fit {parts} parts: at least two whole subgroups of at least 2 are needed"
+    )]
+    Subgroup {
+        /// Parts per subgroup.
+        subgroup: usize,
+        /// How many there are.
+        parts: usize,
+    },
+}
+
+/// The capability of `values_mm`, in the order of production, against `limit`.
+///
+/// `subgroup` parts at a time belong together; 1 (single parts) takes moving ranges. `uncertainty_mm` is the standard
+/// uncertainty of a value, if it is known. An incomplete last subgroup counts for Pp and Ppk only.
+///
+/// # Errors
+/// [`CapabilityError`] if there are fewer than [`FEWEST_PARTS`] values, they are all the same, or not finite, or the limit
+/// or subgroups make no sense.
+pub fn capability(
+    values_mm: &[f64],
+    limit: &Limit,
+    subgroup: usize,
+    uncertainty_mm: Option<f64>,
+) -> Result<Capability, CapabilityError> {
+    let parts = values_mm.len();
+    if let Some(index) = values_mm.iter().position(|value| !value.is_finite()) {
+        return Err(CapabilityError::NotFinite { index });
+    }
+    if parts < FEWEST_PARTS {
+        return Err(CapabilityError::TooFewParts { parts });
+    }
+    if subgroup == 0 || (subgroup > 1 && parts < 2 * subgroup) {
+        return Err(CapabilityError::Subgroup { subgroup, parts });
+    }
+    let (lower, upper) = (limit.lower.as_ref().map(Length::mm), limit.upper.as_ref().map(Length::mm));
+    if lower.is_none() && upper.is_none() {
+        return Err(CapabilityError::NoLimit);
+    }
+    let n = count(parts);
+    let mean = mean(values_mm);
+    let overall = (sum_of_squares(values_mm, mean) / (n - 1.0)).sqrt();
+    let (within, within_dof) = if subgroup == 1 { moving_range(values_mm) } else { pooled(values_mm, subgroup) };
+    // a spread below the rounding of the values is none
+    let rounding = 4.0 * f64::EPSILON * mean.abs();
+    if overall <= rounding || within <= rounding {
+        return Err(CapabilityError::NoSpread { parts });
+    }
+    let width = lower.zip(upper).map(|(lower, upper)| upper - lower);
+    let margin =
+        lower.map_or(f64::INFINITY, |lower| mean - lower).min(upper.map_or(f64::INFINITY, |upper| upper - mean));
+    let outside = values_mm
+        .iter()
+        .filter(|value| lower.is_some_and(|lower| **value < lower) || upper.is_some_and(|upper| **value > upper))
+        .count();
+    let gauge = uncertainty_mm.map(|u| {
+        let parts_alone = overall * overall - u * u;
+        let part_deviation_mm = (parts_alone >= 0.0).then(|| parts_alone.sqrt());
+        Gauge {
+            variance_share: (u / overall) * (u / overall),
+            tolerance_share: width.map(|width| 6.0 * u / width),
+            part_deviation_mm,
+            part_ppk: part_deviation_mm
+                .filter(|deviation| *deviation > 0.0)
+                .map(|deviation| margin / (3.0 * deviation)),
+        }
+    });
+    Ok(Capability {
+        parts,
+        subgroup,
+        mean_mm: mean,
+        overall_deviation_mm: overall,
+        within_deviation_mm: within,
+        cp: width.map(|width| spread_index(width, within, within_dof)),
+        cpk: margin_index(margin, within, n, within_dof),
+        pp: width.map(|width| spread_index(width, overall, n - 1.0)),
+        ppk: margin_index(margin, overall, n, n - 1.0),
+        normality: normality(values_mm, mean, overall),
+        gauge,
+        outside: count(outside) / n,
+    })
+}
+
+#[allow(clippy::cast_precision_loss)] // far below 2⁵³ parts
+fn count(parts: usize) -> f64 {
+    parts as f64
+}
+
+fn mean(values: &[f64]) -> f64 {
+    // about the first value, so that values far from 0 lose nothing
+    let first = values[0];
+    first + values.iter().map(|value| value - first).sum::<f64>() / count(values.len())
+}
+
+fn sum_of_squares(values: &[f64], mean: f64) -> f64 {
+    values.iter().map(|value| (value - mean) * (value - mean)).sum()
+}
+
+/// The mean moving range over d_2, with the degrees of freedom of a standard deviation that varies as much.
+///
+/// Of independent normal values, moving ranges have the mean 2σ/√π and the variance (2 − 4/π) σ², neighbouring ones
+/// the covariance (4/π)(√3/2 + π/12 − 1) σ²; Var(s)/σ² = 1/(2ν).
+fn moving_range(values: &[f64]) -> (f64, f64) {
+    use std::f64::consts::PI;
+    let ranges = count(values.len() - 1);
+    let mean_range = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>() / ranges;
+    let d2_squared = 4.0 / PI;
+    let variance = 2.0 - d2_squared;
+    let covariance = d2_squared * (0.75_f64.sqrt() + PI / 12.0 - 1.0);
+    let relative = (ranges * variance + 2.0 * (ranges - 1.0) * covariance) / (ranges * ranges * d2_squared);
+    (mean_range / d2_squared.sqrt(), 0.5 / relative)
+}
+
+fn pooled(values: &[f64], subgroup: usize) -> (f64, f64) {
+    let groups = values.chunks_exact(subgroup);
+    let dof = count(groups.len() * (subgroup - 1));
+    let squares: f64 = groups.map(|group| sum_of_squares(group, mean(group))).sum();
+    ((squares / dof).sqrt(), dof)
+}
+
+fn spread_index(width: f64, deviation: f64, dof: f64) -> Index {
+    let value = width / (6.0 * deviation);
+    let end = |p: f64| value * (chi_square_quantile(p, dof) / dof).sqrt();
+    Index { value, lower: end(0.5 * (1.0 - CONFIDENCE)), upper: end(0.5 * (1.0 + CONFIDENCE)) }
+}
+
+fn margin_index(margin: f64, deviation: f64, n: f64, dof: f64) -> Index {
+    let value = margin / (3.0 * deviation);
+    let half = normal_quantile(0.5 * (1.0 + CONFIDENCE)) * (1.0 / (9.0 * n) + value * value / (2.0 * dof)).sqrt();
+    Index { value, lower: value - half, upper: value + half }
+}
+
+/// Skewness, kurtosis, and the Anderson-Darling statistic with the p-value of D'Agostino and Stephens, *Goodness-of-Fit
+/// Techniques* (1986), table 4.9, for mean and deviation estimated from the values.
+fn normality(values: &[f64], mean: f64, deviation: f64) -> Normality {
+    let n = count(values.len());
+    let moments = values.iter().fold([0.0; 3], |[m2, m3, m4], value| {
+        let d = value - mean;
+        [m2 + d * d, m3 + d * d * d, m4 + d * d * d * d]
+    });
+    let [m2, m3, m4] = moments.map(|moment| moment / n);
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let log_cdf = |z: f64| libm::log(0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2));
+    let standardised = |value: f64| (value - mean) / deviation;
+    let sum: f64 = sorted
+        .iter()
+        .zip(sorted.iter().rev())
+        .zip(0_usize..)
+        .map(|((low, high), i)| (2.0 * count(i) + 1.0) * (log_cdf(standardised(*low)) + log_cdf(-standardised(*high))))
+        .sum();
+    let statistic = -n - sum / n;
+    let adjusted = statistic * (1.0 + 0.75 / n + 2.25 / (n * n));
+    let a = adjusted;
+    let p_value = if a >= 0.6 {
+        libm::exp(1.2937 - 5.709 * a + 0.0186 * a * a)
+    } else if a >= 0.34 {
+        libm::exp(0.9177 - 4.279 * a - 1.38 * a * a)
+    } else if a >= 0.2 {
+        1.0 - libm::exp(-8.318 + 42.796 * a - 59.938 * a * a)
+    } else {
+        1.0 - libm::exp(-13.436 + 101.14 * a - 223.73 * a * a)
+    };
+    // beyond 153 the fitted parabola turns and rises again: the probability is nothing there
+    let p_value = if a > 100.0 { 0.0 } else { p_value };
+    Normality {
+        skewness: m3 / (m2 * m2.sqrt()),
+        excess_kurtosis: m4 / (m2 * m2) - 3.0,
+        anderson_darling: adjusted,
+        p_value: p_value.clamp(0.0, 1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limit(lower: &str, upper: &str) -> Limit {
+        Limit { lower: Some(lower.parse().unwrap()), upper: Some(upper.parse().unwrap()) }
+    }
+
+    /// The quantiles of a normal distribution at (i − 1/2)/n, in an order without trend.
+    fn normal_values(n: usize, mean: f64, deviation: f64) -> Vec<f64> {
+        (0..n)
+            .map(|i| {
+                let shuffled = (i * 37) % n;
+                mean + deviation * normal_quantile((count(shuffled) + 0.5) / count(n))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn indices_by_hand() {
+        // x̄ = 0, Σ x² = 50 × 1 µm²: s = √(50/49) µm; every moving range is 2 µm
+        let values: Vec<f64> = (0..50).map(|i| if i % 2 == 0 { 0.001 } else { -0.001 }).collect();
+        let result = capability(&values, &limit("-0.006", "0.004"), 1, None).unwrap();
+        let s = 0.001 * (50.0_f64 / 49.0).sqrt();
+        assert!((result.overall_deviation_mm - s).abs() < 1e-15);
+        assert!((result.pp.unwrap().value - 0.010 / (6.0 * s)).abs() < 1e-12);
+        assert!((result.ppk.value - 0.004 / (3.0 * s)).abs() < 1e-12);
+        let within = 0.002 / (2.0 / std::f64::consts::PI.sqrt());
+        assert!((result.cp.unwrap().value - 0.010 / (6.0 * within)).abs() < 1e-12);
+        assert!((result.cpk.value - 0.004 / (3.0 * within)).abs() < 1e-12);
+        assert!(result.normality.rejected(), "two values only are no normal distribution");
+        assert_eq!(result.outside, 0.0);
+    }
+
+    #[test]
+    fn subgroups_pool_their_deviations() {
+        // two levels, each subgroup of 2 has the deviation √2/2 · 2 µm = √2 µm about its own mean
+        let values: Vec<f64> = (0..20).map(|i| f64::from(i / 10) * 0.1 + f64::from(i % 2) * 0.002).collect();
+        let result = capability(&values, &limit("-1", "1"), 2, None).unwrap();
+        assert!((result.within_deviation_mm - 0.002 / 2.0_f64.sqrt()).abs() < 1e-15);
+        assert!(result.overall_deviation_mm > 0.05);
+        assert_eq!(
+            capability(&values, &limit("-1", "1"), 11, None),
+            Err(CapabilityError::Subgroup { subgroup: 11, parts: 20 })
+        );
+    }
+
+    #[test]
+    fn the_interval_of_pp_is_that_of_chi_square() {
+        let values = normal_values(30, 0.0, 0.01);
+        let result = capability(&values, &limit("-0.05", "0.05"), 1, None).unwrap();
+        let pp = result.pp.unwrap();
+        // χ²(29): 16.047 and 45.722
+        assert!((pp.lower / pp.value - (16.047_f64 / 29.0).sqrt()).abs() < 1e-4);
+        assert!((pp.upper / pp.value - (45.722_f64 / 29.0).sqrt()).abs() < 1e-4);
+        assert!(result.cp.unwrap().lower < result.cp.unwrap().value);
+    }
+
+    #[test]
+    fn one_sided_limits_have_no_spread_index() {
+        let values = normal_values(60, 0.01, 0.002);
+        let upper = Limit { lower: None, upper: Some("0.016".parse().unwrap()) };
+        let result = capability(&values, &upper, 1, None).unwrap();
+        assert!(result.pp.is_none() && result.cp.is_none());
+        assert!((result.ppk.value - 0.006 / (3.0 * result.overall_deviation_mm)).abs() < 1e-9);
+        assert_eq!(capability(&values, &Limit::default(), 1, None), Err(CapabilityError::NoLimit));
+    }
+
+    #[test]
+    fn normal_values_look_normal_and_others_do_not() {
+        assert!(!capability(&normal_values(200, 0.0, 1.0), &limit("-5", "5"), 1, None).unwrap().normality.rejected());
+        let skewed: Vec<f64> = normal_values(200, 0.0, 1.0).iter().map(|x| libm::exp(*x)).collect();
+        let normality = capability(&skewed, &limit("-5", "5"), 1, None).unwrap().normality;
+        assert!(normality.rejected() && normality.skewness > 1.0);
+    }
+
+    #[test]
+    fn the_gauge_share_is_a_share_of_the_variance() {
+        let values = normal_values(100, 0.0, 0.01);
+        let result = capability(&values, &limit("-0.05", "0.05"), 1, Some(0.003)).unwrap();
+        let s = result.overall_deviation_mm;
+        let gauge = result.gauge.unwrap();
+        assert!((gauge.variance_share - 9e-6 / (s * s)).abs() < 1e-12);
+        assert!((gauge.tolerance_share.unwrap() - 0.18).abs() < 1e-12);
+        assert!(gauge.part_ppk.unwrap() > result.ppk.value);
+        let coarse = capability(&values, &limit("-0.05", "0.05"), 1, Some(0.02)).unwrap();
+        assert_eq!(coarse.gauge.unwrap().part_deviation_mm, None);
+        assert!(coarse.remarks().iter().any(|remark| remark.contains("overstated")));
+    }
+
+    #[test]
+    fn what_has_no_capability_says_why() {
+        let limit = limit("-1", "1");
+        assert_eq!(capability(&[0.0; 9], &limit, 1, None), Err(CapabilityError::TooFewParts { parts: 9 }));
+        assert_eq!(capability(&[0.1; 30], &limit, 1, None), Err(CapabilityError::NoSpread { parts: 30 }));
+        let mut values = normal_values(30, 0.0, 1.0);
+        values[7] = f64::NAN;
+        assert_eq!(capability(&values, &limit, 1, None), Err(CapabilityError::NotFinite { index: 7 }));
+    }
+}
