@@ -7,6 +7,8 @@ mod completions;
 mod eval;
 mod explain;
 mod init;
+#[allow(dead_code)] // the batch and the simulation are its users
+mod long;
 mod man;
 mod measure;
 mod mesh;
