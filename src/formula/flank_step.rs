@@ -29,7 +29,8 @@ impl FlankStep {
         Ok(Self { exact, paper, pressure_angle: pressure_angle.clone(), helix_angle: helix_angle.clone() })
     }
 
-    fn gain(&self, model: Model) -> &Rational {
+    /// mm of ΔCD per mm of step.
+    pub(super) fn gain(&self, model: Model) -> &Rational {
         match model {
             Model::Exact => &self.exact,
             Model::Paper => &self.paper,

@@ -34,10 +34,12 @@ pub mod roller_change;
 mod catalogue;
 mod flank_step;
 mod part_error;
+mod prepared;
 
 pub use catalogue::{CATALOGUE, FormulaPage};
-pub use part_error::{PartError, formula_name, formula_text};
+pub use part_error::{PartError, PartFormula, formula_name, formula_text};
 pub use pinion_pitch::PinionPitch;
+pub use prepared::{Fixed, Prepared};
 pub use rack_lead::RackLead;
 pub use rack_pitch::RackPitch;
 

@@ -32,6 +32,18 @@ impl PartError {
         }
     }
 
+    /// The formula without the value.
+    #[must_use]
+    pub fn formula(&self) -> PartFormula {
+        match self {
+            Self::RackOverRoller(_) => PartFormula::RackOverRoller,
+            Self::RackPitch(_, formula) => PartFormula::RackPitch(formula.clone()),
+            Self::RackLead(_, formula) => PartFormula::RackLead(formula.clone()),
+            Self::PinionRadial(_) => PartFormula::PinionRadial,
+            Self::PinionPitch(_, formula) => PartFormula::PinionPitch(formula.clone()),
+        }
+    }
+
     /// The error's value.
     #[must_use]
     pub fn value(&self) -> ErrorValue {
@@ -56,6 +68,53 @@ impl PartError {
             Self::PinionRadial(error) => Ok(pinion_radial::delta_cd(error)),
             Self::PinionPitch(error, formula) => formula.delta_cd(error, model),
         }
+    }
+}
+
+/// The formula of one kind of error, prepared for a gear, without an error's value.
+#[derive(Debug, Clone)]
+pub enum PartFormula {
+    /// Over-roller error of the rack.
+    RackOverRoller,
+    /// Pitch error of the rack.
+    RackPitch(RackPitch),
+    /// Lead angle error of the rack.
+    RackLead(RackLead),
+    /// Radial error of the pinion.
+    PinionRadial,
+    /// Single pitch deviation of the pinion.
+    PinionPitch(PinionPitch),
+}
+
+impl PartFormula {
+    /// The kind of error.
+    #[must_use]
+    pub const fn kind(&self) -> ErrorKind {
+        match self {
+            Self::RackOverRoller => ErrorKind::RackOverRoller,
+            Self::RackPitch(_) => ErrorKind::RackPitch,
+            Self::RackLead(_) => ErrorKind::RackLead,
+            Self::PinionRadial => ErrorKind::PinionRadial,
+            Self::PinionPitch(_) => ErrorKind::PinionPitch,
+        }
+    }
+
+    /// An error of this kind; `None` if the value is an angle where a length is needed, or the other way
+    /// round.
+    #[must_use]
+    pub fn of(&self, value: &ErrorValue) -> Option<PartError> {
+        Some(match (self, value) {
+            (Self::RackOverRoller, ErrorValue::Length(error)) => PartError::RackOverRoller(error.clone()),
+            (Self::RackPitch(formula), ErrorValue::Length(error)) => {
+                PartError::RackPitch(error.clone(), formula.clone())
+            }
+            (Self::RackLead(formula), ErrorValue::Angle(error)) => PartError::RackLead(error.clone(), formula.clone()),
+            (Self::PinionRadial, ErrorValue::Length(error)) => PartError::PinionRadial(error.clone()),
+            (Self::PinionPitch(formula), ErrorValue::Length(error)) => {
+                PartError::PinionPitch(error.clone(), formula.clone())
+            }
+            _ => return None,
+        })
     }
 }
 

@@ -15,7 +15,7 @@
 
 use super::flank_step::FlankStep;
 use super::{Model, Sensitivity, domain};
-use crate::quantity::{Angle, DomainError, Length};
+use crate::quantity::{Angle, DomainError, Length, Rational};
 
 /// The formula for one pressure angle and helix angle; see the [module](self).
 #[derive(Debug, Clone)]
@@ -28,6 +28,11 @@ impl PinionPitch {
     /// [`DomainError`] if an angle is outside its domain.
     pub fn new(normal_pressure_angle: &Angle, pinion_helix_angle: &Angle) -> Result<Self, DomainError> {
         FlankStep::new(normal_pressure_angle, pinion_helix_angle, &domain::PINION_HELIX_ANGLE).map(Self)
+    }
+
+    /// mm of ΔCD per mm of error.
+    pub(super) fn gain(&self, model: Model) -> &Rational {
+        self.0.gain(model)
     }
 
     /// ΔCD of the single pitch deviation f_p; never negative.

@@ -69,7 +69,8 @@ impl RackLead {
         Ok(Angle::from_exact_degrees(angle, "the lead angle error")?)
     }
 
-    fn gain(&self, model: Model) -> &Rational {
+    /// mm of ΔCD per unit of |sin Δβ| (exact model) or |tan Δβ| (paper).
+    pub(super) fn gain(&self, model: Model) -> &Rational {
         match model {
             Model::Exact => &self.exact,
             Model::Paper => &self.paper,
