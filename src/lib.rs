@@ -13,6 +13,7 @@
 //! | [`trig`] | the only place that computes sines, the same bits everywhere |
 //! | [`deviation`] | what is wrong with a part |
 //! | [`formula`] | ΔCD of one error: the paper's formulas and the exact ones, inverses, sensitivities |
+//! | [`standard`] | accuracy grades: permissible deviations by standard and edition |
 //! | [`decision`] | errors combined, and judged against limits |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
 #![cfg_attr(feature = "cmm", doc = "| [`cmm`] | tables of measured values |")]
@@ -73,4 +74,5 @@ pub mod quantity;
 pub mod report;
 #[cfg(feature = "spec")]
 pub mod spec;
+pub mod standard;
 pub mod trig;

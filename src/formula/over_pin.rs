@@ -88,3 +88,31 @@ impl OverPin {
 pub(super) fn one_and_cosecant(alpha_degrees: &Rational) -> Rational {
     &Rational::ONE + &(&Rational::ONE / &precise::sin(alpha_degrees))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Measures over a pin in a rack manufacturer's table: α = 20°, the height H counted to the tips.
+    #[test]
+    fn printed_measures_of_racks() {
+        for (module, pin, height, printed) in [
+            (1.5, 3.0, 17.0, "18.149"),
+            (2.5, 5.0, 24.0, "25.915"),
+            (4.0, 8.0, 39.0, "42.064"),
+            // printed as 52.396, which is a misprint: it fits neither the formula nor its neighbours
+            (6.0, 12.0, 49.0, "53.596"),
+            (8.0, 16.0, 79.0, "85.128"),
+        ] {
+            let mm = |value| Length::from_mm(value).unwrap();
+            let over_pin = OverPin {
+                normal_module: mm(module),
+                normal_pressure_angle: "20".parse().unwrap(),
+                tooth_thickness: None,
+                pin_diameter: mm(pin),
+                datum: mm(height - module),
+            };
+            assert_eq!(format!("{:.3}", over_pin.measure().unwrap().mm()), printed, "m = {module}");
+        }
+    }
+}

@@ -6,7 +6,7 @@ use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::LazyLock;
 
-use dashu_base::{Abs, BitTest, Signed, SquareRoot, UnsignedAbs};
+use dashu_base::{Abs, BitTest, CubicRoot, Signed, SquareRoot, UnsignedAbs};
 use dashu_int::{IBig, UBig};
 use dashu_ratio::Relaxed;
 
@@ -203,6 +203,25 @@ impl Rational {
         Some(Self::from_parts(root.into(), denominator << shift))
     }
 
+    /// The cube root, to a relative error below 2⁻²⁵⁵. A root that is rational comes out exactly.
+    #[must_use]
+    pub fn cbrt(&self) -> Self {
+        let (numerator, denominator) = self.0.clone().into_parts();
+        let negative = numerator.is_negative();
+        // ∛(n/d) = ∛(n d² 8^shift) / (d 2^shift), with a radicand of at least 768 bits
+        let radicand = numerator.unsigned_abs() * &denominator * &denominator;
+        let shift = 256usize.saturating_sub(radicand.bit_len() / 3);
+        let root = (radicand << (3 * shift)).cbrt();
+        let root = Self::from_parts(root.into(), denominator << shift);
+        if negative { -&root } else { root }
+    }
+
+    /// The nearest multiple of `step`, half away from zero.
+    #[must_use]
+    pub(crate) fn round_to_multiple_of(&self, step: &Self) -> Self {
+        &Self(Relaxed::from((self / step).0.round())) * step
+    }
+
     /// The number rounded to `digits` significant decimal digits, half away from zero.
     #[must_use]
     pub fn round_significant(&self, digits: u16) -> Self {
@@ -343,6 +362,17 @@ mod tests {
         assert_eq!(read("4e-300").sqrt(), Some(read("2e-150")));
         assert_eq!(Rational::ZERO.sqrt(), Some(Rational::ZERO));
         assert_eq!(read("-1").sqrt(), None);
+    }
+
+    #[test]
+    fn cube_roots() {
+        assert_eq!(read("0.027").cbrt(), read("0.3"));
+        assert_eq!(read("-8").cbrt(), read("-2"));
+        assert_eq!(Rational::ZERO.cbrt(), Rational::ZERO);
+        let root = read("2").cbrt();
+        let error = &(&(&root * &root) * &root) - &read("2");
+        assert!(error.abs() < read("1e-75"));
+        assert_eq!(read("1e-300").cbrt(), read("1e-100"));
     }
 
     #[test]

@@ -1,0 +1,240 @@
+//! Formulas as data: a sum of terms in module, diameter and face width, or the root of the squares of two.
+//!
+//! The standards' files hold such sums; this file puts numbers into them. A sum is printed from the same data,
+//! so what is shown is what was computed.
+
+use super::permissible::{Permissible, RangeUse, Remark};
+use super::range::{Ranges, decimal};
+use super::{Deviation, Size, Standard, StandardError, Wheel, rounding};
+use crate::quantity::Rational;
+
+/// What a coefficient multiplies; sizes in mm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Of {
+    /// m_n
+    M,
+    /// √m_n
+    RootM,
+    /// d
+    D,
+    /// √d
+    RootD,
+    /// √b
+    RootB,
+    /// √((k − 1) m_n), k = max(2, ⌊z/8⌋)
+    RootSector,
+    /// 1
+    One,
+}
+
+/// A coefficient, as the standard prints it, and what it multiplies; µm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Term(pub(super) &'static str, pub(super) Of);
+
+/// The shape of a formula.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Shape {
+    /// A sum of terms.
+    Sum(&'static [Term]),
+    /// A part of another deviation's sum: `(factor, sum)`.
+    Part(&'static str, &'static [Term]),
+    /// The root of the sum of squares of two unrounded sums.
+    RootSumSquare(&'static [Term], &'static [Term]),
+}
+
+/// How a size enters a formula.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Reading {
+    /// As the geometric mean of its range; outside the ranges there is no value.
+    Mean(Ranges),
+    /// As the geometric mean of its range; outside the ranges as it is, which is recorded practice.
+    MeanOrActual(Ranges),
+    /// As it is, between two limits.
+    Actual(Ranges),
+}
+
+/// How module, diameter and face width enter a formula.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Readings {
+    pub(super) module: Reading,
+    pub(super) diameter: Reading,
+    pub(super) face_width: Reading,
+}
+
+/// The permissible value of one deviation at grade 5, µm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Formula {
+    pub(super) deviation: Deviation,
+    pub(super) clause: &'static str,
+    pub(super) shape: Shape,
+    pub(super) readings: &'static Readings,
+    pub(super) informative: bool,
+}
+
+/// The grade whose value the formulas give.
+const BASE_GRADE: i32 = 5;
+
+/// The permissible value of `deviation` by one of `formulas`.
+pub(super) fn permissible(
+    standard: Standard,
+    formulas: &'static [Formula],
+    deviation: Deviation,
+    grade: u8,
+    wheel: &Wheel,
+) -> Result<Permissible, StandardError> {
+    let formula = formulas
+        .iter()
+        .find(|formula| formula.deviation == deviation)
+        .ok_or(StandardError::NoSuchDeviation { standard, deviation })?;
+    let mut inputs = Inputs { standard, formula, wheel, ranges: Vec::new(), remarks: Vec::new() };
+    let steps = i32::from(grade) - BASE_GRADE;
+    let unrounded_um = match formula.shape {
+        Shape::Sum(terms) => grade_step(&inputs.sum(terms)?, steps),
+        Shape::Part(factor, terms) => grade_step(&(&decimal(factor) * &inputs.sum(terms)?), steps),
+        Shape::RootSumSquare(a, b) => {
+            let squares = &inputs.sum(a)?.square() + &inputs.sum(b)?.square();
+            // one root over both, so that a rational result is exact at odd steps too
+            root(&(&squares * &power_of_two(steps)))
+        }
+    };
+    let mut remarks = inputs.remarks;
+    if formula.informative {
+        remarks.push(Remark::Informative);
+    }
+    Ok(Permissible {
+        standard,
+        grade,
+        deviation,
+        clause: formula.clause,
+        formula: text(formula.shape),
+        ranges: inputs.ranges,
+        remarks,
+        value_um: rounding::iso(&unrounded_um),
+        unrounded_um,
+    })
+}
+
+/// The value of a grade `steps` coarser: each step is a factor of √2.
+fn grade_step(value: &Rational, steps: i32) -> Rational {
+    if steps % 2 == 0 { value * &power_of_two(steps / 2) } else { value * &root(&power_of_two(steps)) }
+}
+
+fn power_of_two(exponent: i32) -> Rational {
+    let two = Rational::integer(2);
+    let power = (0..exponent.unsigned_abs()).fold(Rational::ONE, |power, _| &power * &two);
+    if exponent < 0 { &Rational::ONE / &power } else { power }
+}
+
+/// The root of a number that is not negative.
+fn root(value: &Rational) -> Rational {
+    value.sqrt().unwrap_or(Rational::ZERO)
+}
+
+/// The numbers that go into one formula, and a record of them.
+struct Inputs<'a> {
+    standard: Standard,
+    formula: &'a Formula,
+    wheel: &'a Wheel,
+    ranges: Vec<RangeUse>,
+    remarks: Vec<Remark>,
+}
+
+impl Inputs<'_> {
+    fn sum(&mut self, terms: &[Term]) -> Result<Rational, StandardError> {
+        let mut sum = Rational::ZERO;
+        for Term(coefficient, of) in terms {
+            let number = match of {
+                Of::One => Rational::ONE,
+                Of::M => self.take(Size::NormalModule)?,
+                Of::RootM => root(&self.take(Size::NormalModule)?),
+                Of::D => self.take(Size::Diameter)?,
+                Of::RootD => root(&self.take(Size::Diameter)?),
+                Of::RootB => root(&self.take(Size::FaceWidth)?),
+                Of::RootSector => {
+                    let pitches = self.sector_pitches()?;
+                    root(&(&Rational::integer(pitches - 1) * &self.take(Size::NormalModule)?))
+                }
+            };
+            sum = &sum + &(&decimal(coefficient) * &number);
+        }
+        Ok(sum)
+    }
+
+    fn missing(&self, size: Size) -> StandardError {
+        StandardError::Missing { standard: self.standard, deviation: self.formula.deviation, size }
+    }
+
+    /// The number of pitches k in an eighth of the teeth, at least 2.
+    fn sector_pitches(&mut self) -> Result<i64, StandardError> {
+        let teeth = self.wheel.teeth.ok_or_else(|| self.missing(Size::Teeth))?;
+        let pitches = i64::from(teeth / 8).max(2);
+        let value = Rational::integer(i64::from(teeth));
+        self.record(RangeUse { size: Size::Teeth, value, range: None, taken: Rational::integer(pitches) });
+        Ok(pitches)
+    }
+
+    /// The number that stands for a size in the formula.
+    fn take(&mut self, size: Size) -> Result<Rational, StandardError> {
+        let value = self.wheel.size(size).ok_or_else(|| self.missing(size))?;
+        let reading = match size {
+            Size::NormalModule => self.formula.readings.module,
+            Size::Diameter => self.formula.readings.diameter,
+            _ => self.formula.readings.face_width,
+        };
+        let ranges = match reading {
+            Reading::Mean(ranges) | Reading::MeanOrActual(ranges) | Reading::Actual(ranges) => ranges,
+        };
+        let range = ranges.of(&value);
+        let (range, taken) = match (reading, range) {
+            (Reading::Mean(_) | Reading::MeanOrActual(_), Some(range)) => {
+                let mean = range.geometric_mean();
+                (Some(range), mean)
+            }
+            (Reading::Actual(_), Some(_)) => (None, value.clone()),
+            (Reading::MeanOrActual(_), None) if value > 0 => {
+                let remark = Remark::ActualSizeOutsideRanges(size);
+                if !self.remarks.contains(&remark) {
+                    self.remarks.push(remark);
+                }
+                (None, value.clone())
+            }
+            (_, None) => return Err(out_of_scope(self.standard, size, &value, ranges.bound())),
+        };
+        self.record(RangeUse { size, value, range, taken: taken.clone() });
+        Ok(taken)
+    }
+
+    fn record(&mut self, used: RangeUse) {
+        if !self.ranges.contains(&used) {
+            self.ranges.push(used);
+        }
+    }
+}
+
+pub(super) fn out_of_scope(standard: Standard, size: Size, value: &Rational, bound: String) -> StandardError {
+    StandardError::OutOfScope { standard, size, value: value.to_f64().to_string(), bound }
+}
+
+/// A formula in symbols: `0.3 m_n + 0.12 √d + 4`.
+fn text(shape: Shape) -> String {
+    let sum = |terms: &[Term]| {
+        let terms = terms.iter().map(|Term(coefficient, of)| {
+            let symbol = match of {
+                Of::M => "m_n",
+                Of::RootM => "√m_n",
+                Of::D => "d",
+                Of::RootD => "√d",
+                Of::RootB => "√b",
+                Of::RootSector => "√((k - 1) m_n)",
+                Of::One => return (*coefficient).to_owned(),
+            };
+            if *coefficient == "1" { symbol.to_owned() } else { format!("{coefficient} {symbol}") }
+        });
+        terms.collect::<Vec<_>>().join(" + ")
+    };
+    match shape {
+        Shape::Sum(terms) => sum(terms),
+        Shape::Part(factor, terms) => format!("{factor} ({})", sum(terms)),
+        Shape::RootSumSquare(a, b) => format!("√(({})² + ({})²)", sum(a), sum(b)),
+    }
+}

@@ -1,0 +1,71 @@
+//! JIS B 1702-1976, superseded in 1998 by the ISO system: single and total pitch of grades 0 to 8.
+//!
+//! Each grade is a line in the tolerance unit W = ∛d + 0.65 m_n. The coefficients come from a public table
+//! (Stock Drive Products, *Elements of Metric Gear Technology*, table 15-1); the standard's scope and rounding
+//! were not found, so neither is applied and every value says so.
+
+use super::permissible::{Permissible, RangeUse, Remark};
+use super::range::decimal;
+use super::{Deviation, Size, Standard, StandardError, Wheel};
+
+const STANDARD: Standard = Standard::JisB1702Of1976;
+
+pub(super) const DEVIATIONS: [Deviation; 2] = [Deviation::SinglePitch, Deviation::TotalPitch];
+
+/// f_pt = a W + c by grade, µm: (a, c).
+const SINGLE_PITCH: [(&str, &str); 9] = [
+    ("0.5", "1.4"),
+    ("0.71", "2"),
+    ("1", "2.8"),
+    ("1.4", "4"),
+    ("2", "5.6"),
+    ("2.8", "8"),
+    ("4", "11.2"),
+    ("8", "22.4"),
+    ("16", "45"),
+];
+
+/// F_p = a W + c by grade, µm: (a, c).
+const TOTAL_PITCH: [(&str, &str); 9] = [
+    ("2", "5.6"),
+    ("2.8", "8"),
+    ("4", "11.2"),
+    ("5.6", "16"),
+    ("8", "22.4"),
+    ("11.2", "31.5"),
+    ("16", "45"),
+    ("32", "90"),
+    ("64", "180"),
+];
+
+pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Result<Permissible, StandardError> {
+    let lines = match deviation {
+        Deviation::SinglePitch => &SINGLE_PITCH,
+        Deviation::TotalPitch => &TOTAL_PITCH,
+        _ => return Err(StandardError::NoSuchDeviation { standard: STANDARD, deviation }),
+    };
+    let (a, c) = lines.get(usize::from(grade)).ok_or(StandardError::Grade { standard: STANDARD, grade })?;
+    let mut ranges = Vec::new();
+    let mut take = |size: Size| {
+        let value = wheel.size(size).ok_or(StandardError::Missing { standard: STANDARD, deviation, size })?;
+        if value <= 0 {
+            return Err(super::formula::out_of_scope(STANDARD, size, &value, "sizes above 0".to_owned()));
+        }
+        ranges.push(RangeUse { size, value: value.clone(), range: None, taken: value.clone() });
+        Ok(value)
+    };
+    let (diameter, module) = (take(Size::Diameter)?, take(Size::NormalModule)?);
+    let unit = &diameter.cbrt() + &(&decimal("0.65") * &module);
+    let value = &(&decimal(a) * &unit) + &decimal(c);
+    Ok(Permissible {
+        standard: STANDARD,
+        grade,
+        deviation,
+        clause: "table of pitch errors",
+        formula: format!("{a} W + {c}, W = ∛d + 0.65 m_n"),
+        ranges,
+        remarks: vec![Remark::ScopeAndRoundingUnknown],
+        unrounded_um: value.clone(),
+        value_um: value,
+    })
+}

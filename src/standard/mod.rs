@@ -1,0 +1,293 @@
+//! Permissible deviations of toothed wheels: accuracy standards, one file per standard and edition.
+//!
+//! The spec calls this for an error that is given as a class, the command line for `class`, and the Monte
+//! Carlo of random parts for the width of their deviations. It takes the size of a wheel ([`Wheel`]) and gives
+//! a [`Permissible`] value with everything that it came from: standard, edition, grade, the ranges used, the
+//! value before and after rounding. It must not read a file, must not extrapolate, and must not choose a
+//! diameter: these standards grade toothed wheels and name no racks, so which diameter stands for a rack is
+//! its user's explicit choice.
+//!
+//! | standard | file | deviations | grades |
+//! |---|---|---|---|
+//! | ISO 1328-1:1995 | `iso_1328_1_1995.rs` | pitch, profile, helix | 0 … 12 |
+//! | ISO 1328-2:1997 | `iso_1328_2_1997.rs` | runout, radial composite | 4 … 12 |
+//! | ISO 1328-1:2013 | `iso_1328_1_2013.rs` | pitch, profile, helix, runout | 1 … 11 |
+//! | DIN 3962:1978 | `din_3962.rs` | pitch, helix; the cells that are confirmed | by cell |
+//! | JIS B 1702-1976 | `jis_b_1702_1976.rs` | pitch | 0 … 8 |
+//!
+//! # How a value is made
+//! A formula gives the value of grade 5 in µm from module, diameter and face width in mm; the 1995 and 1997
+//! editions put in the geometric mean of the range that each lies in (`over … up to and including`), the 2013
+//! edition the size itself. The value of grade Q is the *unrounded* one of grade 5 times 2^((Q−5)/2), and is
+//! rounded after that: above 10 µm to whole µm, from 5 to 10 µm to 0.5 µm, below 5 µm to 0.1 µm, halves up.
+//!
+//! # Exactness
+//! Sizes are rational, roots have 255 bits or are exact, and the power of two is exact for even steps of grade.
+//! Every term of these formulas is positive, so a sum that contains an irrational root is irrational, and
+//! a value that lies exactly between two roundings is one whose roots are all rational: it is met exactly.
+//! A size on the limit of a range belongs to the lower range in the same way.
+//!
+//! ```
+//! use rackmesh::standard::{Deviation, Standard, Wheel};
+//!
+//! let wheel = Wheel {
+//!     normal_module: Some("21".parse()?),
+//!     diameter: Some("378".parse()?),
+//!     face_width: Some("550".parse()?),
+//!     teeth: Some(18),
+//!     helix_angle: None,
+//! };
+//! let pitch = Standard::Iso1328Part1Of1995.permissible(Deviation::SinglePitch, 6, &wheel)?;
+//! assert_eq!(pitch.value_um().to_f64(), 18.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod deviation;
+mod din_3962;
+mod error;
+mod formula;
+mod iso_1328_1_1995;
+mod iso_1328_1_2013;
+mod iso_1328_2_1997;
+mod jis_b_1702_1976;
+mod permissible;
+mod range;
+mod rounding;
+#[cfg(test)]
+mod tests;
+
+pub use deviation::Deviation;
+pub use error::{StandardError, UnknownStandard};
+pub use permissible::{Permissible, RangeUse, Remark};
+pub use range::SizeRange;
+
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use crate::quantity::{Angle, Length, Rational};
+
+/// A standard and its edition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Standard {
+    /// ISO 1328-1:1995, the same as ANSI/AGMA ISO 1328-1.
+    Iso1328Part1Of1995,
+    /// ISO 1328-2:1997.
+    Iso1328Part2Of1997,
+    /// ISO 1328-1:2013, the same as DIN ISO 1328-1:2018.
+    Iso1328Part1Of2013,
+    /// DIN 3962-1 and DIN 3962-2, of 1978.
+    Din3962,
+    /// JIS B 1702-1976.
+    JisB1702Of1976,
+}
+
+impl Standard {
+    /// Every standard.
+    pub const ALL: [Self; 5] = [
+        Self::Iso1328Part1Of1995,
+        Self::Iso1328Part2Of1997,
+        Self::Iso1328Part1Of2013,
+        Self::Din3962,
+        Self::JisB1702Of1976,
+    ];
+
+    /// The name that specs, arguments and results call it by: `iso1328-1:1995`.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Iso1328Part1Of1995 => "iso1328-1:1995",
+            Self::Iso1328Part2Of1997 => "iso1328-2:1997",
+            Self::Iso1328Part1Of2013 => "iso1328-1:2013",
+            Self::Din3962 => "din3962:1978",
+            Self::JisB1702Of1976 => "jisb1702:1976",
+        }
+    }
+
+    /// The name that people read, with the edition: `ISO 1328-1:1995`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Iso1328Part1Of1995 => "ISO 1328-1:1995",
+            Self::Iso1328Part2Of1997 => "ISO 1328-2:1997",
+            Self::Iso1328Part1Of2013 => "ISO 1328-1:2013",
+            Self::Din3962 => "DIN 3962:1978",
+            Self::JisB1702Of1976 => "JIS B 1702-1976",
+        }
+    }
+
+    /// Its grades, from the finest. DIN 3962 has 1 to 12, of which few cells are confirmed.
+    #[must_use]
+    pub const fn grades(self) -> RangeInclusive<u8> {
+        match self {
+            Self::Iso1328Part1Of1995 => 0..=12,
+            Self::Iso1328Part2Of1997 => 4..=12,
+            Self::Iso1328Part1Of2013 => 1..=11,
+            Self::Din3962 => 1..=12,
+            Self::JisB1702Of1976 => 0..=8,
+        }
+    }
+
+    /// The other part of the same system, whose values are given beside this one's.
+    #[must_use]
+    pub const fn companion(self) -> Option<Self> {
+        match self {
+            Self::Iso1328Part1Of1995 => Some(Self::Iso1328Part2Of1997),
+            _ => None,
+        }
+    }
+
+    /// The deviations of which it gives permissible values here.
+    #[must_use]
+    pub fn deviations(self) -> Vec<Deviation> {
+        let formulas = match self {
+            Self::Iso1328Part1Of1995 => iso_1328_1_1995::FORMULAS,
+            Self::Iso1328Part2Of1997 => iso_1328_2_1997::FORMULAS,
+            Self::Iso1328Part1Of2013 => iso_1328_1_2013::FORMULAS,
+            Self::Din3962 => return din_3962::DEVIATIONS.to_vec(),
+            Self::JisB1702Of1976 => return jis_b_1702_1976::DEVIATIONS.to_vec(),
+        };
+        formulas.iter().map(|formula| formula.deviation).collect()
+    }
+
+    /// The symbol of a deviation: with the T of tolerance in the 2013 edition.
+    #[must_use]
+    pub const fn symbol(self, deviation: Deviation) -> &'static str {
+        match self {
+            Self::Iso1328Part1Of2013 => deviation.tolerance_symbol(),
+            _ => deviation.symbol(),
+        }
+    }
+
+    /// The permissible value of a deviation.
+    ///
+    /// # Errors
+    /// [`StandardError`] if the standard has no such grade or deviation, if a size that it needs is not given,
+    /// or if one lies outside the standard's scope.
+    pub fn permissible(self, deviation: Deviation, grade: u8, wheel: &Wheel) -> Result<Permissible, StandardError> {
+        if !self.grades().contains(&grade) {
+            return Err(StandardError::Grade { standard: self, grade });
+        }
+        match self {
+            Self::Iso1328Part1Of1995 => formula::permissible(self, iso_1328_1_1995::FORMULAS, deviation, grade, wheel),
+            Self::Iso1328Part2Of1997 => formula::permissible(self, iso_1328_2_1997::FORMULAS, deviation, grade, wheel),
+            Self::Iso1328Part1Of2013 => {
+                iso_1328_1_2013::check_scope(wheel)?;
+                formula::permissible(self, iso_1328_1_2013::FORMULAS, deviation, grade, wheel)
+            }
+            Self::Din3962 => din_3962::permissible(deviation, grade, wheel),
+            Self::JisB1702Of1976 => jis_b_1702_1976::permissible(deviation, grade, wheel),
+        }
+    }
+}
+
+impl fmt::Display for Standard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Reads a standard's name however it is written: `iso1328-1:1995`, `ISO 1328-1:1995`, `ANSI/AGMA ISO 1328-1`,
+/// `DIN ISO 1328-1:2018`, `JIS B 1702-1976`.
+impl FromStr for Standard {
+    type Err = UnknownStandard;
+
+    fn from_str(text: &str) -> Result<Self, UnknownStandard> {
+        let letters: String = text.chars().filter(char::is_ascii_alphanumeric).collect();
+        Ok(match letters.to_ascii_lowercase().as_str() {
+            "iso132811995" | "ansiagmaiso13281" | "agmaiso13281" | "ansiagmaiso13281a01" | "ansiagmaiso13281b14" => {
+                // the American edition of 2014 is that of 2013; the earlier one is that of 1995
+                if letters.to_ascii_lowercase().ends_with("b14") {
+                    Self::Iso1328Part1Of2013
+                } else {
+                    Self::Iso1328Part1Of1995
+                }
+            }
+            "iso132821997" | "ansiagmaiso13282" => Self::Iso1328Part2Of1997,
+            "iso132812013" | "diniso132812018" | "eniso132812013" => Self::Iso1328Part1Of2013,
+            "din3962" | "din39621978" | "din39621" | "din39622" | "din396211978" | "din396221978" => Self::Din3962,
+            "jisb17021976" | "jisb1702" => Self::JisB1702Of1976,
+            _ => return Err(UnknownStandard { text: text.to_owned() }),
+        })
+    }
+}
+
+/// The size of a toothed wheel, as far as it is known: what the tables are entered with.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Wheel {
+    /// Normal module m_n.
+    pub normal_module: Option<Length>,
+    /// Reference diameter d; for a rack, the diameter that its user chose.
+    pub diameter: Option<Length>,
+    /// Face width b.
+    pub face_width: Option<Length>,
+    /// Number of teeth z.
+    pub teeth: Option<u32>,
+    /// Helix angle β.
+    pub helix_angle: Option<Angle>,
+}
+
+/// A size that tables are entered with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Size {
+    /// m_n
+    NormalModule,
+    /// d
+    Diameter,
+    /// b
+    FaceWidth,
+    /// z
+    Teeth,
+    /// β
+    HelixAngle,
+}
+
+impl Size {
+    /// Its name: `face width b`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NormalModule => "normal module m_n",
+            Self::Diameter => "reference diameter d",
+            Self::FaceWidth => "face width b",
+            Self::Teeth => "number of teeth z",
+            Self::HelixAngle => "helix angle β",
+        }
+    }
+
+    /// Its unit as it stands behind a number.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Teeth => "",
+            Self::HelixAngle => "°",
+            _ => " mm",
+        }
+    }
+
+    /// The name that results call it by: `face_width`.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::NormalModule => "normal_module",
+            Self::Diameter => "diameter",
+            Self::FaceWidth => "face_width",
+            Self::Teeth => "teeth",
+            Self::HelixAngle => "helix_angle",
+        }
+    }
+}
+
+impl Wheel {
+    /// A size in mm, degrees or teeth.
+    #[must_use]
+    pub fn size(&self, size: Size) -> Option<Rational> {
+        match size {
+            Size::NormalModule => self.normal_module.as_ref().map(|length| length.exact_mm().clone()),
+            Size::Diameter => self.diameter.as_ref().map(|length| length.exact_mm().clone()),
+            Size::FaceWidth => self.face_width.as_ref().map(|length| length.exact_mm().clone()),
+            Size::Teeth => self.teeth.map(|teeth| Rational::integer(i64::from(teeth))),
+            Size::HelixAngle => self.helix_angle.as_ref().map(|angle| angle.exact_degrees().clone()),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! A permissible value with all that it came from.
+
+use std::fmt;
+
+use super::range::SizeRange;
+use super::{Deviation, Size, Standard};
+use crate::quantity::{Length, Rational};
+
+/// How a size entered a value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RangeUse {
+    /// The size.
+    pub size: Size,
+    /// Its value, in mm or teeth.
+    pub value: Rational,
+    /// The range that it lies in, where the standard has ranges.
+    pub range: Option<SizeRange>,
+    /// The number that the formula took: the range's geometric mean, or the value itself.
+    pub taken: Rational,
+}
+
+/// What the reader of a value should know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Remark {
+    /// The size lies outside the tabulated ranges, and practice takes the size itself.
+    ActualSizeOutsideRanges(Size),
+    /// The standard gives the value for information only.
+    Informative,
+    /// The standard's scope and rounding are not known here.
+    ScopeAndRoundingUnknown,
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ActualSizeOutsideRanges(size) => write!(
+                f,
+                "the {} lies outside the tabulated ranges; its actual value is used, as gear programs do in practice",
+                size.name()
+            ),
+            Self::Informative => f.write_str("for information only in the standard"),
+            Self::ScopeAndRoundingUnknown => {
+                f.write_str("the standard's scope and rounding are not known here: none is checked, none is applied")
+            }
+        }
+    }
+}
+
+/// A permissible value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Permissible {
+    /// The standard and edition.
+    pub standard: Standard,
+    /// The grade.
+    pub grade: u8,
+    /// The deviation.
+    pub deviation: Deviation,
+    /// Where the formula or table stands in the standard.
+    pub clause: &'static str,
+    /// The formula of grade 5 in symbols, or the table.
+    pub formula: String,
+    /// The sizes that it was entered with.
+    pub ranges: Vec<RangeUse>,
+    /// What the reader should know.
+    pub remarks: Vec<Remark>,
+    pub(super) unrounded_um: Rational,
+    pub(super) value_um: Rational,
+}
+
+impl Permissible {
+    /// The symbol, as the edition writes it.
+    #[must_use]
+    pub const fn symbol(&self) -> &'static str {
+        self.standard.symbol(self.deviation)
+    }
+
+    /// The permissible value, rounded as the standard rounds, µm.
+    #[must_use]
+    pub const fn value_um(&self) -> &Rational {
+        &self.value_um
+    }
+
+    /// The value before rounding, µm.
+    #[must_use]
+    pub const fn unrounded_um(&self) -> &Rational {
+        &self.unrounded_um
+    }
+
+    /// The permissible value as a length.
+    #[must_use]
+    pub fn length(&self) -> Length {
+        // values of a table or formula are far inside the range of lengths
+        Length::from_exact_mm(&self.value_um * &Rational::fraction(1, 1000), "the permissible value")
+            .unwrap_or(Length::ZERO)
+    }
+}

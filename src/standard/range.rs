@@ -1,0 +1,77 @@
+//! Ranges of sizes: over one limit, up to and including the next.
+
+use crate::quantity::Rational;
+
+/// A range of a table, over `over` and up to and including `up_to`; the first range of a table includes both.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SizeRange {
+    /// The lower limit.
+    pub over: Rational,
+    /// The upper limit.
+    pub up_to: Rational,
+}
+
+impl SizeRange {
+    /// The geometric mean of the limits, which the formulas of the 1995 and 1997 editions take for the size.
+    #[must_use]
+    pub fn geometric_mean(&self) -> Rational {
+        (&self.over * &self.up_to).sqrt().unwrap_or(Rational::ZERO)
+    }
+}
+
+/// The limits of a table's ranges, ascending.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ranges(pub(super) &'static [&'static str]);
+
+impl Ranges {
+    /// The range in which a size lies; `None` outside the table.
+    pub(super) fn of(self, size: &Rational) -> Option<SizeRange> {
+        let limits: Vec<Rational> = self.0.iter().map(|limit| decimal(limit)).collect();
+        let first = limits.first()?;
+        if size < first {
+            return None;
+        }
+        let index = limits.iter().skip(1).position(|limit| size <= limit)?;
+        Some(SizeRange { over: limits[index].clone(), up_to: limits[index + 1].clone() })
+    }
+
+    /// The table's ends in words: `5 to 10000`.
+    pub(super) fn bound(self) -> String {
+        match (self.0.first(), self.0.last()) {
+            (Some(first), Some(last)) => format!("{first} to {last}"),
+            _ => String::new(),
+        }
+    }
+}
+
+/// A decimal number of the source text.
+///
+/// # Panics
+/// If it is none: such numbers are written in the source code, never read, and the tests use all of them.
+pub(super) fn decimal(text: &str) -> Rational {
+    Rational::parse_decimal(text).unwrap_or_else(|_| panic!("{text} is a decimal number of a standard's table"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_on_a_limit_belongs_to_the_lower_range() {
+        let ranges = Ranges(&["5", "20", "50"]);
+        let up_to = |size: &str| ranges.of(&decimal(size)).map(|range| range.up_to.to_f64());
+        assert_eq!(up_to("5"), Some(20.0));
+        assert_eq!(up_to("20"), Some(20.0));
+        assert_eq!(up_to("20.00000000000000000000001"), Some(50.0));
+        assert_eq!(up_to("50"), Some(50.0));
+        assert_eq!(up_to("4.99999999999999999999999"), None);
+        assert_eq!(up_to("50.0000000000000000000001"), None);
+        assert_eq!(ranges.bound(), "5 to 50");
+    }
+
+    #[test]
+    fn means_are_geometric() {
+        let range = SizeRange { over: decimal("5"), up_to: decimal("20") };
+        assert_eq!(range.geometric_mean(), decimal("10"));
+    }
+}
