@@ -14,6 +14,7 @@
 //! | [`deviation`] | what is wrong with a part |
 //! | [`formula`] | ΔCD of one error: the paper's formulas and the exact ones, inverses, sensitivities |
 //! | [`standard`] | accuracy grades: permissible deviations by standard and edition |
+//! | [`multibody`] | elastic contact simulated: equilibrium along the stroke, motion in time |
 //! | [`decision`] | errors combined, and judged against limits |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
 #![cfg_attr(feature = "cmm", doc = "| [`cmm`] | tables of measured values |")]
@@ -69,6 +70,7 @@ pub mod diagnostic;
 pub mod formula;
 pub mod gear;
 pub mod mesh;
+pub mod multibody;
 pub mod quantity;
 #[cfg(feature = "report")]
 pub mod report;

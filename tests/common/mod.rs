@@ -2,4 +2,5 @@
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::pedantic)]
 
 pub mod brute;
+pub mod paper;
 pub mod random;

@@ -1,0 +1,197 @@
+//! Why a simulation cannot be set up or cannot go on. Raised by the scene and the runs; holds data, words only in
+//! `Display`, and always names what to change.
+
+use std::fmt;
+
+use crate::mesh::MeshError;
+
+/// A number of [`Parameters`](super::Parameters).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // each is the parameter of the same name
+pub enum ParameterName {
+    Start,
+    Stroke,
+    Speed,
+    Ramp,
+    Preload,
+    Stiffness,
+    StiffnessExponent,
+    Damping,
+    DampingExponent,
+    IndentationExponent,
+    Friction,
+    FrictionSpeed,
+    ProfileNodes,
+    WidthNodes,
+    SphereRadius,
+    PatchCells,
+    Strips,
+    Spacing,
+    Tolerance,
+    MaxSteps,
+    PinionMass,
+    PinionInertia,
+    RackMass,
+    RackInertia,
+    RollAxisDepth,
+    YokePreload,
+    YokeRate,
+    YokeClearance,
+    YokeStop,
+    BushStiffness,
+}
+
+impl ParameterName {
+    /// The name that people read.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start stroke",
+            Self::Stroke => "stroke",
+            Self::Speed => "speed",
+            Self::Ramp => "start ramp",
+            Self::Preload => "preload",
+            Self::Stiffness => "contact stiffness",
+            Self::StiffnessExponent => "stiffness exponent",
+            Self::Damping => "contact damping",
+            Self::DampingExponent => "damping exponent",
+            Self::IndentationExponent => "indentation exponent",
+            Self::Friction => "friction coefficient",
+            Self::FrictionSpeed => "friction regularisation speed",
+            Self::ProfileNodes => "spheres over the profile",
+            Self::WidthNodes => "spheres over the width",
+            Self::SphereRadius => "sphere radius",
+            Self::PatchCells => "cells of a rack flank",
+            Self::Strips => "strips over the width",
+            Self::Spacing => "sample spacing",
+            Self::Tolerance => "tolerance",
+            Self::MaxSteps => "step limit",
+            Self::PinionMass => "pinion mass",
+            Self::PinionInertia => "pinion inertia",
+            Self::RackMass => "rack mass",
+            Self::RackInertia => "rack inertia",
+            Self::RollAxisDepth => "roll axis depth",
+            Self::YokePreload => "yoke preload",
+            Self::YokeRate => "yoke rate",
+            Self::YokeClearance => "yoke clearance",
+            Self::YokeStop => "yoke stop stiffness",
+            Self::BushStiffness => "bush stiffness",
+        }
+    }
+
+    /// The unit its values are in, empty for numbers.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Start
+            | Self::Stroke
+            | Self::Ramp
+            | Self::SphereRadius
+            | Self::Tolerance
+            | Self::Spacing
+            | Self::RollAxisDepth
+            | Self::YokeClearance => "mm",
+            Self::Speed | Self::FrictionSpeed => "mm/s",
+            Self::Preload | Self::YokePreload => "N",
+            Self::Stiffness => "N/mm^a",
+            Self::Damping => "N/((mm/s)^b mm^e)",
+            Self::PinionMass | Self::RackMass => "kg",
+            Self::PinionInertia | Self::RackInertia => "kg mm²",
+            Self::YokeRate | Self::YokeStop | Self::BushStiffness => "N/mm",
+            _ => "",
+        }
+    }
+}
+
+impl fmt::Display for ParameterName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Why there is no simulation, or why it stopped.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// A parameter outside its domain (NaN and infinities always are).
+    #[error("{name} = {value} {unit} is outside {min} .. {max}", unit = .name.unit())]
+    OutOfDomain {
+        /// Which one.
+        name: ParameterName,
+        /// Its value.
+        value: f64,
+        /// Smallest allowed value.
+        min: f64,
+        /// Largest allowed value.
+        max: f64,
+    },
+    /// The rigid mesh, from which every run starts, has no solution.
+    #[error("no start position: {0}")]
+    Mesh(#[from] MeshError),
+    /// Newton's method found no equilibrium at a stroke.
+    #[error(
+        "stroke {stroke_mm} mm: no equilibrium within {iterations} iterations, {residual_n} N are left; \
+         lower the contact stiffness or refine the discretisation"
+    )]
+    NoEquilibrium {
+        /// The stroke.
+        stroke_mm: f64,
+        /// Iterations made.
+        iterations: u32,
+        /// Unbalanced force, N.
+        residual_n: f64,
+    },
+    /// The flanks have gone into each other further than a contact law can mean.
+    #[error(
+        "stroke {stroke_mm} mm: penetration {penetration_mm} mm exceeds {limit_mm} mm; \
+         raise the contact stiffness or lower the preload"
+    )]
+    TooDeep {
+        /// The stroke.
+        stroke_mm: f64,
+        /// The penetration.
+        penetration_mm: f64,
+        /// The largest one allowed: a tenth of the normal module.
+        limit_mm: f64,
+    },
+    /// The step that the tolerance asks for cannot be made.
+    #[error(
+        "time {time_s} s (stroke {stroke_mm} mm): the step fell below {step_s} s; \
+         loosen the tolerance, raise the damping or lower the stiffness"
+    )]
+    StepTooSmall {
+        /// The time.
+        time_s: f64,
+        /// The stroke.
+        stroke_mm: f64,
+        /// The step.
+        step_s: f64,
+    },
+    /// The run took more steps than it may.
+    #[error("time {time_s} s (stroke {stroke_mm} mm): {steps} steps are spent; raise the step limit or the tolerance")]
+    TooManySteps {
+        /// The time.
+        time_s: f64,
+        /// The stroke.
+        stroke_mm: f64,
+        /// Steps made.
+        steps: u64,
+    },
+    /// The explicit scheme would need more steps than it may take.
+    #[error(
+        "the explicit scheme needs steps of {step_s} s here, {steps} in all; \
+         lower the contact stiffness, raise the masses or use the implicit scheme"
+    )]
+    TooStiffForExplicit {
+        /// The largest stable step.
+        step_s: f64,
+        /// How many of them.
+        steps: f64,
+    },
+    /// The pinion has left its tooth space.
+    #[error("stroke {stroke_mm} mm: the pinion jumped a tooth; raise the preload or lower the speed")]
+    Jumped {
+        /// The stroke.
+        stroke_mm: f64,
+    },
+}

@@ -1,0 +1,202 @@
+//! What a run says. Filled by the runs, read by everyone.
+
+use std::ops::ControlFlow;
+
+use super::SimulationError;
+
+/// Told of every sample as it is made; `Break` ends the run there, with everything made so far.
+pub type Watch<'a> = dyn FnMut(&Sample) -> ControlFlow<()> + 'a;
+
+/// One position of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Time since the start, s; of a quasi-static run the time at constant speed.
+    pub time_s: f64,
+    /// Stroke s, mm.
+    pub stroke_mm: f64,
+    /// ΔCD = a − a_0, mm; the contact's elastic indentation included.
+    pub delta_cd_mm: f64,
+    /// Centre distance a, mm. With a yoke, how far it has moved back beyond a_0 is `delta_cd_mm`.
+    pub center_distance_mm: f64,
+    /// Pinion rotation since s = 0, rad.
+    pub pinion_angle_rad: f64,
+    /// Roll of the rack, rad.
+    pub roll_rad: f64,
+    /// Sum of the normal forces on right rack flanks, N.
+    pub normal_force_right_n: f64,
+    /// Sum of the normal forces on left rack flanks, N.
+    pub normal_force_left_n: f64,
+    /// The yoke, where there is one.
+    pub yoke: Option<YokeSample>,
+    /// Elements that touch.
+    pub contacts: u32,
+    /// Largest penetration, mm.
+    pub penetration_mm: f64,
+    /// How much further apart the parts would be if they were rigid, mm: the smallest rise of the centre distance at
+    /// which, to first order and with the best rotation, no element penetrates. So ΔCD + indentation compares with
+    /// the exact mesh.
+    pub indentation_mm: f64,
+    /// Lowest and highest rack tooth that touches.
+    pub teeth: Option<(i64, i64)>,
+}
+
+/// What the yoke does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct YokeSample {
+    /// How far the rack has moved back from where it is at a_0, mm: ΔCD.
+    pub travel_mm: f64,
+    /// Force of the yoke on the rack: its spring, and its stop beyond the clearance, N.
+    pub force_n: f64,
+    /// Force of the bush, N.
+    pub bush_force_n: f64,
+}
+
+/// The mean of a part of the rack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steady {
+    /// Mean ΔCD, mm.
+    pub delta_cd_mm: f64,
+    /// Root mean square of what is left after the mean, mm.
+    pub ripple_mm: f64,
+    /// Mean of the elastic indentation, mm.
+    pub indentation_mm: f64,
+    /// Where the mean is taken from, mm.
+    pub from_mm: f64,
+    /// Where it ends, mm.
+    pub to_mm: f64,
+    /// How many whole pitches that is; 0 if the part is shorter than one, and the mean then is of all of it.
+    pub pitches: u32,
+}
+
+/// Where energy went during a dynamic run, N mm.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Kinetic, elastic and closing force's energy at the end less at the start.
+    pub stored: f64,
+    /// Work that the rack's drive put in.
+    pub driven: f64,
+    /// Lost to damping and friction in the contact.
+    pub dissipated: f64,
+    /// Passed through the contact: the work of each side's normal forces along the rack, without sign.
+    pub exchanged: f64,
+    /// stored − driven + dissipated: what the time steps made up or lost.
+    pub drift: f64,
+}
+
+/// How much work a run was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Coordinates solved for: 2, or 3 with roll.
+    pub coordinates: u32,
+    /// Evaluations of all contacts.
+    pub evaluations: u64,
+    /// Spheres (or strips) whose gap was computed.
+    pub spheres_tested: u64,
+    /// Friction forces computed.
+    pub friction_evaluations: u64,
+    /// Newton iterations.
+    pub iterations: u64,
+    /// Steps in time accepted; 0 in a quasi-static run.
+    pub steps: u64,
+    /// Steps in time rejected.
+    pub rejected: u64,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RunEnd {
+    /// The whole stroke is there.
+    Completed,
+    /// It was told to stop; what is there is right.
+    Interrupted,
+    /// It could not go on; what is there is right.
+    Failed(SimulationError),
+}
+
+/// What a run found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Positions in the order of the stroke.
+    pub samples: Vec<Sample>,
+    /// The part of the rack with nominal teeth only in contact.
+    pub nominal: Option<Steady>,
+    /// The part with deviating teeth only in contact.
+    pub deviating: Option<Steady>,
+    /// Energy; `None` without dynamics.
+    pub energy: Option<Energy>,
+    /// Work done.
+    pub counters: Counters,
+    /// How it ended.
+    pub end: RunEnd,
+}
+
+impl Outcome {
+    /// ΔCD of the deviating teeth less that of the nominal ones, mm.
+    #[must_use]
+    pub fn difference_mm(&self) -> Option<f64> {
+        Some(self.deviating?.delta_cd_mm - self.nominal?.delta_cd_mm)
+    }
+
+    /// The same with the elastic indentation removed from both, mm: what compares with the exact mesh.
+    #[must_use]
+    pub fn rigid_difference_mm(&self) -> Option<f64> {
+        let rigid = |part: Steady| part.delta_cd_mm + part.indentation_mm;
+        Some(rigid(self.deviating?) - rigid(self.nominal?))
+    }
+
+    /// Whether the whole stroke is there.
+    #[must_use]
+    pub fn completed(&self) -> bool {
+        self.end == RunEnd::Completed
+    }
+}
+
+/// Means over the longest run of samples that `belongs` accepts, over whole pitches at its end.
+pub(super) fn steady(samples: &[Sample], pitch: f64, belongs: impl Fn(&Sample) -> bool) -> Option<Steady> {
+    let (mut best, mut from) = (0..0, 0);
+    for to in 0..=samples.len() {
+        if to < samples.len() && belongs(&samples[to]) {
+            continue;
+        }
+        let length = |range: &std::ops::Range<usize>| {
+            if range.len() < 2 { 0.0 } else { samples[range.end - 1].stroke_mm - samples[range.start].stroke_mm }
+        };
+        if length(&(from..to)) > length(&best) {
+            best = from..to;
+        }
+        from = to + 1;
+    }
+    let part = &samples[best];
+    let (first, last) = (part.first()?.stroke_mm, part.last()?.stroke_mm);
+    let pitches = ((last - first) / pitch * (1.0 + 1e-12)).floor();
+    let from_mm = if pitches >= 1.0 { (last - pitches * pitch).max(first) } else { first };
+    let mean = trapezoids(part, from_mm, |sample| sample.delta_cd_mm);
+    let square = trapezoids(part, from_mm, |sample| (sample.delta_cd_mm - mean) * (sample.delta_cd_mm - mean));
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a small whole number
+    let pitches = pitches.clamp(0.0, 1e9) as u32;
+    Some(Steady {
+        delta_cd_mm: mean,
+        ripple_mm: square.sqrt(),
+        indentation_mm: trapezoids(part, from_mm, |sample| sample.indentation_mm),
+        from_mm,
+        to_mm: last,
+        pitches,
+    })
+}
+
+/// The mean of something over the stroke from `from_mm` to the last sample.
+fn trapezoids(part: &[Sample], from_mm: f64, of: impl Fn(&Sample) -> f64) -> f64 {
+    let (mut sum, mut width) = (0.0, 0.0);
+    for pair in part.windows(2) {
+        let (a, b) = (pair[0].stroke_mm, pair[1].stroke_mm);
+        if b <= from_mm {
+            continue;
+        }
+        let left = a.max(from_mm);
+        let (start, end) = (of(&pair[0]), of(&pair[1]));
+        let at_left = start + (left - a) / (b - a) * (end - start);
+        sum += 0.5 * (at_left + end) * (b - left);
+        width += b - left;
+    }
+    if width > 0.0 { sum / width } else { part.last().map_or(0.0, of) }
+}

@@ -1,0 +1,212 @@
+//! The equilibrium at each stroke, without inertia and damping. Called through [`Scene::quasi_static`]; also finds the
+//! position from which a dynamic run starts.
+
+use std::ops::ControlFlow;
+
+use super::law::Law;
+use super::load::Work;
+use super::newton::{Balance, Limits, Solution, newton};
+use super::outcome::{Counters, Outcome, RunEnd, Sample, Watch, steady};
+use super::state::{Coordinates, Forces};
+use super::{Scene, SimulationError};
+
+/// Unbalanced force over the closing force: 1e-9 of it moves a contact by far less than a picometre.
+const BALANCE: f64 = 1e-9;
+/// Iterations per stroke; a warm start needs three.
+const ITERATIONS: u32 = 200;
+
+impl Scene {
+    /// The equilibrium at each sample's stroke. Friction acts as it does at the nominal sliding velocities.
+    #[must_use]
+    pub fn quasi_static(&self, watch: &mut Watch<'_>) -> Outcome {
+        let mut work = Work::default();
+        let law = self.law.without_damping();
+        let p = &self.parameters;
+        let (mut known, mut before): (Option<[f64; 3]>, Option<[f64; 3]>) = (None, None);
+        let last = self.intervals();
+        let mut samples = Vec::with_capacity(last as usize + 1);
+        let mut end = RunEnd::Completed;
+        for index in 0..=last {
+            let stroke = self.sample_stroke(index);
+            let nominal = stroke * self.mesh.pair().rotation_per_stroke_rad();
+            let guess = known.map(|known| {
+                let before = before.unwrap_or(known);
+                let guess: [f64; 3] = std::array::from_fn(|i| 2.0 * known[i] - before[i]);
+                [guess[0] + nominal, guess[1], guess[2]]
+            });
+            match self.equilibrium(stroke, guess, &law, &mut work) {
+                Ok((free, forces)) => {
+                    before = known;
+                    known = Some([free[0] - nominal, free[1], free[2]]);
+                    let at = Coordinates::from_free(free, stroke);
+                    let sample = self.sample((stroke - p.start_mm) / p.speed_mm_per_s, &at, &forces, &work);
+                    samples.push(sample);
+                    if watch(&sample) == ControlFlow::Break(()) && index < last {
+                        end = RunEnd::Interrupted;
+                        break;
+                    }
+                }
+                Err(error) => {
+                    end = RunEnd::Failed(error);
+                    break;
+                }
+            }
+        }
+        self.outcome(samples, None, work.counters, end)
+    }
+
+    /// Number of samples less 1.
+    pub(super) fn intervals(&self) -> u32 {
+        let p = &self.parameters;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked to be below 1e7
+        let intervals = (p.stroke_mm / p.spacing_mm * (1.0 - 1e-12)).ceil().clamp(1.0, 1e9) as u32;
+        intervals
+    }
+
+    pub(super) fn sample_stroke(&self, index: u32) -> f64 {
+        let p = &self.parameters;
+        let intervals = f64::from(self.intervals());
+        // whole numbers of decimal spacings come out rounded once
+        let travel = if (intervals * p.spacing_mm / p.stroke_mm - 1.0).abs() < 1e-9 {
+            p.stroke_mm * f64::from(index) / intervals
+        } else {
+            (p.spacing_mm * f64::from(index)).min(p.stroke_mm)
+        };
+        p.start_mm + travel
+    }
+
+    pub(super) fn coordinates(&self) -> u32 {
+        if self.rolls { 3 } else { 2 }
+    }
+
+    pub(super) fn limits(&self, force: f64) -> Limits {
+        let pair = self.mesh.pair();
+        Limits {
+            unknowns: self.coordinates() as usize,
+            scale: [pair.pinion().base_radius_mm, 1.0, 0.5 * pair.rack().face_width_mm],
+            force,
+            step: 0.01 * pair.normal_module_mm(),
+            iterations: ITERATIONS,
+        }
+    }
+
+    /// The equilibrium at a stroke, from a guess or from the rigid mesh.
+    pub(super) fn equilibrium(
+        &self,
+        stroke: f64,
+        guess: Option<[f64; 3]>,
+        law: &Law,
+        work: &mut Work,
+    ) -> Result<([f64; 3], Forces), SimulationError> {
+        let start = match guess {
+            Some(guess) => guess,
+            None => self.rigid(stroke)?,
+        };
+        let first = self.settle(stroke, start, law, work);
+        let found = if first.converged || guess.is_none() {
+            first
+        } else {
+            self.settle(stroke, self.rigid(stroke)?, law, work)
+        };
+        self.check(stroke, &found.x, &found.with)?;
+        if !found.converged {
+            return Err(SimulationError::NoEquilibrium {
+                stroke_mm: stroke,
+                iterations: found.iterations,
+                residual_n: found.residual,
+            });
+        }
+        Ok((found.x, found.with))
+    }
+
+    fn rigid(&self, stroke: f64) -> Result<[f64; 3], SimulationError> {
+        let rigid = self.mesh.at(stroke)?;
+        Ok([rigid.pinion_angle_rad, rigid.center_distance_mm, 0.0])
+    }
+
+    fn settle(&self, stroke: f64, start: [f64; 3], law: &Law, work: &mut Work) -> Solution<Forces> {
+        let speed = self.parameters.speed_mm_per_s;
+        let rates = Coordinates {
+            pinion_angle: speed * self.mesh.pair().rotation_per_stroke_rad(),
+            stroke: speed,
+            ..Coordinates::default()
+        };
+        let solution = newton(start, &self.limits(BALANCE * self.load_n()), |x| {
+            let forces = self.contact(law, &Coordinates::from_free(*x, stroke), &rates, work);
+            let (closing, rate) = self.closing(x[1]);
+            let [angle, height, roll, _] = forces.generalized;
+            let mut tangent = forces.stiffness;
+            tangent[1][1] += rate;
+            Balance { residual: [angle, height - closing, roll], tangent, with: forces }
+        });
+        work.counters.iterations += u64::from(solution.iterations);
+        solution
+    }
+
+    /// Whether a position still means something.
+    pub(super) fn check(&self, stroke: f64, x: &[f64; 3], forces: &Forces) -> Result<(), SimulationError> {
+        if forces.penetration > self.deepest() {
+            let (penetration_mm, limit_mm) = (forces.penetration, self.deepest());
+            return Err(SimulationError::TooDeep { stroke_mm: stroke, penetration_mm, limit_mm });
+        }
+        let nominal = stroke * self.mesh.pair().rotation_per_stroke_rad();
+        let off = (x[0] - nominal) / self.shared.angular_pitch;
+        let teeth = &self.deviating;
+        // a pitch error that adds up moves the pinion on for good
+        if !teeth.contains(&true) && off.abs() > 0.75 || !off.is_finite() {
+            return Err(SimulationError::Jumped { stroke_mm: stroke });
+        }
+        Ok(())
+    }
+
+    pub(super) fn sample(&self, time_s: f64, at: &Coordinates, forces: &Forces, work: &Work) -> Sample {
+        Sample {
+            time_s,
+            stroke_mm: at.stroke,
+            delta_cd_mm: at.center_distance - self.mesh.pair().nominal_center_distance_mm(),
+            center_distance_mm: at.center_distance,
+            pinion_angle_rad: at.pinion_angle,
+            roll_rad: at.roll,
+            normal_force_right_n: forces.normal_right,
+            normal_force_left_n: forces.normal_left,
+            yoke: self.yoke(at.center_distance),
+            contacts: forces.contacts,
+            penetration_mm: forces.penetration,
+            indentation_mm: work.touching.indentation(),
+            teeth: forces.teeth,
+        }
+    }
+
+    pub(super) fn outcome(
+        &self,
+        samples: Vec<Sample>,
+        energy: Option<super::Energy>,
+        counters: Counters,
+        end: RunEnd,
+    ) -> Outcome {
+        let after = if energy.is_some() { self.parameters.start_mm + 2.0 * self.parameters.ramp_mm } else { f64::MIN };
+        // how far from the middle any tooth touches
+        let pitch = self.shared.pitch;
+        #[allow(clippy::cast_precision_loss)] // tooth numbers of a stroke
+        let place = |tooth: i64, sample: &Sample| (tooth as f64 * pitch - sample.stroke_mm).abs();
+        let reach = samples
+            .iter()
+            .filter_map(|sample| sample.teeth.map(|(low, high)| place(low, sample).max(place(high, sample))))
+            .fold(0.0, f64::max);
+        let all = |deviating: bool| {
+            move |sample: &Sample| {
+                #[allow(clippy::cast_possible_truncation)] // tooth numbers of a stroke
+                let (low, high) = (
+                    ((sample.stroke_mm - reach) / pitch).ceil() as i64,
+                    ((sample.stroke_mm + reach) / pitch).floor() as i64,
+                );
+                sample.stroke_mm >= after && (low..=high).all(|tooth| self.is_deviating(tooth) == deviating)
+            }
+        };
+        let nominal = steady(&samples, pitch, all(false));
+        let deviating = steady(&samples, pitch, all(true));
+        let mut counters = counters;
+        counters.coordinates = self.coordinates();
+        Outcome { samples, nominal, deviating, energy, counters, end }
+    }
+}

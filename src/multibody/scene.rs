@@ -1,0 +1,327 @@
+//! The bodies, their contact and what presses them together, made from a pair, its deviations and parameters. Built by the
+//! caller; the runs ask it for forces.
+
+use super::ParameterName;
+use super::error::SimulationError;
+use super::flank::{Bounds, FlankPair, Patch, Pose, Shared};
+use super::law::Law;
+use super::load::{Load, Work};
+use super::outcome::YokeSample;
+use super::parameters::{ContactModel, Parameters, Support};
+use super::spheres::{self, Reach};
+use super::state::{Coordinates, Forces};
+use super::strips;
+use super::template::Template;
+use crate::deviation::{PinionFlanks, RackFlanks, RackTooth};
+use crate::gear::Pair;
+use crate::mesh::{self, Mesh};
+use crate::trig;
+
+/// Density of steel, kg/mm³.
+const STEEL: f64 = 7.85e-6;
+
+/// A checked simulation, ready to run any number of times.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    pub(super) mesh: Mesh,
+    pub(super) parameters: Parameters,
+    pub(super) law: Law,
+    pub(super) templates: Vec<Template>,
+    pub(super) right: Vec<FlankPair>,
+    pub(super) left: Vec<FlankPair>,
+    /// Rack tooth of the first right flank.
+    pub(super) first_tooth: i64,
+    pub(super) deviating: Vec<bool>,
+    pub(super) shared: Shared,
+    pub(super) depth: f64,
+    pub(super) rolls: bool,
+    /// Inertias of ψ, a, φ in N s²/mm and N mm s².
+    pub(super) inertia: [f64; 3],
+}
+
+impl Scene {
+    /// Checks the parameters and prepares every flank of the stroke.
+    ///
+    /// # Errors
+    /// [`SimulationError::OutOfDomain`] for a parameter outside its domain, [`SimulationError::Mesh`] for flanks that
+    /// cannot mesh.
+    pub fn new(
+        pair: Pair,
+        rack: RackFlanks,
+        pinion: PinionFlanks,
+        parameters: Parameters,
+    ) -> Result<Self, SimulationError> {
+        parameters.check()?;
+        let (sin_shaft, cos_shaft) = trig::sin_cos(pair.shaft_angle_rad());
+        let shared = Shared {
+            pitch: pair.rack().pitch_mm,
+            angular_pitch: pair.pinion().angular_pitch_rad(),
+            sin_shaft,
+            cos_shaft,
+        };
+        let depth = match parameters.support {
+            Support::FreeRoll { axis_depth_mm } => axis_depth_mm,
+            _ => 0.0,
+        };
+        let around = i64::from(pair.pinion().teeth) / 2 + 3;
+        let end = parameters.start_mm + parameters.stroke_mm;
+        if (parameters.stroke_mm / shared.pitch) > 1e5 || (end.abs() / shared.pitch) > 1e9 {
+            let (value, max) = (parameters.stroke_mm, 1e5 * shared.pitch);
+            return Err(SimulationError::OutOfDomain { name: ParameterName::Stroke, value, min: 1e-6, max });
+        }
+        #[allow(clippy::cast_possible_truncation)] // below 1e9
+        let nearest = |stroke: f64| (stroke / shared.pitch).round() as i64;
+        let (first, last) = (nearest(parameters.start_mm) - around, nearest(end) + around);
+        let teeth: Vec<RackTooth> = (first..=last).map(|index| rack.tooth(index)).collect();
+        let led = teeth.iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0)
+            || pinion.teeth().iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0);
+        let helical = pair.rack().helix_angle_rad != 0.0 || pair.pinion().helix_angle_rad != 0.0;
+        let inertia = inertia(&pair, &parameters);
+        let mut scene = Self {
+            mesh: Mesh::new(pair, rack, pinion, mesh::Support::Fixed)?,
+            parameters,
+            law: Law::new(&parameters),
+            templates: Vec::new(),
+            right: Vec::new(),
+            left: Vec::new(),
+            first_tooth: first,
+            deviating: teeth.iter().map(|tooth| *tooth != RackTooth::default()).collect(),
+            shared,
+            depth,
+            rolls: matches!(parameters.support, Support::FreeRoll { .. }) && (led || helical),
+            inertia,
+        };
+        let mut leads = Vec::new();
+        for (index, tooth) in (first..=last).zip(&teeth) {
+            for right in [true, false] {
+                let flank = scene.flank(right, index, tooth, &mut leads)?;
+                if right { scene.right.push(flank) } else { scene.left.push(flank) }
+            }
+        }
+        Ok(scene)
+    }
+
+    fn flank(
+        &mut self,
+        right: bool,
+        index: i64,
+        tooth: &RackTooth,
+        leads: &mut Vec<(bool, u64)>,
+    ) -> Result<FlankPair, SimulationError> {
+        let pair = *self.mesh.pair();
+        let (rack, p) = (pair.rack(), pair.pinion());
+        let sign = if right { 1.0 } else { -1.0 };
+        let flank = if right { tooth.right } else { tooth.left };
+        let pinion_tooth = if right { index } else { index - 1 };
+        let partner = usize::try_from(pinion_tooth.rem_euclid(i64::from(p.teeth))).unwrap_or(0);
+        let partner = &self.mesh.pinion().teeth()[partner];
+        let partner = if right { partner.left } else { partner.right };
+        let key = (right, partner.lead_rad.to_bits());
+        let template = if let Some(found) = leads.iter().position(|known| *known == key) {
+            found
+        } else {
+            let shift = self.mesh.pinion().teeth().iter().flat_map(|tooth| [tooth.left, tooth.right]);
+            let shift = shift.map(|flank| flank.arc_mm.abs()).fold(0.0, f64::max) / p.reference_radius_mm;
+            let form = *self.mesh.pinion().form();
+            let reach = p.base_half_angle_rad + shift;
+            self.templates.push(Template::new(&pair, sign, partner.lead_rad, form, &self.parameters.contact, reach)?);
+            leads.push(key);
+            leads.len() - 1
+        };
+        let (sin_n, cos_n) = trig::sin_cos(pair.normal_pressure_angle_rad());
+        let (sin_b, cos_b) = trig::sin_cos(sign * (rack.helix_angle_rad + flank.lead_rad));
+        let normal = [cos_b * cos_n, -sin_b * cos_n, sin_n];
+        let half_x = 0.5 * rack.tooth_thickness_mm / trig::cos(rack.helix_angle_rad);
+        let offset = normal[0] * (sign * flank.along_x_mm + half_x) + normal[2] * flank.along_z_mm;
+        let bounds = Bounds {
+            half_width: 0.5 * rack.face_width_mm,
+            tip: rack.addendum_mm,
+            bottom: (pair.nominal_center_distance_mm() - p.tip_radius_mm).min(rack.addendum_mm)
+                - 2.0 * pair.normal_module_mm(),
+            reach: self.deepest(),
+        };
+        let corner = |y: f64, z: f64| [(offset - normal[1] * y - normal[2] * z) / normal[0], y, z];
+        let Bounds { half_width, tip, bottom, .. } = bounds;
+        let mut made = FlankPair {
+            right,
+            sign,
+            rack_tooth: index,
+            pinion_tooth,
+            normal,
+            offset,
+            start: sign * partner.arc_mm / p.reference_radius_mm - p.base_half_angle_rad,
+            template,
+            bounds,
+            corners: [
+                corner(-half_width, bottom),
+                corner(half_width, bottom),
+                corner(half_width, tip),
+                corner(-half_width, tip),
+            ],
+            patch: Patch::Plane,
+        };
+        if let ContactModel::Spheres(grid) = self.parameters.contact {
+            made.shape(self.mesh.rack().form(), grid.patch_cells);
+        }
+        Ok(made)
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub const fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// The rigid mesh of the same pair and deviations, rack not rolling.
+    #[must_use]
+    pub const fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Whether the rack's roll is a coordinate: the support leaves it free, and a helix or a lead deviation loads it.
+    #[must_use]
+    pub const fn rolls(&self) -> bool {
+        self.rolls
+    }
+
+    /// Inertias of ψ (N mm s²), a (N s²/mm) and φ (N mm s²).
+    #[must_use]
+    pub const fn inertias(&self) -> [f64; 3] {
+        self.inertia
+    }
+
+    /// Penetration beyond which a run gives up, mm: a tenth of the normal module.
+    #[must_use]
+    pub fn deepest(&self) -> f64 {
+        0.1 * self.mesh.pair().normal_module_mm()
+    }
+
+    /// The contact forces in a position, with their tangents.
+    #[must_use]
+    pub fn forces(&self, at: &Coordinates, rates: &Coordinates) -> Forces {
+        self.contact(&self.law, at, rates, &mut Work::default())
+    }
+
+    pub(super) fn contact(&self, law: &Law, at: &Coordinates, rates: &Coordinates, work: &mut Work) -> Forces {
+        work.counters.evaluations += 1;
+        work.touching.0.iter_mut().for_each(Vec::clear);
+        let eccentricity = self.mesh.pinion().eccentricity_mm();
+        let pose = Pose::new(*at, self.depth, eccentricity, &self.shared);
+        let pair = self.mesh.pair();
+        let (rack, p) = (pair.rack(), pair.pinion());
+        let mut load = Load { law, rates: rates.all(), sum: Forces::default(), work };
+        let grid = match self.parameters.contact {
+            ContactModel::Spheres(grid) => Some(grid),
+            ContactModel::Analytic(_) => None,
+        };
+        let radius = grid.map_or(0.0, |grid| grid.radius_mm);
+        // no point of the rack lies higher, rolled or not
+        let top = rack.addendum_mm
+            + 0.5 * rack.face_width_mm * pose.sin_roll.abs()
+            + (self.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
+        let (along, across) = eccentricity;
+        let off = (along * along + across * across).sqrt();
+        let cosine = (at.center_distance - off - top - 2.0 * radius) / p.tip_radius_mm;
+        let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
+        let reach = Reach { cull: grid.is_none_or(|grid| grid.cull), radius, polar };
+        // each pinion tooth once: those whose angle from straight down is at most half a turn
+        let half = 0.5 * f64::from(p.teeth);
+        let middle = at.pinion_angle / self.shared.angular_pitch - 0.5;
+        #[allow(clippy::cast_possible_truncation)] // positions far outside find no flank
+        let (low, high) = ((middle - half).ceil() as i64, (middle + half).floor() as i64);
+        for pinion_tooth in low..=high {
+            for right in [true, false] {
+                let flanks = if right { &self.right } else { &self.left };
+                let rack_tooth = if right { pinion_tooth } else { pinion_tooth + 1 };
+                let Some(flank) =
+                    usize::try_from(rack_tooth - self.first_tooth).ok().and_then(|index| flanks.get(index))
+                else {
+                    continue;
+                };
+                let template = &self.templates[flank.template];
+                let placed = flank.place(&pose);
+                if let ContactModel::Analytic(grid) = self.parameters.contact {
+                    // teeth on the far side of the pinion
+                    if placed.tooth_angle.abs()
+                        <= polar + template.tooth_reach + template.kappa.abs() * template.half_face
+                    {
+                        strips::touch(flank, template, &placed, &pose, self.mesh.rack().form(), grid.strips, &mut load);
+                    }
+                } else {
+                    spheres::touch(flank, template, &placed, &pose, &reach, &mut load);
+                }
+            }
+        }
+        load.sum
+    }
+
+    /// The yoke at a centre distance.
+    pub(super) fn yoke(&self, center_distance: f64) -> Option<YokeSample> {
+        let Support::Yoke(yoke) = self.parameters.support else { return None };
+        let travel_mm = center_distance - self.mesh.pair().nominal_center_distance_mm();
+        let spring = (yoke.preload_n + yoke.rate_n_per_mm * travel_mm).max(0.0);
+        let stop = yoke.stop_n_per_mm * (travel_mm - yoke.clearance_mm).max(0.0);
+        Some(YokeSample { travel_mm, force_n: spring + stop, bush_force_n: yoke.bush_n_per_mm * travel_mm })
+    }
+
+    /// Force that presses the parts together at a centre distance, and its rate, N and N/mm.
+    pub(super) fn closing(&self, center_distance: f64) -> (f64, f64) {
+        let Support::Yoke(yoke) = self.parameters.support else { return (self.parameters.preload_n, 0.0) };
+        let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
+        let spring = yoke.preload_n + yoke.rate_n_per_mm * travel;
+        let (mut force, mut rate) = if spring > 0.0 { (spring, yoke.rate_n_per_mm) } else { (0.0, 0.0) };
+        if travel > yoke.clearance_mm {
+            force += yoke.stop_n_per_mm * (travel - yoke.clearance_mm);
+            rate += yoke.stop_n_per_mm;
+        }
+        (force + yoke.bush_n_per_mm * travel, rate + yoke.bush_n_per_mm)
+    }
+
+    /// Potential energy of that force against a_0, N mm.
+    #[allow(dead_code)] // TODO dynamics
+    pub(super) fn closing_energy(&self, center_distance: f64) -> f64 {
+        let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
+        match self.parameters.support {
+            Support::Yoke(yoke) => {
+                let floor =
+                    if yoke.rate_n_per_mm > 0.0 { travel.max(-yoke.preload_n / yoke.rate_n_per_mm) } else { travel };
+                let beyond = (travel - yoke.clearance_mm).max(0.0);
+                yoke.preload_n * floor
+                    + 0.5 * yoke.rate_n_per_mm * floor * floor
+                    + 0.5 * yoke.bush_n_per_mm * travel * travel
+                    + 0.5 * yoke.stop_n_per_mm * beyond * beyond
+            }
+            _ => self.parameters.preload_n * travel,
+        }
+    }
+
+    /// Nominal closing force: the measure of all force tolerances.
+    pub(super) fn load_n(&self) -> f64 {
+        match self.parameters.support {
+            Support::Yoke(yoke) => yoke.preload_n,
+            _ => self.parameters.preload_n,
+        }
+    }
+
+    pub(super) fn is_deviating(&self, tooth: i64) -> bool {
+        usize::try_from(tooth - self.first_tooth).ok().and_then(|index| self.deviating.get(index)) == Some(&true)
+    }
+}
+
+/// Inertias of ψ, a, φ: steel cylinders unless given; kg to N s²/mm.
+fn inertia(pair: &Pair, parameters: &Parameters) -> [f64; 3] {
+    let masses = parameters.masses;
+    let (p, rack) = (pair.pinion(), pair.rack());
+    let cylinder = |radius: f64, length: f64| {
+        let mass = STEEL * std::f64::consts::PI * radius * radius * length;
+        (mass, 0.5 * mass * radius * radius)
+    };
+    let (pinion, pinion_turning) = cylinder(p.reference_radius_mm, p.face_width_mm);
+    let (bar, bar_turning) = cylinder(0.5 * rack.face_width_mm, parameters.stroke_mm + 10.0 * rack.face_width_mm);
+    let moving = match parameters.support {
+        Support::Yoke(_) => masses.rack_kg.unwrap_or(bar),
+        _ => masses.pinion_kg.unwrap_or(pinion),
+    };
+    [masses.pinion_kg_mm2.unwrap_or(pinion_turning), moving, masses.rack_kg_mm2.unwrap_or(bar_turning)]
+        .map(|value| 1e-3 * value)
+}

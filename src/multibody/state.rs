@@ -1,0 +1,49 @@
+//! Where the bodies are, and what presses on them. Passed between the runs and the contact; computes nothing.
+
+/// The coordinates, or their rates (rad/s, mm/s).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Coordinates {
+    /// Pinion rotation ψ since s = 0, positive as the stroke rises, rad.
+    pub pinion_angle: f64,
+    /// Centre distance a, mm.
+    pub center_distance: f64,
+    /// Rack roll φ about +X, rad.
+    pub roll: f64,
+    /// Stroke s, mm.
+    pub stroke: f64,
+}
+
+impl Coordinates {
+    pub(super) fn from_free(free: [f64; 3], stroke: f64) -> Self {
+        Self { pinion_angle: free[0], center_distance: free[1], roll: free[2], stroke }
+    }
+
+    pub(super) fn all(&self) -> [f64; 4] {
+        [self.pinion_angle, self.center_distance, self.roll, self.stroke]
+    }
+}
+
+/// What the contact does at one position.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Forces {
+    /// Generalised contact forces on ψ (N mm), a (N), φ (N mm), s (N).
+    pub generalized: [f64; 4],
+    /// −∂force/∂coordinate for ψ, a, φ.
+    pub stiffness: [[f64; 3]; 3],
+    /// −∂force/∂rate for ψ, a, φ.
+    pub damping: [[f64; 3]; 3],
+    /// Elastic energy, N mm.
+    pub energy: f64,
+    /// Power lost to damping and friction, N mm/s.
+    pub dissipation: f64,
+    /// Sum of normal forces on right rack flanks, N.
+    pub normal_right: f64,
+    /// Sum of normal forces on left rack flanks, N.
+    pub normal_left: f64,
+    /// Elements that touch.
+    pub contacts: u32,
+    /// Largest penetration, mm.
+    pub penetration: f64,
+    /// Lowest and highest rack tooth that touches.
+    pub teeth: Option<(i64, i64)>,
+}
