@@ -175,3 +175,35 @@ fn every_subcommands_help_shows_an_example() {
         assert!(text(&help.stdout).contains(&format!("  rackmesh calc {formula} ")), "{formula}");
     }
 }
+
+/// Rows are written as they are solved, in order, by as many cores as there are; a program that reads the first ones may
+/// go away.
+#[test]
+fn a_long_list_of_strokes_comes_in_order_and_whole() {
+    let mesh = |format: &str| {
+        let arguments = ["mesh", "examples/mesh.toml", "--from", "-1", "--to", "60", "--points", "40001"];
+        let output = rackmesh(&arguments).args(["--format", format]).output().expect("the program runs");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        output.stdout
+    };
+    let csv = mesh("csv");
+    let rows: Vec<&str> = text(&csv).lines().collect();
+    assert_eq!(rows.len(), 40_002);
+    assert!(rows[1].starts_with("-1,") && rows[40_001].starts_with("60,"), "{} {}", rows[1], rows[40_001]);
+    let json: serde_json::Value = serde_json::from_slice(&mesh("json")).expect("the output is JSON");
+    assert_eq!(json["unconverged"], 0);
+    let points = json["points"].as_array().expect("an array");
+    assert_eq!(points.len(), 40_001);
+    for (row, point) in rows[1..].iter().zip(points) {
+        let field = |index: usize| row.split(',').nth(index).and_then(|field| field.parse::<f64>().ok());
+        assert_eq!((field(0), field(1)), (point["stroke_mm"].as_f64(), point["delta_cd_mm"].as_f64()));
+    }
+
+    let mut child = rackmesh(&["mesh", "examples/mesh.toml", "--points", "100000000", "--format", "csv"])
+        .spawn()
+        .expect("the program starts");
+    let mut start = [0; 9];
+    child.stdout.take().expect("stdout is piped").read_exact(&mut start).expect("there is a header");
+    assert_eq!(&start, b"stroke_mm");
+    assert_eq!(child.wait().expect("the program ends").code(), Some(0));
+}

@@ -6,8 +6,9 @@ use super::output::{Failure, Output, Status};
 use crate::cmm;
 use crate::decision::{LimitTarget, Prediction, Verdict};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::mesh::{Curve, Mesh, MeshError, MeshPoint, Support};
+use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
+use crate::report::mesh_points::{self, ListedPoint, Trust};
 use crate::report::plot::{CurvePlot, Mark, Series};
 use crate::report::{Format, MeshReport};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
@@ -155,74 +156,160 @@ pub(super) fn notes(input: &MeshInput) -> Vec<String> {
     notes
 }
 
+/// A list longer than this is for programs, not for a table.
+const MOST_LISTED: u64 = 1000;
+
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = super::read_spec(&self.spec)?;
-        let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
-        let curve = self.range.curve(&input.mesh)?;
         let strokes = self.strokes()?;
-        let grid: Option<Vec<_>> = strokes.map(|strokes| {
-            let points: Vec<Result<MeshPoint, MeshError>> = input.mesh.sample(&strokes);
-            strokes.into_iter().zip(points).collect()
-        });
-        if let Some(error) = grid.iter().flatten().find_map(|(_, point)| point.as_ref().err()) {
-            output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
-        }
+        let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let limits = spec.limits();
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
+        if let (Some(strokes), Format::Csv, None, None) = (&strokes, self.format, &self.plot, limit) {
+            // nothing is asked that needs the curve between these strokes
+            list_csv(strokes, &input.mesh, output)?;
+            return Ok(Status::Pass);
+        }
+        let curve = self.range.curve(&input.mesh)?;
         let prediction = prediction(&input);
+        let mut notes = notes(&input);
+        let mut listed: Vec<ListedPoint> = Vec::new();
+        if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
+            if strokes.count <= MOST_LISTED {
+                let at: Vec<f64> = (0..strokes.count).map(|index| strokes.at(index)).collect();
+                listed = at.iter().copied().zip(input.mesh.sample(&at)).collect();
+                if let Some(error) = Trust::of(&listed).failure {
+                    output.diagnostic(&unsolved_stroke(&error));
+                }
+            } else {
+                notes.push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count));
+            }
+        }
         let report = MeshReport {
             title: spec.title.as_deref(),
             mesh: &input.mesh,
             curve: &curve,
-            grid: grid.as_deref(),
+            listed: &listed,
             prediction: &prediction,
             limit,
-            notes: notes(&input),
+            notes,
             screen: output.screen(),
         };
         if let Some(path) = &self.plot {
             write_plot(path, &plot(&report))?;
         }
-        output.report(&report, self.format)?;
+        match (&strokes, self.format) {
+            (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output)?,
+            (Some(strokes), Format::Json) => list_json(strokes, &report, output)?,
+            _ => output.report(&report, self.format)?,
+        }
         Ok(match report.verdict() {
             Some(Verdict::Fail) => Status::Fail,
-            Some(Verdict::Indeterminate) => Status::Indeterminate,
-            Some(Verdict::Pass) | None => Status::Pass,
+            _ => Status::Pass,
         })
     }
 
     /// The strokes asked for; `None` for those that the curve needs.
-    fn strokes(&self) -> Result<Option<Vec<f64>>, Failure> {
+    fn strokes(&self) -> Result<Option<Strokes>, Failure> {
         const MOST: f64 = 1e8;
         let (from, to) = (self.range.from.mm(), self.range.to.mm());
-        let intervals = match (&self.step, self.points) {
+        if from > to {
+            let message = format!("--from {from} lies beyond --to {to}");
+            return Err(Diagnostic::error(Code::Usage, message).into());
+        }
+        let (step, intervals) = match (&self.step, self.points) {
             (None, None) => return Ok(None),
-            (_, Some(points)) => f64::from(points - 1),
+            (_, Some(points)) => ((to - from) / f64::from(points - 1), f64::from(points - 1)),
             (Some(step), None) => {
                 let intervals = (to - from) / step.mm();
-                if !(step.mm() > 0.0 && intervals <= MOST) {
+                if !(step.mm() > 0.0 && (0.0..=MOST).contains(&intervals)) {
                     let message =
                         format!("--step {step} does not divide the stroke from {from} to {to} mm into 1 to 1e8 steps");
                     return Err(Diagnostic::error(Code::Usage, message).into());
                 }
-                intervals
+                (step.mm(), intervals)
             }
-        };
-        // with a step, the last stroke is `to` itself even if the step does not divide the range
-        let step = match &self.step {
-            Some(step) => step.mm(),
-            None => (to - from) / intervals,
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded by MOST")]
         let whole = (intervals * (1.0 + 1e-12)).floor() as u32;
-        let mut strokes: Vec<f64> = (0..=whole).map(|index| from + f64::from(index) * step).collect();
-        match strokes.last_mut() {
-            Some(last) if (to - *last).abs() <= 1e-9 * step => *last = to,
-            _ => strokes.push(to),
-        }
-        Ok(Some(strokes))
+        // with a step, the last stroke is `to` itself even if the step does not divide the range
+        let divides = (to - (from + f64::from(whole) * step)).abs() <= 1e-9 * step.abs();
+        Ok(Some(Strokes { from, to, step, count: u64::from(whole) + if divides { 1 } else { 2 } }))
     }
+}
+
+/// Strokes a step apart, both ends included.
+struct Strokes {
+    from: f64,
+    to: f64,
+    step: f64,
+    count: u64,
+}
+
+impl Strokes {
+    fn at(&self, index: u64) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "at most 1e8 strokes")]
+        let place = self.from + index as f64 * self.step;
+        if index + 1 == self.count { self.to } else { place }
+    }
+}
+
+fn unsolved_stroke(error: &MeshError) -> Diagnostic {
+    Diagnostic::warning(Code::NoMesh, error.to_string())
+}
+
+/// Writes CSV as it is solved.
+fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<(), Failure> {
+    output.text(&mesh_points::csv_header())?;
+    let trust = list(strokes, mesh, mesh_points::csv_lines, |text| output.text(text))?;
+    remark_on(trust, output);
+    Ok(())
+}
+
+/// Writes JSON as it is solved.
+fn list_json(strokes: &Strokes, report: &MeshReport<'_>, output: &mut Output) -> Result<(), Failure> {
+    output.text(&report.json_around(Trust::default()).0)?;
+    let mut first = true;
+    let trust = list(strokes, report.mesh, mesh_points::json_elements, |text| {
+        let text = if std::mem::take(&mut first) { text.trim_start_matches(',') } else { text };
+        output.text(text)
+    })?;
+    output.text(&report.json_around(trust).1)?;
+    remark_on(trust, output);
+    Ok(())
+}
+
+fn remark_on(trust: Trust, output: &mut Output) {
+    if let Some(error) = trust.failure {
+        output.diagnostic(&unsolved_stroke(&error));
+    }
+    if trust.unconverged > 0 {
+        output.remark(&format!(
+            "note: {} strokes did not converge; the largest residual is {:.1e} mm",
+            trust.unconverged, trust.largest_residual_mm
+        ));
+    }
+}
+
+/// Solves strokes on all cores and writes them in order.
+fn list(
+    strokes: &Strokes,
+    mesh: &Mesh,
+    text: impl Fn(&[ListedPoint]) -> String + Sync,
+    mut write: impl FnMut(&str) -> Result<(), Failure>,
+) -> Result<Trust, Failure> {
+    let mut trust = Trust::default();
+    mesh.sample_blocks(
+        strokes.count,
+        |index| strokes.at(index),
+        |points| (text(points), Trust::of(points)),
+        |(text, of_block)| {
+            trust = trust.and(of_block);
+            write(&text)
+        },
+    )?;
+    Ok(trust)
 }
 
 /// The picture of a curve.

@@ -1,7 +1,8 @@
 //! The exact zero-backlash mesh: for each stroke the smallest centre distance at which no flank penetrates.
 //!
 //! Called by the command line, the reports and anyone who has a [`Pair`](crate::gear::Pair) and its deviations. A
-//! [`Mesh`] holds both; [`Mesh::at`] solves one stroke, [`Mesh::sample`] many on all cores, a [`Sampler`] one after the
+//! [`Mesh`] holds both; [`Mesh::at`] solves one stroke, [`Mesh::sample`] many on all cores
+//! ([`Mesh::sample_blocks`] with bounded memory), a [`Sampler`] one after the
 //! other on one core, [`Mesh::curve`] a whole range with its kinks. It must not know TOML, print, or read files.
 //!
 //! # What is solved
@@ -18,6 +19,7 @@ mod measure;
 mod outcome;
 mod prepare;
 mod roll;
+mod sample;
 mod solve;
 mod summary;
 

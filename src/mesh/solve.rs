@@ -116,47 +116,6 @@ impl Mesh {
     pub fn at(&self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
         Sampler::new(self).at(stroke_mm)
     }
-
-    /// Solves many strokes on all cores. The result does not depend on the number of cores: strokes are dealt
-    /// in blocks of fixed size, each solved from a fresh start.
-    #[must_use]
-    pub fn sample(&self, strokes_mm: &[f64]) -> Vec<Result<MeshPoint, MeshError>> {
-        /// Long enough that starting a block costs nothing, short enough to share out evenly.
-        const BLOCK: usize = 512;
-        let solve = |block: &[f64]| -> Vec<_> {
-            let mut sampler = Sampler::new(self);
-            block.iter().map(|&stroke| sampler.at(stroke)).collect()
-        };
-        let blocks: Vec<&[f64]> = strokes_mm.chunks(BLOCK).collect();
-        let cores = std::thread::available_parallelism().map_or(1, usize::from).min(blocks.len());
-        if cores <= 1 {
-            return blocks.into_iter().flat_map(solve).collect();
-        }
-        let (next, solve, blocks) = (std::sync::atomic::AtomicUsize::new(0), &solve, &blocks);
-        let mut done: Vec<(usize, Vec<_>)> = std::thread::scope(|scope| {
-            let worker = || {
-                let mut mine = Vec::new();
-                loop {
-                    let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    match blocks.get(index) {
-                        Some(block) => mine.push((index, solve(block))),
-                        None => return mine,
-                    }
-                }
-            };
-            let handles: Vec<_> = (1..cores).map(|_| scope.spawn(worker)).collect();
-            let mut done = worker();
-            for handle in handles {
-                match handle.join() {
-                    Ok(part) => done.extend(part),
-                    Err(panic) => std::panic::resume_unwind(panic),
-                }
-            }
-            done
-        });
-        done.sort_unstable_by_key(|&(index, _)| index);
-        done.into_iter().flat_map(|(_, points)| points).collect()
-    }
 }
 
 impl<'a> Sampler<'a> {

@@ -2,10 +2,11 @@
 
 use serde_json::{Value, json};
 
+use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
 use crate::decision::{Limit, Prediction, Verdict};
-use crate::mesh::{Curve, Mesh, MeshError, MeshPoint, Summary};
+use crate::mesh::{Curve, Mesh, Summary};
 use crate::quantity::Length;
 
 /// A solved stroke range.
@@ -17,8 +18,8 @@ pub struct MeshReport<'a> {
     pub mesh: &'a Mesh,
     /// The curve with its kinks, from which the summary comes.
     pub curve: &'a Curve,
-    /// The strokes to list, if not the curve's own, each with its point or why there is none.
-    pub grid: Option<&'a [(f64, Result<MeshPoint, MeshError>)]>,
+    /// Strokes to list in tables.
+    pub listed: &'a [ListedPoint],
     /// What the formulas say about the same deviations.
     pub prediction: &'a Prediction,
     /// The limit of the combined ΔCD.
@@ -28,19 +29,6 @@ pub struct MeshReport<'a> {
     /// Room for the sketch, which is drawn on a screen only.
     pub screen: Screen,
 }
-
-const HEADER: [&str; 8] = [
-    "stroke_mm",
-    "delta_cd_mm",
-    "center_distance_mm",
-    "pinion_angle_deg",
-    "right_tooth",
-    "left_tooth",
-    "right_contact",
-    "left_contact",
-];
-
-const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
 /// The accuracy that the solver claims, as decimals of a millimetre: ΔCD is judged to it.
 const JUDGED_DECIMALS: usize = 9;
@@ -58,18 +46,19 @@ impl MeshReport<'_> {
         Some(self.limit?.judge(&length(summary.min_mm)?, &length(summary.max_mm)?))
     }
 
-    fn points(&self) -> impl Iterator<Item = (f64, Option<&MeshPoint>)> + '_ {
-        let own = self.grid.is_none().then(|| self.curve.points.iter().map(|point| (point.stroke_mm, Some(point))));
-        let grid = self.grid.into_iter().flatten().map(|(stroke, point)| (*stroke, point.as_ref().ok()));
-        own.into_iter().flatten().chain(grid)
+    /// How far the curve's own points can be trusted.
+    fn trust(&self) -> Trust {
+        self.curve.points.iter().fold(Trust::default(), |trust, point| trust.and(Trust::of_point(Ok(point))))
     }
 
-    fn unconverged(&self) -> usize {
-        self.points().filter(|(_, point)| point.is_some_and(|point| !point.converged())).count()
-    }
-
-    fn largest_residual_mm(&self) -> f64 {
-        self.points().filter_map(|(_, point)| point).fold(0.0, |largest, point| largest.max(point.residual_mm.abs()))
+    /// The JSON before and after the elements of its array of points, for a list that is written as it is solved.
+    /// The text before does not depend on `trust`.
+    #[must_use]
+    pub fn json_around(&self, trust: Trust) -> (String, String) {
+        let text = format!("{:#}\n", self.json_with(&Value::Null, trust));
+        // a line break within a JSON string is escaped, so this is the key itself
+        let (before, after) = text.split_once("\n  \"points\": null").unwrap_or((&text, ""));
+        (format!("{before}\n  \"points\": ["), format!("\n  ]{after}"))
     }
 }
 
@@ -112,24 +101,8 @@ fn comparison_table(summary: &Summary, prediction: &Prediction) -> Table {
     Table { columns: vec![Column::text("by formula"), Column::number("from\n[mm]"), Column::number("to\n[mm]")], rows }
 }
 
-impl Report for MeshReport<'_> {
-    fn json(&self) -> Value {
-        let points: Vec<_> = self
-            .points()
-            .map(|(stroke, point)| match point {
-                Some(point) => json!({
-                    "stroke_mm": stroke,
-                    "delta_cd_mm": tidy(point.delta_cd_mm),
-                    "center_distance_mm": tidy(point.center_distance_mm),
-                    "pinion_angle_deg": tidy(point.pinion_angle_rad * DEGREES_PER_RADIAN),
-                    "right_tooth": point.right.rack_tooth,
-                    "left_tooth": point.left.rack_tooth,
-                    "right_contact": point.right.contact.name(),
-                    "left_contact": point.left.contact.name(),
-                }),
-                None => json!({ "stroke_mm": stroke, "delta_cd_mm": null }),
-            })
-            .collect();
+impl MeshReport<'_> {
+    fn json_with(&self, points: &Value, trust: Trust) -> Value {
         let summary = self.summary().map(|summary| {
             json!({
                 "mean_mm": tidy(summary.mean_mm),
@@ -149,8 +122,6 @@ impl Report for MeshReport<'_> {
             "title": self.title,
             "nominal_center_distance_mm": self.mesh.pair().nominal_center_distance_mm(),
             "tolerance_mm": self.curve.tolerance_mm,
-            "largest_residual_mm": self.largest_residual_mm(),
-            "unconverged": self.unconverged(),
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
@@ -162,29 +133,21 @@ impl Report for MeshReport<'_> {
                 "left_tooth": kink.after.1.rack_tooth,
             })).collect::<Vec<_>>(),
             "points": points,
+            "largest_residual_mm": trust.largest_residual_mm,
+            "unconverged": trust.unconverged,
             "notes": self.notes,
         })
     }
+}
+
+impl Report for MeshReport<'_> {
+    fn json(&self) -> Value {
+        let points = self.curve.points.iter().map(|point| mesh_points::json_point(point.stroke_mm, Some(point)));
+        self.json_with(&points.collect(), self.trust())
+    }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
-        rows.extend(self.points().map(|(stroke, point)| {
-            let mut row = vec![plain(stroke)];
-            match point {
-                Some(point) => row.extend([
-                    plain(tidy(point.delta_cd_mm)),
-                    plain(tidy(point.center_distance_mm)),
-                    plain(tidy(point.pinion_angle_rad * DEGREES_PER_RADIAN)),
-                    point.right.rack_tooth.to_string(),
-                    point.left.rack_tooth.to_string(),
-                    point.right.contact.to_string(),
-                    point.left.contact.to_string(),
-                ]),
-                None => row.resize(HEADER.len(), String::new()),
-            }
-            row
-        }));
-        rows
+        mesh_points::rows(&self.curve.points)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -200,10 +163,12 @@ impl Report for MeshReport<'_> {
             blocks.extend(sketch::sketch(&points, usize::from(width.min(100)), 8).map(Block::Drawing));
         }
         blocks.push(Block::Table(comparison_table(&summary, self.prediction)));
+        if !self.listed.is_empty() {
+            blocks.push(Block::Table(mesh_points::table(self.listed)));
+        }
         blocks.extend(self.notes.iter().map(|note| Block::Note(format!("note: {note}"))));
-        let unconverged = self.unconverged();
+        let Trust { unconverged, largest_residual_mm: residual, .. } = self.trust().and(Trust::of(self.listed));
         if unconverged > 0 {
-            let residual = self.largest_residual_mm();
             blocks.push(Block::Note(format!(
                 "note: {unconverged} strokes did not converge; the largest residual is {residual:.1e} mm"
             )));

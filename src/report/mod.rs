@@ -11,6 +11,7 @@
 mod calculation;
 mod evaluation;
 mod mesh;
+pub mod mesh_points;
 mod number;
 #[cfg(feature = "plot")]
 pub mod plot;

@@ -1,0 +1,159 @@
+//! Many strokes on all cores. Called through [`Mesh::sample`], [`Mesh::sample_into`] and [`Mesh::sample_blocks`]; deals
+//! strokes out and collects results, solves nothing itself.
+//!
+//! The result does not depend on the number of cores: strokes are dealt in blocks of fixed size, each solved from a
+//! fresh start.
+
+use std::sync::Mutex;
+
+use super::{Mesh, MeshError, MeshPoint, Sampler};
+
+/// Long enough that starting a block costs nothing, short enough to share out evenly.
+const BLOCK: usize = 512;
+/// Blocks per core that are held at once when results are passed on.
+const BLOCKS_HELD: usize = 16;
+/// What stands in memory until a stroke is solved.
+const UNSOLVED: Result<MeshPoint, MeshError> = Err(MeshError::StrokeOutOfDomain { stroke_mm: f64::NAN, limit_mm: 0.0 });
+
+impl Mesh {
+    /// Solves many strokes on all cores.
+    #[must_use]
+    pub fn sample(&self, strokes_mm: &[f64]) -> Vec<Result<MeshPoint, MeshError>> {
+        let mut points = vec![UNSOLVED; strokes_mm.len()];
+        self.sample_into(strokes_mm, &mut points);
+        points
+    }
+
+    /// The same, written to the caller's memory. Ends with the shorter of the two slices.
+    pub fn sample_into(&self, strokes_mm: &[f64], points: &mut [Result<MeshPoint, MeshError>]) {
+        let blocks = strokes_mm.len().min(points.len()).div_ceil(BLOCK);
+        deal(cores(blocks), strokes_mm.chunks(BLOCK).zip(points.chunks_mut(BLOCK)), |(strokes, points)| {
+            let mut sampler = Sampler::new(self);
+            for (&stroke, point) in strokes.iter().zip(points) {
+                *point = sampler.at(stroke);
+            }
+        });
+    }
+
+    /// Solves `count` strokes on all cores, makes something of each block of points while still there, and hands
+    /// what was made over in the order of the strokes. Memory is bounded however many strokes there are.
+    ///
+    /// # Errors
+    /// The first one of `take`, after which nothing more is solved.
+    pub fn sample_blocks<T: Send, E>(
+        &self,
+        count: u64,
+        stroke_mm: impl Fn(u64) -> f64 + Sync,
+        make: impl Fn(&[(f64, Result<MeshPoint, MeshError>)]) -> T + Sync,
+        mut take: impl FnMut(T) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let block = BLOCK as u64;
+        let blocks = count.div_ceil(block);
+        let cores = cores(usize::try_from(blocks).unwrap_or(usize::MAX));
+        let held = cores * BLOCKS_HELD;
+        let mut made: Vec<Option<T>> = Vec::with_capacity(held);
+        let mut first = 0;
+        while first < blocks {
+            made.clear();
+            made.resize_with(held.min(usize::try_from(blocks - first).unwrap_or(held)), || None);
+            deal(cores, (first..blocks).zip(&mut made), |(index, made)| {
+                let mut sampler = Sampler::new(self);
+                let strokes = (index * block..count.min((index + 1) * block)).map(&stroke_mm);
+                let points: Vec<_> = strokes.map(|stroke| (stroke, sampler.at(stroke))).collect();
+                *made = Some(make(&points));
+            });
+            for made in made.drain(..).flatten() {
+                take(made)?;
+            }
+            first += held as u64;
+        }
+        Ok(())
+    }
+}
+
+/// Cores worth starting for so many blocks.
+fn cores(blocks: usize) -> usize {
+    if blocks <= 1 { 1 } else { std::thread::available_parallelism().map_or(1, usize::from).min(blocks) }
+}
+
+/// Works off jobs on so many cores; whoever is done takes the next one.
+fn deal<J: Send>(cores: usize, jobs: impl Iterator<Item = J> + Send, work: impl Fn(J) + Sync) {
+    if cores <= 1 {
+        return jobs.for_each(work);
+    }
+    let jobs = Mutex::new(jobs);
+    // a job is taken with the lock held and worked off without it; a panic elsewhere ends the scope anyway
+    let next = || jobs.lock().ok().and_then(|mut jobs| jobs.next());
+    let worker = || {
+        while let Some(job) = next() {
+            work(job);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..cores {
+            scope.spawn(worker);
+        }
+        worker();
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::{Pair, PairData, PinionData, RackData};
+
+    fn mesh() -> Mesh {
+        let data = PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: 0.35,
+            rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 2.0, tooth_thickness_mm: None },
+            pinion: PinionData {
+                teeth: 20,
+                helix_angle_rad: 0.2,
+                profile_shift: 0.2,
+                tip_diameter_mm: 45.6,
+                root_form_diameter_mm: Some(39.0),
+                face_width_mm: 24.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        };
+        Pair::new(&data).map(Mesh::nominal).expect("a valid pair").expect("nominal teeth are in order")
+    }
+
+    #[test]
+    fn blocks_come_in_order_and_hold_every_stroke_once() {
+        let mesh = mesh();
+        for count in [0, 1, 511, 512, 513, 40_000] {
+            let mut strokes = Vec::new();
+            let only_strokes = |points: &[(f64, _)]| points.iter().map(|&(stroke, _)| stroke).collect::<Vec<_>>();
+            #[expect(clippy::cast_precision_loss, reason = "small counts")]
+            let stroke = |index: u64| index as f64 * 1e-3;
+            mesh.sample_blocks::<_, ()>(count, stroke, only_strokes, |block| {
+                strokes.extend(block);
+                Ok(())
+            })
+            .unwrap();
+            assert_eq!(strokes, (0..count).map(stroke).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn nothing_is_solved_after_the_taker_has_enough() {
+        let mesh = mesh();
+        let solved = std::sync::atomic::AtomicUsize::new(0);
+        let count = |points: &[_]| solved.fetch_add(points.len(), std::sync::atomic::Ordering::Relaxed);
+        assert_eq!(mesh.sample_blocks(u64::MAX, |_| 1.0, count, |_| Err("enough")), Err("enough"));
+        assert!(
+            solved.into_inner() <= BLOCK * BLOCKS_HELD * std::thread::available_parallelism().map_or(1, usize::from)
+        );
+    }
+
+    #[test]
+    fn the_shorter_slice_ends_it() {
+        let mesh = mesh();
+        let mut points = vec![UNSOLVED; 700];
+        mesh.sample_into(&[0.5; 600], &mut points);
+        assert!(points[..600].iter().all(Result::is_ok) && points[600..].iter().all(Result::is_err));
+        mesh.sample_into(&[0.5; 600], &mut points[..1]);
+    }
+}

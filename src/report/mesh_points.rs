@@ -1,0 +1,176 @@
+//! Solved strokes as rows of CSV, elements of a JSON array and lines of a table. Called block by block, on any
+//! thread, so that a million strokes need no memory; never solves a stroke.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+
+use super::number::{plain, tidy};
+use super::{Column, Table};
+use crate::mesh::{MeshError, MeshPoint};
+
+/// A stroke with its solution, or why there is none.
+pub type ListedPoint = (f64, Result<MeshPoint, MeshError>);
+
+const HEADER: [&str; 8] = [
+    "stroke_mm",
+    "delta_cd_mm",
+    "center_distance_mm",
+    "pinion_angle_deg",
+    "right_tooth",
+    "left_tooth",
+    "right_contact",
+    "left_contact",
+];
+
+pub(super) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
+
+/// What a list of points amounts to as far as it can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Trust {
+    /// Strokes that did not converge.
+    pub unconverged: usize,
+    /// Largest |residual|, mm.
+    pub largest_residual_mm: f64,
+    /// Why the first stroke without a solution has none.
+    pub failure: Option<MeshError>,
+}
+
+impl Trust {
+    /// That of two lists, the first of them first.
+    #[must_use]
+    pub fn and(self, next: Self) -> Self {
+        Self {
+            unconverged: self.unconverged + next.unconverged,
+            largest_residual_mm: self.largest_residual_mm.max(next.largest_residual_mm),
+            failure: self.failure.or(next.failure),
+        }
+    }
+
+    /// That of some points.
+    #[must_use]
+    pub fn of<'a>(points: impl IntoIterator<Item = &'a ListedPoint>) -> Self {
+        points.into_iter().fold(Self::default(), |trust, (_, point)| trust.and(Self::of_point(point.as_ref())))
+    }
+
+    pub(super) fn of_point(point: Result<&MeshPoint, &MeshError>) -> Self {
+        match point {
+            Ok(point) => Self {
+                unconverged: usize::from(!point.converged()),
+                largest_residual_mm: point.residual_mm.abs(),
+                failure: None,
+            },
+            Err(error) => Self { failure: Some(*error), ..Self::default() },
+        }
+    }
+}
+
+/// The header line of the CSV.
+#[must_use]
+pub fn csv_header() -> String {
+    HEADER.join(",") + "\n"
+}
+
+/// A line of CSV for each point; fields are empty where there is no solution.
+#[must_use]
+pub fn csv_lines(points: &[ListedPoint]) -> String {
+    let mut text = String::with_capacity(96 * points.len());
+    for (stroke, point) in points {
+        push_csv_line(&mut text, *stroke, point.as_ref().ok());
+    }
+    text
+}
+
+fn push_csv_line(text: &mut String, stroke: f64, point: Option<&MeshPoint>) {
+    let line = match point {
+        Some(MeshPoint { right, left, .. }) => {
+            let [delta, center, angle] = numbers(point).map(plain);
+            let stroke = plain(stroke);
+            let (right_at, left_at) = (right.contact, left.contact);
+            writeln!(
+                text,
+                "{stroke},{delta},{center},{angle},{},{},{right_at},{left_at}",
+                right.rack_tooth, left.rack_tooth
+            )
+        }
+        None => writeln!(text, "{}{}", plain(stroke), ",".repeat(HEADER.len() - 1)),
+    };
+    // writing to a String cannot fail
+    debug_assert!(line.is_ok());
+}
+
+/// ΔCD, centre distance and angle as they are printed; NaN stands for none and is never printed.
+fn numbers(point: Option<&MeshPoint>) -> [f64; 3] {
+    point.map_or([f64::NAN; 3], |point| {
+        [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad * DEGREES_PER_RADIAN].map(tidy)
+    })
+}
+
+/// The cells of CSV, header first.
+pub(super) fn rows<'a>(points: impl IntoIterator<Item = &'a MeshPoint>) -> Vec<Vec<String>> {
+    let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
+    rows.extend(points.into_iter().map(|point| {
+        let mut line = String::new();
+        push_csv_line(&mut line, point.stroke_mm, Some(point));
+        line.trim_end().split(',').map(str::to_owned).collect()
+    }));
+    rows
+}
+
+pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>) -> Value {
+    let [delta, center, angle] = numbers(point);
+    match point {
+        Some(point) => json!({
+            "stroke_mm": stroke,
+            "delta_cd_mm": delta,
+            "center_distance_mm": center,
+            "pinion_angle_deg": angle,
+            "right_tooth": point.right.rack_tooth,
+            "left_tooth": point.left.rack_tooth,
+            "right_contact": point.right.contact.name(),
+            "left_contact": point.left.contact.name(),
+        }),
+        None => json!({ "stroke_mm": stroke, "delta_cd_mm": null }),
+    }
+}
+
+/// The points as elements of the array in [`MeshReport::json_around`](super::MeshReport::json_around), a comma before each.
+#[must_use]
+pub fn json_elements(points: &[ListedPoint]) -> String {
+    let mut text = String::new();
+    for (stroke, point) in points {
+        let element = format!("{:#}", json_point(*stroke, point.as_ref().ok()));
+        text.push_str(",\n    ");
+        text.push_str(&element.replace('\n', "\n    "));
+    }
+    text
+}
+
+/// The points as a table for people.
+pub(super) fn table(points: &[ListedPoint]) -> Table {
+    let row = |(stroke, point): &ListedPoint| {
+        let mut row = vec![plain(tidy(*stroke))];
+        match point {
+            Ok(point) => row.extend([
+                super::number::millimetres(tidy(point.delta_cd_mm)),
+                format!("{:.4}", point.center_distance_mm),
+                format!("{:.4}", point.pinion_angle_rad * DEGREES_PER_RADIAN),
+                format!("{}, {}", point.right.rack_tooth, point.right.contact),
+                format!("{}, {}", point.left.rack_tooth, point.left.contact),
+            ]),
+            Err(_) => row.extend(["–"; 5].map(str::to_owned)),
+        }
+        row
+    };
+    Table {
+        columns: vec![
+            Column::number("stroke\n[mm]"),
+            Column::number("ΔCD\n[mm]"),
+            Column::number("centre distance\n[mm]"),
+            Column::number("pinion angle\n[°]"),
+            Column::text("right flank\nof rack tooth"),
+            Column::text("left flank\nof rack tooth"),
+        ],
+        rows: points.iter().map(row).collect(),
+    }
+}
