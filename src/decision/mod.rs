@@ -11,6 +11,7 @@ mod limit;
 mod prediction;
 mod stack;
 pub mod statistics;
+pub mod uncertainty;
 
 pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};

@@ -1,6 +1,6 @@
 //! An error of a part together with the formula that maps it to ΔCD.
 
-use super::{Model, PinionPitch, RackLead, RackPitch, over_roller, pinion_radial};
+use super::{Model, PinionPitch, RackLead, RackPitch, Sensitivity, over_roller, pinion_radial};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::quantity::{Angle, DomainError, Length};
 
@@ -67,6 +67,19 @@ impl PartError {
             Self::RackLead(error, formula) => formula.delta_cd(error, model),
             Self::PinionRadial(error) => Ok(pinion_radial::delta_cd(error)),
             Self::PinionPitch(error, formula) => formula.delta_cd(error, model),
+        }
+    }
+
+    /// ∂ΔCD/∂input by the error and by the gear data of its formula.
+    ///
+    /// # Errors
+    /// [`DomainError`] if the error is outside its formula's domain or a derivative overflows.
+    pub fn sensitivities(&self, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
+        match self {
+            Self::RackOverRoller(_) | Self::PinionRadial(_) => Ok(vec![Sensitivity::OF_SHIFT]),
+            Self::RackPitch(error, formula) => formula.sensitivities(error, model),
+            Self::RackLead(error, formula) => formula.sensitivities(error, model),
+            Self::PinionPitch(error, formula) => formula.sensitivities(error, model),
         }
     }
 }

@@ -1,0 +1,172 @@
+//! The uncertainties of a part's inputs together, with their correlations, checked once. Read by the linear propagation
+//! and by Monte Carlo.
+
+use thiserror::Error;
+
+use super::{Source, Uncertainty};
+use crate::quantity::DomainError;
+
+/// What is known of the uncertainties of a part's inputs.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Uncertainties {
+    inputs: Vec<(Source, Uncertainty)>,
+    /// Correlation coefficients, a full matrix by rows.
+    correlation: Vec<f64>,
+    /// Its Cholesky factor, by rows; empty where nothing is correlated.
+    factor: Vec<f64>,
+}
+
+/// Why uncertainties make no sense.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum UncertaintyError {
+    /// A standard uncertainty that is negative or not finite.
+    #[error("the standard uncertainty of {} is {value}; it must be 0 or more", .source_of.key())]
+    Negative {
+        /// Of what.
+        source_of: Source,
+        /// The number.
+        value: f64,
+    },
+    /// Too few degrees of freedom.
+    #[error("{} has {dof} degrees of freedom; at least 1 is needed", .source_of.key())]
+    Freedom {
+        /// Of what.
+        source_of: Source,
+        /// The number.
+        dof: f64,
+    },
+    /// The same quantity twice.
+    #[error("{} has two uncertainties", .0.key())]
+    Twice(Source),
+    /// A correlation of something that has no uncertainty.
+    #[error("{} is correlated but has no uncertainty", .0.key())]
+    Unknown(Source),
+    /// A correlation coefficient beyond ±1, or of a quantity with itself.
+    #[error("the correlation of {} and {} is {coefficient}; it must be between -1 and 1, of two different quantities", .of.0.key(), .of.1.key())]
+    Coefficient {
+        /// Of which two.
+        of: (Source, Source),
+        /// The number.
+        coefficient: f64,
+    },
+    /// Correlations that cannot be at the same time.
+    #[error("the correlations contradict each other at {}: their matrix is not positive semidefinite", .0.key())]
+    Contradiction(Source),
+    /// A ΔCD or a derivative outside its domain.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+}
+
+impl Uncertainties {
+    /// Checks and combines uncertainties and the correlations between pairs of them.
+    ///
+    /// # Errors
+    /// [`UncertaintyError`] if a number is out of its domain, a quantity is named twice or not at all, or the correlation
+    /// matrix is not positive semidefinite.
+    pub fn new(
+        inputs: Vec<(Source, Uncertainty)>,
+        correlations: &[(Source, Source, f64)],
+    ) -> Result<Self, UncertaintyError> {
+        let n = inputs.len();
+        for (index, (source, uncertainty)) in inputs.iter().enumerate() {
+            if !(uncertainty.standard >= 0.0 && uncertainty.standard.is_finite()) {
+                return Err(UncertaintyError::Negative { source_of: *source, value: uncertainty.standard });
+            }
+            if uncertainty.dof.is_nan() || uncertainty.dof < 1.0 {
+                return Err(UncertaintyError::Freedom { source_of: *source, dof: uncertainty.dof });
+            }
+            if inputs[..index].iter().any(|(other, _)| other == source) {
+                return Err(UncertaintyError::Twice(*source));
+            }
+        }
+        let mut correlation = vec![0.0; n * n];
+        for i in 0..n {
+            correlation[i * n + i] = 1.0;
+        }
+        for &(a, b, coefficient) in correlations {
+            let index =
+                |source| inputs.iter().position(|(other, _)| *other == source).ok_or(UncertaintyError::Unknown(source));
+            let (i, j) = (index(a)?, index(b)?);
+            if i == j || !(-1.0..=1.0).contains(&coefficient) {
+                return Err(UncertaintyError::Coefficient { of: (a, b), coefficient });
+            }
+            correlation[i * n + j] = coefficient;
+            correlation[j * n + i] = coefficient;
+        }
+        let factor = if correlations.iter().any(|(_, _, r)| *r != 0.0) {
+            cholesky(&correlation, n).map_err(|row| UncertaintyError::Contradiction(inputs[row].0))?
+        } else {
+            Vec::new()
+        };
+        Ok(Self { inputs, correlation, factor })
+    }
+
+    /// Whether nothing has an uncertainty above 0.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.inputs.iter().all(|(_, uncertainty)| uncertainty.standard == 0.0)
+    }
+
+    /// The quantities and their uncertainties.
+    #[must_use]
+    pub fn inputs(&self) -> &[(Source, Uncertainty)] {
+        &self.inputs
+    }
+
+    /// The uncertainty of a quantity.
+    #[must_use]
+    pub fn of(&self, source: Source) -> Option<&Uncertainty> {
+        self.inputs.iter().find(|(other, _)| *other == source).map(|(_, uncertainty)| uncertainty)
+    }
+
+    /// The Cholesky factor of the correlation matrix, by rows; `None` where nothing is correlated.
+    #[must_use]
+    pub fn correlation_factor(&self) -> Option<&[f64]> {
+        (!self.factor.is_empty()).then_some(self.factor.as_slice())
+    }
+
+    /// Whether two inputs, by index, are correlated.
+    pub(super) fn correlated(&self, i: usize) -> bool {
+        let n = self.inputs.len();
+        (0..n).any(|j| j != i && self.correlation[i * n + j] != 0.0)
+    }
+
+    /// The quantities that are correlated with another one.
+    pub fn correlated_sources(&self) -> impl Iterator<Item = Source> + '_ {
+        self.inputs.iter().enumerate().filter(|(i, _)| self.correlated(*i)).map(|(_, (source, _))| *source)
+    }
+
+    /// Σ_i Σ_j a_i b_j r_ij for contributions a_i = c_i u_i of two results.
+    pub(super) fn covariance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let n = self.inputs.len();
+        if self.factor.is_empty() {
+            return a.iter().zip(b).map(|(a, b)| a * b).sum();
+        }
+        (0..n).map(|i| (0..n).map(|j| a[i] * b[j] * self.correlation[i * n + j]).sum::<f64>()).sum()
+    }
+}
+
+/// The lower triangular L with L Lᵀ = `matrix`, or the row at which it is not positive semidefinite.
+fn cholesky(matrix: &[f64], n: usize) -> Result<Vec<f64>, usize> {
+    /// Rounding may leave a pivot of a singular matrix this far below 0.
+    const ROUNDING: f64 = 1e-12;
+    let mut factor = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let dot: f64 = (0..j).map(|k| factor[i * n + k] * factor[j * n + k]).sum();
+            let rest = matrix[i * n + j] - dot;
+            if i == j {
+                if rest < -ROUNDING {
+                    return Err(i);
+                }
+                factor[i * n + i] = rest.max(0.0).sqrt();
+            } else if factor[j * n + j] > ROUNDING.sqrt() {
+                factor[i * n + j] = rest / factor[j * n + j];
+            } else if rest.abs() > ROUNDING.sqrt() {
+                return Err(i);
+            }
+        }
+    }
+    Ok(factor)
+}

@@ -1,0 +1,466 @@
+//! Measurement uncertainty of ΔCD by linear propagation: JCGM 100:2008 (GUM), clauses 5, 6 and G.4.
+//!
+//! Called by the command line and the batch engine with the errors of a part and what is known of their uncertainty; it
+//! draws nothing at random ([`monte_carlo`](super::monte_carlo) does) and judges nothing ([`rule`](super::rule) does).
+//!
+//! ```text
+//! u²(y) = Σ_i Σ_j c_i c_j u(x_i) u(x_j) r_ij        c_i = ∂y/∂x_i              (clause 5.2.2)
+//! ν_eff = u⁴(y) / Σ_i (c_i u(x_i))⁴ / ν_i                                      (clause G.4.1)
+//! U = k u(y),  k = 2, or Student's t for 95.45 % at ν_eff rounded down          (clauses 6.2, G.6.4)
+//! ```
+//!
+//! ΔCD of a pitch or lead error is a magnitude, |Δp| or |sin Δβ|: it is folded at zero. Nearer to zero than three
+//! standard uncertainties the linear result is not the standard uncertainty but an upper bound of it, the mean of
+//! what the value may be lies above the value, and the result says so ([`Linear::folded`]).
+
+mod inputs;
+mod source;
+
+pub use inputs::{Uncertainties, UncertaintyError};
+pub use source::{Distribution, Source, Uncertainty};
+
+use super::statistics::student_quantile;
+use super::{Combined, Stack};
+use crate::deviation::ErrorKind;
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Input, Model, PartError, Sensitivity};
+use crate::quantity::{Angle, DomainError, Length};
+
+/// The coverage probability of `k = 2` for a normal distribution, erf(√2).
+pub const COVERAGE: f64 = 0.954_499_736_103_641_6;
+
+/// A magnitude whose error is nearer to zero than this many standard uncertainties is not linear: at three the ends of a
+/// 95 % interval are off by 0.0005 u, which two digits do not show.
+pub const FOLD: f64 = 3.0;
+
+/// What one input contributes to a result's uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputContribution {
+    /// The input.
+    pub source: Source,
+    /// Its standard uncertainty u(x_i), mm or degrees.
+    pub standard: f64,
+    /// Its degrees of freedom.
+    pub dof: f64,
+    /// c_i = ∂y/∂x_i, mm per mm or mm per degree.
+    pub sensitivity: f64,
+    /// c_i u(x_i), mm.
+    pub contribution_mm: f64,
+    /// (c_i u(x_i))² / u²(y); `None` if u(y) is 0. With correlations the shares do not add up to 1.
+    pub share: Option<f64>,
+}
+
+/// The linear result for one ΔCD.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Linear {
+    /// The value y, mm.
+    pub value_mm: f64,
+    /// Standard uncertainty u(y), mm.
+    pub standard_mm: f64,
+    /// Effective degrees of freedom ν_eff; `None` where correlated inputs have finite ones, for which there is no formula.
+    pub dof: Option<f64>,
+    /// Coverage factor k.
+    pub coverage_factor: f64,
+    /// One per input that this result depends on.
+    pub contributions: Vec<InputContribution>,
+    /// Errors so near to zero that the magnitude of what they do is not linear: u(y) is an upper bound there.
+    pub folded: Vec<ErrorKind>,
+}
+
+impl Linear {
+    /// The expanded uncertainty U = k u(y), mm.
+    #[must_use]
+    pub fn expanded_mm(&self) -> f64 {
+        self.coverage_factor * self.standard_mm
+    }
+
+    /// The half-width of the interval that contains the value with `probability`.
+    #[must_use]
+    pub fn half_width_mm(&self, probability: f64) -> f64 {
+        let dof = self.dof.unwrap_or(f64::INFINITY);
+        self.standard_mm * student_quantile(0.5 + 0.5 * probability, dof.floor().max(1.0))
+    }
+}
+
+/// The linear results for a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Propagation {
+    /// Of each error's ΔCD, in the order of the errors.
+    pub errors: Vec<(ErrorKind, Linear)>,
+    /// Of the lower end of the combination that is judged.
+    pub lower: Linear,
+    /// Of its upper end: with the range, the sum of all.
+    pub upper: Linear,
+    /// The combination.
+    pub stack: Stack,
+    /// The correlation of both ends.
+    pub end_correlation: f64,
+}
+
+impl Propagation {
+    /// Errors whose ΔCD is so near to zero that nothing linear describes it.
+    #[must_use]
+    pub fn folded(&self) -> &[ErrorKind] {
+        &self.upper.folded
+    }
+}
+
+/// What the uncertainties of a part's inputs are about: its errors and, if the nominal of the over-roller measure is
+/// computed, from what.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    /// The errors.
+    pub errors: &'a [PartError],
+    /// The inputs of the over-roller error's nominal, if that is computed.
+    pub over_pin: Option<&'a OverPin>,
+    /// The model of the formulas.
+    pub model: Model,
+    /// How the errors are combined.
+    pub stack: Stack,
+}
+
+/// Derivatives of one ΔCD by all inputs, in the order of the inputs.
+struct Gradient {
+    kind: ErrorKind,
+    value_mm: f64,
+    derivatives: Vec<f64>,
+    /// Whether the formula folds this error and it is near zero.
+    folded: bool,
+}
+
+/// Propagates `uncertainties` through the formulas of a part, linearly.
+///
+/// # Errors
+/// [`UncertaintyError::Domain`] if a formula or one of its derivatives has no value there.
+pub fn propagate(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Propagation, UncertaintyError> {
+    let gradients: Vec<Gradient> =
+        part.errors.iter().map(|error| gradient(error, part, uncertainties)).collect::<Result<_, _>>()?;
+    let errors = gradients
+        .iter()
+        .map(|gradient| {
+            let folded = if gradient.folded { vec![gradient.kind] } else { Vec::new() };
+            (gradient.kind, linear(uncertainties, gradient.value_mm, &gradient.derivatives, folded))
+        })
+        .collect();
+    let terms: Vec<_> = part
+        .errors
+        .iter()
+        .map(|error| Ok((error.kind(), error.delta_cd(part.model)?)))
+        .collect::<Result<_, DomainError>>()?;
+    let combined = Combined::new(&terms).map_err(DomainError::from)?;
+    let (lower, upper) = combined.interval(part.stack);
+    let ends = [(false, &lower), (true, &upper)].map(|(is_upper, value)| {
+        let (derivatives, folded) = end(part.stack, is_upper, &gradients, uncertainties);
+        linear(uncertainties, value.mm(), &derivatives, folded)
+    });
+    let [lower, upper] = ends;
+    let by_input = |result: &Linear| {
+        let of = |source: Source| result.contributions.iter().find(|c| c.source == source);
+        let inputs = uncertainties.inputs().iter();
+        inputs.map(|(source, _)| of(*source).map_or(0.0, |c| c.contribution_mm)).collect::<Vec<_>>()
+    };
+    let covariance = uncertainties.covariance(&by_input(&lower), &by_input(&upper));
+    let scale = lower.standard_mm * upper.standard_mm;
+    let end_correlation = if scale > 0.0 { (covariance / scale).clamp(-1.0, 1.0) } else { 0.0 };
+    Ok(Propagation { errors, lower, upper, stack: part.stack, end_correlation })
+}
+
+/// The derivatives of one end of the combination, and what makes it not linear.
+fn end(
+    stack: Stack,
+    is_upper: bool,
+    gradients: &[Gradient],
+    uncertainties: &Uncertainties,
+) -> (Vec<f64>, Vec<ErrorKind>) {
+    let mut sum = vec![0.0; uncertainties.inputs().len()];
+    let mut folded = Vec::new();
+    let squares: f64 = gradients.iter().map(|gradient| gradient.value_mm * gradient.value_mm).sum();
+    for gradient in gradients {
+        let u = contribution_of(uncertainties, &gradient.derivatives);
+        // these combinations fold what the formula does not
+        let near_zero = u > 0.0 && gradient.value_mm.abs() < FOLD * u;
+        let sign = if gradient.value_mm < 0.0 { -1.0 } else { 1.0 };
+        let weight = match stack {
+            Stack::Range if is_upper || gradient.kind.always_acts() => 1.0,
+            Stack::Range => continue,
+            Stack::WorstCase => sign,
+            Stack::Rss if squares > 0.0 => gradient.value_mm / squares.sqrt(),
+            Stack::Rss => 1.0,
+        };
+        let weight = if stack != Stack::Range && !is_upper { -weight } else { weight };
+        for (sum, derivative) in sum.iter_mut().zip(&gradient.derivatives) {
+            *sum += weight * derivative;
+        }
+        if gradient.folded || (stack != Stack::Range && near_zero) {
+            folded.push(gradient.kind);
+        }
+    }
+    (sum, folded)
+}
+
+fn contribution_of(uncertainties: &Uncertainties, derivatives: &[f64]) -> f64 {
+    let terms = contributions(uncertainties, derivatives);
+    uncertainties.covariance(&terms, &terms).max(0.0).sqrt()
+}
+
+fn contributions(uncertainties: &Uncertainties, derivatives: &[f64]) -> Vec<f64> {
+    uncertainties.inputs().iter().zip(derivatives).map(|((_, u), c)| c * u.standard).collect()
+}
+
+fn linear(uncertainties: &Uncertainties, value_mm: f64, derivatives: &[f64], folded: Vec<ErrorKind>) -> Linear {
+    let terms = contributions(uncertainties, derivatives);
+    let variance = uncertainties.covariance(&terms, &terms).max(0.0);
+    let standard_mm = variance.sqrt();
+    let dofs: Vec<_> = uncertainties.inputs().iter().map(|(_, uncertainty)| uncertainty.dof).collect();
+    let correlated = (0..terms.len()).any(|i| terms[i] != 0.0 && dofs[i].is_finite() && uncertainties.correlated(i));
+    let dof = (!correlated).then(|| effective_dof(standard_mm, &terms, &dofs));
+    let coverage_factor = coverage_factor(dof.unwrap_or(f64::INFINITY));
+    let contributions = uncertainties
+        .inputs()
+        .iter()
+        .zip(derivatives)
+        .zip(&terms)
+        .filter(|((_, derivative), _)| **derivative != 0.0)
+        .map(|(((source, uncertainty), sensitivity), contribution)| InputContribution {
+            source: *source,
+            standard: uncertainty.standard,
+            dof: uncertainty.dof,
+            sensitivity: *sensitivity,
+            contribution_mm: *contribution,
+            share: (variance > 0.0).then(|| contribution * contribution / variance),
+        })
+        .collect();
+    Linear { value_mm, standard_mm, dof, coverage_factor, contributions, folded }
+}
+
+/// The Welch-Satterthwaite formula: ν_eff = u⁴ / Σ (c_i u_i)⁴ / ν_i for independent contributions c_i u_i; infinite where
+/// every ν_i is. Source: JCGM 100:2008, clause G.4.1.
+#[must_use]
+pub fn effective_dof(combined: f64, contributions: &[f64], dofs: &[f64]) -> f64 {
+    if combined == 0.0 {
+        return f64::INFINITY;
+    }
+    let sum: f64 = contributions
+        .iter()
+        .zip(dofs)
+        .map(|(contribution, dof)| {
+            let share = contribution / combined;
+            share * share * share * share / dof
+        })
+        .sum();
+    1.0 / sum
+}
+
+/// The coverage factor k of 95.45 %: 2, or Student's t at `dof` degrees of freedom, rounded down to a whole number.
+#[must_use]
+pub fn coverage_factor(dof: f64) -> f64 {
+    if dof.is_finite() { student_quantile(0.5 + 0.5 * COVERAGE, dof.floor().max(1.0)) } else { 2.0 }
+}
+
+fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Gradient, UncertaintyError> {
+    let kind = error.kind();
+    let mut by_source: Vec<(Source, f64)> = Vec::new();
+    let mut at_kink = false;
+    for Sensitivity { input, value } in error.sensitivities(part.model)? {
+        let Some(source) = source_of(kind, input) else { continue };
+        let value = if let Some(value) = value {
+            value
+        } else {
+            at_kink = true;
+            slope_beside_zero(error, part.model)?
+        };
+        by_source.push((source, value));
+    }
+    if let (ErrorKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
+        // M − M_nom falls as the nominal rises
+        for Sensitivity { input, value } in over_pin.sensitivities()? {
+            if let (Some(source), Some(value)) = (over_pin_source(input), value) {
+                by_source.push((source, -value));
+            }
+        }
+    }
+    let derivatives = uncertainties
+        .inputs()
+        .iter()
+        .map(|(source, _)| by_source.iter().filter(|(of, _)| of == source).map(|(_, value)| value).sum())
+        .collect();
+    let magnitude = match error {
+        PartError::RackPitch(value, _) | PartError::PinionPitch(value, _) => Some(value.mm().abs()),
+        PartError::RackLead(value, _) => Some(value.degrees().abs()),
+        PartError::RackOverRoller(_) | PartError::PinionRadial(_) => None,
+    };
+    let u = uncertainties.of(Source::Error(kind)).map_or(0.0, |uncertainty| uncertainty.standard);
+    let folded = u > 0.0 && (at_kink || magnitude.is_some_and(|magnitude| magnitude < FOLD * u));
+    Ok(Gradient { kind, value_mm: error.delta_cd(part.model)?.mm(), derivatives, folded })
+}
+
+/// The slope of a magnitude beside its kink, which no uncertainty of the error exceeds.
+fn slope_beside_zero(error: &PartError, model: Model) -> Result<f64, DomainError> {
+    const BESIDE: f64 = 1e-30;
+    let beside = match error {
+        PartError::RackPitch(_, formula) => formula.sensitivities(&Length::from_mm(BESIDE)?, model)?,
+        PartError::PinionPitch(_, formula) => formula.sensitivities(&Length::from_mm(BESIDE)?, model)?,
+        PartError::RackLead(_, formula) => formula.sensitivities(&Angle::from_degrees(BESIDE)?, model)?,
+        PartError::RackOverRoller(_) | PartError::PinionRadial(_) => return Ok(1.0),
+    };
+    Ok(beside.iter().find(|sensitivity| sensitivity.input == Input::Error).and_then(|s| s.value).unwrap_or(0.0))
+}
+
+fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {
+    match input {
+        Input::Error => Some(Source::Error(kind)),
+        Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
+        Input::HelixAngle if kind == ErrorKind::PinionPitch => Some(Source::PinionHelixAngle),
+        Input::HelixAngle => Some(Source::RackHelixAngle),
+        Input::FaceWidth => Some(Source::FaceWidth),
+        _ => None,
+    }
+}
+
+fn over_pin_source(input: Input) -> Option<Source> {
+    match input {
+        Input::NormalModule => Some(Source::NormalModule),
+        Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
+        Input::ToothThickness => Some(Source::ToothThickness),
+        Input::Datum => Some(Source::Datum),
+        Input::PinDiameter => Some(Source::Roller),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::{PinionPitch, RackLead, RackPitch};
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn angle(text: &str) -> Angle {
+        text.parse().unwrap()
+    }
+
+    fn five(pitch: &str, lead: &str) -> Vec<PartError> {
+        let (alpha, rack, pinion) = (angle("20"), angle("12"), angle("21"));
+        vec![
+            PartError::RackOverRoller(length("0.013")),
+            PartError::RackPitch(length(pitch), RackPitch::new(&alpha, &rack).unwrap()),
+            PartError::RackLead(angle(lead), RackLead::new(&alpha, &rack, &length("19.7")).unwrap()),
+            PartError::PinionRadial(length("-0.004")),
+            PartError::PinionPitch(length("0.009"), PinionPitch::new(&alpha, &pinion).unwrap()),
+        ]
+    }
+
+    fn part(errors: &[PartError]) -> Part<'_> {
+        Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range }
+    }
+
+    #[test]
+    fn the_end_gauge_of_jcgm_100_h1() {
+        // JCGM 100:2008, H.1: contributions 25, 9.7, 2.9 and 16.6 nm with 18, 25.6, 50 and 2 degrees of freedom
+        let (terms, dofs) = ([25.0, 9.7, 2.9, 16.6], [18.0, 25.6, 50.0, 2.0]);
+        let u = terms.iter().map(|t| t * t).sum::<f64>().sqrt();
+        assert_eq!(format!("{u:.0}"), "32");
+        let dof = effective_dof(u, &terms, &dofs);
+        assert_eq!(format!("{:.0}", dof.floor()), "16");
+        let k = student_quantile(0.995, dof.floor());
+        assert_eq!(format!("{k:.2}"), "2.92");
+        assert_eq!(format!("{:.0}", k * u), "93");
+    }
+
+    #[test]
+    fn contributions_add_up_in_squares() {
+        let errors = five("0.012", "0.0255");
+        let u = |standard| Uncertainty::standard(standard);
+        let inputs = vec![
+            (Source::Error(ErrorKind::RackOverRoller), u(0.0008)),
+            (Source::Error(ErrorKind::RackPitch), u(0.0006)),
+            (Source::Error(ErrorKind::RackLead), u(0.001)),
+            (Source::NormalPressureAngle, u(0.05)),
+            (Source::FaceWidth, u(0.1)),
+        ];
+        let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+        let shares: f64 = result.upper.contributions.iter().filter_map(|c| c.share).sum();
+        assert!((shares - 1.0).abs() < 1e-12);
+        assert_eq!(result.upper.coverage_factor, 2.0);
+        assert!(result.folded().is_empty());
+        // the lower end is the over-roller and radial error alone
+        assert!((result.lower.standard_mm - 0.0008).abs() < 1e-15);
+        assert!((result.end_correlation - 0.0008 / result.upper.standard_mm).abs() < 1e-12);
+        // the pitch error alone: cos 12° / (2 tan 20°) of its own, and its share of the pressure angle's
+        let (_, pitch) = &result.errors[1];
+        let gain = 0.978_147_600_733_805_6 / (2.0 * 0.363_970_234_266_202_4);
+        let by_alpha = 0.012 * gain / (0.342_020_143_325_668_7 * 0.939_692_620_785_908_4) * 0.017_453_292_519_943_3;
+        let (own, of_angle): (f64, f64) = (gain * 0.0006, by_alpha * 0.05);
+        let expected = (own * own + of_angle * of_angle).sqrt();
+        assert!((pitch.standard_mm / expected - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn correlations_add_or_cancel() {
+        let errors = five("0.012", "0.0255");
+        let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));
+        let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.003))];
+        for (r, expected) in [(1.0, 0.006), (0.0, 0.003 * 2.0_f64.sqrt()), (-1.0, 0.0)] {
+            let uncertainties = Uncertainties::new(inputs.clone(), &[(a, b, r)]).unwrap();
+            let result = propagate(&part(&errors), &uncertainties).unwrap();
+            assert!((result.upper.standard_mm - expected).abs() < 1e-12, "{r}");
+        }
+        assert!(matches!(
+            Uncertainties::new(inputs, &[(a, b, 1.5)]),
+            Err(UncertaintyError::Coefficient { coefficient: 1.5, .. })
+        ));
+    }
+
+    #[test]
+    fn correlations_that_cannot_be_are_refused() {
+        let sources = [ErrorKind::RackOverRoller, ErrorKind::PinionRadial, ErrorKind::RackPitch].map(Source::Error);
+        let inputs = sources.map(|source| (source, Uncertainty::standard(0.001))).to_vec();
+        let [a, b, c] = sources;
+        let contradiction = Uncertainties::new(inputs.clone(), &[(a, b, 0.9), (b, c, 0.9), (a, c, -0.9)]);
+        assert_eq!(contradiction, Err(UncertaintyError::Contradiction(c)));
+        assert!(Uncertainties::new(inputs, &[(a, b, 1.0), (b, c, 1.0), (a, c, 1.0)]).is_ok());
+    }
+
+    #[test]
+    fn near_zero_the_linear_result_says_that_it_is_none() {
+        let u = 0.001;
+        for (pitch, folded) in [("0", true), ("0.0029", true), ("-0.0029", true), ("0.0031", false), ("-0.0031", false)]
+        {
+            let errors = five(pitch, "0.0255");
+            let inputs = vec![(Source::Error(ErrorKind::RackPitch), Uncertainty::standard(u))];
+            let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+            assert_eq!(result.folded().contains(&ErrorKind::RackPitch), folded, "{pitch}");
+            // and is still an upper bound: the gain times u
+            assert!((result.errors[1].1.standard_mm - u * 1.343_719_222_954_923).abs() < 1e-12, "{pitch}");
+        }
+        // the worst case folds signed errors too
+        let errors = [PartError::RackOverRoller(length("0.0001"))];
+        let inputs = vec![(Source::Error(ErrorKind::RackOverRoller), Uncertainty::standard(u))];
+        let uncertainties = Uncertainties::new(inputs, &[]).unwrap();
+        let worst = Part { stack: Stack::WorstCase, ..part(&errors) };
+        assert!(!propagate(&worst, &uncertainties).unwrap().folded().is_empty());
+        assert!(propagate(&part(&errors), &uncertainties).unwrap().folded().is_empty());
+    }
+
+    #[test]
+    fn degrees_of_freedom_widen_the_interval() {
+        let errors = [PartError::RackOverRoller(length("0.01"))];
+        let four = Uncertainty { dof: 4.0, ..Uncertainty::standard(0.001) };
+        let uncertainties = Uncertainties::new(vec![(Source::Error(ErrorKind::RackOverRoller), four)], &[]).unwrap();
+        let result = propagate(&part(&errors), &uncertainties).unwrap().upper;
+        assert_eq!(result.dof, Some(4.0));
+        // JCGM 100:2008, Table G.2: 2.87
+        assert_eq!(format!("{:.2}", result.coverage_factor), "2.87");
+    }
+
+    #[test]
+    fn half_widths_and_expanded_uncertainties() {
+        let near = |u: Uncertainty, expected: f64| assert!((u.standard - expected).abs() < 1e-15, "{u:?}");
+        near(Uncertainty::half_width(0.003, Distribution::Rectangular), 0.003 / 3.0_f64.sqrt());
+        near(Uncertainty::half_width(0.003, Distribution::Triangular), 0.003 / 6.0_f64.sqrt());
+        near(Uncertainty::half_width(0.003, Distribution::Arcsine), 0.003 / 2.0_f64.sqrt());
+        near(Uncertainty::expanded(0.003, 2.0), 0.0015);
+    }
+}
