@@ -86,7 +86,8 @@ impl Args {
             output.diagnostic(&unjudged(&spec, target));
         }
         let rack_is_helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
-        let mut report = EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical);
+        let mut report =
+            EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical).with_classes(spec.classes()?);
         if self.mesh {
             report.mesh = Some(self.mesh_part(&spec)?);
         }

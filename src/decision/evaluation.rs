@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{Combined, Limit, LimitTarget, Limits, Stack, Verdict};
+use super::{Combined, Limit, LimitTarget, Limits, Stack, Term, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Model, PartError};
 use crate::quantity::{DomainError, Length};
@@ -20,9 +20,17 @@ pub struct Contribution {
     pub paper: Length,
     /// Its share of the worst case, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
     pub share: Option<f64>,
+    /// Whether the value is a permissible deviation, whose sign is not known, in place of a measured one.
+    pub is_tolerance: bool,
 }
 
 impl Contribution {
+    /// The term that it is in a combination.
+    #[must_use]
+    pub fn term(&self, model: Model) -> Term {
+        Term { kind: self.kind, delta_cd: self.delta_cd(model).clone(), is_tolerance: self.is_tolerance }
+    }
+
     /// ΔCD by `model`.
     #[must_use]
     pub fn delta_cd(&self, model: Model) -> &Length {
@@ -109,11 +117,18 @@ pub fn evaluate(
         let of_error = |problem: DomainError| EvaluationError { error: Some(error.kind()), problem: Box::new(problem) };
         let exact = error.delta_cd(Model::Exact).map_err(of_error)?;
         let paper = error.delta_cd(Model::Paper).map_err(of_error)?;
-        contributions.push(Contribution { kind: error.kind(), value: error.value(), exact, paper, share: None });
+        contributions.push(Contribution {
+            kind: error.kind(),
+            value: error.value(),
+            exact,
+            paper,
+            share: None,
+            is_tolerance: error.is_tolerance(),
+        });
     }
-    let terms: Vec<_> = contributions.iter().map(|c| (c.kind, c.delta_cd(model).clone())).collect();
+    let terms: Vec<_> = contributions.iter().map(|contribution| contribution.term(model)).collect();
     let combined =
-        Combined::new(&terms).map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
+        Combined::of(&terms).map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
     if !combined.worst_case.is_zero() {
         for contribution in &mut contributions {
             let magnitude = contribution.delta_cd(model).abs();
@@ -125,10 +140,9 @@ pub fn evaluate(
         .map(|(on, limit)| {
             let result = match on {
                 LimitTarget::CenterDistance => Some(combined.interval(stack)),
-                LimitTarget::Error(kind) => contributions.iter().find(|c| c.kind == *kind).map(|c| {
-                    let delta_cd = c.delta_cd(model);
-                    (delta_cd.clone(), delta_cd.clone())
-                }),
+                LimitTarget::Error(kind) => {
+                    contributions.iter().find(|c| c.kind == *kind).map(|c| c.term(model).interval())
+                }
             };
             let verdict = result.as_ref().map(|(lower, upper)| limit.judge(lower, upper));
             LimitCheck { on: *on, limit: limit.clone(), result, verdict }

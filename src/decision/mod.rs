@@ -6,6 +6,7 @@
 //! inside it. Nothing here reads files or prints.
 
 pub mod capability;
+pub mod class;
 mod evaluation;
 mod limit;
 mod prediction;
@@ -16,4 +17,4 @@ pub mod uncertainty;
 pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
 pub use prediction::{Predicted, Prediction};
-pub use stack::{Combined, Stack};
+pub use stack::{Combined, Stack, Term};

@@ -40,6 +40,30 @@ impl fmt::Display for Stack {
     }
 }
 
+/// One ΔCD of a sum.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Term {
+    /// The kind of error that it comes from.
+    pub kind: ErrorKind,
+    /// ΔCD.
+    pub delta_cd: Length,
+    /// Whether the error is a permissible deviation, whose sign is not known.
+    pub is_tolerance: bool,
+}
+
+impl Term {
+    /// From lowest to highest, ΔCD while the error acts: a permissible over-roller or radial deviation may
+    /// act either way.
+    #[must_use]
+    pub fn interval(&self) -> (Length, Length) {
+        if self.is_tolerance && self.kind.always_acts() {
+            (-&self.delta_cd.abs(), self.delta_cd.abs())
+        } else {
+            (self.delta_cd.clone(), self.delta_cd.clone())
+        }
+    }
+}
+
 /// The combinations of several ΔCD.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Combined {
@@ -54,27 +78,36 @@ pub struct Combined {
 }
 
 impl Combined {
-    /// Combines the ΔCD of each error.
+    /// Combines the ΔCD of each measured error.
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] if a sum is beyond the range of `f64`.
     pub fn new(terms: &[(ErrorKind, Length)]) -> Result<Self, QuantityError> {
-        let sum = |which: &dyn Fn(ErrorKind) -> bool, magnitude: bool| -> Result<Length, QuantityError> {
-            let sum: Length = terms
-                .iter()
-                .filter(|(kind, _)| which(*kind))
-                .map(|(_, delta_cd)| if magnitude { delta_cd.abs() } else { delta_cd.clone() })
-                .sum();
+        let measured = |(kind, delta_cd): &(ErrorKind, Length)| Term {
+            kind: *kind,
+            delta_cd: delta_cd.clone(),
+            is_tolerance: false,
+        };
+        Self::of(&terms.iter().map(measured).collect::<Vec<_>>())
+    }
+
+    /// Combines the ΔCD of each error, measured or permissible.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] if a sum is beyond the range of `f64`.
+    pub fn of(terms: &[Term]) -> Result<Self, QuantityError> {
+        let sum = |terms: &mut dyn Iterator<Item = Length>| -> Result<Length, QuantityError> {
+            let sum: Length = terms.sum();
             Length::from_exact_mm(sum.exact_mm().clone(), "the sum of ΔCD")
         };
-        let squares = terms.iter().fold(Rational::ZERO, |sum, (_, delta_cd)| &sum + &delta_cd.exact_mm().square());
+        let squares = terms.iter().fold(Rational::ZERO, |sum, term| &sum + &term.delta_cd.exact_mm().square());
         // a root that is rational, as that of 0.03² + 0.04², is exact, and stays so
         let root = squares.sqrt().unwrap_or(Rational::ZERO);
         let rss = if root.square() == squares { root } else { root.round_significant(40) };
         Ok(Self {
-            range_lower: sum(&ErrorKind::always_acts, false)?,
-            range_upper: sum(&|_| true, false)?,
-            worst_case: sum(&|_| true, true)?,
+            range_lower: sum(&mut terms.iter().filter(|term| term.kind.always_acts()).map(|term| term.interval().0))?,
+            range_upper: sum(&mut terms.iter().map(|term| term.interval().1))?,
+            worst_case: sum(&mut terms.iter().map(|term| term.delta_cd.abs()))?,
             rss: Length::from_exact_mm(rss, "the RSS of ΔCD")?,
         })
     }
@@ -110,6 +143,19 @@ mod tests {
         assert_eq!((c.range_lower.mm(), c.range_upper.mm()), (-0.02, 0.025));
         assert_eq!(c.worst_case.mm(), 0.085);
         assert_eq!(c.interval(Stack::WorstCase).0.mm(), -0.085);
+    }
+
+    #[test]
+    fn a_permissible_deviation_acts_either_way() {
+        let term = |kind, text: &str, is_tolerance| Term { kind, delta_cd: text.parse().unwrap(), is_tolerance };
+        let c = Combined::of(&[
+            term(ErrorKind::RackOverRoller, "0.03", true),
+            term(ErrorKind::PinionRadial, "0.01", false),
+            term(ErrorKind::RackPitch, "0.04", true),
+        ])
+        .unwrap();
+        assert_eq!((c.range_lower.mm(), c.range_upper.mm()), (-0.02, 0.08));
+        assert_eq!(c.worst_case.mm(), 0.08);
     }
 
     #[test]

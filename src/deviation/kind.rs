@@ -4,6 +4,26 @@ use std::fmt;
 
 use crate::quantity::{Angle, Length};
 
+/// A part of the pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// The rack.
+    Rack,
+    /// The pinion.
+    Pinion,
+}
+
+impl Part {
+    /// `rack` or `pinion`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rack => "rack",
+            Self::Pinion => "pinion",
+        }
+    }
+}
+
 /// A kind of manufacturing error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ErrorKind {

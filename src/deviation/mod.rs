@@ -15,7 +15,7 @@ mod tooth_range;
 
 pub use error::{DeviationError, DeviationQuantity};
 pub use form::{PinionForm, RackForm};
-pub use kind::{ErrorKind, ErrorValue};
+pub use kind::{ErrorKind, ErrorValue, Part};
 pub use measured::{PinionToothRow, RackSpaceRow, pinion_flanks_from_rows, rack_flanks_from_spaces};
 pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
 pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};

@@ -57,6 +57,10 @@ codes! {
     BadTable = "bad-table",
     /// A limit that is not a limit.
     BadLimit = "bad-limit",
+    /// A class that has no permissible value.
+    NoClass = "no-class",
+    /// A name that is no standard's.
+    UnknownStandard = "unknown-standard",
     /// There is nothing to evaluate.
     NoErrors = "no-errors",
     /// A limit on an error that is not given.

@@ -17,6 +17,8 @@ pub enum PartError {
     PinionRadial(Length),
     /// Single pitch deviation of the pinion.
     PinionPitch(Length, PinionPitch),
+    /// A permissible deviation in place of a measured one: the error is any from minus to plus this.
+    Within(Box<PartError>),
 }
 
 impl PartError {
@@ -24,6 +26,7 @@ impl PartError {
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
         match self {
+            Self::Within(error) => error.kind(),
             Self::RackOverRoller(_) => ErrorKind::RackOverRoller,
             Self::RackPitch(..) => ErrorKind::RackPitch,
             Self::RackLead(..) => ErrorKind::RackLead,
@@ -32,10 +35,17 @@ impl PartError {
         }
     }
 
+    /// Whether the value is a permissible deviation, whose sign is not known.
+    #[must_use]
+    pub const fn is_tolerance(&self) -> bool {
+        matches!(self, Self::Within(_))
+    }
+
     /// The formula without the value.
     #[must_use]
     pub fn formula(&self) -> PartFormula {
         match self {
+            Self::Within(error) => error.formula(),
             Self::RackOverRoller(_) => PartFormula::RackOverRoller,
             Self::RackPitch(_, formula) => PartFormula::RackPitch(formula.clone()),
             Self::RackLead(_, formula) => PartFormula::RackLead(formula.clone()),
@@ -44,10 +54,11 @@ impl PartError {
         }
     }
 
-    /// The error's value.
+    /// The error's value; of a permissible deviation, its largest magnitude.
     #[must_use]
     pub fn value(&self) -> ErrorValue {
         match self {
+            Self::Within(error) => error.value(),
             Self::RackOverRoller(error)
             | Self::PinionRadial(error)
             | Self::RackPitch(error, _)
@@ -62,6 +73,7 @@ impl PartError {
     /// [`DomainError`] if the error is outside its formula's domain or the result overflows.
     pub fn delta_cd(&self, model: Model) -> Result<Length, DomainError> {
         match self {
+            Self::Within(error) => error.delta_cd(model),
             Self::RackOverRoller(error) => Ok(over_roller::delta_cd(error)),
             Self::RackPitch(error, formula) => formula.delta_cd(error, model),
             Self::RackLead(error, formula) => formula.delta_cd(error, model),

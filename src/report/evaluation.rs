@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, signed, tidy};
 use super::{Block, Column, Report, Table};
+use crate::decision::class::ErrorClass;
 use crate::decision::{Evaluation, LimitCheck, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Model, formula_text};
@@ -22,6 +23,8 @@ pub struct EvaluationReport<'a> {
     pub notes: Vec<String>,
     /// The exact mesh over a stroke, where it was asked for.
     pub mesh: Option<MeshPart>,
+    /// What errors given as classes came to.
+    pub classes: Vec<ErrorClass>,
 }
 
 /// The exact mesh of the same parts, in short.
@@ -48,9 +51,15 @@ struct ContributionRow {
     model: &'static str,
     formula: &'static str,
     share: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    class: Option<Value>,
 }
 
 impl EvaluationReport<'_> {
+    fn class(&self, kind: ErrorKind) -> Option<&ErrorClass> {
+        self.classes.iter().find(|class| class.kind == kind)
+    }
+
     fn contributions(&self) -> impl Iterator<Item = ContributionRow> + '_ {
         let model = self.evaluation.model;
         self.evaluation.contributions.iter().map(move |contribution| {
@@ -68,6 +77,7 @@ impl EvaluationReport<'_> {
                 model: model.name(),
                 formula: formula_text(contribution.kind, model),
                 share: contribution.share,
+                class: self.class(contribution.kind).map(class_json),
             }
         })
     }
@@ -88,10 +98,14 @@ impl EvaluationReport<'_> {
                 ErrorValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
                 ErrorValue::Angle(angle) => format!("{}°", signed(angle.degrees(), 4)),
             };
+            // a permissible deviation has no sign, and ΔCD has one only where it can push one way
+            let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
+            let both_ways = contribution.is_tolerance && contribution.kind.always_acts();
+            let delta_cd = |model| either_way(millimetres(contribution.delta_cd(model).mm()), both_ways);
             let mut row =
-                vec![contribution.kind.to_string(), deviation, millimetres(contribution.delta_cd(model).mm())];
+                vec![contribution.kind.to_string(), either_way(deviation, contribution.is_tolerance), delta_cd(model)];
             if both {
-                row.push(millimetres(contribution.delta_cd(other).mm()));
+                row.push(delta_cd(other));
             }
             row.push(contribution.share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share)));
             row.push(formula_text(contribution.kind, model).to_owned());
@@ -109,6 +123,9 @@ impl EvaluationReport<'_> {
                 millimetres(lower.mm()),
                 millimetres(upper.mm()),
                 match stack {
+                    Stack::Range if self.evaluation.contributions.iter().any(|c| c.is_tolerance) => {
+                        "over-roller, radial: always, by class ±; pitch, lead: 0 … value"
+                    }
                     Stack::Range => "over-roller, radial: always; pitch, lead: 0 … value",
                     Stack::WorstCase => "sum of magnitudes, either way",
                     Stack::Rss => "root of the sum of squares, either way",
@@ -174,6 +191,20 @@ impl EvaluationReport<'_> {
         };
         Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {})", evaluation.stack)))
     }
+}
+
+/// What a class came to, for programs.
+pub(super) fn class_json(class: &ErrorClass) -> Value {
+    let permissible = &class.permissible;
+    json!({
+        "standard": permissible.standard.id(),
+        "grade": permissible.grade,
+        "symbol": permissible.symbol(),
+        "value_um": permissible.value_um().to_f64(),
+        "unrounded_um": permissible.unrounded_um().to_f64(),
+        "diameter_mm": class.diameter.as_ref().map(|(diameter, _)| diameter.mm()),
+        "diameter_source": class.diameter.as_ref().map(|(_, source)| source.in_words()),
+    })
 }
 
 fn verdict_name(verdict: Option<Verdict>) -> Option<&'static str> {
@@ -258,7 +289,7 @@ impl Report for EvaluationReport<'_> {
     /// One row per error, then one per combination, then one per limit; columns that a row has no value
     /// for are empty.
     fn rows(&self) -> Vec<Vec<String>> {
-        const HEADER: [&str; 14] = [
+        const HEADER: [&str; 15] = [
             "kind",
             "name",
             "deviation_mm",
@@ -273,15 +304,16 @@ impl Report for EvaluationReport<'_> {
             "upper_mm",
             "limit_lower_mm",
             "limit_upper_mm",
+            "verdict",
         ];
-        let verdict = "verdict";
-        let mut header: Vec<String> = HEADER.iter().map(|name| (*name).to_owned()).collect();
-        header.push(verdict.to_owned());
+        const CLASS_HEADER: [&str; 3] = ["standard", "grade", "diameter_mm"];
+        let header: Vec<String> = HEADER.iter().chain(&CLASS_HEADER).map(|name| (*name).to_owned()).collect();
         let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
         let mm = |length: Option<&Length>| number(length.map(Length::mm));
         let empty = String::new;
         let mut rows = vec![header];
-        for row in self.contributions() {
+        for (row, contribution) in self.contributions().zip(&self.evaluation.contributions) {
+            let class = self.class(contribution.kind);
             rows.push(vec![
                 "error".to_owned(),
                 row.error.to_owned(),
@@ -298,6 +330,9 @@ impl Report for EvaluationReport<'_> {
                 empty(),
                 empty(),
                 empty(),
+                class.map_or_else(empty, |class| class.permissible.standard.id().to_owned()),
+                class.map_or_else(empty, |class| class.permissible.grade.to_string()),
+                mm(class.and_then(|class| class.diameter.as_ref()).map(|(diameter, _)| diameter)),
             ]);
         }
         let mut interval_row = |kind: &str, name: &str, ends: [String; 4], verdict: String| {
@@ -307,6 +342,7 @@ impl Report for EvaluationReport<'_> {
             row.extend([empty(), empty()]);
             row.extend(ends);
             row.push(verdict);
+            row.extend(CLASS_HEADER.map(|_| empty()));
             rows.push(row);
         };
         for stack in [Stack::Range, Stack::WorstCase, Stack::Rss] {
@@ -356,6 +392,14 @@ impl<'a> EvaluationReport<'a> {
         if has_lead && rack_is_helical {
             notes.push("note: for a helical rack the formula of the lead error holds within about 2 %".to_owned());
         }
-        Self { title, evaluation, notes, mesh: None }
+        Self { title, evaluation, notes, mesh: None, classes: Vec::new() }
+    }
+
+    /// Adds what errors given as classes came to.
+    #[must_use]
+    pub fn with_classes(mut self, classes: Vec<ErrorClass>) -> Self {
+        self.notes.extend(classes.iter().map(|class| format!("class: {}", class.in_words())));
+        self.classes = classes;
+        self
     }
 }

@@ -26,6 +26,10 @@ pub(crate) enum Kind {
     File,
     /// One of these words.
     Word(&'static [&'static str]),
+    /// The name of an accuracy standard and its edition.
+    Standard,
+    /// Which diameter stands for a rack: `"pinion"`, `"developed"`, or a length.
+    RackDiameter,
     /// Which teeth: `"all"`, `5`, `"5"`, `"8.."`, `"8..=12"`.
     Teeth,
     /// A table with these keys.
@@ -97,6 +101,11 @@ pub(crate) const RACK: Section = Section {
             "datum",
             Kind::Length(domain::DATUM),
             "Distance K from the measuring datum (the bar's axis or back) to the reference plane.",
+        ),
+        key(
+            "toothed_length",
+            Kind::Length(Domain::positive("toothed length", "L")),
+            "Length L of the toothed part; its developed diameter is L/π.",
         ),
         key("pin", Kind::Length(domain::PIN_DIAMETER), "Diameter of the pin behind measured over-pin values."),
         key("measured", Kind::File, "Table of measured spaces: over-pin, position, lead."),
@@ -284,5 +293,18 @@ pub(crate) const SUPPORT: Section = Section {
     ],
 };
 
+pub(crate) const TOLERANCE: Section = Section {
+    name: "tolerance",
+    doc: "What an error given as { class = … } refers to.",
+    keys: &[
+        key("standard", Kind::Standard, "The accuracy standard and its edition, such as iso1328-1:1995."),
+        key(
+            "diameter",
+            Kind::RackDiameter,
+            "Which reference diameter stands for the rack: \"pinion\", \"developed\" (L/π), or a length. No default.",
+        ),
+    ],
+};
+
 /// The sections in the order in which they are documented.
-pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, ERRORS, LIMITS];
+pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS];

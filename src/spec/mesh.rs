@@ -394,7 +394,10 @@ fn on_teeth(errors: &[PartError], pair: &Pair) -> (Vec<RackDeviation>, Vec<Writt
     let half_turn = ToothRange::new(Some(i64::from(pair.pinion().teeth / 2)), None).unwrap_or(ToothRange::ALL);
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     for error in errors {
+        // of a permissible deviation, its upper end
+        let error = if let PartError::Within(error) = error { error } else { error };
         match error {
+            PartError::Within(_) => {}
             PartError::RackOverRoller(length) => {
                 rack.push(RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::OverRoller(length.mm()) });
             }

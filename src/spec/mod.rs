@@ -5,6 +5,7 @@
 //! each value by itself, and reports every problem at once, with its place. Resolution asks for what a
 //! result needs, and only then is a key required. Nothing below this module knows TOML.
 
+mod class;
 mod deviations;
 mod keys;
 mod mesh;
@@ -13,6 +14,7 @@ mod resolve;
 mod schema;
 mod template;
 
+pub use class::ToleranceSection;
 pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use schema::json_schema;
@@ -56,6 +58,8 @@ pub struct Spec {
     pub pinion: PinionSection,
     /// `[support]`.
     pub support: SupportSection,
+    /// `[tolerance]`.
+    pub tolerance: ToleranceSection,
     /// `[errors]`, in the paper's order.
     pub errors: Vec<(ErrorKind, Located<WrittenError>)>,
     /// `[limits]`.
@@ -84,6 +88,8 @@ pub struct RackSection {
     pub tooth_thickness: Option<Located<Length>>,
     /// K
     pub datum: Option<Located<Length>>,
+    /// L
+    pub toothed_length: Option<Located<Length>>,
     /// Diameter of the pin behind measured over-pin values.
     pub pin: Option<Located<Length>>,
     /// Table of measured spaces.
@@ -146,6 +152,8 @@ pub enum WrittenError {
         /// The roller's diameter.
         roller: Length,
     },
+    /// A grade of the standard in `[tolerance]`.
+    Class(u8),
 }
 
 impl Spec {
@@ -176,6 +184,7 @@ impl Spec {
             addendum: reader.length("addendum"),
             tooth_thickness: reader.length("tooth_thickness"),
             datum: reader.length("datum"),
+            toothed_length: reader.length("toothed_length"),
             pin: reader.length("pin"),
             measured: reader.file("measured"),
             deviations: deviations::rack(reader),
@@ -199,6 +208,10 @@ impl Spec {
             roll: reader.word("roll"),
             roll_axis_depth: reader.length("roll_axis_depth"),
         });
+        let tolerance = sections.read(&keys::TOLERANCE, |reader| ToleranceSection {
+            standard: reader.standard("standard"),
+            diameter: reader.rack_diameter("diameter"),
+        });
         let errors = sections.read(&keys::ERRORS, |reader| {
             ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect()
         });
@@ -210,7 +223,7 @@ impl Spec {
                 .collect()
         });
         if diagnostics.is_empty() {
-            Ok(Self { source, title, pair, rack, pinion, support, errors, limits })
+            Ok(Self { source, title, pair, rack, pinion, support, tolerance, errors, limits })
         } else {
             diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
             Err(Diagnostics(diagnostics))
@@ -316,11 +329,14 @@ fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located
 /// The keys that the table form of an error may have, in the combinations that make an error.
 pub(crate) fn error_table_forms(kind: ErrorKind) -> &'static [&'static [&'static str]] {
     match kind {
-        ErrorKind::RackOverRoller => &[&["measured", "nominal"], &["measured", "roller"]],
-        ErrorKind::RackLead => &[&["measured", "nominal"], &["f_h_beta", "length"]],
-        _ => &[&["measured", "nominal"]],
+        ErrorKind::RackOverRoller => &[&["measured", "nominal"], &["measured", "roller"], &["class"]],
+        ErrorKind::RackLead => &[&["measured", "nominal"], &["f_h_beta", "length"], &["class"]],
+        _ => &[&["measured", "nominal"], &["class"]],
     }
 }
+
+/// The coarsest grade of any standard.
+pub(crate) const LARGEST_CLASS: u8 = 12;
 
 fn read_error_table(
     reader: &mut SectionReader<'_>,
@@ -354,6 +370,9 @@ fn read_error_table(
         reader.report(diagnostic, span, "");
         return None;
     };
+    if *form == ["class"] {
+        return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class);
+    }
     let mut length = |name: &str| reader.length_value(name, entry.get(name)?);
     match form {
         ["f_h_beta", "length"] => {
@@ -386,7 +405,11 @@ fn read_error_table(
 }
 
 fn forms_in_words(forms: &[&[&str]]) -> String {
-    let tables: Vec<_> = forms.iter().map(|form| format!("{{ {} = …, {} = … }}", form[0], form[1])).collect();
+    let table = |form: &&[&str]| {
+        let keys: Vec<_> = form.iter().map(|name| format!("{name} = …")).collect();
+        format!("{{ {} }}", keys.join(", "))
+    };
+    let tables: Vec<_> = forms.iter().map(table).collect();
     format!("a deviation, or {}", tables.join(" or "))
 }
 

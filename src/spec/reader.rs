@@ -6,10 +6,13 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::LARGEST_CLASS;
 use super::Located;
 use super::keys::{Kind, SECTIONS, Section};
+use crate::decision::class::RackDiameter;
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::{Angle, DomainError, Length, QuantityError, Rational};
+use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, Rational};
+use crate::standard::Standard;
 
 /// A table of the spec while it is being read.
 pub(super) struct SectionReader<'a> {
@@ -106,6 +109,54 @@ impl SectionReader<'_> {
         // the domain is far inside u32, and the number is whole
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the domain")]
         Some(Located { value: number.to_f64() as u32, span: value.span() })
+    }
+
+    /// The name of a standard.
+    pub(super) fn standard(&mut self, name: &str) -> Option<Located<Standard>> {
+        let value = self.table?.get(name)?;
+        match self.text(name)?.parse() {
+            Ok(standard) => Some(Located { value: standard, span: value.span() }),
+            Err(error) => {
+                let message = format!("`{name}`: {error}");
+                self.report(Diagnostic::error(Code::UnknownStandard, message), value.span(), "");
+                None
+            }
+        }
+    }
+
+    /// Which diameter stands for a rack.
+    pub(super) fn rack_diameter(&mut self, name: &str) -> Option<Located<RackDiameter>> {
+        const DIAMETER: Domain = Domain::positive("reference diameter", "d");
+        let value = self.table?.get(name)?;
+        let choice = match value.get_ref() {
+            DeValue::String(text) if text.as_ref() == "pinion" => RackDiameter::Pinion,
+            DeValue::String(text) if text.as_ref() == "developed" => RackDiameter::Developed,
+            DeValue::String(text) if !text.contains(|c: char| c.is_ascii_digit()) => {
+                let message = format!("`{name}` must be \"pinion\", \"developed\" or a length");
+                self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
+                return None;
+            }
+            _ => {
+                let length = self.length_value(name, value)?;
+                self.in_domain(DIAMETER.check_length(&length), value.span())?;
+                RackDiameter::Given(length)
+            }
+        };
+        Some(Located { value: choice, span: value.span() })
+    }
+
+    /// The grade of a class.
+    pub(super) fn class_value(&mut self, value: &Spanned<DeValue<'_>>) -> Option<u8> {
+        let DeValue::Integer(integer) = value.get_ref() else {
+            self.wrong_type("class", value, "a whole number");
+            return None;
+        };
+        let grade = integer.as_str().parse().ok().filter(|grade| integer.radix() == 10 && *grade <= LARGEST_CLASS);
+        if grade.is_none() {
+            let message = format!("`class` is {}; grades are 0 to {LARGEST_CLASS}", integer.as_str());
+            self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
+        }
+        grade
     }
 
     fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rational> {

@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Located, Spec, WrittenError};
+use crate::decision::class::within;
 use crate::decision::{EvaluationError, Limits};
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Model, PartError, PinionPitch, RackLead, RackPitch, formula_text};
@@ -30,7 +31,23 @@ impl Spec {
         let mut diagnostics = Vec::new();
         let mut errors = Vec::with_capacity(self.errors.len());
         for (kind, written) in &self.errors {
-            match self.part_error(*kind, written, &mut missing) {
+            let mut given = Located { value: written.value.clone(), span: written.span.clone() };
+            let is_class = if let WrittenError::Class(grade) = written.value {
+                match self.class(*kind, grade, &written.span, &mut missing) {
+                    Some(Ok(class)) => given.value = written_value(&class.value),
+                    Some(Err(diagnostic)) => {
+                        diagnostics.push(diagnostic);
+                        continue;
+                    }
+                    None => continue,
+                }
+                true
+            } else {
+                false
+            };
+            let error = self.part_error(*kind, &given, &mut missing);
+            let error = error.map(|error| error.map(|error| if is_class { within(error) } else { error }));
+            match error {
                 Some(Ok(error)) => errors.push(error),
                 Some(Err(error)) => diagnostics.push(self.contradiction(written, &error)),
                 // the key that it needs is among the missing ones
@@ -109,6 +126,13 @@ impl Spec {
         };
         let code = if matches!(error, DomainError::Overflow(_)) { Code::NoResult } else { Code::OutOfDomain };
         Diagnostic::error(code, error.to_string()).at(&self.source, span.unwrap_or_else(|| written.span.clone()), "")
+    }
+}
+
+fn written_value(value: &ErrorValue) -> WrittenError {
+    match value {
+        ErrorValue::Length(length) => WrittenError::Length(length.clone()),
+        ErrorValue::Angle(angle) => WrittenError::Angle(angle.clone()),
     }
 }
 

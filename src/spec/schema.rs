@@ -3,8 +3,9 @@
 use serde_json::{Map, Value, json};
 
 use super::keys::{Key, Kind, SECTIONS, Section, TOP};
-use super::{ErrorKind, error_table_forms};
+use super::{ErrorKind, LARGEST_CLASS, error_table_forms};
 use crate::quantity::{Bound, Domain};
+use crate::standard::Standard;
 
 const LENGTH_TEXT: &str = r"^\s*[+\-−]?[0-9._]+([eE][+\-]?[0-9]+)?\s*(um|µm|μm|mm|in|mil)?\s*$";
 const LIMIT_TEXT: &str = r"^\s*(±|\+-|\+/-)\s*[0-9._]+([eE][+\-]?[0-9]+)?\s*(um|µm|μm|mm|in|mil)?\s*$";
@@ -49,6 +50,15 @@ fn property(key: &Key) -> Value {
         Kind::Angle(domain) => json!({ "anyOf": [typed("number", &domain), { "type": "string" }] }),
         Kind::Error(kind) => error(kind),
         Kind::Word(words) => json!({ "enum": words }),
+        Kind::Standard => json!({ "anyOf": [
+            { "enum": Standard::ALL.map(Standard::id) },
+            { "type": "string" },
+        ] }),
+        Kind::RackDiameter => json!({ "anyOf": [
+            { "enum": ["pinion", "developed"] },
+            { "type": "number", "exclusiveMinimum": 0 },
+            length_text(),
+        ] }),
         Kind::Teeth => json!({ "anyOf": [{ "type": "integer" }, { "type": "string" }] }),
         Kind::Table(section) => object(section),
         Kind::Tables(section) => json!({ "type": "array", "items": object(section) }),
@@ -79,8 +89,11 @@ fn error(kind: ErrorKind) -> Value {
     let text = if kind == ErrorKind::RackLead { json!({ "type": "string" }) } else { length_text() };
     let mut forms = vec![json!({ "type": "number" }), text];
     for form in error_table_forms(kind) {
-        let value = json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] });
-        let properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value.clone())).collect();
+        let value = |name: &str| match name {
+            "class" => json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS }),
+            _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
+        };
+        let properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         forms.push(json!({
             "type": "object",
             "additionalProperties": false,

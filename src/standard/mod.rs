@@ -150,6 +150,12 @@ impl Standard {
         formulas.iter().map(|formula| formula.deviation).collect()
     }
 
+    /// This standard, or its companion, whichever limits a deviation.
+    #[must_use]
+    pub fn that_limits(self, deviation: Deviation) -> Option<Self> {
+        [Some(self), self.companion()].into_iter().flatten().find(|one| one.deviations().contains(&deviation))
+    }
+
     /// The symbol of a deviation: with the T of tolerance in the 2013 edition.
     #[must_use]
     pub const fn symbol(self, deviation: Deviation) -> &'static str {

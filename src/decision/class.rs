@@ -1,0 +1,291 @@
+//! From classes to ΔCD: what each deviation of an accuracy standard does to the centre distance.
+//!
+//! The spec resolves `{ class = 7 }` to an error with it, and `class` prints with it what ΔCD a grade allows.
+//! It takes permissible values ([`Permissible`]) and prepared formulas; it must not choose a standard or
+//! a rack's diameter.
+//!
+//! # Which deviation does what
+//! | deviation | ΔCD | why |
+//! |---|---|---|
+//! | f_pt | pitch formula | one flank stands f_pt beside its place, as the paper's pitch errors |
+//! | F_pz/8, F_p | pitch formula, a bound | two flanks in contact at the same time stand at most this apart |
+//! | f_Hβ | lead formula, tan Δβ = f_Hβ / b | the slope over the face width is a lead error |
+//! | F_β | the same, a bound | the whole helix deviation taken as slope |
+//! | F_r | itself, peak to peak | the probe that measures it rests on both flanks as the mating teeth do |
+//! | F_i'', f_i'' | itself, peak to peak | they *are* the variation of the centre distance, with a master, in a turn and over a tooth |
+//! | f_fα, f_Hα, F_α, f_fβ | none | where along profile and face the contact lies decides; the exact mesh takes f_Hα |
+//!
+//! F_r is taken whole: a single space may sit F_r beside all others, and the mean of a turn, which is not
+//! limited by F_r, is taken to be nominal. Of a pinion that is merely eccentric, half of it acts to either side.
+
+use crate::deviation::{ErrorKind, ErrorValue, Part};
+use crate::formula::{Model, PartError, RackLead, RackPitch};
+use crate::quantity::{Angle, DomainError, Length, Rational};
+use crate::standard::{Deviation, Permissible};
+use crate::trig::precise;
+
+/// Which diameter stands for a rack in a standard for toothed wheels. There is no default.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RackDiameter {
+    /// The reference diameter of the mating pinion.
+    Pinion,
+    /// That of a wheel whose circumference is the toothed length: L/π.
+    Developed,
+    /// A given one.
+    Given(Length),
+}
+
+/// Where a diameter comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DiameterSource {
+    /// The pinion's own reference diameter m_n z / cos β.
+    Own,
+    /// For a rack, the reference diameter of the mating pinion.
+    MatingPinion,
+    /// For a rack, L/π.
+    Developed,
+    /// Given as a number.
+    Given,
+}
+
+impl DiameterSource {
+    /// In words, as it stands behind the diameter.
+    #[must_use]
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::Own => "reference diameter",
+            Self::MatingPinion => "reference diameter of the mating pinion",
+            Self::Developed => "developed, L/π",
+            Self::Given => "given",
+        }
+    }
+}
+
+/// An error that is given as a class, and what it came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorClass {
+    /// The kind of error.
+    pub kind: ErrorKind,
+    /// The permissible deviation.
+    pub permissible: Permissible,
+    /// The diameter that the standard was entered with, and where it comes from; `None` if it needs none.
+    pub diameter: Option<(Length, DiameterSource)>,
+    /// The permissible error: the deviation, or for a lead error its angle over the face width.
+    pub value: ErrorValue,
+}
+
+impl ErrorClass {
+    /// What it came to, in one line: `f_pt = 14 µm by ISO 1328-1:1995, grade 7, d = 14.675 mm (given)`.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let Permissible { standard, grade, .. } = self.permissible;
+        let mut text = format!(
+            "{}: {} = {} µm by {standard}, grade {grade}",
+            self.kind,
+            self.permissible.symbol(),
+            self.permissible.value_um().to_f64(),
+        );
+        if let Some((diameter, source)) = &self.diameter {
+            text.push_str(&format!(", d = {:.3} mm ({})", diameter.mm(), source.in_words()));
+        }
+        text
+    }
+}
+
+/// The deviation that limits a kind of error.
+#[must_use]
+pub const fn deviation_of(kind: ErrorKind) -> Deviation {
+    match kind {
+        ErrorKind::RackPitch | ErrorKind::PinionPitch => Deviation::SinglePitch,
+        ErrorKind::RackLead => Deviation::HelixSlope,
+        ErrorKind::RackOverRoller | ErrorKind::PinionRadial => Deviation::Runout,
+    }
+}
+
+/// The reference diameter d = m_n z / cos β.
+///
+/// # Errors
+/// [`DomainError`] if an input is outside its domain, or the result is beyond the range of `f64`.
+pub fn reference_diameter(normal_module: &Length, teeth: u32, helix_angle: &Angle) -> Result<Length, DomainError> {
+    crate::formula::domain::NORMAL_MODULE.check_length(normal_module)?;
+    crate::formula::domain::PINION_HELIX_ANGLE.check_angle(helix_angle)?;
+    let product = normal_module.exact_mm() * &Rational::integer(i64::from(teeth));
+    let diameter = &product / &precise::cos(helix_angle.exact_degrees());
+    Ok(Length::from_exact_mm(diameter.round_significant(DIGITS), "the reference diameter d")?)
+}
+
+/// The developed diameter L/π of a rack with the toothed length L.
+///
+/// # Errors
+/// [`DomainError`] if the result is beyond the range of `f64`.
+pub fn developed_diameter(toothed_length: &Length) -> Result<Length, DomainError> {
+    let diameter = toothed_length.exact_mm() / Rational::pi();
+    Ok(Length::from_exact_mm(diameter.round_significant(DIGITS), "the developed diameter L/π")?)
+}
+
+/// Digits of a diameter: those to which the functions behind it are known, less some.
+const DIGITS: u16 = 40;
+
+/// What a deviation's ΔCD needs beside the deviation.
+#[derive(Debug, Clone, Default)]
+pub struct Meshing {
+    /// α_n
+    pub pressure_angle: Option<Angle>,
+    /// β of the part; 0 if not given
+    pub helix_angle: Option<Angle>,
+    /// b, for the deviations of the helix
+    pub face_width: Option<Length>,
+}
+
+/// How a ΔCD follows from a deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effect {
+    /// By the formula of an error of that size.
+    Formula,
+    /// By that formula as a bound, which needs all of the deviation in the worst place.
+    Bound,
+    /// The deviation is the peak-to-peak variation itself.
+    PeakToPeak,
+    /// No formula gives it.
+    None,
+}
+
+impl Effect {
+    /// The effect of a deviation.
+    #[must_use]
+    pub const fn of(deviation: Deviation) -> Self {
+        match deviation {
+            Deviation::SinglePitch | Deviation::HelixSlope => Self::Formula,
+            Deviation::SectorPitch | Deviation::TotalPitch | Deviation::TotalHelix => Self::Bound,
+            Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Self::PeakToPeak,
+            Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => {
+                Self::None
+            }
+        }
+    }
+
+    /// In one word.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Formula => "formula",
+            Self::Bound => "bound",
+            Self::PeakToPeak => "peak to peak",
+            Self::None => "none",
+        }
+    }
+}
+
+/// Why a deviation's ΔCD is not known.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NoEffect {
+    /// No formula takes this deviation.
+    #[error("no formula takes it")]
+    NoFormula,
+    /// Something that the formula needs is not given.
+    #[error("it needs the {0}")]
+    Missing(&'static str),
+    /// A value is outside its domain.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+}
+
+/// The ΔCD that a deviation of `amount` allows, by the formulas; see the [module](self).
+///
+/// # Errors
+/// [`NoEffect`] if there is no formula, or something that it needs is missing or outside its domain.
+pub fn delta_cd(deviation: Deviation, amount: &Length, meshing: &Meshing, model: Model) -> Result<Length, NoEffect> {
+    let helix_angle = meshing.helix_angle.clone().unwrap_or(Angle::ZERO);
+    let pressure_angle = || meshing.pressure_angle.as_ref().ok_or(NoEffect::Missing("normal pressure angle α_n"));
+    match deviation {
+        Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Ok(amount.clone()),
+        Deviation::SinglePitch | Deviation::SectorPitch | Deviation::TotalPitch => {
+            Ok(RackPitch::new(pressure_angle()?, &helix_angle)?.delta_cd(amount, model)?)
+        }
+        Deviation::HelixSlope | Deviation::TotalHelix => {
+            let face_width = meshing.face_width.as_ref().ok_or(NoEffect::Missing("face width b"))?;
+            let formula = RackLead::new(pressure_angle()?, &helix_angle, face_width)?;
+            Ok(formula.delta_cd(&RackLead::error_from_slope(amount, face_width)?, model)?)
+        }
+        Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => {
+            Err(NoEffect::NoFormula)
+        }
+    }
+}
+
+/// The error that a permissible deviation stands for.
+///
+/// # Errors
+/// [`DomainError`] if a lead error has no angle.
+pub fn error_value(
+    kind: ErrorKind,
+    permissible: &Permissible,
+    face_width: Option<&Length>,
+) -> Result<ErrorValue, DomainError> {
+    Ok(match (kind, face_width) {
+        (ErrorKind::RackLead, Some(width)) => {
+            ErrorValue::Angle(RackLead::error_from_slope(&permissible.length(), width)?)
+        }
+        _ => ErrorValue::Length(permissible.length()),
+    })
+}
+
+/// The part that a kind of error is on.
+#[must_use]
+pub const fn part_of(kind: ErrorKind) -> Part {
+    match kind {
+        ErrorKind::RackOverRoller | ErrorKind::RackPitch | ErrorKind::RackLead => Part::Rack,
+        ErrorKind::PinionRadial | ErrorKind::PinionPitch => Part::Pinion,
+    }
+}
+
+/// An error that is only known to lie within plus and minus a value.
+#[must_use]
+pub fn within(error: PartError) -> PartError {
+    PartError::Within(Box::new(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn diameters() {
+        let d = |m, z, beta: &str| reference_diameter(&length(m), z, &beta.parse().unwrap()).unwrap();
+        assert_eq!(d("2.5", 20, "0"), length("50"));
+        // on the limit of a range, exactly
+        assert_eq!(d("1", 10, "60"), length("20"));
+        assert_eq!(format!("{:.3}", d("1.9", 7, "25").mm()), "14.675");
+        assert_eq!(format!("{:.6}", developed_diameter(&length("100")).unwrap().mm()), "31.830989");
+    }
+
+    #[test]
+    fn each_deviation_has_its_effect() {
+        let meshing =
+            Meshing { pressure_angle: Some("45".parse().unwrap()), helix_angle: None, face_width: Some(length("20")) };
+        let effect = |deviation| delta_cd(deviation, &length("0.02"), &meshing, Model::Exact);
+        // 1/(2 tan 45°) = 1/2
+        for deviation in [Deviation::SinglePitch, Deviation::SectorPitch, Deviation::TotalPitch] {
+            assert_eq!(effect(deviation).unwrap(), length("0.01"));
+        }
+        for deviation in [Deviation::Runout, Deviation::RadialComposite, Deviation::ToothRadialComposite] {
+            assert_eq!(effect(deviation).unwrap(), length("0.02"));
+        }
+        // b sin(atan(f/b)) / 2
+        for deviation in [Deviation::HelixSlope, Deviation::TotalHelix] {
+            assert!((effect(deviation).unwrap().mm() - 0.01).abs() < 1e-8);
+        }
+        for deviation in Deviation::ALL {
+            assert_eq!(effect(deviation).is_err(), Effect::of(deviation) == Effect::None, "{deviation}");
+        }
+        let bare = Meshing::default();
+        assert_eq!(
+            delta_cd(Deviation::SinglePitch, &length("0.02"), &bare, Model::Exact).unwrap_err().to_string(),
+            "it needs the normal pressure angle α_n"
+        );
+    }
+}

@@ -1,0 +1,171 @@
+//! `{ class = 7 }` and `[tolerance]`: what a class in a spec comes to.
+
+use std::ops::Range;
+
+use super::resolve::MissingKeys;
+use super::{Located, Spec};
+use crate::decision::class::{
+    self, DiameterSource, ErrorClass, RackDiameter, developed_diameter, deviation_of, reference_diameter,
+};
+use crate::deviation::{ErrorKind, Part};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::{Angle, Length};
+use crate::standard::{Size, Standard, StandardError, Wheel};
+
+/// `[tolerance]`: what classes refer to.
+#[derive(Debug, Clone, Default)]
+pub struct ToleranceSection {
+    /// The standard and edition.
+    pub standard: Option<Located<Standard>>,
+    /// Which diameter stands for the rack.
+    pub diameter: Option<Located<RackDiameter>>,
+}
+
+/// Who needs a key, and where that is written.
+type Need = (String, Option<(Range<usize>, String)>);
+
+impl Spec {
+    /// The errors that the spec gives as classes, and what they come to.
+    ///
+    /// # Errors
+    /// A diagnostic for each key that is missing, and for each class that has no value.
+    pub fn classes(&self) -> Result<Vec<ErrorClass>, Diagnostics> {
+        let mut missing = MissingKeys::default();
+        let mut diagnostics = Vec::new();
+        let mut classes = Vec::new();
+        for (kind, written) in &self.errors {
+            if let super::WrittenError::Class(grade) = written.value {
+                match self.class(*kind, grade, &written.span, &mut missing) {
+                    Some(Ok(class)) => classes.push(class),
+                    Some(Err(diagnostic)) => diagnostics.push(diagnostic),
+                    None => {}
+                }
+            }
+        }
+        diagnostics.extend(missing.diagnostics(&self.source));
+        if diagnostics.is_empty() { Ok(classes) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// The size of a part as far as the spec gives it, without a diameter.
+    #[must_use]
+    pub fn wheel(&self, part: Part) -> Wheel {
+        fn value<T: Clone>(written: Option<&Located<T>>) -> Option<T> {
+            written.map(|written| written.value.clone())
+        }
+        let normal_module = value(self.pair.normal_module.as_ref());
+        let (face_width, teeth, helix_angle) = match part {
+            Part::Rack => (self.rack.face_width.as_ref(), None, self.rack.helix_angle.as_ref()),
+            Part::Pinion => {
+                (self.pinion.face_width.as_ref(), self.pinion.teeth.as_ref(), self.pinion.helix_angle.as_ref())
+            }
+        };
+        Wheel {
+            normal_module,
+            diameter: None,
+            face_width: value(face_width),
+            teeth: value(teeth),
+            helix_angle: value(helix_angle),
+        }
+    }
+
+    /// What `{ class = grade }` of a kind of error comes to; `None` if a key is missing.
+    pub(super) fn class(
+        &self,
+        kind: ErrorKind,
+        grade: u8,
+        span: &Range<usize>,
+        missing: &mut MissingKeys,
+    ) -> Option<Result<ErrorClass, Diagnostic>> {
+        let deviation = deviation_of(kind);
+        let part = class::part_of(kind);
+        let need = || -> Need { (format!("`{}` of class {grade}", kind.key()), Some((span.clone(), String::new()))) };
+        let standard = missing.take("tolerance", "standard", self.tolerance.standard.as_ref(), need)?;
+        let Some(limiting) = standard.that_limits(deviation) else {
+            let error = StandardError::NoSuchDeviation { standard, deviation };
+            return Some(Err(self.no_class(kind, &error, span)));
+        };
+        let mut wheel = self.wheel(part);
+        let mut diameter = None;
+        // a size is asked for only where the standard needs it
+        let permissible = loop {
+            match limiting.permissible(deviation, grade, &wheel) {
+                Ok(permissible) => break permissible,
+                Err(StandardError::Missing { size: Size::Diameter, .. }) => match self.diameter(part, need, missing)? {
+                    Ok((length, source)) => {
+                        wheel.diameter = Some(length.clone());
+                        diameter = Some((length, source));
+                    }
+                    Err(diagnostic) => return Some(Err(diagnostic)),
+                },
+                Err(StandardError::Missing { size, .. }) => {
+                    let (section, name) = match (size, part) {
+                        (Size::NormalModule, _) => ("pair", "normal_module"),
+                        (Size::FaceWidth, Part::Rack) => ("rack", "face_width"),
+                        (Size::FaceWidth, Part::Pinion) => ("pinion", "face_width"),
+                        _ => ("pinion", "teeth"),
+                    };
+                    missing.take::<()>(section, name, None, need);
+                    return None;
+                }
+                Err(error) => return Some(Err(self.no_class(kind, &error, span))),
+            }
+        };
+        let face_width = match kind {
+            ErrorKind::RackLead => Some(missing.take("rack", "face_width", self.rack.face_width.as_ref(), need)?),
+            _ => None,
+        };
+        Some(match class::error_value(kind, &permissible, face_width.as_ref()) {
+            Ok(value) => Ok(ErrorClass { kind, permissible, diameter, value }),
+            Err(error) => Err(Diagnostic::error(Code::NoClass, error.to_string()).at(&self.source, span.clone(), "")),
+        })
+    }
+
+    /// The diameter with which a standard is entered for a part; `None` if a key is missing.
+    pub(super) fn diameter(
+        &self,
+        part: Part,
+        need: impl Fn() -> Need,
+        missing: &mut MissingKeys,
+    ) -> Option<Result<(Length, DiameterSource), Diagnostic>> {
+        let mut pinion = |source: DiameterSource| {
+            let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), &need);
+            let teeth = missing.take("pinion", "teeth", self.pinion.teeth.as_ref(), &need);
+            let helix_angle = self.pinion.helix_angle.as_ref().map_or(Angle::ZERO, |angle| angle.value.clone());
+            Some((reference_diameter(&module?, teeth?, &helix_angle), source))
+        };
+        let (diameter, source) = match part {
+            Part::Pinion => pinion(DiameterSource::Own)?,
+            Part::Rack => {
+                let choice = self.tolerance.diameter.as_ref();
+                match choice.map(|choice| &choice.value) {
+                    Some(RackDiameter::Pinion) => pinion(DiameterSource::MatingPinion)?,
+                    Some(RackDiameter::Developed) => {
+                        let length = self.rack.toothed_length.as_ref();
+                        let length = missing.take("rack", "toothed_length", length, &need)?;
+                        (developed_diameter(&length), DiameterSource::Developed)
+                    }
+                    Some(RackDiameter::Given(diameter)) => (Ok(diameter.clone()), DiameterSource::Given),
+                    None => {
+                        missing.take("tolerance", "diameter", choice, &need);
+                        return None;
+                    }
+                }
+            }
+        };
+        Some(match diameter {
+            Ok(diameter) => Ok((diameter, source)),
+            Err(error) => Err(Diagnostic::error(Code::OutOfDomain, error.to_string())),
+        })
+    }
+
+    fn no_class(&self, kind: ErrorKind, error: &StandardError, span: &Range<usize>) -> Diagnostic {
+        let example = if kind == ErrorKind::RackLead { "{ f_h_beta = \"8 um\", length = 18 }" } else { "\"12 um\"" };
+        let help = match error {
+            StandardError::Grade { .. } => "give a grade that the standard has".to_owned(),
+            _ => format!("give the permitted value itself: {} = {example}", kind.key()),
+        };
+        Diagnostic::error(Code::NoClass, format!("`{}`: {error}", kind.key()))
+            .at(&self.source, span.clone(), "")
+            .help(help)
+    }
+}
