@@ -41,6 +41,12 @@ impl PartError {
         matches!(self, Self::Within(_))
     }
 
+    /// The error itself: of a permissible deviation, that of its largest magnitude.
+    #[must_use]
+    pub fn largest(&self) -> &Self {
+        if let Self::Within(error) = self { error.largest() } else { self }
+    }
+
     /// The formula without the value.
     #[must_use]
     pub fn formula(&self) -> PartFormula {
@@ -88,6 +94,7 @@ impl PartError {
     /// [`DomainError`] if the error is outside its formula's domain or a derivative overflows.
     pub fn sensitivities(&self, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
         match self {
+            Self::Within(error) => error.sensitivities(model),
             Self::RackOverRoller(_) | Self::PinionRadial(_) => Ok(vec![Sensitivity::OF_SHIFT]),
             Self::RackPitch(error, formula) => formula.sensitivities(error, model),
             Self::RackLead(error, formula) => formula.sensitivities(error, model),

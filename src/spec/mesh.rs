@@ -395,8 +395,7 @@ fn on_teeth(errors: &[PartError], pair: &Pair) -> (Vec<RackDeviation>, Vec<Writt
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     for error in errors {
         // of a permissible deviation, its upper end
-        let error = if let PartError::Within(error) = error { error } else { error };
-        match error {
+        match error.largest() {
             PartError::Within(_) => {}
             PartError::RackOverRoller(length) => {
                 rack.push(RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::OverRoller(length.mm()) });

@@ -284,10 +284,10 @@ fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -
         .iter()
         .map(|(source, _)| by_source.iter().filter(|(of, _)| of == source).map(|(_, value)| value).sum())
         .collect();
-    let magnitude = match error {
+    let magnitude = match error.largest() {
         PartError::RackPitch(value, _) | PartError::PinionPitch(value, _) => Some(value.mm().abs()),
         PartError::RackLead(value, _) => Some(value.degrees().abs()),
-        PartError::RackOverRoller(_) | PartError::PinionRadial(_) => None,
+        PartError::RackOverRoller(_) | PartError::PinionRadial(_) | PartError::Within(_) => None,
     };
     let u = uncertainties.of(Source::Error(kind)).map_or(0.0, |uncertainty| uncertainty.standard);
     let folded = u > 0.0 && (at_kink || magnitude.is_some_and(|magnitude| magnitude < FOLD * u));
@@ -297,11 +297,11 @@ fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -
 /// The slope of a magnitude beside its kink, which no uncertainty of the error exceeds.
 fn slope_beside_zero(error: &PartError, model: Model) -> Result<f64, DomainError> {
     const BESIDE: f64 = 1e-30;
-    let beside = match error {
+    let beside = match error.largest() {
         PartError::RackPitch(_, formula) => formula.sensitivities(&Length::from_mm(BESIDE)?, model)?,
         PartError::PinionPitch(_, formula) => formula.sensitivities(&Length::from_mm(BESIDE)?, model)?,
         PartError::RackLead(_, formula) => formula.sensitivities(&Angle::from_degrees(BESIDE)?, model)?,
-        PartError::RackOverRoller(_) | PartError::PinionRadial(_) => return Ok(1.0),
+        PartError::RackOverRoller(_) | PartError::PinionRadial(_) | PartError::Within(_) => return Ok(1.0),
     };
     Ok(beside.iter().find(|sensitivity| sensitivity.input == Input::Error).and_then(|s| s.value).unwrap_or(0.0))
 }
