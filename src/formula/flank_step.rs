@@ -29,6 +29,10 @@ impl FlankStep {
         Ok(Self { exact, paper, pressure_angle: pressure_angle.clone(), helix_angle: helix_angle.clone() })
     }
 
+    pub(super) fn geometry(&self) -> (&Angle, &Angle, Option<&Length>) {
+        (&self.pressure_angle, &self.helix_angle, None)
+    }
+
     /// mm of ΔCD per mm of step.
     pub(super) fn gain(&self, model: Model) -> &Rational {
         match model {

@@ -35,6 +35,11 @@ impl PinionPitch {
         self.0.gain(model)
     }
 
+    /// α_n and the helix angle.
+    pub(super) fn geometry(&self) -> (&Angle, &Angle, Option<&Length>) {
+        self.0.geometry()
+    }
+
     /// ΔCD of the single pitch deviation f_p; never negative.
     ///
     /// # Errors

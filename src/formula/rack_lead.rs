@@ -69,6 +69,11 @@ impl RackLead {
         Ok(Angle::from_exact_degrees(angle, "the lead angle error")?)
     }
 
+    /// α_n, β_r and k.
+    pub(super) fn geometry(&self) -> (&Angle, &Angle, Option<&Length>) {
+        (&self.pressure_angle, &self.helix_angle, Some(&self.face_width))
+    }
+
     /// mm of ΔCD per unit of |sin Δβ| (exact model) or |tan Δβ| (paper).
     pub(super) fn gain(&self, model: Model) -> &Rational {
         match model {

@@ -36,6 +36,11 @@ impl RackPitch {
         self.0.gain(model)
     }
 
+    /// α_n and the helix angle.
+    pub(super) fn geometry(&self) -> (&Angle, &Angle, Option<&Length>) {
+        self.0.geometry()
+    }
+
     /// ΔCD of the pitch error Δp; never negative.
     ///
     /// # Errors

@@ -1,0 +1,151 @@
+//! Values counted in bins, and the quantiles read back from them. Filled by the simulation.
+
+use super::{PROBABILITY, Simulation};
+
+const BINS: usize = 16_384;
+
+/// Counts of values in bins of equal width, with one more at either end for what lies beyond.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Histogram {
+    low: f64,
+    width: f64,
+    per_unit: f64,
+    counts: Vec<u32>,
+    extremes: (f64, f64),
+}
+
+impl Histogram {
+    /// Bins from `low` to `high`; if these are the same, every value is that one.
+    pub(super) fn new(low: f64, high: f64) -> Self {
+        #[allow(clippy::cast_precision_loss)]
+        let bins = BINS as f64;
+        let width = (high - low) / bins;
+        let per_unit = 1.0 / width;
+        // a spread so small that its reciprocal overflows is none
+        let counts = if per_unit.is_finite() { vec![0; BINS + 2] } else { Vec::new() };
+        Self { low, width, per_unit, counts, extremes: (f64::INFINITY, f64::NEG_INFINITY) }
+    }
+
+    pub(super) fn count(&mut self, values: &[f64]) {
+        let (mut low, mut high) = self.extremes;
+        for &value in values {
+            low = low.min(value);
+            high = high.max(value);
+        }
+        self.extremes = (low, high);
+        if self.counts.is_empty() {
+            return;
+        }
+        #[allow(clippy::cast_precision_loss)]
+        let top = (BINS + 1) as f64;
+        for &value in values {
+            // the clamp keeps it inside the bins, and makes 0 of what is no number
+            let bin = ((value - self.low) * self.per_unit + 1.0).clamp(0.0, top);
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let bin = bin as usize;
+            self.counts[bin.min(BINS + 1)] += 1;
+        }
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.extremes = (self.extremes.0.min(other.extremes.0), self.extremes.1.max(other.extremes.1));
+        for (mine, theirs) in self.counts.iter_mut().zip(&other.counts) {
+            *mine += theirs;
+        }
+    }
+
+    fn total(&self) -> u64 {
+        self.counts.iter().map(|&count| u64::from(count)).sum()
+    }
+
+    /// The edges of a bin, as far as values reach.
+    fn edges(&self, bin: usize) -> (f64, f64) {
+        #[allow(clippy::cast_precision_loss)]
+        let at = |edge: usize| self.low + self.width * edge as f64;
+        let left = if bin == 0 { self.extremes.0 } else { at(bin - 1).max(self.extremes.0) };
+        let right = if bin > BINS { self.extremes.1 } else { at(bin).min(self.extremes.1) };
+        (left, right.max(left))
+    }
+
+    pub(super) fn quantile(&self, p: f64) -> f64 {
+        if self.counts.is_empty() {
+            return self.extremes.0;
+        }
+        #[allow(clippy::cast_precision_loss)]
+        let rank = p.clamp(0.0, 1.0) * self.total() as f64;
+        let mut below = 0.0;
+        let mut last = self.extremes.1;
+        for (bin, &count) in self.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let count = f64::from(count);
+            let (left, right) = self.edges(bin);
+            if below + count >= rank {
+                return left + (right - left) * ((rank - below) / count);
+            }
+            below += count;
+            last = right;
+        }
+        last
+    }
+
+    /// The shortest interval with a share `p` of the values: one end at the edge of a bin.
+    fn shortest(&self, p: f64) -> (f64, f64) {
+        if self.counts.is_empty() {
+            return self.extremes;
+        }
+        // the distribution function at the edges, as rank and value
+        let mut points = vec![(0.0, self.extremes.0)];
+        let mut below = 0.0;
+        for (bin, &count) in self.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let (left, right) = self.edges(bin);
+            // values jump over empty bins
+            if points.last().is_some_and(|(_, value)| *value < left) {
+                points.push((below, left));
+            }
+            below += f64::from(count);
+            points.push((below, right));
+        }
+        let needed = p * below;
+        let value = |points: &[(f64, f64)], upper: usize, rank: f64| {
+            let (a, b) = (points[upper - 1], points[upper]);
+            if b.0 > a.0 { a.1 + (b.1 - a.1) * ((rank - a.0) / (b.0 - a.0)) } else { a.1 }
+        };
+        let mut best = (f64::INFINITY, self.extremes);
+        let mut upper = 1;
+        for &(rank, low) in &points {
+            let target = rank + needed;
+            // ranks that differ by rounding only are the same
+            if target > below * (1.0 + 1e-12) {
+                break;
+            }
+            while upper + 1 < points.len() && points[upper].0 < target {
+                upper += 1;
+            }
+            let high = value(&points, upper, target.min(below));
+            if high - low < best.0 {
+                best = (high - low, (low, high));
+            }
+        }
+        best.1
+    }
+
+    /// All that is asked of the distribution.
+    pub(super) fn simulation(self, mean: f64, standard: f64, draws: f64) -> Simulation {
+        let tail = 0.5 * (1.0 - PROBABILITY);
+        let symmetric = (self.quantile(tail), self.quantile(1.0 - tail));
+        // the standard error of a quantile is √(p (1 − p)/n) over the density there
+        let error = |p: f64| {
+            const BESIDE: f64 = 0.005;
+            let per_probability = (self.quantile(p + BESIDE) - self.quantile(p - BESIDE)) / (2.0 * BESIDE);
+            (p * (1.0 - p) / draws).sqrt() * per_probability
+        };
+        Simulation {
+            mean,
+            standard,
+            symmetric,
+            shortest: self.shortest(PROBABILITY),
+            end_errors: (error(tail), error(1.0 - tail)),
+            extremes: self.extremes,
+            histogram: self,
+        }
+    }
+}

@@ -1,0 +1,237 @@
+use super::*;
+use crate::decision::statistics::{folded_normal, normal_cdf, normal_quantile};
+use crate::decision::uncertainty::{Part, Uncertainties, propagate};
+use crate::decision::{Limit, LimitTarget, Stack};
+use crate::deviation::ErrorKind;
+use crate::formula::{Model, PartError, PinionPitch, RackLead, RackPitch};
+use crate::quantity::{Angle, Length};
+
+/// Any function of a few variables.
+struct Function<F>(F);
+
+impl<F: Fn(&[f64]) -> f64 + Sync> Simulated for Function<F> {
+    fn outputs(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&self, inputs: &[Vec<f64>], outputs: &mut [Vec<f64>]) {
+        for (draw, out) in outputs[0].iter_mut().enumerate() {
+            let x: Vec<f64> = inputs.iter().map(|column| column[draw]).collect();
+            *out = (self.0)(&x);
+        }
+    }
+}
+
+fn run(f: impl Fn(&[f64]) -> f64 + Sync, variables: Vec<(f64, Uncertainty)>, draws: u64) -> Simulation {
+    let settings = Settings { draws: Some(draws), ..Settings::default() };
+    let variables = Variables { variables, factor: None };
+    simulate(&Function(f), &variables, &[], &settings).unwrap().results.remove(0)
+}
+
+fn rectangular(from: f64, to: f64) -> (f64, Uncertainty) {
+    (0.5 * (from + to), Uncertainty::half_width(0.5 * (to - from), Distribution::Rectangular))
+}
+
+fn shows(value: f64, decimals: usize, printed: &str) {
+    assert_eq!(format!("{value:.decimals$}"), printed, "{value}");
+}
+
+#[test]
+fn the_additive_models_of_jcgm_101_clause_9_2() {
+    let sum = |x: &[f64]| x.iter().sum::<f64>();
+    let normal = |standard| (0.0, Uncertainty::standard(standard));
+    let flat = |standard: f64| {
+        (0.0, Uncertainty { distribution: Distribution::Rectangular, ..Uncertainty::standard(standard) })
+    };
+    // Table 2: four standard normal quantities
+    let result = run(sum, vec![normal(1.0); 4], 500_000);
+    shows(result.standard, 2, "2.00");
+    shows(result.symmetric.1, 1, "3.9");
+    // Table 3: four rectangular ones of the same deviation, for which the interval is ±3.88
+    let result = run(sum, vec![flat(1.0); 4], 2_000_000);
+    shows(result.standard, 2, "2.00");
+    shows(result.symmetric.0, 2, "-3.88");
+    shows(result.symmetric.1, 2, "3.88");
+    // Table 4: one of them ten times as wide: 10.1, and ±17.0 where the linear result is ±19.9
+    let result = run(sum, vec![flat(1.0), flat(1.0), flat(1.0), flat(10.0)], 1_000_000);
+    assert!((result.standard - 103.0_f64.sqrt()).abs() < 0.02, "{}", result.standard);
+    shows(result.symmetric.1, 1, "17.0");
+}
+
+#[test]
+fn the_mass_calibration_of_jcgm_101_clause_9_3() {
+    // m_R,c = N(100 000.000, 0.050) mg, δm_R,c = N(1.234, 0.020) mg, ρ_a = R(1.10, 1.30), ρ_W = R(7000, 9000),
+    // ρ_R = R(7950, 8050) kg/m³; deviation from 100 g
+    let variables = vec![
+        (100_000.0, Uncertainty::standard(0.050)),
+        (1.234, Uncertainty::standard(0.020)),
+        rectangular(1.10, 1.30),
+        rectangular(7000.0, 9000.0),
+        rectangular(7950.0, 8050.0),
+    ];
+    let deviation = |x: &[f64]| (x[0] + x[1]) * (1.0 + (x[2] - 1.2) * (1.0 / x[3] - 1.0 / x[4])) - 100_000.0;
+    let result = run(deviation, variables, 1_000_000);
+    // Table 6: 1.234 1, 0.075 4, shortest 95 % interval [1.083 4, 1.382 5]
+    assert!((result.mean - 1.234_1).abs() < 0.000_3, "{}", result.mean);
+    assert!((result.standard - 0.075_4).abs() < 0.000_2, "{}", result.standard);
+    assert!((result.shortest.0 - 1.083_4).abs() < 0.002, "{:?}", result.shortest);
+    assert!((result.shortest.1 - 1.382_5).abs() < 0.002, "{:?}", result.shortest);
+}
+
+#[test]
+fn a_folded_normal_variable_has_its_closed_form() {
+    for mean in [0.0, 0.5, 1.5, 4.0] {
+        let result = run(|x| x[0].abs(), vec![(mean, Uncertainty::standard(1.0))], 1_000_000);
+        let (expected, deviation) = folded_normal(mean, 1.0);
+        assert!((result.mean - expected).abs() < 4e-3, "{mean}");
+        assert!((result.standard - deviation).abs() < 3e-3, "{mean}");
+        for end in [result.symmetric.0, result.symmetric.1] {
+            let p = normal_cdf(end - mean) - normal_cdf(-end - mean);
+            assert!((p - 0.025).abs().min((p - 0.975).abs()) < 6e-4, "{mean} {end} {p}");
+        }
+    }
+    // at zero the shortest interval starts there, and ends where 95 % of |z| do
+    let result = run(|x| x[0].abs(), vec![(0.0, Uncertainty::standard(1.0))], 1_000_000);
+    assert!(result.shortest.0 < 0.02, "{:?}", result.shortest);
+    assert!((result.shortest.1 - normal_quantile(0.975)).abs() < 0.02, "{:?}", result.shortest);
+}
+
+#[test]
+fn tolerances_of_digits() {
+    // JCGM 101, 7.9.2: u = 0.000 35 g to 2 digits: δ = 0.000 005; u = 2 K to 1 digit: 0.5
+    assert!((tolerance(0.000_35, 2) - 0.000_005).abs() < 1e-18);
+    assert!((tolerance(2.0, 1) - 0.5).abs() < 1e-15);
+}
+
+fn length(text: &str) -> Length {
+    text.parse().unwrap()
+}
+
+fn five(pitch: &str, lead: &str) -> Vec<PartError> {
+    let angle = |text: &str| text.parse::<Angle>().unwrap();
+    let (alpha, rack, pinion) = (angle("20"), angle("12"), angle("21"));
+    vec![
+        PartError::RackOverRoller(length("0.013")),
+        PartError::RackPitch(length(pitch), RackPitch::new(&alpha, &rack).unwrap()),
+        PartError::RackLead(angle(lead), RackLead::new(&alpha, &rack, &length("19.7")).unwrap()),
+        PartError::PinionRadial(length("-0.004")),
+        PartError::PinionPitch(length("0.009"), PinionPitch::new(&alpha, &pinion).unwrap()),
+    ]
+}
+
+fn all_uncertain() -> Vec<(Source, Uncertainty)> {
+    let mut inputs: Vec<_> =
+        ErrorKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();
+    inputs.push((Source::NormalPressureAngle, Uncertainty::standard(0.02)));
+    inputs.push((Source::RackHelixAngle, Uncertainty::half_width(0.05, Distribution::Rectangular)));
+    inputs.push((Source::PinionHelixAngle, Uncertainty::half_width(0.05, Distribution::Triangular)));
+    inputs.push((Source::FaceWidth, Uncertainty::half_width(0.1, Distribution::Arcsine)));
+    inputs
+}
+
+#[test]
+fn far_from_zero_linear_and_simulated_results_agree() {
+    for (model, stack) in [
+        (Model::Exact, Stack::Range),
+        (Model::Paper, Stack::Range),
+        (Model::Exact, Stack::WorstCase),
+        (Model::Exact, Stack::Rss),
+    ] {
+        let errors = five("0.012", "-0.0255");
+        let part = Part { errors: &errors, over_pin: None, model, stack };
+        let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
+        let linear = propagate(&part, &uncertainties).unwrap();
+        let settings = Settings { draws: Some(500_000), ..Settings::default() };
+        let simulated = simulate_part(&part, &uncertainties, &Vec::new(), &settings).unwrap();
+        let pairs = linear.errors.iter().map(|(_, linear)| linear).zip(simulated.errors().map(|(_, s)| s));
+        for (linear, simulated) in pairs.chain([(&linear.upper, simulated.upper()), (&linear.lower, simulated.lower())])
+        {
+            // four standard errors of the mean, and of the deviation; a root of squares is curved: its mean lies above
+            let curved = if stack == Stack::Rss { 0.08 } else { 0.0 };
+            assert!((linear.value_mm - simulated.mean).abs() < (6e-3 + curved) * linear.standard_mm, "{linear:?}");
+            assert!((simulated.standard / linear.standard_mm - 1.0).abs() < 5e-3 + curved, "{stack} {linear:?}");
+            assert!(curved > 0.0 || validate(linear, simulated, 1).validated, "{linear:?}");
+        }
+    }
+}
+
+#[test]
+fn near_zero_the_simulation_does_not_validate_the_linear_result() {
+    let errors = five("0", "0.0255");
+    let part = Part { errors: &errors[1..2], over_pin: None, model: Model::Exact, stack: Stack::Range };
+    let inputs = vec![(Source::Error(ErrorKind::RackPitch), Uncertainty::standard(0.001))];
+    let uncertainties = Uncertainties::new(inputs, &[]).unwrap();
+    let linear = propagate(&part, &uncertainties).unwrap();
+    let settings = Settings::default();
+    let simulated = simulate_part(&part, &uncertainties, &Vec::new(), &settings).unwrap();
+    assert_eq!(simulated.outcome.reached, Some(true));
+    assert!(!validate(&linear.upper, simulated.upper(), 2).validated);
+    let gain = 1.343_719_222_954_923;
+    let (mean, deviation) = folded_normal(0.0, 0.001 * gain);
+    assert!((simulated.upper().mean / mean - 1.0).abs() < 0.01);
+    assert!((simulated.upper().standard / deviation - 1.0).abs() < 0.01);
+    assert!(linear.upper.standard_mm > simulated.upper().standard);
+}
+
+#[test]
+fn the_same_bits_at_any_number_of_threads() {
+    let errors = five("0.012", "0.0255");
+    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range };
+    let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
+    let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(&length("0.047")))];
+    for draws in [None, Some(230_000)] {
+        let with = |threads, seed| {
+            let settings = Settings { threads: Some(threads), seed, draws, digits: 1 };
+            simulate_part(&part, &uncertainties, &limits, &settings).unwrap()
+        };
+        let one = with(1, 7);
+        for threads in [2, 3, 8] {
+            assert_eq!(one, with(threads, 7));
+        }
+        assert_ne!(one.upper().mean, with(1, 8).upper().mean);
+    }
+}
+
+#[test]
+fn correlated_draws_and_probabilities_of_conformance() {
+    let errors = [PartError::RackOverRoller(length("0.010")), PartError::PinionRadial(length("0.005"))];
+    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range };
+    let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));
+    let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.004))];
+    let limits = vec![
+        (LimitTarget::CenterDistance, Limit { lower: None, upper: Some(length("0.020")) }),
+        (LimitTarget::Error(ErrorKind::RackPitch), Limit::symmetric(&length("0.020"))),
+    ];
+    for r in [-1.0, -0.5, 0.0, 0.8, 1.0] {
+        let uncertainties = Uncertainties::new(inputs.clone(), &[(a, b, r)]).unwrap();
+        let settings = Settings { draws: Some(400_000), ..Settings::default() };
+        let simulated = simulate_part(&part, &uncertainties, &limits, &settings).unwrap();
+        let u: f64 = (0.003 * 0.003 + 0.004 * 0.004 + 2.0 * r * 0.003 * 0.004_f64).sqrt();
+        assert!((simulated.upper().standard / u - 1.0).abs() < 5e-3, "{r}");
+        assert!((simulated.outcome.inside[0] - normal_cdf(0.005 / u)).abs() < 3e-3, "{r}");
+        assert!(simulated.outcome.inside[1].is_nan());
+    }
+    let flat = vec![(a, Uncertainty::half_width(0.003, Distribution::Rectangular)), inputs[1]];
+    let refused = Uncertainties::new(flat, &[(a, b, 0.5)]).unwrap();
+    assert_eq!(
+        simulate_part(&part, &refused, &limits, &Settings::default()).unwrap_err(),
+        MonteCarloError::CorrelatedNotNormal(a)
+    );
+}
+
+#[test]
+fn what_cannot_be_simulated_says_why() {
+    let errors = five("0.012", "0.0255");
+    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range };
+    let try_with = |inputs, settings: &Settings| {
+        simulate_part(&part, &Uncertainties::new(inputs, &[]).unwrap(), &Vec::new(), settings).unwrap_err()
+    };
+    assert_eq!(try_with(Vec::new(), &Settings::default()), MonteCarloError::NothingUncertain);
+    let wide = vec![(Source::NormalPressureAngle, Uncertainty::standard(15.0))];
+    assert!(matches!(try_with(wide, &Settings::default()), MonteCarloError::OutsideDomain { .. }));
+    let few = Uncertainty { dof: 2.0, ..Uncertainty::standard(0.001) };
+    let few = vec![(Source::Error(ErrorKind::RackPitch), few)];
+    assert!(matches!(try_with(few, &Settings::default()), MonteCarloError::TooFewFreedom { dof: 2.0, .. }));
+    let nine = Settings { digits: 9, ..Settings::default() };
+    assert!(matches!(try_with(all_uncertain(), &nine), MonteCarloError::Setting { value: 9, .. }));
+}
