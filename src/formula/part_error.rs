@@ -91,6 +91,7 @@ impl PartError {
     /// The gear data of its formula: α_n, the helix angle of its part, and the face width; `None` if it needs none.
     pub(crate) fn geometry(&self) -> Option<(&Angle, &Angle, Option<&Length>)> {
         match self {
+            Self::Within(error) => error.geometry(),
             Self::RackOverRoller(_) | Self::PinionRadial(_) => None,
             Self::RackPitch(_, formula) => Some(formula.geometry()),
             Self::RackLead(_, formula) => Some(formula.geometry()),

@@ -108,8 +108,17 @@ struct Nominal {
     measure: f64,
 }
 
+/// An error's best estimate, mm or degrees.
+#[derive(Debug, Clone, Copy)]
+struct PartValue {
+    kind: ErrorKind,
+    value: f64,
+    /// Whether it is a permissible deviation, which acts either way.
+    is_tolerance: bool,
+}
+
 struct PartModel {
-    errors: Vec<(ErrorKind, f64)>,
+    errors: Vec<PartValue>,
     gear: Gear,
     nominal: Option<Nominal>,
     model: Model,
@@ -196,7 +205,7 @@ impl PartModel {
                     ErrorValue::Length(length) => length.mm(),
                     ErrorValue::Angle(angle) => angle.degrees(),
                 };
-                (error.kind(), value)
+                PartValue { kind: error.kind(), value, is_tolerance: error.is_tolerance() }
             })
             .collect();
         Ok(Self {
@@ -213,9 +222,7 @@ impl PartModel {
     fn best_estimate(&self, source: Source) -> f64 {
         let nominal = |value: &dyn Fn(&Nominal) -> f64| self.nominal.as_ref().map_or(0.0, value);
         match source {
-            Source::Error(kind) => {
-                self.errors.iter().find(|(other, _)| *other == kind).map_or(0.0, |(_, value)| *value)
-            }
+            Source::Error(kind) => self.errors.iter().find(|error| error.kind == kind).map_or(0.0, |error| error.value),
             Source::NormalPressureAngle => self.gear.alpha,
             Source::RackHelixAngle => self.gear.rack_helix,
             Source::PinionHelixAngle => self.gear.pinion_helix,
@@ -302,7 +309,7 @@ impl Simulated for PartModel {
         } else {
             Vec::new()
         };
-        for ((kind, value), out) in self.errors.iter().zip(outputs.iter_mut()) {
+        for (PartValue { kind, value, .. }, out) in self.errors.iter().zip(outputs.iter_mut()) {
             match self.column(Source::Error(*kind), inputs) {
                 Some(column) => out.copy_from_slice(column),
                 None => out.fill(*value),
@@ -341,11 +348,15 @@ impl Simulated for PartModel {
         let [lower, upper] = ends else { return };
         lower.fill(0.0);
         upper.fill(0.0);
-        for ((kind, _), values) in self.errors.iter().zip(errors.iter()) {
+        for (error, values) in self.errors.iter().zip(errors.iter()) {
             match self.stack {
+                Stack::Range if error.is_tolerance && error.kind.always_acts() => {
+                    upper.iter_mut().zip(values).for_each(|(sum, x)| *sum += x.abs());
+                    lower.iter_mut().zip(values).for_each(|(sum, x)| *sum -= x.abs());
+                }
                 Stack::Range => {
                     upper.iter_mut().zip(values).for_each(|(sum, x)| *sum += x);
-                    if kind.always_acts() {
+                    if error.kind.always_acts() {
                         lower.iter_mut().zip(values).for_each(|(sum, x)| *sum += x);
                     }
                 }

@@ -20,7 +20,7 @@ pub use inputs::{Uncertainties, UncertaintyError};
 pub use source::{Distribution, Source, Uncertainty};
 
 use super::statistics::student_quantile;
-use super::{Combined, Stack};
+use super::{Combined, Stack, Term};
 use crate::deviation::ErrorKind;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Input, Model, PartError, Sensitivity};
@@ -126,6 +126,8 @@ struct Gradient {
     derivatives: Vec<f64>,
     /// Whether the formula folds this error and it is near zero.
     folded: bool,
+    /// Whether the value is a permissible deviation, which acts either way.
+    is_tolerance: bool,
 }
 
 /// Propagates `uncertainties` through the formulas of a part, linearly.
@@ -145,9 +147,12 @@ pub fn propagate(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Propa
     let terms: Vec<_> = part
         .errors
         .iter()
-        .map(|error| Ok((error.kind(), error.delta_cd(part.model)?)))
+        .map(|error| {
+            let delta_cd = error.delta_cd(part.model)?;
+            Ok(Term { kind: error.kind(), delta_cd, is_tolerance: error.is_tolerance() })
+        })
         .collect::<Result<_, DomainError>>()?;
-    let combined = Combined::new(&terms).map_err(DomainError::from)?;
+    let combined = Combined::of(&terms).map_err(DomainError::from)?;
     let (lower, upper) = combined.interval(part.stack);
     let ends = [(false, &lower), (true, &upper)].map(|(is_upper, value)| {
         let (derivatives, folded) = end(part.stack, is_upper, &gradients, uncertainties);
@@ -181,6 +186,13 @@ fn end(
         let near_zero = u > 0.0 && gradient.value_mm.abs() < FOLD * u;
         let sign = if gradient.value_mm < 0.0 { -1.0 } else { 1.0 };
         let weight = match stack {
+            Stack::Range if gradient.is_tolerance && gradient.kind.always_acts() => {
+                if is_upper {
+                    sign
+                } else {
+                    -sign
+                }
+            }
             Stack::Range if is_upper || gradient.kind.always_acts() => 1.0,
             Stack::Range => continue,
             Stack::WorstCase => sign,
@@ -291,7 +303,13 @@ fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -
     };
     let u = uncertainties.of(Source::Error(kind)).map_or(0.0, |uncertainty| uncertainty.standard);
     let folded = u > 0.0 && (at_kink || magnitude.is_some_and(|magnitude| magnitude < FOLD * u));
-    Ok(Gradient { kind, value_mm: error.delta_cd(part.model)?.mm(), derivatives, folded })
+    Ok(Gradient {
+        kind,
+        value_mm: error.delta_cd(part.model)?.mm(),
+        derivatives,
+        folded,
+        is_tolerance: error.is_tolerance(),
+    })
 }
 
 /// The slope of a magnitude beside its kink, which no uncertainty of the error exceeds.
