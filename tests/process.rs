@@ -166,7 +166,9 @@ fn manual_pages_and_completions_come_for_every_subcommand() {
 
 #[test]
 fn every_subcommands_help_shows_an_example() {
-    for command in ["eval", "calc", "mesh", "measure", "reproduce", "init", "explain", "schema", "completions", "man"] {
+    for command in
+        ["eval", "calc", "mesh", "measure", "paste", "reproduce", "init", "explain", "schema", "completions", "man"]
+    {
         let help = with_input(&[command, "--help"], b"");
         assert!(text(&help.stdout).contains(&format!("  rackmesh {command}")), "{command}");
     }

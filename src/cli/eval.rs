@@ -38,7 +38,7 @@ pub(super) struct Args {
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum StackArg {
+pub(super) enum StackArg {
     /// What these errors can do at some point of the stroke.
     #[default]
     Range,
@@ -116,7 +116,7 @@ impl Args {
     }
 }
 
-fn unjudged(spec: &Spec, target: LimitTarget) -> Diagnostic {
+pub(super) fn unjudged(spec: &Spec, target: LimitTarget) -> Diagnostic {
     let message = format!("there is a limit on ΔCD of the {target}, but [errors] does not give that error");
     let diagnostic = Diagnostic::warning(Code::UnjudgedLimit, message)
         .help(format!("add `{}` to [errors], or remove its limit", target.key()));

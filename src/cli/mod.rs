@@ -13,6 +13,7 @@ mod man;
 mod measure;
 mod mesh;
 mod output;
+mod paste;
 mod reproduce;
 mod schema;
 
@@ -61,6 +62,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("calc", calc),
     subcommand!("mesh", mesh),
     subcommand!("measure", measure),
+    subcommand!("paste", paste),
     subcommand!("reproduce", reproduce),
     subcommand!("init", init),
     subcommand!("explain", explain),

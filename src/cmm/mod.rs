@@ -1,5 +1,7 @@
 //! Tables of measured values, as measuring machines and spreadsheets write them.
 //!
+//! [`paste`] reads blocks that a person copied.
+//!
 //! The command line reads a file that a spec names (`rack.measured`, `pinion.measured`) and calls
 //! [`rack_spaces`] or [`pinion_teeth`]; what comes out are rows of exact quantities, which the spec
 //! module turns into deviations. Nothing here knows gear geometry.
@@ -11,7 +13,12 @@
 //! where the separator is not a comma and the file shows that they are not thousands marks; what could be
 //! either is refused. Other columns are passed over.
 
+pub mod paste;
 mod table;
 mod teeth;
+mod text;
+mod written;
 
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, pinion_teeth, rack_spaces};
+pub use text::decode;
+pub use written::DecimalMark;

@@ -9,6 +9,7 @@ pub mod capability;
 pub mod class;
 mod evaluation;
 mod limit;
+mod measured;
 pub mod monte_carlo;
 mod prediction;
 pub mod rule;
@@ -18,5 +19,6 @@ pub mod uncertainty;
 
 pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
+pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};
 pub use prediction::{Predicted, Prediction};
 pub use stack::{Combined, Stack, Term};

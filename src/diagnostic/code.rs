@@ -55,6 +55,8 @@ codes! {
     BadTeeth = "bad-teeth",
     /// A table of measured values that cannot be read.
     BadTable = "bad-table",
+    /// A pasted block that can be read in more than one way.
+    AmbiguousBlock = "ambiguous-block",
     /// A limit that is not a limit.
     BadLimit = "bad-limit",
     /// A class that has no permissible value.

@@ -13,6 +13,7 @@ mod evaluation;
 mod mesh;
 pub mod mesh_points;
 mod number;
+mod paste;
 #[cfg(feature = "plot")]
 pub mod plot;
 mod reproduction;
@@ -23,6 +24,7 @@ pub use calculation::{Calculation, Computed, ResultUnit};
 pub use evaluation::{EvaluationReport, MeshPart};
 
 pub use mesh::{MeasureReport, MeshReport};
+pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 pub use reproduction::Reproduction;
 pub use table::{Align, Block, Column, Table};
 

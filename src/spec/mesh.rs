@@ -6,8 +6,9 @@ use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenPinionDeviation};
 use crate::cmm::{Measured, PinionTeeth, RackSpaces};
 use crate::deviation::{
-    PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, PinionToothRow, RackDeviation, RackDeviationKind,
-    RackFlanks, RackForm, RackSpaceRow, ToothRange, pinion_flanks_from_rows, rack_flanks_from_spaces,
+    ErrorKind, ErrorValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, PinionToothRow,
+    RackDeviation, RackDeviationKind, RackFlanks, RackForm, RackSpaceRow, ToothRange, pinion_flanks_from_rows,
+    rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartError;
@@ -306,11 +307,15 @@ impl Spec {
         Ok(rows)
     }
 
-    /// The nominal measure over the pin `rack.pin`.
+    /// The nominal measure over the pin: that of `errors.rack_over_roller`, or computed for `rack.pin`.
     ///
     /// # Errors
     /// Diagnostics for missing keys, or a thickness that leaves no space.
     pub fn nominal_over_pin(&self) -> Result<Length, Diagnostics> {
+        let given = self.nominals.iter().find(|(kind, _)| *kind == ErrorKind::RackOverRoller);
+        if let Some((_, Located { value: ErrorValue::Length(nominal), .. })) = given {
+            return Ok(nominal.clone());
+        }
         let mut missing = MissingKeys::default();
         let place = self.rack.measured.as_ref().map(|file| file.span.clone());
         let who = || {

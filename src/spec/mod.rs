@@ -8,6 +8,7 @@
 mod class;
 mod deviations;
 mod keys;
+mod measured;
 mod mesh;
 mod reader;
 mod resolve;
@@ -27,7 +28,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::decision::{Limit, LimitTarget};
-use crate::deviation::{ErrorKind, RackDeviation};
+use crate::deviation::{ErrorKind, ErrorValue, RackDeviation};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::RackLead;
 use crate::quantity::{Angle, Length};
@@ -62,6 +63,9 @@ pub struct Spec {
     pub tolerance: ToleranceSection,
     /// `[errors]`, in the paper's order.
     pub errors: Vec<(ErrorKind, Located<WrittenError>)>,
+    /// The nominal values that `[errors]` gives, with a measured value or alone: then a batch or a pasted block
+    /// holds the measured ones.
+    pub nominals: Vec<(ErrorKind, Located<ErrorValue>)>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
 }
@@ -212,8 +216,13 @@ impl Spec {
             standard: reader.standard("standard"),
             diameter: reader.rack_diameter("diameter"),
         });
-        let errors = sections.read(&keys::ERRORS, |reader| {
-            ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect()
+        let (errors, nominals) = sections.read(&keys::ERRORS, |reader| {
+            let nominals = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
+            let nominals: Vec<_> = nominals.collect();
+            let alone = |kind| reader.table.and_then(|table| only_nominal(table, kind)).is_some();
+            let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
+            let errors = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
+            (errors, nominals)
         });
         let limits = sections.read(&keys::LIMITS, |reader| {
             let targets = ErrorKind::ALL.into_iter().map(LimitTarget::Error);
@@ -223,7 +232,7 @@ impl Spec {
                 .collect()
         });
         if diagnostics.is_empty() {
-            Ok(Self { source, title, pair, rack, pinion, support, tolerance, errors, limits })
+            Ok(Self { source, title, pair, rack, pinion, support, tolerance, errors, nominals, limits })
         } else {
             diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
             Err(Diagnostics(diagnostics))
@@ -326,12 +335,35 @@ fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located
     Some(Located { value: written, span: value.span() })
 }
 
+/// The entry of an error that has nothing but a nominal value.
+fn only_nominal<'t>(table: &'t DeTable<'_>, kind: ErrorKind) -> Option<&'t DeTable<'t>> {
+    let entry = table.get(kind.key())?.get_ref().as_table()?;
+    (entry.len() == 1 && entry.contains_key("nominal")).then_some(entry)
+}
+
+/// The nominal value in an entry of `[errors]`. A value that cannot be read is reported here if it stands alone, and
+/// with the measured one otherwise.
+fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<ErrorValue>> {
+    let table = reader.table?;
+    let entry = table.get(kind.key())?.get_ref().as_table()?;
+    let value = entry.get("nominal")?;
+    let known = reader.diagnostics.len();
+    let nominal = match kind {
+        ErrorKind::RackLead => reader.angle_value("nominal", value).map(ErrorValue::Angle),
+        _ => reader.length_value("nominal", value).map(ErrorValue::Length),
+    };
+    if only_nominal(table, kind).is_none() {
+        reader.diagnostics.truncate(known);
+    }
+    Some(Located { value: nominal?, span: value.span() })
+}
+
 /// The keys that the table form of an error may have, in the combinations that make an error.
 pub(crate) fn error_table_forms(kind: ErrorKind) -> &'static [&'static [&'static str]] {
     match kind {
-        ErrorKind::RackOverRoller => &[&["measured", "nominal"], &["measured", "roller"], &["class"]],
-        ErrorKind::RackLead => &[&["measured", "nominal"], &["f_h_beta", "length"], &["class"]],
-        _ => &[&["measured", "nominal"], &["class"]],
+        ErrorKind::RackOverRoller => &[&["measured", "nominal"], &["measured", "roller"], &["nominal"], &["class"]],
+        ErrorKind::RackLead => &[&["measured", "nominal"], &["f_h_beta", "length"], &["nominal"], &["class"]],
+        _ => &[&["measured", "nominal"], &["nominal"], &["class"]],
     }
 }
 
@@ -409,7 +441,8 @@ fn forms_in_words(forms: &[&[&str]]) -> String {
         let keys: Vec<_> = form.iter().map(|name| format!("{name} = …")).collect();
         format!("{{ {} }}", keys.join(", "))
     };
-    let tables: Vec<_> = forms.iter().map(table).collect();
+    // a nominal value alone is for tables of measured values, and no error by itself
+    let tables: Vec<_> = forms.iter().filter(|form| ***form != ["nominal"]).map(table).collect();
     format!("a deviation, or {}", tables.join(" or "))
 }
 

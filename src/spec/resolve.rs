@@ -19,6 +19,14 @@ impl Spec {
     /// A diagnostic for each key that an error's formula needs and the spec does not have, for gear data
     /// that contradict each other, or because there are no errors at all.
     pub fn part_errors(&self) -> Result<Vec<PartError>, Diagnostics> {
+        let unmeasured = |nominal: &&(ErrorKind, _)| self.errors.iter().all(|(kind, _)| *kind != nominal.0);
+        if let Some((kind, nominal)) = self.nominals.iter().find(unmeasured) {
+            let message = format!("`{}` has a nominal value, but no measured one", kind.key());
+            return Err(Diagnostic::error(Code::BadErrorEntry, message)
+                .at(&self.source, nominal.span.clone(), "")
+                .help("add `measured = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
+                .into());
+        }
         if self.errors.is_empty() {
             let place = self.source.text.find("[errors]").map_or(0..0, |start| start..start + "[errors]".len());
             let diagnostic =
@@ -56,6 +64,20 @@ impl Spec {
         }
         diagnostics.extend(missing.diagnostics(&self.source));
         if diagnostics.is_empty() { Ok(errors) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// The same spec with other errors, as measured on a part; their formulas ask for gear data as if they
+    /// stood in `[errors]`.
+    #[must_use]
+    pub fn with_errors(&self, errors: &[(ErrorKind, ErrorValue)]) -> Self {
+        let errors = errors.iter().map(|(kind, value)| {
+            let written = match value {
+                ErrorValue::Length(length) => WrittenError::Length(length.clone()),
+                ErrorValue::Angle(angle) => WrittenError::Angle(angle.clone()),
+            };
+            (*kind, Located { value: written, span: 0..0 })
+        });
+        Self { errors: errors.collect(), nominals: Vec::new(), ..self.clone() }
     }
 
     /// The limits that the spec gives.
@@ -161,7 +183,8 @@ impl Need<'_> {
                 }
                 _ => format!("ΔCD = {}", formula_text(self.kind, Model::Exact)),
             };
-            (format!("`{}`", self.kind.key()), Some((self.written.span.clone(), formula)))
+            let span = &self.written.span;
+            (format!("`{}`", self.kind.key()), (!span.is_empty()).then(|| (span.clone(), formula)))
         })
     }
 }

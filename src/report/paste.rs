@@ -1,0 +1,351 @@
+//! The reports of `paste`: several parts, or the spaces or teeth of one.
+
+use serde_json::{Map, Value, json};
+
+use super::number::{millimetres, plain, signed};
+use super::{Block, Column, Report, Table};
+use crate::decision::{Evaluation, Limit, MeasuredPart, Stack, Verdict};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::formula::formula_text;
+use crate::quantity::{Length, LengthUnit};
+
+/// One part of several.
+#[derive(Debug)]
+pub struct PartRow {
+    /// Its name, or its number in the block.
+    pub name: String,
+    /// The line where it stands.
+    pub line: usize,
+    /// What was computed; `None` if its values cannot be read.
+    pub evaluation: Option<Evaluation>,
+}
+
+/// Several parts, one row each.
+#[derive(Debug)]
+pub struct PartsReport<'a> {
+    /// The spec's title.
+    pub title: Option<&'a str>,
+    /// The parts.
+    pub rows: &'a [PartRow],
+}
+
+impl PartsReport<'_> {
+    fn kinds(&self) -> Vec<ErrorKind> {
+        let present = |kind: &ErrorKind| {
+            let mut evaluations = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
+            evaluations.any(|evaluation| evaluation.contributions.iter().any(|c| c.kind == *kind))
+        };
+        ErrorKind::ALL.into_iter().filter(present).collect()
+    }
+
+    fn count(&self, verdict: Verdict) -> usize {
+        let evaluations = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
+        evaluations.filter(|evaluation| evaluation.verdict == Some(verdict)).count()
+    }
+}
+
+fn delta_cd(evaluation: &Evaluation, kind: ErrorKind) -> Option<&Length> {
+    let contribution = evaluation.contributions.iter().find(|contribution| contribution.kind == kind)?;
+    Some(contribution.delta_cd(evaluation.model))
+}
+
+impl Report for PartsReport<'_> {
+    fn json(&self) -> Value {
+        let kinds = self.kinds();
+        let parts: Vec<_> = self
+            .rows
+            .iter()
+            .map(|row| {
+                let mut part = Map::new();
+                part.insert("part_id".to_owned(), row.name.as_str().into());
+                part.insert("line".to_owned(), row.line.into());
+                let evaluation = row.evaluation.as_ref();
+                for kind in &kinds {
+                    let value = evaluation.and_then(|evaluation| delta_cd(evaluation, *kind)).map(Length::mm);
+                    part.insert(format!("delta_cd_{}_mm", kind.key()), value.into());
+                }
+                let combined = evaluation.map(|evaluation| &evaluation.combined);
+                part.insert("range_lower_mm".to_owned(), combined.map(|c| c.range_lower.mm()).into());
+                part.insert("range_upper_mm".to_owned(), combined.map(|c| c.range_upper.mm()).into());
+                part.insert("worst_case_mm".to_owned(), combined.map(|c| c.worst_case.mm()).into());
+                part.insert("rss_mm".to_owned(), combined.map(|c| c.rss.mm()).into());
+                let verdict = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name);
+                part.insert("verdict".to_owned(), verdict.into());
+                Value::Object(part)
+            })
+            .collect();
+        json!({ "title": self.title, "parts": parts })
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        let kinds = self.kinds();
+        let mut header = vec!["part_id".to_owned()];
+        header.extend(kinds.iter().map(|kind| format!("delta_cd_{}_mm", kind.key())));
+        let fixed = ["range_lower_mm", "range_upper_mm", "worst_case_mm", "rss_mm", "verdict"];
+        header.extend(fixed.map(str::to_owned));
+        let width = header.len();
+        let mut rows = vec![header];
+        for part in self.rows {
+            let mut row = vec![part.name.clone()];
+            if let Some(evaluation) = &part.evaluation {
+                let mm = |length: &Length| plain(length.mm());
+                row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map(mm).unwrap_or_default()));
+                let combined = &evaluation.combined;
+                row.extend([&combined.range_lower, &combined.range_upper, &combined.worst_case, &combined.rss].map(mm));
+                row.push(evaluation.verdict.map(Verdict::name).unwrap_or_default().to_owned());
+            }
+            row.resize(width, String::new());
+            rows.push(row);
+        }
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let kinds = self.kinds();
+        let judged = self.rows.iter().filter_map(|row| row.evaluation.as_ref()).any(|e| !e.limits.is_empty());
+        let mut columns = vec![Column::text("part")];
+        columns.extend(kinds.iter().map(|kind| Column::number(format!("{}\n[mm]", kind.name()))));
+        columns.extend([Column::number("ΔCD from\n[mm]"), Column::number("to\n[mm]")]);
+        if judged {
+            columns.push(Column::text("verdict"));
+        }
+        let width = columns.len();
+        let rows = self.rows.iter().map(|part| {
+            let mut row = vec![part.name.clone()];
+            if let Some(evaluation) = &part.evaluation {
+                let mm = |length: &Length| millimetres(length.mm());
+                row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map_or_else(|| "-".to_owned(), mm)));
+                let (from, to) = evaluation.combined.interval(evaluation.stack);
+                row.extend([mm(&from), mm(&to)]);
+                if judged {
+                    row.push(evaluation.verdict.map_or("open", Verdict::name).to_owned());
+                }
+            } else {
+                row.resize(width - usize::from(judged), "-".to_owned());
+                if judged {
+                    row.push("not judged".to_owned());
+                }
+            }
+            row
+        });
+        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
+        if let Some(evaluation) = self.rows.iter().find_map(|row| row.evaluation.as_ref()) {
+            let stack = match evaluation.stack {
+                Stack::Range => "from … to: the range at some point of the stroke",
+                Stack::WorstCase => "from … to: the worst case, either way",
+                Stack::Rss => "from … to: the root of the sum of squares, either way",
+            };
+            blocks.push(Block::Note(format!("{stack}; formulas: {} model", evaluation.model)));
+        }
+        let unread = self.rows.iter().filter(|row| row.evaluation.is_none()).count();
+        if judged {
+            let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
+            let sentence = format!(
+                "{pass} of {} parts are within the limits{}",
+                self.rows.len(),
+                if unread == 0 { String::new() } else { format!(", {unread} could not be read") }
+            );
+            if fail > 0 || pass == self.rows.len() {
+                let verdict = if fail > 0 { Verdict::Fail } else { Verdict::Pass };
+                blocks.push(Block::Verdict(verdict, sentence));
+            } else {
+                blocks.push(Block::Note(sentence));
+            }
+        }
+        blocks
+    }
+}
+
+/// The measured spaces of a rack or teeth of a pinion, by the formulas.
+#[derive(Debug)]
+pub struct SpacesReport<'a> {
+    /// The spec's title.
+    pub title: Option<&'a str>,
+    /// What was measured.
+    pub measured: &'a MeasuredPart,
+    /// The limit of the combined ΔCD.
+    pub limit: Option<&'a Limit>,
+}
+
+impl SpacesReport<'_> {
+    /// The verdict on the limit of the combined ΔCD, by the formulas' range.
+    #[must_use]
+    pub fn verdict(&self) -> Option<Verdict> {
+        let (low, high) = self.measured.range();
+        self.limit.map(|limit| limit.judge(&low, &high))
+    }
+
+    const fn place(&self) -> &'static str {
+        if self.measured.is_rack { "space" } else { "tooth" }
+    }
+}
+
+fn deviation_text(value: &ErrorValue) -> String {
+    match value {
+        ErrorValue::Length(length) => signed(length.in_unit(LengthUnit::Micrometre), 1),
+        ErrorValue::Angle(angle) => signed(angle.degrees(), 4),
+    }
+}
+
+impl Report for SpacesReport<'_> {
+    fn json(&self) -> Value {
+        let measured = self.measured;
+        let rows: Vec<_> = measured
+            .rows
+            .iter()
+            .map(|row| {
+                let mut object = Map::new();
+                object.insert(self.place().to_owned(), row.number.into());
+                for (feature, effect) in measured.features.iter().zip(&row.effects) {
+                    let key = feature.key();
+                    let (name, deviation) = match effect.as_ref().map(|effect| &effect.deviation) {
+                        Some(ErrorValue::Length(length)) => ("mm", Some(length.mm())),
+                        Some(ErrorValue::Angle(angle)) => ("deg", Some(angle.degrees())),
+                        None if feature.error() == ErrorKind::RackLead => ("deg", None),
+                        None => ("mm", None),
+                    };
+                    object.insert(format!("{key}_deviation_{name}"), deviation.into());
+                    object.insert(
+                        format!("delta_cd_{key}_mm"),
+                        effect.as_ref().map(|effect| effect.delta_cd.mm()).into(),
+                    );
+                }
+                Value::Object(object)
+            })
+            .collect();
+        let (low, high) = measured.range();
+        json!({
+            "title": self.title,
+            "part": if measured.is_rack { "rack" } else { "pinion" },
+            "model": measured.model.name(),
+            "rows": rows,
+            "range_mm": { "lower": low.mm(), "upper": high.mm() },
+            "verdict": self.verdict().map(Verdict::name),
+        })
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        let mut header = vec![self.place().to_owned()];
+        for feature in &self.measured.features {
+            let unit = if feature.error() == ErrorKind::RackLead { "deg" } else { "mm" };
+            header.push(format!("{}_deviation_{unit}", feature.key()));
+            header.push(format!("delta_cd_{}_mm", feature.key()));
+        }
+        let mut rows = vec![header];
+        rows.extend(self.measured.rows.iter().map(|row| {
+            let mut cells = vec![row.number.to_string()];
+            for effect in &row.effects {
+                match effect {
+                    Some(effect) => {
+                        cells.push(match &effect.deviation {
+                            ErrorValue::Length(length) => plain(length.mm()),
+                            ErrorValue::Angle(angle) => plain(angle.degrees()),
+                        });
+                        cells.push(plain(effect.delta_cd.mm()));
+                    }
+                    None => cells.extend([String::new(), String::new()]),
+                }
+            }
+            cells
+        }));
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let measured = self.measured;
+        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let mut columns = vec![Column::number(self.place())];
+        for feature in &measured.features {
+            let unit = if feature.error() == ErrorKind::RackLead { "°" } else { "µm" };
+            columns.push(Column::number(format!("{}\n[{unit}]", feature.name())));
+            columns.push(Column::number("ΔCD\n[mm]"));
+        }
+        let rows = measured.rows.iter().map(|row| {
+            let mut cells = vec![row.number.to_string()];
+            for effect in &row.effects {
+                match effect {
+                    Some(effect) => {
+                        cells.extend([deviation_text(&effect.deviation), millimetres(effect.delta_cd.mm())]);
+                    }
+                    None => cells.extend(["-".to_owned(), "-".to_owned()]),
+                }
+            }
+            cells
+        });
+        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
+        let mut rows: Vec<Vec<String>> = Vec::new();
+        for (index, feature) in measured.features.iter().enumerate() {
+            let (Some((number, largest)), Some((low, high))) = (measured.largest(index), measured.range_of(index))
+            else {
+                continue;
+            };
+            let unit = if feature.error() == ErrorKind::RackLead { "°" } else { " µm" };
+            rows.push(vec![
+                feature.name().to_owned(),
+                format!("{}{unit}, {} {number}", deviation_text(&largest.deviation), self.place()),
+                millimetres(low.mm()),
+                millimetres(high.mm()),
+                formula_text(feature.error(), measured.model).to_owned(),
+            ]);
+        }
+        let (low, high) = measured.range();
+        rows.push(vec![
+            "together".to_owned(),
+            String::new(),
+            millimetres(low.mm()),
+            millimetres(high.mm()),
+            String::new(),
+        ]);
+        blocks.push(Block::Table(Table {
+            columns: vec![
+                Column::text("by formula"),
+                Column::text("largest"),
+                Column::number("ΔCD from\n[mm]"),
+                Column::number("to\n[mm]"),
+                Column::text(format!("formula ({})", measured.model)),
+            ],
+            rows,
+        }));
+        if let (Some(verdict), Some(limit)) = (self.verdict(), self.limit) {
+            let end = |end: &Option<Length>| end.as_ref().map_or_else(|| "open".to_owned(), |end| format!("{end}"));
+            let word = if verdict == Verdict::Pass { "within" } else { "not within" };
+            blocks.push(Block::Verdict(
+                verdict,
+                format!(
+                    "ΔCD {} … {} mm by formula is {word} the limits {} … {}",
+                    millimetres(low.mm()),
+                    millimetres(high.mm()),
+                    end(&limit.lower),
+                    end(&limit.upper)
+                ),
+            ));
+        }
+        blocks
+    }
+}
+
+/// Two reports as one: what the formulas say, and the exact mesh.
+pub struct Together<'a> {
+    /// By formula.
+    pub formula: &'a dyn Report,
+    /// By the exact mesh.
+    pub mesh: &'a dyn Report,
+}
+
+impl Report for Together<'_> {
+    fn json(&self) -> Value {
+        json!({ "formula": self.formula.json(), "mesh": self.mesh.json() })
+    }
+
+    /// The rows of the formulas' report: the curve is a table of its own, which `rackmesh mesh` writes.
+    fn rows(&self) -> Vec<Vec<String>> {
+        self.formula.rows()
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        // one verdict is enough: that of the mesh, which counts
+        let formula = self.formula.blocks().into_iter().filter(|block| !matches!(block, Block::Verdict(..)));
+        formula.chain(self.mesh.blocks()).collect()
+    }
+}
