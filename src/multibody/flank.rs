@@ -30,6 +30,8 @@ pub(super) struct FlankPair {
     pub(super) offset: f64,
     /// The flank's start angle less its tooth's.
     pub(super) start: f64,
+    /// Angle ν and length of the normal's part in the pinion's transverse plane while the rack is not rolled.
+    pub(super) level: (f64, f64),
     /// Which template the pinion's flank has.
     pub(super) template: usize,
     pub(super) bounds: Bounds,
@@ -77,6 +79,9 @@ pub(super) struct Placed {
     pub(super) n_xi: f64,
     pub(super) n_zeta: f64,
     pub(super) n_w: f64,
+    /// Angle ν and length of (ξ, ζ) of the normal.
+    pub(super) nu: f64,
+    pub(super) length: f64,
     /// The part of a point's gap that does not depend on the point.
     pub(super) base: f64,
     pub(super) eccentric: (f64, f64),
@@ -97,6 +102,7 @@ impl FlankPair {
         let (sin_shaft, cos_shaft) = (sign * pose.sin_shaft, pose.cos_shaft);
         let n_xi = nx * cos_shaft - gy * sin_shaft;
         let eccentric = (sign * pose.eccentric.0, pose.eccentric.1);
+        let (nu, length) = if *sin_roll == 0.0 { self.level } else { transverse(n_xi, gz) };
         Placed {
             sign,
             tooth_angle,
@@ -106,6 +112,8 @@ impl FlankPair {
             n_xi,
             n_zeta: gz,
             n_w: nx * sin_shaft + gy * cos_shaft,
+            nu,
+            length,
             base: at.center_distance * gz + eccentric.0 * n_xi + eccentric.1 * gz + depth * (gz - nz)
                 - nx * place
                 - self.offset,
@@ -136,6 +144,13 @@ impl FlankPair {
         self.patch = Patch::Grid { cells: n, corners };
     }
 
+    /// Whether the foot of a point is inside a plane flank, so that its height is its distance.
+    pub(super) fn over_face(&self, y: f64, z: f64, height: f64) -> bool {
+        let Bounds { half_width, tip, bottom, .. } = self.bounds;
+        let (y, z) = (y - height * self.normal[1], z - height * self.normal[2]);
+        y.abs() <= half_width && z <= tip && z >= bottom
+    }
+
     /// Distance of a sphere's centre, in local rack coordinates, from this flank.
     pub(super) fn distance(&self, center: &[f64; 3], radius: f64) -> Option<Distance> {
         let Bounds { half_width, tip, bottom, reach } = self.bounds;
@@ -143,6 +158,9 @@ impl FlankPair {
         let n = &self.normal;
         let height = n[0] * center[0] + n[1] * center[1] + n[2] * center[2] - self.offset;
         let (y, z) = (center[1] - height * n[1], center[2] - height * n[2]);
+        if y.abs() - half_width > reach || z - tip > reach || bottom - z > reach {
+            return None;
+        }
         match &self.patch {
             Patch::Plane => {
                 if y.abs() <= half_width && z <= tip && z >= bottom {
@@ -179,6 +197,11 @@ impl FlankPair {
             }
         }
     }
+}
+
+/// Angle and length of a normal's part in the transverse plane.
+pub(super) fn transverse(n_xi: f64, n_zeta: f64) -> (f64, f64) {
+    (trig::atan2(n_zeta, n_xi), (n_xi * n_xi + n_zeta * n_zeta).sqrt())
 }
 
 /// What a rack's form removes at a place of its flank, and the derivatives by y and z.

@@ -59,6 +59,12 @@ impl Law {
         self
     }
 
+    /// The same law for bodies at rest.
+    pub(super) fn without_friction(mut self) -> Self {
+        self.friction = None;
+        self
+    }
+
     /// The force at a penetration δ > 0 that grows at the rate δ'.
     pub(super) fn force(&self, depth: f64, rate: f64) -> Force {
         let elastic = self.stiffness * power(depth, self.a);

@@ -1,7 +1,7 @@
 //! Sums the contact elements into generalised forces and their tangents. Called by both contact models for each
 //! element that touches; knows nothing of how its gap was found.
 
-use super::law::Law;
+use super::law::{Force, Law};
 use super::outcome::Counters;
 use super::state::Forces;
 
@@ -12,6 +12,18 @@ pub(super) struct Element {
     pub(super) gradient: [f64; 4],
     pub(super) hessian: [[f64; 4]; 4],
     /// Share of a whole element.
+    pub(super) weight: f64,
+}
+
+/// An element over the face of a plane flank of a rack that is not rolled: most of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Flat {
+    pub(super) gap: f64,
+    pub(super) by_angle: f64,
+    pub(super) by_height: f64,
+    pub(super) by_stroke: f64,
+    /// The second derivative by ψ; all others are 0.
+    pub(super) by_angle_twice: f64,
     pub(super) weight: f64,
 }
 
@@ -118,6 +130,59 @@ impl Load<'_> {
                 sum.damping[i][j] += by_rate * g[i] * g[j];
             }
         }
+        self.note(right, tooth, *gap, (g[0], g[1]), f * g[3].abs(), f, *weight, &force, rate);
+        if let Some((mu, fade)) = self.law.friction {
+            self.work.counters.friction_evaluations += 1;
+            self.rub(&sliding(), mu, fade, f, by_rate, &by_q);
+        }
+    }
+
+    /// [`Load::add`] for a flat element. The roll must not be a coordinate.
+    pub(super) fn add_flat(&mut self, right: bool, tooth: i64, flat: &Flat, sliding: impl FnOnce() -> Sliding) {
+        let Flat { gap, by_angle, by_height, by_stroke, by_angle_twice, weight } = *flat;
+        let v = &self.rates;
+        let depth = -gap;
+        let rate = -(by_angle * v[0] + by_height * v[1] + by_stroke * v[3]);
+        let force = self.law.force(depth, rate);
+        let (f, by_depth, by_rate) = (weight * force.value, weight * force.by_depth, weight * force.by_rate);
+        let by_q = [by_depth * by_angle + by_rate * by_angle_twice * v[0], by_depth * by_height];
+        let sum = &mut self.sum;
+        sum.generalized[0] += f * by_angle;
+        sum.generalized[1] += f * by_height;
+        sum.generalized[3] += f * by_stroke;
+        sum.stiffness[0][0] += by_angle * by_q[0] - f * by_angle_twice;
+        sum.stiffness[0][1] += by_angle * by_q[1];
+        sum.stiffness[1][0] += by_height * by_q[0];
+        sum.stiffness[1][1] += by_height * by_q[1];
+        if by_rate != 0.0 {
+            sum.damping[0][0] += by_rate * by_angle * by_angle;
+            sum.damping[0][1] += by_rate * by_angle * by_height;
+            sum.damping[1][0] += by_rate * by_height * by_angle;
+            sum.damping[1][1] += by_rate * by_height * by_height;
+        }
+        self.note(right, tooth, gap, (by_angle, by_height), f * by_stroke.abs(), f, weight, &force, rate);
+        if let Some((mu, fade)) = self.law.friction {
+            self.work.counters.friction_evaluations += 1;
+            self.rub(&sliding(), mu, fade, f, by_rate, &[by_q[0], by_q[1], 0.0]);
+        }
+    }
+
+    /// Counts an element.
+    #[allow(clippy::too_many_arguments)] // one inner step of both ways to add
+    fn note(
+        &mut self,
+        right: bool,
+        tooth: i64,
+        gap: f64,
+        (by_angle, by_height): (f64, f64),
+        along: f64,
+        f: f64,
+        weight: f64,
+        force: &Force,
+        rate: f64,
+    ) {
+        let sum = &mut self.sum;
+        sum.along += along;
         sum.energy += weight * force.energy;
         sum.dissipation += (f - weight * force.elastic) * rate;
         if right {
@@ -126,14 +191,9 @@ impl Load<'_> {
             sum.normal_left += f;
         }
         sum.contacts += 1;
-        let touching = Touching { gap: *gap, by_angle: g[0], by_height: g[1] };
-        self.work.touching.0[usize::from(!right)].push(touching);
-        sum.penetration = sum.penetration.max(depth);
+        sum.penetration = sum.penetration.max(-gap);
         sum.teeth = Some(sum.teeth.map_or((tooth, tooth), |(low, high)| (low.min(tooth), high.max(tooth))));
-        if let Some((mu, fade)) = self.law.friction {
-            self.work.counters.friction_evaluations += 1;
-            self.rub(&sliding(), mu, fade, f, by_rate, &by_q);
-        }
+        self.work.touching.0[usize::from(!right)].push(Touching { gap, by_angle, by_height });
     }
 
     /// Friction −μ f v_t / √(v_t² + v_0²) on the pinion's point. The tangent leaves out how the direction of sliding

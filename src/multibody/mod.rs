@@ -26,6 +26,8 @@
 //! Units: mm, N, s and rad throughout; masses are given in kg.
 
 mod closest;
+mod drive;
+mod dynamics;
 mod error;
 mod flank;
 mod law;

@@ -81,6 +81,10 @@ pub struct Energy {
     pub exchanged: f64,
     /// stored − driven + dissipated: what the time steps made up or lost.
     pub drift: f64,
+    /// Impulse of all forces on the moving slider (with a yoke, on the rack) along Z since the start, N s.
+    pub impulse: f64,
+    /// Its momentum gained since the start, N s.
+    pub momentum: f64,
 }
 
 /// How much work a run was.

@@ -3,7 +3,7 @@
 
 use super::ParameterName;
 use super::error::SimulationError;
-use super::flank::{Bounds, FlankPair, Patch, Pose, Shared};
+use super::flank::{Bounds, FlankPair, Patch, Pose, Shared, transverse};
 use super::law::Law;
 use super::load::{Load, Work};
 use super::outcome::YokeSample;
@@ -140,6 +140,7 @@ impl Scene {
                 - 2.0 * pair.normal_module_mm(),
             reach: self.deepest(),
         };
+        let Shared { sin_shaft, cos_shaft, .. } = self.shared;
         let corner = |y: f64, z: f64| [(offset - normal[1] * y - normal[2] * z) / normal[0], y, z];
         let Bounds { half_width, tip, bottom, .. } = bounds;
         let mut made = FlankPair {
@@ -150,6 +151,7 @@ impl Scene {
             normal,
             offset,
             start: sign * partner.arc_mm / p.reference_radius_mm - p.base_half_angle_rad,
+            level: transverse(normal[0] * cos_shaft - normal[1] * sign * sin_shaft, normal[2]),
             template,
             bounds,
             corners: [
@@ -223,7 +225,7 @@ impl Scene {
         let off = (along * along + across * across).sqrt();
         let cosine = (at.center_distance - off - top - 2.0 * radius) / p.tip_radius_mm;
         let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
-        let reach = Reach { cull: grid.is_none_or(|grid| grid.cull), radius, polar };
+        let reach = Reach { cull: grid.is_none_or(|grid| grid.cull), rolls: self.rolls, radius, polar };
         // each pinion tooth once: those whose angle from straight down is at most half a turn
         let half = 0.5 * f64::from(p.teeth);
         let middle = at.pinion_angle / self.shared.angular_pitch - 0.5;
@@ -278,7 +280,6 @@ impl Scene {
     }
 
     /// Potential energy of that force against a_0, N mm.
-    #[allow(dead_code)] // TODO dynamics
     pub(super) fn closing_energy(&self, center_distance: f64) -> f64 {
         let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
         match self.parameters.support {

@@ -19,12 +19,19 @@
 //! So H grows to both sides of τ_*. A walk outwards may stop at the first D ≥ R_0 ε + (max − min of removed), since then
 //! every later D ≥ 0. Rows with τ_* < τ_0 − ½ are not walked but gone through.
 //!
-//! Whole rows: a pinion point at the polar angle χ from straight down lies at Z ≥ a − e − r_a cos χ, e the eccentricity, and
+//! Whole rows and flanks: on the contact line H is L = const, linear in w. Where τ_* ≥ 0 nothing of a row lies lower, so
+//! L ≥ R_0 ε + … (the bound above) clears it. For −½ ≤ τ_* < 0 the lowest H is at τ = 0 or later, where the bracket
+//! is at least r_b ∫ τ sin(τ − τ_*) dτ from τ_* to 0, which is r_b (sin x − x) ≥ −r_b x³/6 with x = −τ_*; L less
+//! |N_t| r_b x³/6 must then reach the bound. That function is concave in w, so a flank is clear if it is at both its
+//! ends. A row whose line lies beyond the tip, τ_a < τ_*, has at its lowest node H ≥ L + |N_t| (r_b τ_a − R cos β_b)
+//! (1 − cos δ), and 1 − cos δ ≥ (1 − cos 1) min(δ², 1).
+//!
+//! A pinion point at the polar angle χ from straight down lies at Z ≥ a − e − r_a cos χ, e the eccentricity, and
 //! no point of the rack is higher than its tip edge; a sphere whose flank point lies 2 R_0 higher than that is clear,
 //! because its centre is within R_0 of that point.
 
-use super::flank::{FlankPair, Placed, Pose};
-use super::load::{Element, Load, Sliding};
+use super::flank::{FlankPair, Patch, Placed, Pose};
+use super::load::{Element, Flat, Load, Sliding};
 use super::template::{EARLY, Node, Row, Template};
 use crate::trig;
 
@@ -32,6 +39,8 @@ use crate::trig;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
     pub(super) cull: bool,
+    /// Whether the rack's roll is a coordinate.
+    pub(super) rolls: bool,
     pub(super) radius: f64,
     /// Polar angle beyond which no pinion point meets the rack.
     pub(super) polar: f64,
@@ -53,6 +62,41 @@ impl Plane {
     }
 }
 
+/// 1 − cos 1, rounded down.
+const BEND: f64 = 0.459_697;
+
+/// What clears whole rows of a flank.
+struct Bound {
+    stop: f64,
+    /// L = level + slope w and τ_* = line + κ w.
+    level: f64,
+    slope: f64,
+    line: f64,
+    kappa: f64,
+    /// |N_t| r_b / 6 and |N_t| (r_b τ_a − R cos β_b) (1 − cos 1).
+    early: f64,
+    late: f64,
+    tip: f64,
+}
+
+impl Bound {
+    /// Whether no sphere of the section at w touches, if its contact line is not too early to say.
+    fn clears(&self, w: f64) -> bool {
+        let crossing = self.line + self.kappa * w;
+        let mut height = self.level + self.slope * w;
+        if crossing > self.tip {
+            let beyond = crossing - self.tip;
+            height += self.late * (beyond * beyond).min(1.0);
+        } else if crossing < 0.0 {
+            if crossing < -EARLY {
+                return false;
+            }
+            height += self.early * crossing * crossing * crossing;
+        }
+        height >= self.stop
+    }
+}
+
 /// Adds the contacts of one flank pair.
 pub(super) fn touch(
     pair: &FlankPair,
@@ -62,16 +106,35 @@ pub(super) fn touch(
     reach: &Reach,
     load: &mut Load<'_>,
 ) {
-    let Placed { n_xi, n_zeta, n_w, .. } = *placed;
+    let Placed { n_xi, n_zeta, n_w, length, .. } = *placed;
     let axial = template.sin_base * n_w - 1.0;
-    let length = (n_xi * n_xi + n_zeta * n_zeta).sqrt();
     let misfit = (-axial - template.cos_base * length).max(0.0);
-    let stop = reach.radius * misfit + template.form.profile_slope_mm.abs() + SLACK;
-    let line = trig::atan2(n_zeta, n_xi) - placed.c;
+    let line = placed.nu - placed.c;
+    let per_roll = length * template.base_radius;
+    let bound = Bound {
+        stop: reach.radius * misfit + template.form.profile_slope_mm.abs() + SLACK,
+        level: placed.base - per_roll * line,
+        slope: n_w - per_roll * template.kappa,
+        line,
+        kappa: template.kappa,
+        early: per_roll / 6.0,
+        late: length * template.last_reach.max(0.0) * BEND,
+        tip: template.tip_roll,
+    };
+    // the part beyond the tip is convex, so the flank as a whole is judged without it
+    let whole = Bound { late: 0.0, ..bound };
+    if reach.cull && whole.clears(-template.half_face) && whole.clears(template.half_face) {
+        return;
+    }
     let (sin_c, cos_c) = trig::sin_cos(placed.c);
     let rows = &template.rows;
     let range = if reach.cull { row_range(template, placed, reach.polar) } else { 0..rows.len() };
+    // what may be taken for plane and level, which most contacts are
+    let plain = !reach.rolls && matches!(pair.patch, Patch::Plane);
     for row in &rows[range] {
+        if reach.cull && bound.clears(row.w) {
+            continue;
+        }
         let (sin, cos) = (sin_c * row.cos - cos_c * row.sin, cos_c * row.cos + sin_c * row.sin);
         let plane = Plane {
             nx: n_xi * cos + n_zeta * sin,
@@ -82,16 +145,39 @@ pub(super) fn touch(
         let (shift, nodes) = &template.phases[row.phase];
         let crossing = line + template.kappa * row.w;
         let (from, to) = if reach.cull && crossing >= template.start_roll - EARLY {
-            walk(nodes, &plane, (crossing - template.start_roll) / template.step, *shift, stop, load)
+            walk(nodes, &plane, (crossing - template.start_roll) * template.per_step, *shift, bound.stop, load)
         } else {
             load.work.counters.spheres_tested += nodes.len() as u64;
             (0, nodes.len())
         };
         for node in &nodes[from..to] {
             let gap = plane.depth(node);
-            if gap < 0.0 {
-                sphere(pair, template, placed, pose, row, node, (sin, cos), gap, load);
+            if gap >= 0.0 {
+                continue;
             }
+            let turned = (node.xi * cos - node.zeta * sin, node.xi * sin + node.zeta * cos);
+            if plain {
+                let (xi, zeta) = (turned.0 + placed.eccentric.0, turned.1 + placed.eccentric.1);
+                let w = row.w + node.radius * template.sin_base;
+                let (y, z) = (w * placed.cos_shaft - xi * placed.sin_shaft, zeta + pose.at.center_distance);
+                let removed = row.removed + node.removed;
+                if pair.over_face(y, z, gap + node.radius - removed) {
+                    let flat = Flat {
+                        gap,
+                        by_angle: placed.sign * (zeta * n_xi - xi * n_zeta),
+                        by_height: n_zeta,
+                        by_stroke: placed.sign * pair.normal[0],
+                        by_angle_twice: -(xi * n_xi + zeta * n_zeta),
+                        weight: row.weight * node.weight,
+                    };
+                    load.add_flat(pair.right, pair.rack_tooth, &flat, || Sliding {
+                        normal: pair.normal,
+                        motion: placed.point(pose, turned.0, turned.1, w).motion,
+                    });
+                    continue;
+                }
+            }
+            sphere(pair, template, placed, pose, row, node, turned, gap, load);
         }
     }
 }
@@ -145,11 +231,10 @@ fn sphere(
     pose: &Pose,
     row: &Row,
     node: &Node,
-    (sin, cos): (f64, f64),
+    (xi, zeta): (f64, f64),
     height: f64,
     load: &mut Load<'_>,
 ) {
-    let (xi, zeta) = (node.xi * cos - node.zeta * sin, node.xi * sin + node.zeta * cos);
     let point = placed.point(pose, xi, zeta, row.w + node.radius * template.sin_base);
     let removed = row.removed + node.removed;
     let Some(distance) = pair.distance(&point.at, node.radius) else { return };

@@ -32,6 +32,8 @@ pub struct Forces {
     pub stiffness: [[f64; 3]; 3],
     /// −∂force/∂rate for ψ, a, φ.
     pub damping: [[f64; 3]; 3],
+    /// Sum of the normal forces' components along the rack, without sign, N.
+    pub along: f64,
     /// Elastic energy, N mm.
     pub energy: f64,
     /// Power lost to damping and friction, N mm/s.

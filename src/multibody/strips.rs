@@ -37,9 +37,8 @@ pub(super) fn touch(
     strips: u32,
     load: &mut Load<'_>,
 ) {
-    let nu = trig::atan2(placed.n_zeta, placed.n_xi);
+    let Placed { nu, length, .. } = *placed;
     let width = 2.0 * template.half_face / f64::from(strips);
-    let length = (placed.n_xi * placed.n_xi + placed.n_zeta * placed.n_zeta).sqrt();
     // the most that form can add to a penetration: only a negative profile slope does
     let least = (-template.form.profile_slope_mm).max(0.0);
     for strip in 0..strips {

@@ -63,6 +63,10 @@ pub(super) struct Template {
     pub(super) tip_roll: f64,
     pub(super) half_face: f64,
     pub(super) step: f64,
+    /// Its inverse.
+    pub(super) per_step: f64,
+    /// r_b τ_a − R cos β_b at the tip.
+    pub(super) last_reach: f64,
     pub(super) phases: Vec<(f64, Vec<Node>)>,
     pub(super) rows: Vec<Row>,
     pub(super) form: PinionForm,
@@ -101,6 +105,8 @@ impl Template {
             tip_roll: p.tip_roll_rad,
             half_face: 0.5 * p.face_width_mm,
             step: p.tip_roll_rad - p.start_roll_rad,
+            per_step: 0.0,
+            last_reach: 0.0,
             phases: Vec::new(),
             rows: Vec::new(),
             form,
@@ -121,7 +127,10 @@ impl Template {
     fn fill(&mut self, grid: &SphereGrid) {
         let intervals = grid.profile_nodes - 1;
         self.step = (self.tip_roll - self.start_roll) / f64::from(intervals);
+        self.per_step = 1.0 / self.step;
         let per_square = radius_factor(self.base_radius, self.cos_base, self.tip_roll);
+        let last_radius = grid.radius_mm.min(per_square * self.tip_roll * self.tip_roll);
+        self.last_reach = self.base_radius * self.tip_roll - last_radius * self.cos_base;
         for phase in 0..PHASES {
             let shift = (f64::from(phase) + 0.5) / f64::from(PHASES);
             let mut rolls = vec![self.start_roll];

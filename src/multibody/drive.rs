@@ -1,0 +1,72 @@
+//! How the rack is moved: a smooth start, then constant speed. Asked by the runs in time; knows no bodies.
+//!
+//! With x = t/T the speed rises as v (10 x³ − 15 x⁴ + 6 x⁵), whose first and second derivatives vanish at both ends, so the
+//! start excites nothing; it takes the travel v T/2.
+
+/// The stroke as a function of time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drive {
+    start_mm: f64,
+    speed: f64,
+    /// T.
+    ramp_s: f64,
+}
+
+impl Drive {
+    pub(super) fn new(start_mm: f64, speed: f64, ramp_mm: f64) -> Self {
+        Self { start_mm, speed, ramp_s: 2.0 * ramp_mm / speed }
+    }
+
+    /// Stroke and speed at a time since the start.
+    pub(super) fn at(&self, time: f64) -> (f64, f64) {
+        if time >= self.ramp_s {
+            return (self.start_mm + self.speed * (time - 0.5 * self.ramp_s), self.speed);
+        }
+        let x = (time / self.ramp_s).max(0.0);
+        let cube = x * x * x;
+        let travel = self.speed * self.ramp_s * cube * x * (2.5 - x * (3.0 - x));
+        (self.start_mm + travel, self.speed * cube * (10.0 - x * (15.0 - 6.0 * x)))
+    }
+
+    /// The time at which a stroke is reached.
+    pub(super) fn time(&self, stroke_mm: f64) -> f64 {
+        let travel = stroke_mm - self.start_mm;
+        let even = travel / self.speed + 0.5 * self.ramp_s;
+        if even >= self.ramp_s {
+            return even;
+        }
+        let (mut low, mut high) = (0.0, self.ramp_s);
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                return high;
+            }
+            if self.at(middle).0 - self.start_mm < travel {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_at_rest_reaches_its_speed_and_inverts() {
+        let drive = Drive::new(3.0, 20.0, 1.0);
+        assert_eq!(drive.at(0.0), (3.0, 0.0));
+        let (stroke, speed) = drive.at(0.1 - 1e-12);
+        assert!((stroke - 4.0).abs() < 1e-9 && (speed - 20.0).abs() < 1e-9);
+        let mut last = (3.0, 0.0);
+        for step in 1..=400 {
+            let time = 0.0005 * f64::from(step);
+            let now = drive.at(time);
+            assert!((now.0 - last.0 - 0.00025 * (now.1 + last.1)).abs() < 1e-6, "speed is the stroke's rate");
+            assert!((drive.time(now.0) - time).abs() < 1e-5);
+            last = now;
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! Motion in time. Called through [`Scene::dynamic`]; knows the contact only by its forces.
+//!
+//! # The implicit scheme
+//! TR-BDF2 as a singly diagonally implicit Runge-Kutta method of three stages, the first explicit (Bank et al.
+//! 1985; Hosea and Shampine 1996): a trapezoidal stage to t + γh, γ = 2 − √2, and a backward difference to t + h. It is
+//! of second order, L-stable and stiffly accurate, so vibrations that a step does not resolve die at once instead
+//! of ringing, and its third-order companion gives the error of a step. With d = γ/2 a stage's velocity is
+//! V = (Q − C)/(hd), C known, so each stage is a balance of forces for its position Q alone,
+//!
+//! ```text
+//! F(Q, V) + [M v + h Σ a_j F_j − M V]/(h d) = 0,   tangent K + D/(h d) + M/(h d)²,
+//! ```
+//!
+//! in which masses are never divided by: they may be 0. Steps are as long as the error of the positions allows;
+//! a contact that closes or opens inside a step shows in it, and the step is made again, shorter.
+//!
+//! # The explicit scheme
+//! Velocity Verlet; its step is bound by the largest frequency and damping rate of the present tangent.
+
+use std::ops::ControlFlow;
+
+use super::drive::Drive;
+use super::load::Work;
+use super::newton::{Balance, Limits, newton};
+use super::outcome::{Energy, Outcome, RunEnd, Sample, Watch};
+use super::parameters::Integrator;
+use super::state::{Coordinates, Forces};
+use super::{Scene, SimulationError};
+
+/// γ = 2 − √2.
+const GAMMA: f64 = 0.585_786_437_626_905;
+/// d = γ/2, the diagonal.
+const D: f64 = 0.5 * GAMMA;
+/// w = √2/4: weights of the first two stages.
+const W: f64 = 0.353_553_390_593_273_8;
+/// Weights less those of the third-order companion.
+const ERROR: [f64; 3] = [W - (1.0 - W) / 3.0, W - (3.0 * W + 1.0) / 3.0, D - D / 3.0];
+
+/// Unbalanced force over the closing force at which a stage is solved.
+const BALANCE: f64 = 1e-6;
+/// Iterations per stage; three are the rule, and a step that needs more is better halved.
+const ITERATIONS: u32 = 25;
+/// A step is made at most this much longer than the last one.
+const GROWTH: f64 = 4.0;
+/// Share of the step that the error would allow exactly.
+const SAFETY: f64 = 0.85;
+/// The smallest step, as a share of the run.
+const SMALLEST: f64 = 1e-13;
+/// Share of the stability limit that the explicit scheme uses.
+const EXPLICIT: f64 = 0.5;
+
+/// Positions and velocities with the forces there.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    time: f64,
+    q: [f64; 3],
+    v: [f64; 3],
+    stroke: f64,
+    speed: f64,
+    /// Generalised forces, the closing force included.
+    f: [f64; 3],
+    contact: Forces,
+}
+
+/// One step's outcome.
+struct Step {
+    state: State,
+    /// Largest error of a position, mm.
+    error: f64,
+    gained: Flow,
+}
+
+/// What flowed during a step.
+#[derive(Debug, Clone, Copy, Default)]
+struct Flow {
+    driven: f64,
+    dissipated: f64,
+    exchanged: f64,
+    impulse: f64,
+}
+
+impl Flow {
+    fn of(states: &[(&State, f64)]) -> Self {
+        let mut flow = Self::default();
+        for (state, weight) in states {
+            flow.driven -= weight * state.contact.generalized[3] * state.speed;
+            flow.dissipated += weight * state.contact.dissipation;
+            flow.exchanged += weight * state.contact.along * state.speed;
+            flow.impulse += weight * state.f[1];
+        }
+        flow
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.driven += other.driven;
+        self.dissipated += other.dissipated;
+        self.exchanged += other.exchanged;
+        self.impulse += other.impulse;
+    }
+}
+
+impl Scene {
+    /// The motion over the stroke, from rest in equilibrium.
+    #[must_use]
+    pub fn dynamic(&self, watch: &mut Watch<'_>) -> Outcome {
+        let mut work = Work::default();
+        let mut samples = Vec::with_capacity(self.intervals() as usize + 1);
+        let mut energy = None;
+        let end = match self.travel(&mut samples, &mut energy, &mut work, watch) {
+            Ok(end) => end,
+            Err(error) => RunEnd::Failed(error),
+        };
+        self.outcome(samples, energy, work.counters, end)
+    }
+
+    fn travel(
+        &self,
+        samples: &mut Vec<Sample>,
+        energy: &mut Option<Energy>,
+        work: &mut Work,
+        watch: &mut Watch<'_>,
+    ) -> Result<RunEnd, SimulationError> {
+        let p = &self.parameters;
+        let drive = Drive::new(p.start_mm, p.speed_mm_per_s, p.ramp_mm);
+        let law = self.law.without_damping().without_friction();
+        let (q, _) = self.equilibrium(p.start_mm, None, &law, work)?;
+        let mut here = self.state(&drive, 0.0, q, [0.0; 3], work);
+        let start = here;
+        let mut flow = Flow::default();
+        let mut take = |state: &State, flow: &Flow, work: &Work| {
+            let at = Coordinates::from_free(state.q, state.stroke);
+            let sample = self.sample(state.time, &at, &state.contact, work);
+            samples.push(sample);
+            *energy = Some(self.energy(&start, state, flow));
+            watch(&sample)
+        };
+        if take(&here, &flow, work) == ControlFlow::Break(()) {
+            return Ok(RunEnd::Interrupted);
+        }
+        let last = self.intervals();
+        let total = drive.time(self.sample_stroke(last));
+        let mut step = match p.integrator {
+            Integrator::Implicit => drive.time(self.sample_stroke(1)),
+            Integrator::Explicit => self.explicit_limit(&here, total)?,
+        };
+        let mut before: Option<State> = None;
+        for index in 1..=last {
+            let until = drive.time(self.sample_stroke(index));
+            while here.time < until {
+                let left = until - here.time;
+                // the rest in equal steps, none longer than allowed
+                let parts = (left / step * (1.0 - 1e-9)).ceil().max(1.0);
+                let end = if parts <= 1.0 { until } else { here.time + left / parts };
+                if work.counters.steps + work.counters.rejected >= p.max_steps {
+                    let steps = work.counters.steps;
+                    return Err(SimulationError::TooManySteps { time_s: here.time, stroke_mm: here.stroke, steps });
+                }
+                let made = match p.integrator {
+                    Integrator::Implicit => self.implicit(&drive, &here, before.as_ref(), end, work),
+                    Integrator::Explicit => Some(self.explicit(&drive, &here, end, work)),
+                };
+                let h = end - here.time;
+                let ratio = made.as_ref().map_or(f64::INFINITY, |made| made.error / p.tolerance_mm);
+                if ratio > 1.0 {
+                    work.counters.rejected += 1;
+                    // the error is of third order in the step
+                    step = h * if ratio.is_finite() { (SAFETY / libm::cbrt(ratio)).clamp(0.1, 0.9) } else { 0.25 };
+                    if step < SMALLEST * total {
+                        let (time_s, stroke_mm) = (here.time, here.stroke);
+                        return Err(SimulationError::StepTooSmall { time_s, stroke_mm, step_s: step });
+                    }
+                    continue;
+                }
+                let Some(made) = made else { continue };
+                work.counters.steps += 1;
+                self.check(made.state.stroke, &made.state.q, &made.state.contact)?;
+                flow.add(&made.gained);
+                step = match p.integrator {
+                    Integrator::Implicit => h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, GROWTH),
+                    Integrator::Explicit => self.explicit_limit(&made.state, total)?,
+                };
+                before = Some(here);
+                here = made.state;
+            }
+            if take(&here, &flow, work) == ControlFlow::Break(()) && index < last {
+                return Ok(RunEnd::Interrupted);
+            }
+        }
+        Ok(RunEnd::Completed)
+    }
+
+    /// The forces in a position at a velocity.
+    fn state(&self, drive: &Drive, time: f64, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
+        let (stroke, speed) = drive.at(time);
+        let rates = Coordinates::from_free(v, speed);
+        let contact = self.contact(&self.law, &Coordinates::from_free(q, stroke), &rates, work);
+        let [angle, height, roll, _] = contact.generalized;
+        State { time, q, v, stroke, speed, f: [angle, height - self.closing(q[1]).0, roll], contact }
+    }
+
+    /// One TR-BDF2 step; `None` if a stage is not solved.
+    fn implicit(
+        &self,
+        drive: &Drive,
+        from: &State,
+        before: Option<&State>,
+        end: f64,
+        work: &mut Work,
+    ) -> Option<Step> {
+        let h = end - from.time;
+        let acceleration = before.map_or([0.0; 3], |before| {
+            std::array::from_fn(|i| (from.v[i] - before.v[i]) / (from.time - before.time))
+        });
+        let guess = |t: f64| std::array::from_fn(|i| from.q[i] + t * (from.v[i] + 0.5 * t * acceleration[i]));
+        let two = self.stage(drive, from.time + GAMMA * h, h, from, &[(from, D)], guess(GAMMA * h), work)?;
+        // the same curvature to the end as to the middle
+        let bend: [f64; 3] =
+            std::array::from_fn(|i| (two.q[i] - from.q[i] - GAMMA * h * from.v[i]) / (GAMMA * GAMMA));
+        let guess = std::array::from_fn(|i| from.q[i] + h * from.v[i] + bend[i]);
+        let end = self.stage(drive, end, h, from, &[(from, W), (&two, W)], guess, work)?;
+        let mut error: f64 = 0.0;
+        let scale = self.limits(0.0).scale;
+        for i in 0..self.coordinates() as usize {
+            let e = h * (ERROR[0] * from.v[i] + ERROR[1] * two.v[i] + ERROR[2] * end.v[i]);
+            error = error.max((e * scale[i]).abs());
+        }
+        let gained = Flow::of(&[(from, W * h), (&two, W * h), (&end, D * h)]);
+        Some(Step { state: end, error, gained })
+    }
+
+    #[allow(clippy::too_many_arguments)] // the tableau's row
+    fn stage(
+        &self,
+        drive: &Drive,
+        time: f64,
+        h: f64,
+        from: &State,
+        known: &[(&State, f64)],
+        guess: [f64; 3],
+        work: &mut Work,
+    ) -> Option<State> {
+        let (mut c, mut momentum) = (from.q, [0.0; 3]);
+        for i in 0..3 {
+            momentum[i] = self.inertia[i] * from.v[i];
+            for (state, weight) in known {
+                c[i] += h * weight * state.v[i];
+                momentum[i] += h * weight * state.f[i];
+            }
+        }
+        let per = 1.0 / (D * h);
+        let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
+        let velocity = |q: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (q[i] - c[i]) * per) };
+        let solution = newton(guess, &limits, |q| {
+            let v = velocity(q);
+            let state = self.state(drive, time, *q, v, work);
+            let rate = self.closing(q[1]).1;
+            let mut tangent = state.contact.stiffness;
+            tangent[1][1] += rate;
+            let mut residual = state.f;
+            for i in 0..3 {
+                residual[i] += (momentum[i] - self.inertia[i] * v[i]) * per;
+                tangent[i][i] += self.inertia[i] * per * per;
+                for j in 0..3 {
+                    tangent[i][j] += per * state.contact.damping[i][j];
+                }
+            }
+            Balance { residual, tangent, with: state }
+        });
+        work.counters.iterations += u64::from(solution.iterations);
+        solution.converged.then_some(solution.with)
+    }
+
+    /// One velocity Verlet step; damping and friction see the velocity predicted by the old forces.
+    fn explicit(&self, drive: &Drive, from: &State, end: f64, work: &mut Work) -> Step {
+        let h = end - from.time;
+        let n = self.coordinates() as usize;
+        let rate = |f: &[f64; 3], i: usize| if i < n { f[i] / self.inertia[i] } else { 0.0 };
+        let half: [f64; 3] = std::array::from_fn(|i| from.v[i] + 0.5 * h * rate(&from.f, i));
+        let q = std::array::from_fn(|i| from.q[i] + h * half[i]);
+        let predicted = std::array::from_fn(|i| half[i] + 0.5 * h * rate(&from.f, i));
+        let mut state = self.state(drive, end, q, predicted, work);
+        state.v = std::array::from_fn(|i| half[i] + 0.5 * h * rate(&state.f, i));
+        let gained = Flow::of(&[(from, 0.5 * h), (&state, 0.5 * h)]);
+        let finite = state.q.iter().chain(&state.v).all(|value| value.is_finite());
+        Step { state, error: if finite { 0.0 } else { f64::INFINITY }, gained }
+    }
+
+    /// The longest step that the explicit scheme should make from a state.
+    fn explicit_limit(&self, at: &State, total: f64) -> Result<f64, SimulationError> {
+        let n = self.coordinates() as usize;
+        let (mut square, mut rate) = (0.0_f64, 0.0_f64);
+        let scale = self.limits(0.0).scale;
+        for i in 0..n {
+            // Gershgorin's bound in lengths, as the unknowns are scaled
+            let mass = self.inertia[i] / (scale[i] * scale[i]);
+            let sum = |m: &[[f64; 3]; 3]| -> f64 { (0..n).map(|j| m[i][j].abs() / (scale[i] * scale[j])).sum() };
+            let closing = if i == 1 { self.closing(at.q[1]).1 } else { 0.0 };
+            square = square.max((sum(&at.contact.stiffness) + closing) / mass);
+            rate = rate.max(sum(&at.contact.damping) / mass);
+        }
+        let limit = EXPLICIT * 2.0 / (square.sqrt() + rate);
+        // while nothing touches, a contact may close at any time
+        let limit = limit.min(1e-3 * total);
+        let steps = (total - at.time) / limit;
+        #[allow(clippy::cast_precision_loss)] // a limit
+        let most = self.parameters.max_steps as f64;
+        if steps.is_finite() && steps <= most {
+            Ok(limit)
+        } else {
+            Err(SimulationError::TooStiffForExplicit { step_s: limit, steps })
+        }
+    }
+
+    fn energy(&self, start: &State, now: &State, flow: &Flow) -> Energy {
+        let stored = |state: &State| {
+            let kinetic: f64 = (0..3).map(|i| 0.5 * self.inertia[i] * state.v[i] * state.v[i]).sum();
+            kinetic + state.contact.energy
+        };
+        let closing = self.closing_energy(now.q[1]) - self.closing_energy(start.q[1]);
+        let stored = stored(now) - stored(start) + closing;
+        Energy {
+            stored,
+            driven: flow.driven,
+            dissipated: flow.dissipated,
+            exchanged: flow.exchanged,
+            drift: stored - flow.driven + flow.dissipated,
+            impulse: flow.impulse,
+            momentum: self.inertia[1] * (now.v[1] - start.v[1]),
+        }
+    }
+}
