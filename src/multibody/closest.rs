@@ -111,6 +111,14 @@ pub(super) fn polygon(
     Some(distance)
 }
 
+/// Whether the distance certainly exceeds `left` for a centre at a height over the plane whose foot is at least `beyond`
+/// outside the patch: √(h_0² + e²) + h − h_0 ≥ left, squared and with room for rounding.
+pub(super) fn clear(height: f64, beyond: f64, radius: f64, left: f64) -> bool {
+    let floor = height.max(0.5 * radius);
+    let needed = left + floor - height;
+    beyond * beyond > (needed - floor) * (needed + floor) * (1.0 + 1e-9) + 1e-12
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,6 +136,21 @@ mod tests {
         assert!((at([1.0, -0.3, 0.4]).value - 0.5).abs() < 1e-15);
         assert!((at([2.3, 1.4, 1.2]).value - 1.3).abs() < 1e-15);
         assert!(polygon(&SQUARE, &UP, &[5.0, 0.5, 0.1], 0.4, 1.0).is_none());
+    }
+
+    #[test]
+    fn what_is_called_clear_is_clear() {
+        let mut seen = [0, 0];
+        for step in 0..2000 {
+            let beyond = 1e-4 * f64::from(step % 100);
+            for height in [0.39999, 0.3999, 0.35, 0.1, -0.05] {
+                let far = clear(height, beyond, 0.4, 0.4);
+                let touches = at([1.0, -beyond, height]).value < 0.4;
+                assert!(!(far && touches), "{height} {beyond}");
+                seen[usize::from(far)] += 1;
+            }
+        }
+        assert!(seen[0] > 0 && seen[1] > 0);
     }
 
     #[test]

@@ -199,30 +199,21 @@ impl Scene {
     }
 
     /// One TR-BDF2 step; `None` if a stage is not solved.
-    fn implicit(
-        &self,
-        drive: &Drive,
-        from: &State,
-        before: Option<&State>,
-        end: f64,
-        work: &mut Work,
-    ) -> Option<Step> {
+    fn implicit(&self, drive: &Drive, from: &State, before: Option<&State>, end: f64, work: &mut Work) -> Option<Step> {
         let h = end - from.time;
-        let acceleration = before.map_or([0.0; 3], |before| {
-            std::array::from_fn(|i| (from.v[i] - before.v[i]) / (from.time - before.time))
-        });
+        let acceleration = before
+            .map_or([0.0; 3], |before| std::array::from_fn(|i| (from.v[i] - before.v[i]) / (from.time - before.time)));
         let guess = |t: f64| std::array::from_fn(|i| from.q[i] + t * (from.v[i] + 0.5 * t * acceleration[i]));
         let two = self.stage(drive, from.time + GAMMA * h, h, from, &[(from, D)], guess(GAMMA * h), work)?;
         // the same curvature to the end as to the middle
-        let bend: [f64; 3] =
-            std::array::from_fn(|i| (two.q[i] - from.q[i] - GAMMA * h * from.v[i]) / (GAMMA * GAMMA));
+        let bend: [f64; 3] = std::array::from_fn(|i| (two.q[i] - from.q[i] - GAMMA * h * from.v[i]) / (GAMMA * GAMMA));
         let guess = std::array::from_fn(|i| from.q[i] + h * from.v[i] + bend[i]);
         let end = self.stage(drive, end, h, from, &[(from, W), (&two, W)], guess, work)?;
         let mut error: f64 = 0.0;
         let scale = self.limits(0.0).scale;
-        for i in 0..self.coordinates() as usize {
+        for (i, scale) in scale.iter().enumerate().take(self.coordinates() as usize) {
             let e = h * (ERROR[0] * from.v[i] + ERROR[1] * two.v[i] + ERROR[2] * end.v[i]);
-            error = error.max((e * scale[i]).abs());
+            error = error.max((e * scale).abs());
         }
         let gained = Flow::of(&[(from, W * h), (&two, W * h), (&end, D * h)]);
         Some(Step { state: end, error, gained })
@@ -260,8 +251,8 @@ impl Scene {
             for i in 0..3 {
                 residual[i] += (momentum[i] - self.inertia[i] * v[i]) * per;
                 tangent[i][i] += self.inertia[i] * per * per;
-                for j in 0..3 {
-                    tangent[i][j] += per * state.contact.damping[i][j];
+                for (entry, damping) in tangent[i].iter_mut().zip(state.contact.damping[i]) {
+                    *entry += per * damping;
                 }
             }
             Balance { residual, tangent, with: state }

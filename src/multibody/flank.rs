@@ -144,11 +144,12 @@ impl FlankPair {
         self.patch = Patch::Grid { cells: n, corners };
     }
 
-    /// Whether the foot of a point is inside a plane flank, so that its height is its distance.
-    pub(super) fn over_face(&self, y: f64, z: f64, height: f64) -> bool {
+    /// How far the foot of a point lies beyond a plane flank, at least; not positive inside, where the point's height
+    /// is its distance.
+    pub(super) fn beyond(&self, y: f64, z: f64, height: f64) -> f64 {
         let Bounds { half_width, tip, bottom, .. } = self.bounds;
         let (y, z) = (y - height * self.normal[1], z - height * self.normal[2]);
-        y.abs() <= half_width && z <= tip && z >= bottom
+        (y.abs() - half_width).max(z - tip).max(bottom - z)
     }
 
     /// Distance of a sphere's centre, in local rack coordinates, from this flank.

@@ -30,6 +30,7 @@
 //! no point of the rack is higher than its tip edge; a sphere whose flank point lies 2 R_0 higher than that is clear,
 //! because its centre is within R_0 of that point.
 
+use super::closest;
 use super::flank::{FlankPair, Patch, Placed, Pose};
 use super::load::{Element, Flat, Load, Sliding};
 use super::template::{EARLY, Node, Row, Template};
@@ -160,8 +161,14 @@ pub(super) fn touch(
                 let (xi, zeta) = (turned.0 + placed.eccentric.0, turned.1 + placed.eccentric.1);
                 let w = row.w + node.radius * template.sin_base;
                 let (y, z) = (w * placed.cos_shaft - xi * placed.sin_shaft, zeta + pose.at.center_distance);
-                let removed = row.removed + node.removed;
-                if pair.over_face(y, z, gap + node.radius - removed) {
+                // what is left of the radius once the form is removed, and the height of the centre
+                let left = node.radius - (row.removed + node.removed);
+                let height = gap + left;
+                let beyond = pair.beyond(y, z, height);
+                if beyond > 0.0 && closest::clear(height, beyond, node.radius, left) {
+                    continue;
+                }
+                if beyond <= 0.0 {
                     let flat = Flat {
                         gap,
                         by_angle: placed.sign * (zeta * n_xi - xi * n_zeta),
