@@ -18,6 +18,7 @@
 //! | [`decision`] | errors combined, and judged against limits |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
 #![cfg_attr(feature = "cmm", doc = "| [`cmm`] | tables of measured values |")]
+#![cfg_attr(feature = "batch", doc = "| [`batch`] | tables with a row per part, of any length |")]
 #![cfg_attr(feature = "report", doc = "| [`report`] | results as tables, Markdown, CSV and JSON |")]
 //! | [`diagnostic`] | what is wrong with an input, where, and what to do |
 #![cfg_attr(feature = "cli", doc = "| [`cli`] | the command line |")]
@@ -60,6 +61,8 @@ assert_eq!(spec.part_errors()?.len(), 1);
 "#
 )]
 
+#[cfg(feature = "batch")]
+pub mod batch;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "cmm")]

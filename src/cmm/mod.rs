@@ -19,6 +19,8 @@ mod teeth;
 mod text;
 mod written;
 
+#[cfg(feature = "batch")]
+pub(crate) use table::name_and_unit;
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, pinion_teeth, rack_spaces};
 pub use text::decode;
 pub use written::DecimalMark;

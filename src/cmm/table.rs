@@ -175,7 +175,7 @@ fn names(columns: &[Column]) -> String {
 
 /// A header cell's column name, in lower case with underscores, and its unit: `Over pin [µm]`,
 /// `position_mm`.
-fn name_and_unit(cell: &str) -> (String, Option<String>) {
+pub(crate) fn name_and_unit(cell: &str) -> (String, Option<String>) {
     let cell = cell.trim().trim_start_matches('\u{feff}');
     let (name, mut unit) = match cell.find(['[', '(']) {
         Some(start) => {

@@ -57,6 +57,8 @@ codes! {
     BadTable = "bad-table",
     /// A pasted block that can be read in more than one way.
     AmbiguousBlock = "ambiguous-block",
+    /// A row of a batch that makes no part.
+    BadRow = "bad-row",
     /// A limit that is not a limit.
     BadLimit = "bad-limit",
     /// A class that has no permissible value.

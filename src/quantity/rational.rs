@@ -222,6 +222,18 @@ impl Rational {
         &Self(Relaxed::from((self / step).0.round())) * step
     }
 
+    /// The number with so many decimals, rounded half away from zero; zero has no sign.
+    #[must_use]
+    pub fn to_decimal_text(&self, decimals: u16) -> String {
+        let scaled: IBig = (self * &Self::power_of_ten(i64::from(decimals))).0.round();
+        let sign = if scaled.is_negative() { "-" } else { "" };
+        let digits = scaled.unsigned_abs().to_string();
+        let decimals = usize::from(decimals);
+        let digits = format!("{digits:0>width$}", width = decimals + 1);
+        let (whole, fraction) = digits.split_at(digits.len() - decimals);
+        if decimals == 0 { format!("{sign}{whole}") } else { format!("{sign}{whole}.{fraction}") }
+    }
+
     /// The number rounded to `digits` significant decimal digits, half away from zero.
     #[must_use]
     pub fn round_significant(&self, digits: u16) -> Self {
@@ -353,6 +365,19 @@ mod tests {
         }
         let third = Rational::fraction(1, 3).round_significant(40);
         assert_eq!(third, read(&format!("0.{}", "3".repeat(40))));
+    }
+
+    #[test]
+    fn decimal_text_is_rounded_half_away_from_zero() {
+        for (text, decimals, written) in [
+            ("0.0131", 6, "0.013100"),
+            ("-0.0000005", 6, "-0.000001"),
+            ("-0.0000004", 6, "0.000000"),
+            ("12.5", 0, "13"),
+            ("-1e3", 2, "-1000.00"),
+        ] {
+            assert_eq!(read(text).to_decimal_text(decimals), written, "{text}");
+        }
     }
 
     #[test]

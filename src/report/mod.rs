@@ -24,6 +24,8 @@ pub use calculation::{Calculation, Computed, ResultUnit};
 pub use evaluation::{EvaluationReport, MeshPart};
 
 pub use mesh::{MeasureReport, MeshReport};
+#[cfg(feature = "batch")]
+pub(crate) use number::plain;
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 pub use reproduction::Reproduction;
 pub use table::{Align, Block, Column, Table};

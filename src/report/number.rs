@@ -23,7 +23,7 @@ pub(super) fn signed(value: f64, decimals: usize) -> String {
 
 /// The shortest text that reads back as the same double, in powers of ten only where the plain form
 /// would be long.
-pub(super) fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     plain_padded(value, 0)
 }
 

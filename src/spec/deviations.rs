@@ -165,7 +165,7 @@ impl SectionReader<'_> {
     }
 
     /// Reads the table under `name`.
-    fn table<T>(
+    pub(super) fn table<T>(
         &mut self,
         name: &str,
         section: &'static Section,

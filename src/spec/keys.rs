@@ -306,5 +306,59 @@ pub(crate) const TOLERANCE: Section = Section {
     ],
 };
 
+/// What a column holds: the value itself, or its difference from nominal.
+const COLUMN_KIND: Key = key(
+    "kind",
+    Kind::Word(&["measured", "deviation"]),
+    "Whether the column holds measured values or deviations. Default: measured if there is a nominal value.",
+);
+
+const COLUMN_NAME: Key = key("name", Kind::Text, "The column's name in the header, if it is not the error's own.");
+
+pub(crate) const LENGTH_COLUMN: Section = Section {
+    name: "batch.columns.(error)",
+    doc: "A column of lengths.",
+    keys: &[
+        COLUMN_NAME,
+        key("unit", Kind::Word(&["mm", "um", "µm", "in", "mil"]), "Unit of its numbers. Default: the header's, or mm."),
+        key("nominal", Kind::Length(Domain::any("nominal value", "M_nom")), "Nominal value of what was measured."),
+        COLUMN_KIND,
+    ],
+};
+
+pub(crate) const ANGLE_COLUMN: Section = Section {
+    name: "batch.columns.rack_lead",
+    doc: "A column of angles.",
+    keys: &[
+        COLUMN_NAME,
+        key(
+            "unit",
+            Kind::Word(&["deg", "arcmin", "arcsec", "rad", "mrad"]),
+            "Unit of its numbers. Default: the header's, or degrees.",
+        ),
+        key("nominal", Kind::Angle(Domain::any("nominal value", "β_nom")), "Nominal value of what was measured."),
+        COLUMN_KIND,
+    ],
+};
+
+pub(crate) const BATCH_COLUMNS: Section = Section {
+    name: "batch.columns",
+    doc: "Where a table with a row per part has what, if its header does not say so.",
+    keys: &[
+        key("part_id", Kind::Text, "Name of the column that names the part. Default part_id."),
+        key("rack_over_roller", Kind::Table(&LENGTH_COLUMN), "The rack's over-roller measure or error."),
+        key("rack_pitch", Kind::Table(&LENGTH_COLUMN), "The rack's pitch or pitch error."),
+        key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle or its error."),
+        key("pinion_radial", Kind::Table(&LENGTH_COLUMN), "The pinion's radial measure or error."),
+        key("pinion_pitch", Kind::Table(&LENGTH_COLUMN), "The pinion's single pitch deviation."),
+    ],
+};
+
+pub(crate) const BATCH: Section = Section {
+    name: "batch",
+    doc: "Tables with a row per part.",
+    keys: &[key("columns", Kind::Table(&BATCH_COLUMNS), "Columns that are named or measured otherwise.")],
+};
+
 /// The sections in the order in which they are documented.
-pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS];
+pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS, BATCH];

@@ -5,6 +5,7 @@
 //! each value by itself, and reports every problem at once, with its place. Resolution asks for what a
 //! result needs, and only then is a key required. Nothing below this module knows TOML.
 
+mod batch;
 mod class;
 mod deviations;
 mod keys;
@@ -15,6 +16,7 @@ mod resolve;
 mod schema;
 mod template;
 
+pub use batch::{BatchColumn, BatchSection, Reading};
 pub use class::ToleranceSection;
 pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
@@ -68,6 +70,8 @@ pub struct Spec {
     pub nominals: Vec<(ErrorKind, Located<ErrorValue>)>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
+    /// `[batch]`.
+    pub batch: BatchSection,
 }
 
 /// `[pair]`: what rack and pinion have in common.
@@ -231,8 +235,9 @@ impl Spec {
                 .filter_map(|target| Some((target, read_limit(reader, target.key())?)))
                 .collect()
         });
+        let batch = sections.read(&keys::BATCH, batch::read);
         if diagnostics.is_empty() {
-            Ok(Self { source, title, pair, rack, pinion, support, tolerance, errors, nominals, limits })
+            Ok(Self { source, title, pair, rack, pinion, support, tolerance, errors, nominals, limits, batch })
         } else {
             diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
             Err(Diagnostics(diagnostics))

@@ -1,0 +1,279 @@
+//! Where one table has what: columns found by name, with their units.
+
+use super::input::Header;
+use super::number::{Scale, degrees_per_integer, read};
+use super::plan::{Output, Plan};
+use crate::cmm::name_and_unit;
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, Rational};
+use crate::spec::{Reading, Spec};
+
+/// The unit of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Unit {
+    Length(LengthUnit),
+    Angle(AngleUnit),
+}
+
+/// One column that is read.
+#[derive(Debug, Clone)]
+pub(super) struct Column {
+    /// Its place in the record.
+    pub(super) field: usize,
+    /// Its name in the header.
+    pub(super) name: String,
+    pub(super) unit: Unit,
+    pub(super) scale: Scale,
+    /// The nominal value in the column's integers; `None` if it is no integer, and the exact path is taken.
+    pub(super) nominal: Option<i64>,
+    /// Degrees in one integer, for angles.
+    pub(super) degrees: f64,
+}
+
+/// What a field is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Skipped,
+    Id,
+    /// The column with that index.
+    Value(usize),
+}
+
+/// Where one table has what.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    /// One per source of the plan, in its order.
+    pub(super) columns: Vec<Column>,
+    /// One per field of a record.
+    pub(super) roles: Vec<Role>,
+    pub(super) id: Option<usize>,
+    /// The fields that outputs copy, in the outputs' order.
+    pub(super) copied: Vec<usize>,
+    pub(super) separator: u8,
+    /// The decimal mark.
+    pub(super) mark: u8,
+}
+
+impl Layout {
+    /// Finds the plan's columns in a table.
+    ///
+    /// # Errors
+    /// A diagnostic for each column that the plan needs and the table does not have, or has twice.
+    pub fn new(plan: &Plan, header: &Header) -> Result<Self, Diagnostics> {
+        let mut diagnostics = Vec::new();
+        let mut columns = Vec::new();
+        for source in &plan.sources {
+            match find_column(&plan.spec, header, source.kind) {
+                Ok(Some((field, unit))) => columns.push(Column::new(header, field, unit, &source.reading)),
+                Ok(None) => diagnostics.push(missing(&plan.spec, header, source.kind)),
+                Err(diagnostic) => diagnostics.push(diagnostic),
+            }
+        }
+        let id = find_id(&plan.spec, header, plan.request.id.as_deref()).unwrap_or_else(|diagnostic| {
+            diagnostics.push(diagnostic);
+            None
+        });
+        let mut copied = Vec::new();
+        for output in &plan.outputs {
+            let Output::Copied(name) = output else { continue };
+            match header.columns.iter().position(|column| column == name) {
+                Some(field) => copied.push(field),
+                None => diagnostics.push(Diagnostic::error(
+                    Code::BadTable,
+                    format!("{} has no column `{name}`, which is to be written", header.name),
+                )),
+            }
+        }
+        if !diagnostics.is_empty() {
+            return Err(Diagnostics(diagnostics));
+        }
+        let mut roles = vec![Role::Skipped; header.columns.len()];
+        if let Some(id) = id {
+            roles[id] = Role::Id;
+        }
+        for (index, column) in columns.iter().enumerate() {
+            roles[column.field] = Role::Value(index);
+        }
+        let mark = if header.decimal_comma { b',' } else { b'.' };
+        Ok(Self { columns, roles, id, copied, separator: header.separator, mark })
+    }
+}
+
+impl Column {
+    fn new(header: &Header, field: usize, unit: Unit, reading: &Reading) -> Self {
+        let (scale, degrees) = match unit {
+            Unit::Length(unit) => (Scale::of_lengths(unit), 0.0),
+            Unit::Angle(unit) => (Scale::of_angles(), degrees_per_integer(unit)),
+        };
+        let in_unit = match (reading, unit) {
+            (Reading::Measured(ErrorValue::Length(nominal)), _) => Some(nominal.exact_mm().clone()),
+            (Reading::Measured(ErrorValue::Angle(nominal)), Unit::Angle(unit)) => {
+                Some(nominal.exact_degrees() / &unit.in_degrees())
+            }
+            _ => Some(Rational::ZERO),
+        };
+        let nominal = in_unit.and_then(|nominal| {
+            let scaled = &nominal * &Rational::power_of_ten(15);
+            let integer = i64::try_from(scaled.to_fixed_point(0)).ok()?;
+            (scaled == integer && integer.unsigned_abs() < 1 << 62).then_some(integer)
+        });
+        Self { field, name: header.columns[field].clone(), unit, scale, nominal, degrees }
+    }
+
+    /// The exact deviation of which the fast path has the integer.
+    pub(super) fn deviation(&self, integer: i64) -> Option<ErrorValue> {
+        let number = &Rational::integer(integer) * &Rational::power_of_ten(-15);
+        match self.unit {
+            // the integers of lengths are of 1e-15 mm whatever the unit
+            Unit::Length(_) => Length::from_exact_mm(number, "the deviation").ok().map(ErrorValue::Length),
+            Unit::Angle(unit) => {
+                Angle::from_exact_degrees(&number * &unit.in_degrees(), "the deviation").ok().map(ErrorValue::Angle)
+            }
+        }
+    }
+
+    /// The exact deviation that a field's text means.
+    pub(super) fn exact(&self, text: &str, reading: &Reading, mark: u8) -> Result<ErrorValue, String> {
+        let text = text.trim();
+        let mut text = if mark == b',' { text.replacen(',', ".", 1) } else { text.to_owned() };
+        // a number without a unit has that of the column
+        if text.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
+            text.push_str(match self.unit {
+                Unit::Length(unit) => unit.symbol(),
+                Unit::Angle(unit) => unit.symbol(),
+            });
+        }
+        match self.unit {
+            Unit::Length(_) => {
+                let value: Length = text.parse().map_err(|error| explained(&error, &text))?;
+                Ok(ErrorValue::Length(match reading {
+                    Reading::Measured(ErrorValue::Length(nominal)) => &value - nominal,
+                    _ => value,
+                }))
+            }
+            Unit::Angle(_) => {
+                let value: Angle = text.parse().map_err(|error| explained(&error, &text))?;
+                Ok(ErrorValue::Angle(match reading {
+                    Reading::Measured(ErrorValue::Angle(nominal)) => &value - nominal,
+                    _ => value,
+                }))
+            }
+        }
+    }
+
+    /// The integer of a whole field; `None` if it is not a plain number.
+    #[inline]
+    pub(super) fn integer(&self, text: &[u8], mark: u8) -> Option<i64> {
+        let (decimal, end) = read(text, 0, mark)?;
+        if end != text.len() {
+            return None;
+        }
+        self.scale.integer(decimal)?.checked_sub(self.nominal?)
+    }
+}
+
+/// What is wrong with a cell; an empty one is empty, whatever unit was to be appended.
+fn explained(error: &crate::quantity::QuantityError, text: &str) -> String {
+    if text.is_empty() { "the field is empty".to_owned() } else { error.to_string() }
+}
+
+/// The column of an error and its unit; `None` if the table has none.
+pub(super) fn find_column(spec: &Spec, header: &Header, kind: ErrorKind) -> Result<Option<(usize, Unit)>, Diagnostic> {
+    let column = spec.batch_column(kind).map(|column| &column.value);
+    let wanted = column.and_then(|column| column.name.as_deref());
+    let Some(field) = find_name(header, wanted.unwrap_or(kind.key()))? else {
+        return if spec.expects_column(kind) { Err(missing(spec, header, kind)) } else { Ok(None) };
+    };
+    let name = &header.columns[field];
+    let in_brackets = name.contains(['[', '(']);
+    let (_, written) = name_and_unit(name);
+    let stated = column.and_then(|column| column.unit.as_ref());
+    let is_angle = kind == ErrorKind::RackLead;
+    let unit_of = |symbol: &str| {
+        if is_angle {
+            AngleUnit::from_symbol(symbol).map(Unit::Angle)
+        } else {
+            LengthUnit::from_symbol(symbol).map(Unit::Length)
+        }
+    };
+    let default = if is_angle { Unit::Angle(AngleUnit::Degree) } else { Unit::Length(LengthUnit::Millimetre) };
+    let stated_unit = stated.and_then(|stated| unit_of(stated.value));
+    let written_unit = match written.as_deref() {
+        // a word at the end of a name is a unit if it can be one; what stands in brackets must be one
+        Some(symbol) if in_brackets && unit_of(symbol).is_none() && stated_unit.is_none() => {
+            let (what, units) = if is_angle { ("an angle", AngleUnit::NAMES) } else { ("a length", LengthUnit::NAMES) };
+            return Err(Diagnostic::error(
+                Code::BadTable,
+                format!("{}, column `{name}`: `{symbol}` is not a unit of {what}", header.name),
+            )
+            .help(format!("write {units}; or say it in the spec: [batch.columns] {} = {{ unit = … }}", kind.key())));
+        }
+        Some(symbol) => unit_of(symbol),
+        None => None,
+    };
+    match (stated_unit, written_unit) {
+        (Some(stated_unit), Some(written_unit)) if in_brackets && stated_unit != written_unit => {
+            let message = format!("{}, column `{name}`: the header and the spec name different units", header.name);
+            let diagnostic = Diagnostic::error(Code::BadTable, message);
+            Err(match stated {
+                Some(stated) => diagnostic.at(&spec.source, stated.span.clone(), ""),
+                None => diagnostic,
+            })
+        }
+        (stated, written) => Ok(Some((field, stated.or(written).unwrap_or(default)))),
+    }
+}
+
+/// The column that names the part; `None` if there is none and none was asked for.
+pub(super) fn find_id(spec: &Spec, header: &Header, asked: Option<&str>) -> Result<Option<usize>, Diagnostic> {
+    let named = asked.or(spec.batch.part_id.as_deref());
+    let field = find_name(header, named.unwrap_or("part_id"))?;
+    match (field, named) {
+        (None, Some(name)) => {
+            let message = format!("{} has no column `{name}` that names the part", header.name);
+            Err(Diagnostic::error(Code::BadTable, message).help(format!("it has {}", header.columns.join(", "))))
+        }
+        (field, _) => Ok(field),
+    }
+}
+
+/// The column with that name: written so, or else so but for case, blanks and a unit.
+fn find_name(header: &Header, wanted: &str) -> Result<Option<usize>, Diagnostic> {
+    let twice = |message| Err(Diagnostic::error(Code::BadTable, message));
+    let mut exact = header.columns.iter().enumerate().filter(|(_, name)| *name == wanted);
+    if let Some((field, _)) = exact.next() {
+        return match exact.next() {
+            Some(_) => twice(format!("{} has two columns `{wanted}`", header.name)),
+            None => Ok(Some(field)),
+        };
+    }
+    let (plain, _) = name_and_unit(wanted);
+    let whole = wanted.trim().to_lowercase();
+    let mut alike = header.columns.iter().enumerate().filter(|(_, name)| {
+        let (name, _) = name_and_unit(name);
+        name == plain || name == whole
+    });
+    match (alike.next(), alike.next()) {
+        (Some((_, first)), Some((_, second))) => {
+            twice(format!("{} has two columns for `{wanted}`: `{first}` and `{second}`", header.name))
+        }
+        (found, _) => Ok(found.map(|(field, _)| field)),
+    }
+}
+
+/// A column that the spec promises or the run needs is not there.
+fn missing(spec: &Spec, header: &Header, kind: ErrorKind) -> Diagnostic {
+    let column = spec.batch_column(kind);
+    let name = column.and_then(|column| column.value.name.as_deref()).unwrap_or(kind.key());
+    let diagnostic =
+        Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", header.name)).help(format!(
+            "it has {}; name another: [batch.columns] {} = {{ name = \"…\" }}",
+            header.columns.join(", "),
+            kind.key()
+        ));
+    match column {
+        Some(column) => diagnostic.at(&spec.source, column.span.clone(), "promised here"),
+        None => diagnostic,
+    }
+}

@@ -1,0 +1,70 @@
+//! Tables with a row per part: ΔCD of every part, of tables of any length.
+//!
+//! The command line opens files, makes a [`Plan`] from the spec, the first table's header and what was asked,
+//! and runs each table through a [`Batch`]. Rows come out in the table's order, rejected rows apart and
+//! unchanged, and what it all came to as an [`Outcome`]. Readers of other formats hand in rows of text
+//! ([`Input::of_rows`]). Nothing here opens files or prints.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | `input`, `chunk`, `split` | bytes to chunks that end with a record, records to fields |
+//! | `layout`, `plan` | which column holds what; what is computed |
+//! | `number`, `buffer`, `write` | decimal text to integers and back |
+//! | `evaluate` | one row: the fast way, and the exact one where that cannot decide |
+//! | `run`, `pack` | chunks through all cores, in order |
+//! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
+//!
+//! # Right to the last digit
+//! A field such as `25.0131` becomes an integer of 1e-15 mm, from which the nominal value is taken as an
+//! integer: differences are decimal differences. ΔCD follows in integers with a proven bound on the error
+//! ([`Prepared`](crate::formula::Prepared)). Where the bound does not decide a written digit or a verdict,
+//! and for numbers that are no plain decimals, the row is evaluated by the exact arithmetic of `eval`.
+//!
+//! # Example
+//! ```
+//! use std::sync::Arc;
+//! use std::sync::atomic::AtomicBool;
+//! use rackmesh::batch::{Batch, Dialect, Input, Layout, Packing, Plan, Request, Sink, Sinks};
+//! use rackmesh::spec::Spec;
+//!
+//! let spec = "[errors]\nrack_over_roller = { nominal = 25.0 }\n[limits]\ncenter_distance = \"±0.02\"";
+//! let spec = Arc::new(Spec::parse("rack.toml", spec)?);
+//! let table = "part_id,rack_over_roller\nP1,25.0131\nP2,25.0201\n";
+//! let input = Input::open("parts.csv", Box::new(table.as_bytes()), Dialect::default())?;
+//! let plan = Plan::new(&spec, &input.header, Request { rows: true, ..Request::default() })?;
+//! let layout = Layout::new(&plan, &input.header)?;
+//! let mut rows = Vec::new();
+//! let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
+//! let mut batch = Batch::new(&plan, sinks, None);
+//! batch.run(input, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
+//! let (outcome, _) = batch.finish();
+//! assert_eq!((outcome.counts.pass, outcome.counts.fail), (1, 1));
+//! let rows = String::from_utf8(rows).expect("CSV is text");
+//! assert_eq!(rows.lines().nth(1), Some("P1,0.013100,0.013100,0.013100,0.013100,0.013100,pass"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod buffer;
+mod chunk;
+mod evaluate;
+mod input;
+mod layout;
+mod number;
+mod outcome;
+mod pack;
+mod plan;
+mod request;
+mod run;
+mod split;
+mod statistics;
+mod write;
+
+pub use input::{Dialect, Header, Input};
+pub use layout::Layout;
+pub use number::Decimals;
+pub use outcome::{Counts, Outcome, Part, Problem, Work};
+pub use pack::Packing;
+pub use plan::Plan;
+pub use request::{Request, RowFormat};
+pub use run::{Batch, Progress, RunError, Sink, Sinks};
+pub use statistics::{QUANTILES, Statistics};

@@ -1,0 +1,240 @@
+//! What a batch came to: counts that add up, what is wrong with which row, the parts to look at.
+
+use std::sync::Arc;
+
+use super::statistics::Statistics;
+use crate::decision::{LimitTarget, Verdict};
+use crate::diagnostic::{Code, Diagnostic};
+
+/// How many rows there were, and what became of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Records below the headers.
+    pub rows: u64,
+    /// Parts within every limit.
+    pub pass: u64,
+    /// Parts outside a limit.
+    pub fail: u64,
+    /// Parts too near a limit for the decision rule.
+    pub indeterminate: u64,
+    /// Parts without a verdict: there is no limit, or one could not be judged.
+    pub unjudged: u64,
+    /// Rows that make no part.
+    pub rejected: u64,
+    /// Lines without a character, which are no records.
+    pub blank_lines: u64,
+}
+
+impl Counts {
+    fn add(&mut self, other: &Self) {
+        self.rows += other.rows;
+        self.pass += other.pass;
+        self.fail += other.fail;
+        self.indeterminate += other.indeterminate;
+        self.unjudged += other.unjudged;
+        self.rejected += other.rejected;
+        self.blank_lines += other.blank_lines;
+    }
+
+    /// Counts a verdict.
+    #[inline]
+    pub(super) fn judge(&mut self, verdict: Option<Verdict>) {
+        match verdict {
+            Some(Verdict::Pass) => self.pass += 1,
+            Some(Verdict::Fail) => self.fail += 1,
+            Some(Verdict::Indeterminate) => self.indeterminate += 1,
+            None => self.unjudged += 1,
+        }
+    }
+}
+
+/// What was done: how much was read, and which way it was evaluated.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Fields that were read as numbers.
+    pub fields: u64,
+    /// Results computed: ΔCD of single errors and combinations.
+    pub results: u64,
+    /// Parts evaluated by exact rational arithmetic, because the fast way could not decide a digit or a
+    /// verdict, or because the numbers were no plain decimals.
+    pub exact: u64,
+}
+
+impl Work {
+    fn add(&mut self, other: &Self) {
+        self.fields += other.fields;
+        self.results += other.results;
+        self.exact += other.exact;
+    }
+}
+
+/// A row that makes no part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The table.
+    pub file: Arc<str>,
+    /// The line on which the record starts, from 1.
+    pub line: u64,
+    /// The record, from 1 below the header.
+    pub record: u64,
+    /// Where that is, for tables without lines.
+    pub place: Option<String>,
+    /// The column, by its name in the header.
+    pub column: Option<String>,
+    /// What stands there, shortened.
+    pub text: String,
+    /// What is wrong with it.
+    pub message: String,
+}
+
+impl Problem {
+    /// Where the row is: `parts.csv:17`, or as the table calls it.
+    #[must_use]
+    pub fn whereabouts(&self) -> String {
+        match &self.place {
+            Some(place) => format!("{}, {place}", self.file),
+            None => format!("{}:{}", self.file, self.line),
+        }
+    }
+
+    /// The problem as a diagnostic.
+    #[must_use]
+    pub fn diagnostic(&self) -> Diagnostic {
+        let column = self.column.as_ref().map(|column| format!(", column `{column}`")).unwrap_or_default();
+        let message = format!("{}: record {}{column}: {}", self.whereabouts(), self.record, self.message);
+        let diagnostic = Diagnostic::error(Code::BadRow, message);
+        if self.text.is_empty() { diagnostic } else { diagnostic.help(format!("the text is `{}`", self.text)) }
+    }
+}
+
+/// A part that is worth a look.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Its name.
+    pub id: String,
+    /// The table.
+    pub file: Arc<str>,
+    /// The line on which its record starts.
+    pub line: u64,
+    /// Its record.
+    pub record: u64,
+    /// Where that is, for tables without lines.
+    pub place: Option<String>,
+    /// The verdict.
+    pub verdict: Option<Verdict>,
+    /// How far it is inside the nearest limit, mm; negative outside. Without limits, how far its largest ΔCD
+    /// is below 0.
+    pub margin_mm: f64,
+    /// The limit that is nearest, or broken most.
+    pub on: Option<LimitTarget>,
+    /// The result that is held against that limit, mm.
+    pub result_mm: (f64, f64),
+}
+
+/// What a batch came to.
+#[derive(Debug, Clone, Default)]
+pub struct Outcome {
+    /// The counts.
+    pub counts: Counts,
+    /// What was done.
+    pub work: Work,
+    /// The first rejected rows.
+    pub problems: Vec<Problem>,
+    /// The first parts that did not pass.
+    pub failures: Vec<Part>,
+    /// The parts nearest to their limits, or furthest outside, the worst first.
+    pub worst: Vec<Part>,
+    /// Statistics of the results, in the order of [`quantities`](Self::quantities).
+    pub statistics: Vec<Statistics>,
+    /// The names of the results that have statistics.
+    pub quantities: Vec<String>,
+    /// Whether the run was ended before the end of the input.
+    pub interrupted: bool,
+    /// Bytes read, after unpacking.
+    pub bytes: u64,
+}
+
+/// How many of the worst parts are kept.
+pub(super) const WORST: usize = 10;
+
+/// A part to keep, while only its chunk is known.
+#[derive(Debug, Clone)]
+pub(super) struct Kept {
+    pub(super) part: Part,
+    /// The order of the worst: smaller is worse.
+    pub(super) margin: i128,
+}
+
+/// What one chunk came to.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    pub(super) counts: Counts,
+    pub(super) work: Work,
+    pub(super) lines: u64,
+    pub(super) problems: Vec<Problem>,
+    pub(super) failures: Vec<Part>,
+    pub(super) worst: Vec<Kept>,
+}
+
+impl Tally {
+    /// Empties it for the next chunk.
+    pub(super) fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// The counts of one table while it is read, and of all of them.
+pub(super) struct Total<'a> {
+    pub(super) outcome: &'a mut Outcome,
+    pub(super) worst: Vec<Kept>,
+    pub(super) lines: u64,
+    pub(super) records: u64,
+    pub(super) place: Option<Arc<dyn Fn(u64) -> String + Send + Sync>>,
+    pub(super) problems_kept: usize,
+    pub(super) failures_kept: usize,
+}
+
+impl Total<'_> {
+    /// Takes the chunk that follows all that it has; line and record numbers of the chunk become those of
+    /// the table.
+    pub(super) fn add(&mut self, tally: &mut Tally) {
+        let place = |record: u64| self.place.as_ref().map(|place| place(record));
+        let (lines, records) = (self.lines, self.records);
+        for mut problem in tally.problems.drain(..) {
+            if self.outcome.problems.len() < self.problems_kept {
+                problem.line += lines;
+                problem.record += records;
+                problem.place = place(problem.record);
+                self.outcome.problems.push(problem);
+            }
+        }
+        let settle = |part: &mut Part| {
+            part.line += lines;
+            part.record += records;
+            part.place = place(part.record);
+        };
+        for mut part in tally.failures.drain(..) {
+            if self.outcome.failures.len() < self.failures_kept {
+                settle(&mut part);
+                self.outcome.failures.push(part);
+            }
+        }
+        for mut kept in tally.worst.drain(..) {
+            settle(&mut kept.part);
+            keep_worst(&mut self.worst, kept);
+        }
+        self.lines += tally.lines;
+        self.records += tally.counts.rows;
+        self.outcome.counts.add(&tally.counts);
+        self.outcome.work.add(&tally.work);
+    }
+}
+
+/// Adds a part to the worst if it is one; of equals the first stays.
+pub(super) fn keep_worst(worst: &mut Vec<Kept>, kept: Kept) {
+    let at = worst.partition_point(|other| other.margin <= kept.margin);
+    if at < WORST {
+        worst.truncate(WORST - 1);
+        worst.insert(at, kept);
+    }
+}

@@ -1,0 +1,46 @@
+//! What is asked of a batch.
+
+use super::number::Decimals;
+use crate::decision::Stack;
+use crate::formula::Model;
+
+/// What is asked of a batch.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// The formulas' model.
+    pub model: Model,
+    /// The combination that the verdict judges.
+    pub stack: Stack,
+    /// Decimals of the numbers written.
+    pub decimals: Decimals,
+    /// The format of the rows written.
+    pub format: RowFormat,
+    /// The columns to write, by the names of the output or of the input; all results if `None`.
+    pub columns: Option<Vec<String>>,
+    /// The column that names the part; `part_id` if `None`.
+    pub id: Option<String>,
+    /// Whether parts that pass are left out of the rows written.
+    pub only_failures: bool,
+    /// Whether statistics and the worst parts are kept.
+    pub statistics: bool,
+    /// Whether rows are written at all.
+    pub rows: bool,
+    /// Whether the run ends at the first rejected row.
+    pub strict: bool,
+    /// How many parts that do not pass are kept with their results.
+    pub failures_kept: usize,
+    /// How many rejected rows are kept with what is wrong with them.
+    pub problems_kept: usize,
+}
+
+/// How rows are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RowFormat {
+    /// Comma-separated values with a header.
+    #[default]
+    Csv,
+    /// Tab-separated values with a header.
+    Tsv,
+    /// One JSON object per line.
+    JsonLines,
+}

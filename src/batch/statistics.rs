@@ -1,0 +1,299 @@
+//! Statistics of a column of results in one pass and bounded memory.
+//!
+//! Count, smallest, largest, sum and sum of squares are exact, in integers of 1e-15 mm: mean and standard
+//! deviation are rounded once, do not depend on the order or number of workers, and do not lose digits
+//! where the spread is small against the mean. Quantiles come from a histogram of which each bin is 1/1024
+//! of its values wide at most, so they are within 0.05 % of a value.
+
+use dashu_int::{IBig, UBig};
+
+use crate::formula::Fixed;
+use crate::quantity::Rational;
+
+/// Leading bits of a magnitude that tell its bin: bins are 1/1024 of their values wide at most.
+const BIN_BITS: u32 = 11;
+const BINS: usize = 1 << BIN_BITS;
+
+/// Statistics of values given one by one.
+#[derive(Debug, Clone, Default)]
+pub struct Statistics {
+    count: u64,
+    /// Values beyond the range of the integers; there are no statistics with them.
+    beyond: u64,
+    sum: i128,
+    squares: u128,
+    /// Times that `squares` was full.
+    carries: u64,
+    smallest: i64,
+    largest: i64,
+    negative: Histogram,
+    positive: Histogram,
+}
+
+/// Counts of magnitudes; bins for magnitudes that occur.
+#[derive(Debug, Clone, Default)]
+struct Histogram {
+    doublings: Vec<Option<Box<[u64; BINS]>>>,
+}
+
+/// The quantiles that are reported.
+pub const QUANTILES: [f64; 9] = [0.00135, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.99865];
+
+impl Statistics {
+    /// Takes a value in 1e-15 mm.
+    #[inline]
+    pub(super) fn add(&mut self, units: i64) {
+        if self.count == 0 {
+            (self.smallest, self.largest) = (units, units);
+        }
+        self.count += 1;
+        self.sum += i128::from(units);
+        let magnitude = units.unsigned_abs();
+        let (squares, full) = self.squares.overflowing_add(u128::from(magnitude) * u128::from(magnitude));
+        self.squares = squares;
+        self.carries += u64::from(full);
+        self.smallest = self.smallest.min(units);
+        self.largest = self.largest.max(units);
+        if units < 0 { self.negative.add(magnitude) } else { self.positive.add(magnitude) }
+    }
+
+    /// Takes a value that is too large to be held.
+    pub(super) fn add_beyond(&mut self) {
+        self.count += 1;
+        self.beyond += 1;
+    }
+
+    /// Takes what another has.
+    pub(super) fn merge(&mut self, other: &Self) {
+        let held = |statistics: &Self| statistics.count > statistics.beyond;
+        if held(other) {
+            if held(self) {
+                self.smallest = self.smallest.min(other.smallest);
+                self.largest = self.largest.max(other.largest);
+            } else {
+                (self.smallest, self.largest) = (other.smallest, other.largest);
+            }
+        }
+        self.count += other.count;
+        self.beyond += other.beyond;
+        self.sum += other.sum;
+        let (squares, full) = self.squares.overflowing_add(other.squares);
+        self.squares = squares;
+        self.carries += other.carries + u64::from(full);
+        self.negative.merge(&other.negative);
+        self.positive.merge(&other.positive);
+    }
+
+    /// How many values there are.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Whether there are statistics: values, and none beyond a metre.
+    fn is_known(&self) -> bool {
+        self.count > 0 && self.beyond == 0
+    }
+
+    /// The smallest value, mm; `None` without values, or if one was beyond a metre.
+    #[must_use]
+    pub fn min_mm(&self) -> Option<f64> {
+        self.is_known().then(|| millimetres(self.smallest))
+    }
+
+    /// The largest value, mm.
+    #[must_use]
+    pub fn max_mm(&self) -> Option<f64> {
+        self.is_known().then(|| millimetres(self.largest))
+    }
+
+    /// The mean, mm.
+    #[must_use]
+    pub fn mean_mm(&self) -> Option<f64> {
+        self.is_known().then(|| (&self.mean() * &Rational::power_of_ten(-15)).to_f64())
+    }
+
+    fn mean(&self) -> Rational {
+        Rational::from_parts(IBig::from(self.sum), UBig::from(self.count.max(1)))
+    }
+
+    /// The standard deviation s (of a sample, with n - 1), mm; `None` below two values.
+    #[must_use]
+    pub fn standard_deviation_mm(&self) -> Option<f64> {
+        if !self.is_known() || self.count < 2 {
+            return None;
+        }
+        let squares = (IBig::from(self.carries) << 128) + IBig::from(self.squares);
+        let squares = Rational::from_parts(squares, UBig::ONE);
+        let about_mean = &squares - &(&Rational::from_parts(IBig::from(self.sum), UBig::ONE) * &self.mean());
+        let variance = &about_mean / &Rational::from_parts(IBig::from(self.count - 1), UBig::ONE);
+        Some((&variance.sqrt()? * &Rational::power_of_ten(-15)).to_f64())
+    }
+
+    /// The value that a share `q` of the values does not exceed, mm, to 0.05 %.
+    #[must_use]
+    pub fn quantile_mm(&self, q: f64) -> Option<f64> {
+        if !self.is_known() {
+            return None;
+        }
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a rank, 1 to count"
+        )]
+        let rank = ((q * self.count as f64).ceil() as u64).clamp(1, self.count);
+        let mut before = 0;
+        let bins = self.negative.descending().map(|(value, count)| (-value, count)).chain(self.positive.ascending());
+        for (value, count) in bins {
+            before += count;
+            if before >= rank {
+                return Some(value.clamp(millimetres(self.smallest), millimetres(self.largest)));
+            }
+        }
+        self.max_mm()
+    }
+
+    /// The values between two ends (mm) counted in bins of equal width; a value within 0.05 % of the edge of
+    /// a bin may be counted in its neighbour.
+    #[must_use]
+    pub fn histogram(&self, from_mm: f64, to_mm: f64, bins: usize) -> Vec<u64> {
+        let mut counts = vec![0; bins];
+        let all = self.negative.descending().map(|(value, count)| (-value, count)).chain(self.positive.ascending());
+        for (value, count) in all {
+            #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a bin, checked below")]
+            let bin = ((value - from_mm) / (to_mm - from_mm) * bins as f64).floor() as i64;
+            if let Some(counted) = usize::try_from(bin).ok().and_then(|bin| counts.get_mut(bin)) {
+                *counted += count;
+            }
+        }
+        counts
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "mm with 16 digits")]
+fn millimetres(units: i64) -> f64 {
+    // one rounding for lengths below 9 mm, two beyond
+    units as f64 / Fixed::PER_MM as f64
+}
+
+impl Histogram {
+    /// Bin 0 of doubling 0 holds 0; doubling 0 holds single units, and doubling d > 0 the magnitudes
+    /// 2^(10 + d) to 2^(11 + d).
+    #[inline]
+    fn add(&mut self, magnitude: u64) {
+        let bits = u64::BITS - magnitude.leading_zeros();
+        let doubling = bits.saturating_sub(BIN_BITS);
+        // the leading bits: all of them for small magnitudes
+        let bin = (magnitude >> doubling) as usize & (BINS - 1);
+        let doubling = doubling as usize;
+        match self.doublings.get_mut(doubling) {
+            Some(Some(bins)) => bins[bin] += 1,
+            _ => self.grow(doubling)[bin] += 1,
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, doubling: usize) -> &mut [u64; BINS] {
+        if self.doublings.len() <= doubling {
+            self.doublings.resize(doubling + 1, None);
+        }
+        self.doublings[doubling].get_or_insert_with(|| Box::new([0; BINS]))
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for (doubling, bins) in other.doublings.iter().enumerate() {
+            let Some(bins) = bins else { continue };
+            for (to, from) in self.grow(doubling).iter_mut().zip(bins.iter()) {
+                *to += from;
+            }
+        }
+    }
+
+    /// The middle of each bin that is not empty, mm, and its count.
+    fn ascending(&self) -> impl DoubleEndedIterator<Item = (f64, u64)> + '_ {
+        self.doublings.iter().enumerate().flat_map(|(doubling, bins)| {
+            let bins = bins.iter().flat_map(|bins| bins.iter().enumerate());
+            bins.filter(|(_, count)| **count > 0).map(move |(bin, count)| {
+                let low = (bin as u64) << doubling;
+                let middle = low + ((1 << doubling) >> 1);
+                (millimetres(i64::try_from(middle).unwrap_or(i64::MAX)), *count)
+            })
+        })
+    }
+
+    fn descending(&self) -> impl Iterator<Item = (f64, u64)> + '_ {
+        self.ascending().rev()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(values: impl IntoIterator<Item = i64>) -> Statistics {
+        let mut statistics = Statistics::default();
+        values.into_iter().for_each(|value| statistics.add(value));
+        statistics
+    }
+
+    #[test]
+    fn a_small_spread_on_a_large_mean_loses_nothing() {
+        // 100 mm ± 1 nm: in doubles, the sum of squares would have no digit left for it
+        let nm = 1_000_000_000;
+        let statistics = of([-1, 0, 1].map(|n| 100 * Fixed::PER_MM + n * nm));
+        assert_eq!(statistics.mean_mm(), Some(100.0));
+        assert_eq!(statistics.standard_deviation_mm(), Some(1e-6));
+        assert_eq!((statistics.min_mm(), statistics.max_mm()), (Some(99.999_999), Some(100.000_001)));
+    }
+
+    #[test]
+    fn order_and_parts_do_not_matter() {
+        let values: Vec<i64> =
+            (0..5000i64).map(|n| (n * 7_919_777_777_777) % 400_000_000_000_000 - 150_000_000_000_000).collect();
+        let whole = of(values.iter().copied());
+        let mut parts = of(values[3000..].iter().rev().copied());
+        parts.merge(&of(values[..3000].iter().copied()));
+        for q in QUANTILES {
+            assert_eq!(whole.quantile_mm(q), parts.quantile_mm(q));
+        }
+        assert_eq!(whole.mean_mm(), parts.mean_mm());
+        assert_eq!(whole.standard_deviation_mm(), parts.standard_deviation_mm());
+        assert_eq!((whole.min_mm(), whole.max_mm()), (parts.min_mm(), parts.max_mm()));
+    }
+
+    #[test]
+    fn quantiles_are_within_their_bound() {
+        let mut values: Vec<i64> =
+            (0..10_000i64).map(|n| (n * n * 13_131_313) % 200_000_000_000_000 - 50_000_000_000_000).collect();
+        let statistics = of(values.iter().copied());
+        values.sort_unstable();
+        for q in QUANTILES {
+            let exact = values[((q * 10_000.0).ceil() as usize).max(1) - 1];
+            let found = statistics.quantile_mm(q).unwrap();
+            assert!((found - millimetres(exact)).abs() <= 0.0005 * millimetres(exact).abs(), "{q}: {found} {exact}");
+        }
+        let counts = statistics.histogram(-0.05, 0.15, 4);
+        assert_eq!(counts.iter().sum::<u64>(), 10_000);
+    }
+
+    #[test]
+    fn nothing_and_one_value() {
+        let nothing = of([]);
+        assert_eq!((nothing.mean_mm(), nothing.standard_deviation_mm(), nothing.quantile_mm(0.5)), (None, None, None));
+        let one = of([-7]);
+        assert_eq!((one.mean_mm(), one.standard_deviation_mm()), (Some(-7e-15), None));
+        let mut beyond = of([1]);
+        beyond.add_beyond();
+        assert_eq!((beyond.count(), beyond.mean_mm()), (2, None));
+    }
+
+    #[test]
+    fn squares_that_overflow_are_carried() {
+        let large = Fixed::LARGEST * 5;
+        let statistics = of([-large, large, -large, large, large, -large].repeat(10));
+        let deviation = statistics.standard_deviation_mm().unwrap();
+        let expected = 5.0 * 1152.921_504_606_847 * (60.0f64 / 59.0).sqrt();
+        assert!((deviation / expected - 1.0).abs() < 1e-12, "{deviation} {expected}");
+    }
+}
