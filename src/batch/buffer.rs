@@ -60,7 +60,6 @@ impl Buffer {
             return;
         }
         let leading = number / 100_000_000;
-        #[expect(clippy::cast_possible_truncation, reason = "below 10⁸")]
         let low = eight_digits((number % 100_000_000) as u32);
         if leading > 0 {
             self.integer(leading);

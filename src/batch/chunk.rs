@@ -36,6 +36,7 @@ pub(super) struct Chunker {
 
 /// Where a record that is too long has got to.
 #[derive(Debug, Clone, Copy, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is what the last byte was")]
 struct Overlong {
     quoted: bool,
     after_quote: bool,

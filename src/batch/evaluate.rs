@@ -255,7 +255,7 @@ impl<'a> Evaluator<'a> {
         let Some(results) = self.results() else { return false };
         let Judgement::Known(verdict) = self.judge(&results) else { return false };
         let plan = self.plan;
-        if plan.request.rows && !(plan.request.only_failures && verdict == Some(Verdict::Pass)) {
+        if plan.request.rows.has(verdict) {
             let mark = self.out.mark();
             if !self.write_row(row, first_record, &results, verdict) {
                 self.out.truncate(mark);
@@ -402,7 +402,7 @@ impl<'a> Evaluator<'a> {
         #[expect(clippy::cast_precision_loss, reason = "mm with 16 digits")]
         let mm = |units: i128| units as f64 / Fixed::PER_MM as f64;
         Part {
-            id: self.id(row, first_record),
+            id: Self::id(row, first_record),
             file: Arc::clone(&self.file),
             line: row.line,
             record: row.record,
@@ -415,7 +415,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The part's name, or the number of its record.
-    fn id(&self, row: Row<'_>, first_record: u64) -> String {
+    fn id(row: Row<'_>, first_record: u64) -> String {
         match row.id {
             Some(field) => text(field.content(row.bytes, &mut Vec::new())).into_owned(),
             None => (first_record + row.record - 1).to_string(),
@@ -451,7 +451,7 @@ impl<'a> Evaluator<'a> {
             Some(Verdict::Pass) if !plan.unjudged.is_empty() => None,
             verdict => verdict,
         };
-        if plan.request.rows && !(plan.request.only_failures && verdict == Some(Verdict::Pass)) {
+        if plan.request.rows.has(verdict) {
             self.write_exact_row(row, first_record, &evaluation, verdict);
         }
         self.tally.counts.judge(verdict);
@@ -614,16 +614,13 @@ impl<'a> Evaluator<'a> {
                 };
             }
         };
-        match field {
-            Some(field) => {
-                let mut scratch = std::mem::take(&mut self.scratch);
-                write::text(&mut self.out, field.content(row.bytes, &mut scratch), plan.format);
-                self.scratch = scratch;
-            }
-            None => {
-                let number = (first_record + row.record - 1).to_string();
-                write::text(&mut self.out, number.as_bytes(), plan.format);
-            }
+        if let Some(field) = field {
+            let mut scratch = std::mem::take(&mut self.scratch);
+            write::text(&mut self.out, field.content(row.bytes, &mut scratch), plan.format);
+            self.scratch = scratch;
+        } else {
+            let number = (first_record + row.record - 1).to_string();
+            write::text(&mut self.out, number.as_bytes(), plan.format);
         }
     }
 }

@@ -31,7 +31,7 @@
 //! let spec = Arc::new(Spec::parse("rack.toml", spec)?);
 //! let table = "part_id,rack_over_roller\nP1,25.0131\nP2,25.0201\n";
 //! let input = Input::open("parts.csv", Box::new(table.as_bytes()), Dialect::default())?;
-//! let plan = Plan::new(&spec, &input.header, Request { rows: true, ..Request::default() })?;
+//! let plan = Plan::new(&spec, &input.header, Request::default())?;
 //! let layout = Layout::new(&plan, &input.header)?;
 //! let mut rows = Vec::new();
 //! let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
@@ -65,6 +65,6 @@ pub use number::Decimals;
 pub use outcome::{Counts, Outcome, Part, Problem, Work};
 pub use pack::Packing;
 pub use plan::Plan;
-pub use request::{Request, RowFormat};
+pub use request::{Request, RowFormat, Rows};
 pub use run::{Batch, Progress, RunError, Sink, Sinks};
 pub use statistics::{QUANTILES, Statistics};

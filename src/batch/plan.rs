@@ -143,23 +143,7 @@ impl Plan {
                 })
             })
             .collect();
-        let mut fixed_limits = Vec::new();
-        let mut unjudged = Vec::new();
-        let mut judged: Limits = Vec::new();
-        for (on, limit) in limits {
-            let held = match on {
-                LimitTarget::CenterDistance => Some(Judged::Combined),
-                LimitTarget::Error(kind) => index(kind).map(Judged::Source),
-            };
-            match held {
-                Some(held) => fixed_limits.push(FixedLimit::new(held, &limit)),
-                None => {
-                    unjudged.push(on);
-                    continue;
-                }
-            }
-            judged.push((on, limit));
-        }
+        let JudgedLimits { limits: judged, fixed: fixed_limits, unjudged } = JudgedLimits::new(limits, &index);
         let stack = request.stack;
         let needs = |output: &Output, by: Stack| outputs.contains(output) || (judged_together && stack == by);
         let needs_range = needs(&Output::RangeLower, Stack::Range) || outputs.contains(&Output::RangeUpper);
@@ -329,6 +313,33 @@ fn no_column(header: &Header) -> Diagnostic {
         header.columns.join(", "),
         known.join(", ")
     ))
+}
+
+/// The limits, as far as they can be judged.
+#[derive(Default)]
+struct JudgedLimits {
+    limits: Limits,
+    fixed: Vec<FixedLimit>,
+    unjudged: Vec<LimitTarget>,
+}
+
+impl JudgedLimits {
+    fn new(limits: Limits, index: &dyn Fn(ErrorKind) -> Option<usize>) -> Self {
+        let mut sorted = Self::default();
+        for (on, limit) in limits {
+            let held = match on {
+                LimitTarget::CenterDistance => Some(Judged::Combined),
+                LimitTarget::Error(kind) => index(kind).map(Judged::Source),
+            };
+            if let Some(held) = held {
+                sorted.fixed.push(FixedLimit::new(held, &limit));
+                sorted.limits.push((on, limit));
+            } else {
+                sorted.unjudged.push(on);
+            }
+        }
+        sorted
+    }
 }
 
 impl FixedLimit {

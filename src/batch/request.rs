@@ -1,7 +1,7 @@
 //! What is asked of a batch.
 
 use super::number::Decimals;
-use crate::decision::Stack;
+use crate::decision::{Stack, Verdict};
 use crate::formula::Model;
 
 /// What is asked of a batch.
@@ -19,18 +19,40 @@ pub struct Request {
     pub columns: Option<Vec<String>>,
     /// The column that names the part; `part_id` if `None`.
     pub id: Option<String>,
-    /// Whether parts that pass are left out of the rows written.
-    pub only_failures: bool,
     /// Whether statistics and the worst parts are kept.
     pub statistics: bool,
-    /// Whether rows are written at all.
-    pub rows: bool,
+    /// Which rows are written.
+    pub rows: Rows,
     /// Whether the run ends at the first rejected row.
     pub strict: bool,
     /// How many parts that do not pass are kept with their results.
     pub failures_kept: usize,
     /// How many rejected rows are kept with what is wrong with them.
     pub problems_kept: usize,
+}
+
+/// Which rows are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rows {
+    /// None: the outcome is all that is wanted.
+    None,
+    /// One per part.
+    #[default]
+    All,
+    /// One per part that does not pass.
+    NotPassed,
+}
+
+impl Rows {
+    /// Whether a part with that verdict is written.
+    #[inline]
+    pub(super) fn has(self, verdict: Option<Verdict>) -> bool {
+        match self {
+            Self::None => false,
+            Self::All => true,
+            Self::NotPassed => verdict != Some(Verdict::Pass),
+        }
+    }
 }
 
 /// How rows are written.

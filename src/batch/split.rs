@@ -133,9 +133,8 @@ pub(super) fn next_record(
 /// The length of the line end at `at`, if there is one.
 fn line_end(bytes: &[u8], at: usize) -> Option<usize> {
     match bytes.get(at)? {
-        b'\n' => Some(1),
         b'\r' if bytes.get(at + 1) == Some(&b'\n') => Some(2),
-        b'\r' => Some(1),
+        b'\r' | b'\n' => Some(1),
         _ => None,
     }
 }
