@@ -3,6 +3,7 @@
 //! One file per subcommand. This is the only module that reads files and prints.
 
 mod calc;
+mod class;
 mod completions;
 mod eval;
 mod explain;
@@ -63,6 +64,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("mesh", mesh),
     subcommand!("measure", measure),
     subcommand!("paste", paste),
+    subcommand!("class", class),
     subcommand!("reproduce", reproduce),
     subcommand!("init", init),
     subcommand!("explain", explain),

@@ -7,7 +7,9 @@
 
 pub mod capability;
 pub mod class;
+pub mod class_mesh;
 mod evaluation;
+pub mod grade;
 mod limit;
 mod measured;
 pub mod monte_carlo;

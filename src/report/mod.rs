@@ -9,6 +9,7 @@
 //! are for people: four decimals of a millimetre, which is 0.1 µm.
 
 mod calculation;
+mod class;
 mod evaluation;
 mod mesh;
 pub mod mesh_points;
@@ -21,6 +22,7 @@ mod sketch;
 mod table;
 
 pub use calculation::{Calculation, Computed, ResultUnit};
+pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart};
 
 pub use mesh::{MeasureReport, MeshReport};

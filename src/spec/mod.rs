@@ -11,6 +11,7 @@ mod deviations;
 mod keys;
 mod measured;
 mod mesh;
+mod obtained;
 mod reader;
 mod resolve;
 mod schema;
@@ -20,6 +21,7 @@ pub use batch::{BatchColumn, BatchSection, Reading};
 pub use class::ToleranceSection;
 pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
+pub use obtained::MeasuredValue;
 pub use schema::json_schema;
 pub use template::TEMPLATE;
 

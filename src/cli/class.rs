@@ -1,0 +1,449 @@
+//! `rackmesh class`: permissible deviations of a grade, grades obtained, and the coarsest grade within a ΔCD.
+
+use super::eval::ModelArg;
+use super::output::{Failure, Output, Status};
+use crate::decision::class::{self, DiameterSource, Meshing, RackDiameter};
+use crate::decision::class_mesh::{self, arrangement};
+use crate::decision::grade::{self, GradeSearch};
+use crate::decision::{Term, grade::Obtained};
+use crate::deviation::{ErrorKind, Part};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::Model;
+use crate::gear::Pair;
+use crate::quantity::{Angle, Length};
+use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
+use crate::spec::{MeasuredValue, Spec};
+use crate::standard::{Deviation, Permissible, Size, Standard, StandardError, Wheel};
+
+pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and the ΔCD that they allow";
+
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Standards: iso1328-1:1995 (with iso1328-2:1997), iso1328-2:1997, iso1328-1:2013, din3962:1978, jisb1702:1976.
+They grade toothed wheels; for a rack, --diameter says which diameter stands for it.
+
+Examples:
+  rackmesh class --standard iso1328-1:1995 --grade 7 --normal-module 1.9 --diameter 14.675 --face-width 30 --teeth 7
+  rackmesh class --spec rack.toml --standard iso1328-1:2013 --grade 6
+  rackmesh class --spec rack.toml --part rack --diameter developed --standard iso1328-1:1995 --grade 8
+  rackmesh class --obtained rack.toml
+  rackmesh class --spec rack.toml --for-delta-cd 0.05
+
+Exit status: 0; 1 if no grade stays within --for-delta-cd; 2 if there is no result."
+)]
+pub(super) struct Args {
+    /// The standard and edition; of the spec's [tolerance] unless given.
+    #[arg(long)]
+    standard: Option<Standard>,
+    /// The grade.
+    #[arg(long, required_unless_present_any = ["obtained", "for_delta_cd"], conflicts_with_all = ["obtained", "for_delta_cd"])]
+    grade: Option<u8>,
+    /// The grade that the measured values of this spec reach.
+    #[arg(long, value_name = "SPEC", conflicts_with_all = ["spec", "for_delta_cd"])]
+    obtained: Option<String>,
+    /// The coarsest grade whose worst case, and whose RSS, stays within this ΔCD.
+    #[arg(long, value_name = "ΔCD")]
+    for_delta_cd: Option<Length>,
+    /// Take sizes from this spec; `-` reads standard input.
+    #[arg(long)]
+    spec: Option<String>,
+    /// The part that is graded.
+    #[arg(long, value_enum, default_value_t)]
+    part: PartArg,
+    /// Normal module m_n.
+    #[arg(long)]
+    normal_module: Option<Length>,
+    /// Reference diameter d; for a rack a length, `pinion`, or `developed`.
+    #[arg(long, value_parser = rack_diameter)]
+    diameter: Option<RackDiameter>,
+    /// Face width b.
+    #[arg(long)]
+    face_width: Option<Length>,
+    /// Number of teeth z.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    teeth: Option<u32>,
+    /// Helix angle β.
+    #[arg(long, allow_hyphen_values = true)]
+    helix_angle: Option<Angle>,
+    /// Normal pressure angle α_n, for ΔCD.
+    #[arg(long)]
+    pressure_angle: Option<Angle>,
+    /// Formulas exact for rigid teeth, or as the paper prints them.
+    #[arg(long, value_enum, default_value_t)]
+    model: ModelArg,
+    /// Output format.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum PartArg {
+    #[default]
+    Pinion,
+    Rack,
+}
+
+fn rack_diameter(text: &str) -> Result<RackDiameter, String> {
+    match text {
+        "pinion" => Ok(RackDiameter::Pinion),
+        "developed" => Ok(RackDiameter::Developed),
+        _ => text.parse().map(RackDiameter::Given).map_err(|error: crate::quantity::QuantityError| {
+            format!("{error}; or write pinion or developed, for a rack")
+        }),
+    }
+}
+
+/// A part with its size and what its ΔCD needs.
+struct Sized {
+    part: Part,
+    wheel: Wheel,
+    diameter_source: Option<DiameterSource>,
+    meshing: Meshing,
+}
+
+impl Args {
+    pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
+        let path = self.obtained.take().map(|path| (path, true)).or_else(|| Some((self.spec.take()?, false)));
+        let spec = path.as_ref().map(|(path, _)| super::read_spec(path)).transpose()?;
+        let written = spec.as_ref().and_then(|spec| spec.tolerance.standard.as_ref());
+        let Some(standard) = self.standard.or(written.map(|standard| standard.value)) else {
+            let known = Standard::ALL.map(Standard::id).join(", ");
+            let help = format!("give --standard, or [tolerance] standard in the spec: {known}");
+            return Err(usage("no standard is given, and there is no default").help(help).into());
+        };
+        match (&spec, &path) {
+            (Some(spec), Some((path, true))) => self.run_obtained(standard, spec, path, output),
+            _ => match (self.grade, &self.for_delta_cd) {
+                (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), output),
+                (None, Some(limit)) => self.run_search(standard, &limit.abs(), spec.as_ref(), output),
+                // clap requires one of them
+                (None, None) => Err(usage("give --grade, --obtained or --for-delta-cd").into()),
+            },
+        }
+    }
+
+    /// The part asked for, by the options and else the spec.
+    fn sized(&self, part: Part, spec: Option<&Spec>) -> Result<Sized, Failure> {
+        let mut wheel = spec.map(|spec| spec.wheel(part)).unwrap_or_default();
+        let options = (self.normal_module.clone(), self.face_width.clone(), self.teeth, self.helix_angle.clone());
+        wheel.normal_module = options.0.or(wheel.normal_module);
+        wheel.face_width = options.1.or(wheel.face_width);
+        wheel.teeth = options.2.or(wheel.teeth);
+        wheel.helix_angle = options.3.or(wheel.helix_angle);
+        positive(Size::NormalModule, wheel.normal_module.as_ref())?;
+        positive(Size::FaceWidth, wheel.face_width.as_ref())?;
+        let written = spec.and_then(|spec| spec.tolerance.diameter.as_ref()).map(|choice| choice.value.clone());
+        let pinion = || -> Result<Option<Length>, Failure> {
+            // of the spec's pinion for a rack, else of this wheel
+            let (module, teeth, helix_angle) = match (part, spec) {
+                (Part::Rack, Some(spec)) => {
+                    let pinion = spec.wheel(Part::Pinion);
+                    (wheel.normal_module.clone().or(pinion.normal_module), pinion.teeth, pinion.helix_angle)
+                }
+                _ => (wheel.normal_module.clone(), wheel.teeth, wheel.helix_angle.clone()),
+            };
+            let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
+            let diameter = class::reference_diameter(&module, teeth, &helix_angle.unwrap_or(Angle::ZERO));
+            Ok(Some(diameter.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?))
+        };
+        // where both parts are graded, --diameter is the rack's unless the pinion's own is not known
+        let is_own = part == Part::Pinion && self.grade.is_none() && pinion()?.is_some();
+        let choice = match part {
+            Part::Rack => self.diameter.clone().or(written),
+            Part::Pinion if is_own => None,
+            Part::Pinion => self.diameter.clone(),
+        };
+        let (diameter, source) = match (part, choice) {
+            (_, Some(RackDiameter::Given(diameter))) => {
+                positive(Size::Diameter, Some(&diameter))?;
+                (Some(diameter), DiameterSource::Given)
+            }
+            (Part::Rack, Some(RackDiameter::Developed)) => {
+                let length = spec.and_then(|spec| spec.rack.toothed_length.as_ref());
+                let length = length.ok_or_else(|| {
+                    usage("a developed diameter needs the toothed length of the rack")
+                        .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
+                })?;
+                let diameter = class::developed_diameter(&length.value)
+                    .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+                (Some(diameter), DiameterSource::Developed)
+            }
+            (Part::Rack, Some(RackDiameter::Pinion)) => {
+                let diameter = pinion()?;
+                if diameter.is_none() {
+                    let message = "the diameter of the mating pinion needs its normal module and number of teeth";
+                    return Err(usage(message).help("give --spec SPEC with them, or the diameter itself").into());
+                }
+                (diameter, DiameterSource::MatingPinion)
+            }
+            (Part::Rack, None) => {
+                let message = "which diameter stands for the rack is not said, and there is no default";
+                let help = "give --diameter pinion, developed or a length, or [tolerance] diameter in the spec";
+                return Err(usage(message).help(help).into());
+            }
+            (Part::Pinion, _) => (pinion()?, DiameterSource::Own),
+        };
+        wheel.diameter = diameter;
+        let diameter_source = wheel.diameter.as_ref().map(|_| source);
+        let written = spec.and_then(|spec| spec.pair.normal_pressure_angle.as_ref()).map(|angle| angle.value.clone());
+        let meshing = Meshing {
+            pressure_angle: self.pressure_angle.clone().or(written),
+            helix_angle: wheel.helix_angle.clone(),
+            face_width: wheel.face_width.clone(),
+        };
+        Ok(Sized { part, wheel, diameter_source, meshing })
+    }
+
+    fn part(&self) -> Part {
+        match self.part {
+            PartArg::Pinion => Part::Pinion,
+            PartArg::Rack => Part::Rack,
+        }
+    }
+
+    /// The permissible values of one grade.
+    fn run_grade(
+        &self,
+        standard: Standard,
+        grade: u8,
+        spec: Option<&Spec>,
+        output: &mut Output,
+    ) -> Result<Status, Failure> {
+        let sized = self.sized(self.part(), spec)?;
+        let model: Model = self.model.into();
+        let mut notes = Vec::new();
+        let pair = match spec.map(|spec| spec.pair("the exact mesh")) {
+            Some(Ok(pair)) => Some(pair),
+            Some(Err(problems)) => {
+                let first = problems.0.first().map(|problem| problem.message.clone()).unwrap_or_default();
+                notes.push(format!("no exact mesh: {first}"));
+                None
+            }
+            None => None,
+        };
+        let (mut rows, mut not_given) = (Vec::new(), Vec::new());
+        for one in [Some(standard), standard.companion()].into_iter().flatten() {
+            for deviation in one.deviations() {
+                match one.permissible(deviation, grade, &sized.wheel) {
+                    Ok(permissible) => rows.push(row(permissible, &sized, model, pair.as_ref())),
+                    Err(error) => not_given.push((one, deviation, error)),
+                }
+            }
+        }
+        // what lies outside the standard's scope is refused as a whole; what is missing or not known is said
+        let asked = |one: &Standard| *one == standard;
+        let fatal = not_given.iter().find(|(one, _, error)| match error {
+            StandardError::OutOfScope { .. } => true,
+            StandardError::Grade { .. } => asked(one),
+            _ => false,
+        });
+        // without any value: what is wrong, or else what is missing
+        let nothing = || {
+            let known = |error: &StandardError| !matches!(error, StandardError::Missing { .. });
+            let first = not_given.iter().find(|(_, _, error)| known(error)).or(not_given.first());
+            first.filter(|_| rows.is_empty())
+        };
+        if let Some((_, _, error)) = fatal.or_else(nothing) {
+            return Err(no_class(error).into());
+        }
+        let not_given = not_given.into_iter().map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
+        rows.sort_by_key(|row| row.permissible.deviation);
+        if rows.iter().any(|row| row.permissible.deviation == Deviation::Runout) {
+            notes.push("ΔCD of F_r and of the composite deviations is their own peak-to-peak value".to_owned());
+        }
+        if rows.iter().any(|row| row.delta_cd.as_ref().is_err_and(|reason| reason.contains("pressure angle"))) {
+            notes.push("give --pressure-angle for the ΔCD of pitch and helix deviations".to_owned());
+        }
+        if rows.iter().any(|row| row.mesh.is_some()) {
+            notes.push("exact mesh: each deviation alone, on an otherwise perfect pair".to_owned());
+        }
+        let head = head(standard, spec, sized);
+        output.report(&ClassReport { head, grade, rows, not_given, notes }, self.format)?;
+        Ok(Status::Pass)
+    }
+
+    /// The grades that measured values reach.
+    fn run_obtained(
+        &self,
+        standard: Standard,
+        spec: &Spec,
+        path: &str,
+        output: &mut Output,
+    ) -> Result<Status, Failure> {
+        let values = spec.measured_deviations(&super::mesh::measured_tables(spec, path)?)?;
+        let (mut obtained, mut not_graded, mut diameters) = (Vec::<Obtained>::new(), Vec::new(), Vec::new());
+        for part in [Part::Rack, Part::Pinion] {
+            let of_part: Vec<&MeasuredValue> = values.iter().filter(|value| value.part == part).collect();
+            if of_part.is_empty() {
+                continue;
+            }
+            let sized = self.sized(part, Some(spec))?;
+            if let (Some(diameter), Some(source)) = (&sized.wheel.diameter, sized.diameter_source) {
+                diameters.push(format!("{}: d = {:.4} mm ({})", part.name(), diameter.mm(), source.in_words()));
+            }
+            for value in of_part {
+                match grade::obtained(standard, part, value.deviation, &value.amount, &value.origin, &sized.wheel) {
+                    Ok(one) => obtained.push(one),
+                    Err(error @ StandardError::OutOfScope { .. }) => return Err(no_class(&error).into()),
+                    Err(error) => not_graded.push(format!("{} {}: {}", part.name(), value.deviation, reason(&error))),
+                }
+            }
+        }
+        if obtained.is_empty() && not_graded.is_empty() {
+            return Err(Diagnostic::error(Code::NoErrors, "the spec has no measured value to grade")
+                .help("give [errors], rack.measured or pinion.measured")
+                .into());
+        }
+        let report = ObtainedReport { title: spec.title.clone(), standard, diameters, obtained, not_graded };
+        output.report(&report, self.format)?;
+        Ok(if report.obtained.is_empty() { Status::Undecided } else { Status::Pass })
+    }
+
+    /// The coarsest grade within a ΔCD.
+    fn run_search(
+        &self,
+        standard: Standard,
+        limit: &Length,
+        spec: Option<&Spec>,
+        output: &mut Output,
+    ) -> Result<Status, Failure> {
+        // with a spec: the errors that it gives, or all; without: what acts on the part's teeth independently
+        let kinds: Vec<ErrorKind> = match spec {
+            Some(spec) if !spec.errors.is_empty() => spec.errors.iter().map(|(kind, _)| *kind).collect(),
+            Some(_) => ErrorKind::ALL.to_vec(),
+            None => match self.part() {
+                Part::Rack => vec![ErrorKind::RackOverRoller, ErrorKind::RackPitch, ErrorKind::RackLead],
+                Part::Pinion => vec![ErrorKind::PinionRadial, ErrorKind::PinionPitch],
+            },
+        };
+        let model: Model = self.model.into();
+        let mut sized = Vec::new();
+        for part in [Part::Rack, Part::Pinion] {
+            if kinds.iter().any(|kind| class::part_of(*kind) == part) {
+                sized.push(self.sized(part, spec)?);
+            }
+        }
+        let of = |kind: ErrorKind| sized.iter().find(|sized| sized.part == class::part_of(kind));
+        let term = |kind: ErrorKind, grade: u8| -> Result<Term, StandardOrEffect> {
+            let deviation = class::deviation_of(kind);
+            let missing = || StandardError::NoSuchDeviation { standard, deviation };
+            let (limiting, sized) = standard.that_limits(deviation).zip(of(kind)).ok_or_else(missing)?;
+            let permissible = limiting.permissible(deviation, grade, &sized.wheel)?;
+            let delta_cd = class::delta_cd(deviation, &permissible.length(), &sized.meshing, model)?;
+            Ok(Term { kind, delta_cd, is_tolerance: true })
+        };
+        let mut fatal: Option<StandardOrEffect> = None;
+        let search = GradeSearch::new(standard, limit.clone(), |grade| {
+            let terms: Result<Vec<_>, _> = kinds.iter().map(|kind| term(*kind, grade)).collect();
+            terms.map_err(|error| {
+                let text = error.to_string();
+                if !error.is_of_grade() {
+                    fatal.get_or_insert(error);
+                }
+                text
+            })
+        })
+        .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        if let Some(error) = fatal {
+            return Err(error.diagnostic().into());
+        }
+        let terms = kinds.iter().filter_map(|kind| {
+            let deviation = class::deviation_of(*kind);
+            let (limiting, sized) = standard.that_limits(deviation).zip(of(*kind))?;
+            let diameter = sized.wheel.diameter.as_ref().zip(sized.diameter_source);
+            let diameter = diameter.map_or_else(String::new, |(diameter, source)| {
+                format!(", d = {:.4} mm ({})", diameter.mm(), source.in_words())
+            });
+            Some(format!("{kind} by {} of {limiting}{diameter}", limiting.symbol(deviation)))
+        });
+        let title = spec.and_then(|spec| spec.title.clone());
+        let report = GradeSearchReport { title, standard, terms: terms.collect(), search };
+        output.report(&report, self.format)?;
+        Ok(if report.search.by_rss().is_some() { Status::Pass } else { Status::Fail })
+    }
+}
+
+/// Why a grade has no ΔCD.
+#[derive(Debug, thiserror::Error)]
+enum StandardOrEffect {
+    #[error(transparent)]
+    Standard(#[from] StandardError),
+    #[error(transparent)]
+    Effect(#[from] class::NoEffect),
+}
+
+impl StandardOrEffect {
+    /// Whether another grade may have one.
+    fn is_of_grade(&self) -> bool {
+        matches!(self, Self::Standard(StandardError::Grade { .. } | StandardError::Unconfirmed { .. }))
+    }
+
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Standard(error) => no_class(error),
+            Self::Effect(error) => Diagnostic::error(Code::NoResult, format!("ΔCD of a class has no value: {error}"))
+                .help("give it as an option or in the spec"),
+        }
+    }
+}
+
+fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair>) -> ClassRow {
+    let deviation = permissible.deviation;
+    let delta_cd =
+        class::delta_cd(deviation, &permissible.length(), &sized.meshing, model).map_err(|error| error.to_string());
+    let mesh = pair.and_then(|pair| {
+        let arrangement = arrangement(deviation, sized.part)?;
+        let pitches =
+            permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken.to_f64());
+        let face_width = sized.wheel.face_width.as_ref().map_or(1.0, Length::mm);
+        let amount = permissible.length().mm();
+        #[expect(clippy::cast_possible_truncation, reason = "an eighth of at most 100 000 teeth")]
+        let mm = class_mesh::largest_delta_cd_mm(pair, sized.part, deviation, amount, face_width, pitches as i64);
+        Some((mm.ok()?, arrangement))
+    });
+    ClassRow { permissible, delta_cd, mesh }
+}
+
+fn head(standard: Standard, spec: Option<&Spec>, sized: Sized) -> ClassHead {
+    ClassHead {
+        title: spec.and_then(|spec| spec.title.clone()),
+        standard,
+        part: sized.part,
+        wheel: sized.wheel,
+        diameter_source: sized.diameter_source,
+    }
+}
+
+/// Why a value is missing, with the option that gives it.
+fn reason(error: &StandardError) -> String {
+    match error {
+        StandardError::Missing { size, .. } => {
+            format!("the {} is not given (--{})", size.name(), size.key().replace('_', "-"))
+        }
+        _ => error.to_string(),
+    }
+}
+
+fn no_class(error: &StandardError) -> Diagnostic {
+    let diagnostic = Diagnostic::error(Code::NoClass, error.to_string());
+    match error {
+        StandardError::Missing { size, .. } => {
+            diagnostic.help(format!("give --{}, or --spec SPEC with it", size.key().replace('_', "-")))
+        }
+        _ => diagnostic,
+    }
+}
+
+fn positive(size: Size, length: Option<&Length>) -> Result<(), Failure> {
+    match length {
+        Some(length) if *length <= Length::ZERO => {
+            let message = format!("the {} is {length}; it must be above 0 mm", size.name());
+            Err(Diagnostic::error(Code::OutOfDomain, message).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn usage(message: &str) -> Diagnostic {
+    Diagnostic::error(Code::Usage, message)
+}

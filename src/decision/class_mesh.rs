@@ -1,0 +1,123 @@
+//! What a permissible deviation does in the exact mesh: one part with that deviation alone, the other perfect.
+//!
+//! `class` calls it where the spec describes the pair fully. Each deviation is put on the teeth as the one that
+//! measures it would find it; see [`arrangement`].
+
+use crate::deviation::{
+    DeviationError, Eccentricity, Part, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, RackDeviation,
+    RackDeviationKind, RackFlanks, ToothRange,
+};
+use crate::gear::Pair;
+use crate::mesh::{Mesh, MeshError, Support};
+use crate::standard::Deviation;
+use crate::trig;
+
+/// Why a deviation was not solved.
+#[derive(Debug, thiserror::Error)]
+pub enum NoMeshEffect {
+    /// No arrangement on the teeth stands for the deviation.
+    #[error("no arrangement on the teeth stands for it")]
+    NoArrangement,
+    /// The flanks cannot be.
+    #[error(transparent)]
+    Deviation(#[from] DeviationError),
+    /// The mesh has no solution.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// How a deviation is put on the teeth of a part, in words; `None` if it is not.
+#[must_use]
+pub const fn arrangement(deviation: Deviation, part: Part) -> Option<&'static str> {
+    match (deviation, part) {
+        (Deviation::SinglePitch, Part::Rack) => Some("one pitch step, at tooth 4"),
+        (Deviation::SinglePitch, Part::Pinion) => Some("one pitch step, half way round"),
+        (Deviation::SectorPitch, _) => Some("spread evenly over its k pitches"),
+        (Deviation::TotalPitch, Part::Pinion) => Some("rising over half a turn and falling over the other"),
+        (Deviation::ProfileSlope, Part::Pinion) => Some("added at the tips of all flanks"),
+        (Deviation::HelixSlope, Part::Rack) => Some("on the teeth from 4 on"),
+        (Deviation::HelixSlope, Part::Pinion) => Some("on all teeth"),
+        (Deviation::Runout, Part::Rack) => Some("over-roller of the teeth from 4 on"),
+        (Deviation::Runout, Part::Pinion) => Some("an eccentricity of half of it"),
+        _ => None,
+    }
+}
+
+/// The teeth of a rack that are off start here; those before are sound.
+const FIRST: i64 = 4;
+
+/// The largest |ΔCD|, or the difference of the largest and the smallest where that is more, along a stroke of
+/// 50 mm or a turn of the pinion and a few teeth, whichever is longer; mm.
+///
+/// `amount_mm` is the deviation, `face_width_mm` the width over which a helix slope is taken, `pitches` the
+/// number of pitches k of a sector.
+///
+/// # Errors
+/// [`NoMeshEffect`] if the deviation has no [`arrangement`], or the mesh no solution.
+pub fn largest_delta_cd_mm(
+    pair: &Pair,
+    part: Part,
+    deviation: Deviation,
+    amount_mm: f64,
+    face_width_mm: f64,
+    pitches: i64,
+) -> Result<f64, NoMeshEffect> {
+    const TOLERANCE_MM: f64 = 1e-6;
+    let teeth = i64::from(pair.pinion().teeth);
+    let (mut rack, mut pinion) = (RackFlanks::nominal(pair), PinionFlanks::nominal(pair));
+    let later = ToothRange::new(Some(FIRST), None).unwrap_or(ToothRange::ALL);
+    let of_rack = |kind| RackFlanks::new(pair, &[RackDeviation { teeth: later, kind }]);
+    // displacements, so that a turn closes by itself
+    let shifts = |shift: &dyn Fn(i64) -> f64| {
+        let each: Vec<_> = (0..teeth)
+            .filter_map(|tooth| {
+                let kind = PinionDeviationKind::Shift(shift(tooth));
+                Some(PinionDeviation { teeth: ToothRange::single(tooth).ok()?, kind })
+            })
+            .collect();
+        PinionFlanks::new(pair, &each)
+    };
+    #[expect(clippy::cast_precision_loss, reason = "at most 100 000 teeth")]
+    let real = |n: i64| n as f64;
+    let pitches = pitches.clamp(1, teeth.max(1));
+    match (deviation, part) {
+        (Deviation::SinglePitch, Part::Rack) => rack = of_rack(RackDeviationKind::Shift(amount_mm))?,
+        (Deviation::SinglePitch, Part::Pinion) => {
+            pinion = shifts(&|tooth| if tooth >= teeth / 2 { amount_mm } else { 0.0 })?;
+        }
+        (Deviation::SectorPitch, Part::Rack) => {
+            let range = ToothRange::new(Some(FIRST), Some(FIRST + pitches - 1)).unwrap_or(later);
+            let kind = RackDeviationKind::Pitch(amount_mm / real(pitches));
+            rack = RackFlanks::new(pair, &[RackDeviation { teeth: range, kind }])?;
+        }
+        (Deviation::SectorPitch, Part::Pinion) => {
+            pinion = shifts(&|tooth| amount_mm * real(tooth.min(pitches)) / real(pitches))?;
+        }
+        (Deviation::TotalPitch, Part::Pinion) => {
+            let half = real(teeth) / 2.0;
+            pinion = shifts(&|tooth| amount_mm * (1.0 - (real(tooth) - half).abs() / half))?;
+        }
+        (Deviation::ProfileSlope, Part::Pinion) => {
+            let form = PinionForm { profile_slope_mm: -amount_mm, ..PinionForm::default() };
+            pinion = pinion.with_form(form)?;
+        }
+        (Deviation::HelixSlope, Part::Rack) => {
+            rack = of_rack(RackDeviationKind::Lead(trig::atan(amount_mm / face_width_mm)))?;
+        }
+        (Deviation::HelixSlope, Part::Pinion) => {
+            let kind = PinionDeviationKind::Lead(trig::atan(amount_mm / face_width_mm));
+            pinion = PinionFlanks::new(pair, &[PinionDeviation { teeth: ToothRange::ALL, kind }])?;
+        }
+        (Deviation::Runout, Part::Rack) => rack = of_rack(RackDeviationKind::OverRoller(amount_mm))?,
+        (Deviation::Runout, Part::Pinion) => {
+            pinion = pinion.with_eccentricity(&[Eccentricity { amount_mm: amount_mm / 2.0, tooth: 0 }])?;
+        }
+        _ => return Err(NoMeshEffect::NoArrangement),
+    }
+    let mesh = Mesh::new(*pair, rack, pinion, Support::Fixed)?;
+    let turn = real(teeth + 6) * pair.rack().pitch_mm;
+    let curve = mesh.curve(0.0, turn.max(50.0), TOLERANCE_MM)?;
+    let summary = curve.summary(&mesh);
+    Ok(summary
+        .map_or(0.0, |summary| summary.max_mm.abs().max(summary.min_mm.abs()).max(summary.max_mm - summary.min_mm)))
+}

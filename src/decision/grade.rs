@@ -1,0 +1,185 @@
+//! Grades from values: which grade a measured deviation reaches, and which grade stays within a ΔCD.
+//!
+//! `class --obtained` and `class --for-delta-cd` call it. It asks a standard for its permissible values grade by
+//! grade; it knows no formula of ΔCD itself.
+
+use super::{Combined, Term};
+use crate::deviation::Part;
+use crate::quantity::{Length, QuantityError};
+use crate::standard::{Deviation, Permissible, Standard, StandardError, Wheel};
+
+/// A measured deviation and the grade that it reaches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obtained {
+    /// The part that it was measured on.
+    pub part: Part,
+    /// The deviation.
+    pub deviation: Deviation,
+    /// Its magnitude.
+    pub measured: Length,
+    /// Where the value comes from, in words.
+    pub origin: String,
+    /// The permissible value of the grade reached; `None` if it exceeds the coarsest one that is known.
+    pub reached: Option<Permissible>,
+    /// The coarsest permissible value that is known.
+    pub coarsest: Permissible,
+}
+
+/// The finest grade whose permissible value, as the standard rounds it, is at least `measured`.
+///
+/// # Errors
+/// [`StandardError`] if the standard gives no value of any grade.
+pub fn obtained(
+    standard: Standard,
+    part: Part,
+    deviation: Deviation,
+    measured: &Length,
+    origin: &str,
+    wheel: &Wheel,
+) -> Result<Obtained, StandardError> {
+    let limiting = standard.that_limits(deviation).ok_or(StandardError::NoSuchDeviation { standard, deviation })?;
+    let measured = measured.abs();
+    let mut problem = StandardError::NoSuchDeviation { standard, deviation };
+    let mut coarsest: Option<Permissible> = None;
+    let mut reached: Option<Permissible> = None;
+    for grade in limiting.grades() {
+        match limiting.permissible(deviation, grade, wheel) {
+            Ok(permissible) => {
+                if reached.is_none() && measured <= permissible.length() {
+                    reached = Some(permissible.clone());
+                }
+                coarsest = Some(permissible);
+            }
+            Err(error) => problem = error,
+        }
+    }
+    let coarsest = coarsest.ok_or(problem)?;
+    Ok(Obtained { part, deviation, measured, origin: origin.to_owned(), reached, coarsest })
+}
+
+/// The overall grade: the coarsest of those reached; `None` if one is beyond every grade, or there is none.
+#[must_use]
+pub fn overall(obtained: &[Obtained]) -> Option<u8> {
+    let grades: Option<Vec<u8>> =
+        obtained.iter().map(|one| one.reached.as_ref().map(|permissible| permissible.grade)).collect();
+    grades?.into_iter().max()
+}
+
+/// What one grade does to the centre distance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GradeStep {
+    /// The grade.
+    pub grade: u8,
+    /// The combination of every deviation's ΔCD, or why there is none.
+    pub combined: Result<Combined, String>,
+}
+
+/// The grades of a standard against a limit of ΔCD.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GradeSearch {
+    /// The limit.
+    pub limit: Length,
+    /// Every grade, from the finest.
+    pub steps: Vec<GradeStep>,
+}
+
+impl GradeSearch {
+    /// Combines what `terms` gives for each grade of `standard`.
+    ///
+    /// # Errors
+    /// [`QuantityError`] if a sum is beyond the range of `f64`.
+    pub fn new(
+        standard: Standard,
+        limit: Length,
+        mut terms: impl FnMut(u8) -> Result<Vec<Term>, String>,
+    ) -> Result<Self, QuantityError> {
+        let mut steps = Vec::new();
+        for grade in standard.grades() {
+            let combined = match terms(grade) {
+                Ok(terms) => Ok(Combined::of(&terms)?),
+                Err(reason) => Err(reason),
+            };
+            steps.push(GradeStep { grade, combined });
+        }
+        Ok(Self { limit, steps })
+    }
+
+    /// The coarsest grade whose worst case does not exceed the limit.
+    #[must_use]
+    pub fn by_worst_case(&self) -> Option<u8> {
+        self.coarsest(|combined| &combined.worst_case)
+    }
+
+    /// The coarsest grade whose RSS does not exceed the limit.
+    #[must_use]
+    pub fn by_rss(&self) -> Option<u8> {
+        self.coarsest(|combined| &combined.rss)
+    }
+
+    fn coarsest(&self, of: impl Fn(&Combined) -> &Length) -> Option<u8> {
+        let within =
+            self.steps.iter().filter(|step| step.combined.as_ref().is_ok_and(|combined| of(combined) <= &self.limit));
+        within.map(|step| step.grade).max()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::ErrorKind;
+
+    fn wheel() -> Wheel {
+        Wheel {
+            normal_module: Some("10".parse().unwrap()),
+            diameter: Some("1000".parse().unwrap()),
+            ..Wheel::default()
+        }
+    }
+
+    fn reached(measured: &str) -> Option<u8> {
+        let standard = Standard::Iso1328Part1Of2013;
+        let one = obtained(standard, Part::Pinion, Deviation::SinglePitch, &measured.parse().unwrap(), "", &wheel());
+        one.unwrap().reached.map(|permissible| permissible.grade)
+    }
+
+    #[test]
+    fn a_value_on_the_permissible_one_is_inside() {
+        // f_pT is exactly 10 µm at class 5, 5 µm at class 3, 80 µm at class 11
+        assert_eq!(reached("10 um"), Some(5));
+        assert_eq!(reached("-10 um"), Some(5));
+        assert_eq!(reached("10.0000001 um"), Some(6));
+        assert_eq!(reached("5 um"), Some(3));
+        assert_eq!(reached("0"), Some(1));
+        assert_eq!(reached("80 um"), Some(11));
+        assert_eq!(reached("80.0001 um"), None);
+    }
+
+    #[test]
+    fn the_overall_grade_is_the_coarsest() {
+        let standard = Standard::Iso1328Part1Of2013;
+        let one = |measured: &str| {
+            let measured = measured.parse().unwrap();
+            obtained(standard, Part::Pinion, Deviation::SinglePitch, &measured, "", &wheel()).unwrap()
+        };
+        assert_eq!(overall(&[one("5 um"), one("9 um")]), Some(5));
+        assert_eq!(overall(&[one("5 um"), one("90 um")]), None);
+        assert_eq!(overall(&[]), None);
+    }
+
+    #[test]
+    fn the_coarsest_grade_within_a_limit() {
+        let standard = Standard::Iso1328Part1Of2013;
+        let search = |limit: &str| {
+            GradeSearch::new(standard, limit.parse().unwrap(), |grade| {
+                let value = standard.permissible(Deviation::SinglePitch, grade, &wheel()).map_err(|e| e.to_string())?;
+                let term = |kind| Term { kind, delta_cd: value.length(), is_tolerance: true };
+                Ok(vec![term(ErrorKind::RackOverRoller), term(ErrorKind::PinionRadial)])
+            })
+            .unwrap()
+        };
+        // two terms of 10 µm at class 5: together 20 µm, or 14.1 µm by RSS
+        assert_eq!((search("20 um").by_worst_case(), search("20 um").by_rss()), (Some(5), Some(6)));
+        assert_eq!(search("19.999 um").by_worst_case(), Some(4));
+        assert_eq!((search("1 um").by_worst_case(), search("1 um").by_rss()), (None, None));
+    }
+}

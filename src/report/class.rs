@@ -1,0 +1,452 @@
+//! The reports of `class`: permissible values, grades obtained, and the coarsest grade within a ΔCD.
+
+use serde_json::{Value, json};
+
+use super::number::{millimetres, plain};
+use super::{Block, Column, Report, Table};
+use crate::decision::Combined;
+use crate::decision::class::{DiameterSource, Effect};
+use crate::decision::grade::{GradeSearch, Obtained, overall};
+use crate::deviation::Part;
+use crate::quantity::{Length, LengthUnit};
+use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
+
+/// What the values were taken for: standard, part and size.
+#[derive(Debug, Clone)]
+pub struct ClassHead {
+    /// The spec's title.
+    pub title: Option<String>,
+    /// The standard asked for.
+    pub standard: Standard,
+    /// The part.
+    pub part: Part,
+    /// Its size.
+    pub wheel: Wheel,
+    /// Where the diameter comes from.
+    pub diameter_source: Option<DiameterSource>,
+}
+
+impl ClassHead {
+    fn standards(&self) -> String {
+        match self.standard.companion() {
+            Some(companion) => format!("{} with {companion}", self.standard),
+            None => self.standard.to_string(),
+        }
+    }
+
+    /// The part and its size: `pinion: m_n = 1.9 mm, d = 14.675 mm (given), b = 30 mm, z = 7`.
+    fn size(&self) -> String {
+        let wheel = &self.wheel;
+        let mm = |symbol: &str, length: &Option<Length>| {
+            length.as_ref().map(|length| format!("{symbol} = {} mm", plain(rounded(length.mm()))))
+        };
+        let diameter = mm("d", &wheel.diameter).map(|text| match self.diameter_source {
+            Some(source) => format!("{text} ({})", source.in_words()),
+            None => text,
+        });
+        let parts = [
+            mm("m_n", &wheel.normal_module),
+            diameter,
+            mm("b", &wheel.face_width),
+            wheel.teeth.map(|teeth| format!("z = {teeth}")),
+        ];
+        format!("{}: {}", self.part.name(), parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    }
+
+    fn add_to(&self, json: &mut Value) {
+        let mm = |length: &Option<Length>| length.as_ref().map(Length::mm);
+        json["title"] = self.title.clone().into();
+        json["standard_name"] = self.standards().into();
+        json["part"] = self.part.name().into();
+        json["normal_module_mm"] = mm(&self.wheel.normal_module).into();
+        json["diameter_mm"] = mm(&self.wheel.diameter).into();
+        json["diameter_source"] = self.diameter_source.map(DiameterSource::in_words).into();
+        json["face_width_mm"] = mm(&self.wheel.face_width).into();
+        json["teeth"] = self.wheel.teeth.into();
+    }
+}
+
+/// A size for people: to 0.1 µm.
+fn rounded(mm: f64) -> f64 {
+    let rounded = (mm * 1e4).round() / 1e4;
+    if rounded.is_finite() { rounded } else { mm }
+}
+
+/// One permissible value and what it does.
+#[derive(Debug, Clone)]
+pub struct ClassRow {
+    /// The value.
+    pub permissible: Permissible,
+    /// ΔCD by the formulas, or why there is none.
+    pub delta_cd: Result<Length, String>,
+    /// ΔCD by the exact mesh, mm, and how the deviation was put on the teeth.
+    pub mesh: Option<(f64, &'static str)>,
+}
+
+/// The permissible values of one grade.
+#[derive(Debug, Clone)]
+pub struct ClassReport {
+    /// Standard, part and size.
+    pub head: ClassHead,
+    /// The grade.
+    pub grade: u8,
+    /// One per deviation.
+    pub rows: Vec<ClassRow>,
+    /// Deviations without a value, and why.
+    pub not_given: Vec<(Standard, Deviation, String)>,
+    /// Remarks.
+    pub notes: Vec<String>,
+}
+
+fn range_json(used: &RangeUse) -> Value {
+    json!({
+        "size": used.size.key(),
+        "value": used.value.to_f64(),
+        "over": used.range.as_ref().map(|range| range.over.to_f64()),
+        "up_to": used.range.as_ref().map(|range| range.up_to.to_f64()),
+        "taken": used.taken.to_f64(),
+    })
+}
+
+/// The ranges used, in short: `m 0.5–2, d 5–20`.
+fn ranges_text(ranges: &[RangeUse]) -> String {
+    let texts = ranges.iter().map(|used| {
+        let symbol = match used.size {
+            Size::NormalModule => "m",
+            Size::Diameter => "d",
+            Size::FaceWidth => "b",
+            Size::Teeth => return format!("k {}", plain(used.taken.to_f64())),
+            Size::HelixAngle => "β",
+        };
+        match &used.range {
+            Some(range) => format!("{symbol} {}–{}", plain(range.over.to_f64()), plain(range.up_to.to_f64())),
+            None => format!("{symbol} {}", plain(rounded(used.taken.to_f64()))),
+        }
+    });
+    texts.collect::<Vec<_>>().join(", ")
+}
+
+impl Report for ClassReport {
+    fn json(&self) -> Value {
+        let values: Vec<_> = self
+            .rows
+            .iter()
+            .map(|ClassRow { permissible, delta_cd, mesh }| {
+                json!({
+                    "symbol": permissible.symbol(),
+                    "value_um": permissible.value_um().to_f64(),
+                    "unrounded_um": permissible.unrounded_um().to_f64(),
+                    "name": permissible.deviation.name(),
+                    "standard": permissible.standard.id(),
+                    "clause": permissible.clause,
+                    "formula": permissible.formula,
+                    "ranges": permissible.ranges.iter().map(range_json).collect::<Vec<_>>(),
+                    "delta_cd_mm": delta_cd.as_ref().ok().map(Length::mm),
+                    "delta_cd_by": delta_cd.as_ref().ok().map(|_| Effect::of(permissible.deviation).name()),
+                    "delta_cd_missing": delta_cd.as_ref().err(),
+                    "mesh_delta_cd_mm": mesh.map(|(mm, _)| super::number::tidy(mm)),
+                    "mesh_arrangement": mesh.map(|(_, arrangement)| arrangement),
+                    "remarks": permissible.remarks.iter().map(ToString::to_string).collect::<Vec<_>>(),
+                })
+            })
+            .collect();
+        let not_given: Vec<_> = self
+            .not_given
+            .iter()
+            .map(|(standard, deviation, reason)| json!({ "symbol": standard.symbol(*deviation), "reason": reason }))
+            .collect();
+        let mut json = json!({
+            "standard": self.head.standard.id(),
+            "grade": self.grade,
+            "values": values,
+            "not_given": not_given,
+        });
+        self.head.add_to(&mut json);
+        json["notes"] = self.notes.clone().into();
+        json
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        const HEADER: [&str; 10] = [
+            "symbol",
+            "value_um",
+            "unrounded_um",
+            "standard",
+            "grade",
+            "diameter_mm",
+            "delta_cd_mm",
+            "delta_cd_by",
+            "mesh_delta_cd_mm",
+            "formula",
+        ];
+        let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
+        let diameter = self.head.wheel.diameter.as_ref().map(|diameter| plain(diameter.mm())).unwrap_or_default();
+        for ClassRow { permissible, delta_cd, mesh } in &self.rows {
+            let by = delta_cd.as_ref().map(|_| Effect::of(permissible.deviation).name()).unwrap_or_default();
+            rows.push(vec![
+                permissible.symbol().to_owned(),
+                plain(permissible.value_um().to_f64()),
+                plain(permissible.unrounded_um().to_f64()),
+                permissible.standard.id().to_owned(),
+                permissible.grade.to_string(),
+                diameter.clone(),
+                delta_cd.as_ref().map(|delta_cd| plain(delta_cd.mm())).unwrap_or_default(),
+                by.to_owned(),
+                mesh.map(|(mm, _)| plain(super::number::tidy(mm))).unwrap_or_default(),
+                permissible.formula.clone(),
+            ]);
+        }
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let with_mesh = self.rows.iter().any(|row| row.mesh.is_some());
+        let mut columns = vec![
+            Column::text("deviation"),
+            Column::text("symbol"),
+            Column::number("permissible\n[µm]"),
+            Column::number("unrounded\n[µm]"),
+            Column::text("ranges [mm]"),
+            Column::number("ΔCD\n[mm]"),
+            Column::text("by"),
+        ];
+        if with_mesh {
+            columns.push(Column::number("exact mesh\n[mm]"));
+        }
+        let rows = self.rows.iter().map(|row| {
+            let permissible = &row.permissible;
+            let mut cells = vec![
+                permissible.deviation.to_string(),
+                permissible.symbol().to_owned(),
+                plain(permissible.value_um().to_f64()),
+                format!("{:.3}", permissible.unrounded_um().to_f64()),
+                ranges_text(&permissible.ranges),
+                row.delta_cd.as_ref().map_or_else(|_| "-".to_owned(), |delta_cd| unsigned(delta_cd.mm())),
+                row.delta_cd.as_ref().map_or("-", |_| Effect::of(permissible.deviation).name()).to_owned(),
+            ];
+            if with_mesh {
+                cells.push(row.mesh.map_or_else(|| "-".to_owned(), |(mm, _)| unsigned(super::number::tidy(mm))));
+            }
+            cells
+        });
+        let mut blocks = Vec::new();
+        blocks.extend(self.head.title.clone().map(Block::Title));
+        blocks.push(Block::Title(format!("{}, grade {}", self.head.standards(), self.grade)));
+        blocks.push(Block::Note(self.head.size()));
+        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
+        let mut notes: Vec<String> = Vec::new();
+        for (standard, deviation, reason) in &self.not_given {
+            notes.push(format!("not given: {}: {reason}", standard.symbol(*deviation)));
+        }
+        for row in &self.rows {
+            for remark in &row.permissible.remarks {
+                notes.push(format!("note: {}: {remark}", row.permissible.symbol()));
+            }
+        }
+        notes.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        notes.dedup();
+        blocks.extend(notes.into_iter().map(Block::Note));
+        blocks
+    }
+}
+
+fn unsigned(mm: f64) -> String {
+    millimetres(mm).trim_start_matches('+').to_owned()
+}
+
+/// The grades that measured values reach.
+#[derive(Debug, Clone)]
+pub struct ObtainedReport {
+    /// The spec's title.
+    pub title: Option<String>,
+    /// The standard.
+    pub standard: Standard,
+    /// The diameters used, in words.
+    pub diameters: Vec<String>,
+    /// One per deviation.
+    pub obtained: Vec<Obtained>,
+    /// Deviations without a grade, and why.
+    pub not_graded: Vec<String>,
+}
+
+impl Report for ObtainedReport {
+    fn json(&self) -> Value {
+        let values: Vec<_> = self
+            .obtained
+            .iter()
+            .map(|one| {
+                let shown = one.reached.as_ref().unwrap_or(&one.coarsest);
+                json!({
+                    "part": one.part.name(),
+                    "symbol": shown.symbol(),
+                    "measured_um": one.measured.in_unit(LengthUnit::Micrometre),
+                    "origin": one.origin,
+                    "standard": shown.standard.id(),
+                    "grade": one.reached.as_ref().map(|permissible| permissible.grade),
+                    "permissible_um": shown.value_um().to_f64(),
+                })
+            })
+            .collect();
+        json!({
+            "title": self.title,
+            "standard": self.standard.id(),
+            "grade": overall(&self.obtained),
+            "values": values,
+            "diameters": self.diameters,
+            "not_graded": self.not_graded,
+        })
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        let header = ["part", "symbol", "measured_um", "grade", "permissible_um", "standard", "origin"];
+        let mut rows = vec![header.map(str::to_owned).to_vec()];
+        for one in &self.obtained {
+            let shown = one.reached.as_ref().unwrap_or(&one.coarsest);
+            rows.push(vec![
+                one.part.name().to_owned(),
+                shown.symbol().to_owned(),
+                plain(one.measured.in_unit(LengthUnit::Micrometre)),
+                one.reached.as_ref().map(|permissible| permissible.grade.to_string()).unwrap_or_default(),
+                plain(shown.value_um().to_f64()),
+                shown.standard.id().to_owned(),
+                one.origin.clone(),
+            ]);
+        }
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let rows = self.obtained.iter().map(|one| {
+            let shown = one.reached.as_ref().unwrap_or(&one.coarsest);
+            vec![
+                one.part.name().to_owned(),
+                one.deviation.to_string(),
+                shown.symbol().to_owned(),
+                format!("{:.1}", one.measured.in_unit(LengthUnit::Micrometre)),
+                one.reached.as_ref().map_or_else(
+                    || format!("beyond {}", one.coarsest.grade),
+                    |permissible| permissible.grade.to_string(),
+                ),
+                plain(shown.value_um().to_f64()),
+                one.origin.clone(),
+            ]
+        });
+        let columns = vec![
+            Column::text("part"),
+            Column::text("deviation"),
+            Column::text("symbol"),
+            Column::number("measured\n[µm]"),
+            Column::number("grade"),
+            Column::number("permissible\n[µm]"),
+            Column::text("measured as"),
+        ];
+        let mut blocks = Vec::new();
+        blocks.extend(self.title.clone().map(Block::Title));
+        blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
+        let companion = self.standard.companion().map(|other| format!(" with {other}")).unwrap_or_default();
+        blocks.push(Block::Note(match overall(&self.obtained) {
+            Some(grade) => format!("Overall: grade {grade} of {}{companion}", self.standard),
+            None if self.obtained.is_empty() => "Overall: nothing could be graded".to_owned(),
+            None => format!("Overall: beyond the grades of {}{companion}", self.standard),
+        }));
+        blocks.extend(self.diameters.iter().map(|text| Block::Note(format!("note: {text}"))));
+        blocks.extend(self.not_graded.iter().map(|text| Block::Note(format!("not graded: {text}"))));
+        blocks
+    }
+}
+
+/// The coarsest grade within a ΔCD.
+#[derive(Debug, Clone)]
+pub struct GradeSearchReport {
+    /// The spec's title.
+    pub title: Option<String>,
+    /// The standard.
+    pub standard: Standard,
+    /// The grades and their combinations.
+    pub search: GradeSearch,
+    /// What was combined, in words.
+    pub terms: Vec<String>,
+}
+
+impl Report for GradeSearchReport {
+    fn json(&self) -> Value {
+        let mm = |combined: &Result<Combined, String>, of: fn(&Combined) -> &Length| {
+            combined.as_ref().ok().map(|combined| of(combined).mm())
+        };
+        let grades: Vec<_> = self
+            .search
+            .steps
+            .iter()
+            .map(|step| {
+                json!({
+                    "grade": step.grade,
+                    "worst_case_mm": mm(&step.combined, |combined| &combined.worst_case),
+                    "rss_mm": mm(&step.combined, |combined| &combined.rss),
+                    "missing": step.combined.as_ref().err(),
+                })
+            })
+            .collect();
+        json!({
+            "title": self.title,
+            "standard": self.standard.id(),
+            "delta_cd_mm": self.search.limit.mm(),
+            "grade_worst_case": self.search.by_worst_case(),
+            "grade_rss": self.search.by_rss(),
+            "grades": grades,
+            "terms": self.terms,
+        })
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![["grade", "worst_case_mm", "rss_mm", "missing"].map(str::to_owned).to_vec()];
+        for step in &self.search.steps {
+            let (worst, rss, missing) = match &step.combined {
+                Ok(combined) => (plain(combined.worst_case.mm()), plain(combined.rss.mm()), String::new()),
+                Err(reason) => (String::new(), String::new(), reason.clone()),
+            };
+            rows.push(vec![step.grade.to_string(), worst, rss, missing]);
+        }
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let limit = &self.search.limit;
+        let mark = |length: &Length| if length <= limit { "within" } else { "beyond" }.to_owned();
+        let rows = self.search.steps.iter().map(|step| match &step.combined {
+            Ok(combined) => vec![
+                step.grade.to_string(),
+                unsigned(combined.worst_case.mm()),
+                mark(&combined.worst_case),
+                unsigned(combined.rss.mm()),
+                mark(&combined.rss),
+            ],
+            Err(_) => vec![step.grade.to_string(), "-".to_owned(), "-".to_owned(), "-".to_owned(), "-".to_owned()],
+        });
+        let columns = vec![
+            Column::number("grade"),
+            Column::number("worst case\n[mm]"),
+            Column::text(""),
+            Column::number("RSS\n[mm]"),
+            Column::text(""),
+        ];
+        let mut blocks = Vec::new();
+        blocks.extend(self.title.clone().map(Block::Title));
+        let companion = self.standard.companion().map(|other| format!(" with {other}")).unwrap_or_default();
+        blocks.push(Block::Title(format!("ΔCD within {} mm by {}{companion}", plain(limit.mm()), self.standard)));
+        blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
+        let grade = |grade: Option<u8>| grade.map_or_else(|| "none".to_owned(), |grade| format!("grade {grade}"));
+        blocks.push(Block::Note(format!(
+            "The coarsest grade within {} mm: {} by worst case, {} by RSS",
+            plain(limit.mm()),
+            grade(self.search.by_worst_case()),
+            grade(self.search.by_rss())
+        )));
+        blocks.extend(self.terms.iter().map(|term| Block::Note(format!("combined: {term}"))));
+        let mut reasons: Vec<&String> = self.search.steps.iter().filter_map(|s| s.combined.as_ref().err()).collect();
+        reasons.dedup();
+        if let Some(reason) = reasons.first() {
+            blocks.push(Block::Note(format!("note: grades without a value: {reason}")));
+        }
+        blocks
+    }
+}

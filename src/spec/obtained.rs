@@ -1,0 +1,173 @@
+//! What a spec says was measured, as deviations that standards limit.
+
+use std::collections::BTreeMap;
+
+use super::{MeasuredTables, Spec, WrittenError};
+use crate::cmm::Measured;
+use crate::decision::class::{deviation_of, part_of};
+use crate::deviation::{ErrorValue, Part};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::{Length, Rational};
+use crate::standard::Deviation;
+use crate::trig::precise;
+
+/// A measured deviation of a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredValue {
+    /// The part.
+    pub part: Part,
+    /// The deviation.
+    pub deviation: Deviation,
+    /// Its magnitude.
+    pub amount: Length,
+    /// What was measured, in words.
+    pub origin: String,
+}
+
+impl Spec {
+    /// The deviations that `[errors]` and the measured tables tell. From a table: F_r is the largest less the
+    /// smallest radial value, f_pt the largest single pitch deviation, F_p the largest less the smallest sum of
+    /// them, F_pz/8 the largest sum of k, f_Hβ the largest lead deviation over the face width.
+    ///
+    /// # Errors
+    /// Diagnostics for gear data that an error needs.
+    pub fn measured_deviations(&self, tables: &MeasuredTables) -> Result<Vec<MeasuredValue>, Diagnostics> {
+        let mut values = Vec::new();
+        if self.errors.iter().any(|(_, written)| !matches!(written.value, WrittenError::Class(_))) {
+            for error in self.part_errors()?.iter().filter(|error| !error.is_tolerance()) {
+                let part = part_of(error.kind());
+                let amount = match error.value() {
+                    ErrorValue::Length(length) => length.abs(),
+                    ErrorValue::Angle(angle) => self.slope(part, &angle)?,
+                };
+                let origin = format!("[errors] {}", error.kind().key());
+                values.push(MeasuredValue { part, deviation: deviation_of(error.kind()), amount, origin });
+            }
+        }
+        self.of_rack_table(tables, &mut values)?;
+        self.of_pinion_table(tables, &mut values)?;
+        Ok(values)
+    }
+
+    /// f_Hβ of a lead deviation: over the face width.
+    fn slope(&self, part: Part, angle: &crate::quantity::Angle) -> Result<Length, Diagnostics> {
+        let (width, key) = match part {
+            Part::Rack => (self.rack.face_width.as_ref(), "rack.face_width"),
+            Part::Pinion => (self.pinion.face_width.as_ref(), "pinion.face_width"),
+        };
+        let width = width.ok_or_else(|| {
+            Diagnostic::error(Code::MissingKey, format!("`{key}` is missing; f_Hβ of a lead deviation needs it"))
+        })?;
+        let slope = width.value.exact_mm() * &precise::tan(angle.abs().exact_degrees());
+        Length::from_exact_mm(slope.round_significant(40), "f_Hβ")
+            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
+    }
+
+    fn of_rack_table(&self, tables: &MeasuredTables, values: &mut Vec<MeasuredValue>) -> Result<(), Diagnostics> {
+        let Some(table) = &tables.rack else { return Ok(()) };
+        let mut push = |deviation, amount: Length, what: &str| {
+            let origin = format!("{what} in {}", table.source.name);
+            values.push(MeasuredValue { part: Part::Rack, deviation, amount, origin });
+        };
+        let heights: Vec<Length> = table
+            .rows
+            .iter()
+            .filter_map(|row| row.over_pin.as_ref())
+            .map(|measured| match measured {
+                Measured::Absolute(length) | Measured::Deviation(length) => length.clone(),
+            })
+            .collect();
+        if let Some(spread) = spread(&heights) {
+            push(Deviation::Runout, spread, "over-pin values, largest less smallest");
+        }
+        // position deviations of neighbouring spaces differ by the pitch deviation
+        let positions: BTreeMap<i64, Length> = table
+            .rows
+            .iter()
+            .filter_map(|row| match row.position.as_ref()? {
+                Measured::Deviation(length) => Some((row.space, length.clone())),
+                Measured::Absolute(_) => None,
+            })
+            .collect();
+        let steps =
+            positions.iter().filter_map(|(space, position)| Some((positions.get(&(space + 1))? - position).abs()));
+        if let Some(step) = steps.max() {
+            push(Deviation::SinglePitch, step, "differences of neighbouring position deviations");
+        }
+        let all: Vec<Length> = positions.into_values().collect();
+        if let Some(spread) = spread(&all) {
+            push(Deviation::TotalPitch, spread, "position deviations, largest less smallest");
+        }
+        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(|lead| lead.abs()).max() {
+            push(Deviation::HelixSlope, self.slope(Part::Rack, &lead)?, "largest lead deviation");
+        }
+        Ok(())
+    }
+
+    fn of_pinion_table(&self, tables: &MeasuredTables, values: &mut Vec<MeasuredValue>) -> Result<(), Diagnostics> {
+        let Some(table) = &tables.pinion else { return Ok(()) };
+        let mut push = |deviation, amount: Length, what: &str| {
+            let origin = format!("{what} in {}", table.source.name);
+            values.push(MeasuredValue { part: Part::Pinion, deviation, amount, origin });
+        };
+        let radial: Vec<Length> = table.rows.iter().filter_map(|row| row.radial.clone()).collect();
+        if let Some(spread) = spread(&radial) {
+            push(Deviation::Runout, spread, "radial deviations, largest less smallest");
+        }
+        let of_flank = |left: bool| -> BTreeMap<i64, Length> {
+            let pitch =
+                |row: &crate::cmm::PinionTooth| if left { row.left_pitch.clone() } else { row.right_pitch.clone() };
+            table.rows.iter().filter_map(|row| Some((row.tooth, pitch(row)?))).collect()
+        };
+        let flanks = [of_flank(true), of_flank(false)];
+        if let Some(largest) = flanks.iter().flat_map(BTreeMap::values).map(Length::abs).max() {
+            push(Deviation::SinglePitch, largest, "largest single pitch deviation");
+        }
+        let teeth = self.pinion.teeth.as_ref().map_or(0, |teeth| teeth.value as usize);
+        // sums mean something only over a whole turn
+        let whole: Vec<Vec<&Length>> = flanks
+            .iter()
+            .filter(|flank| teeth > 0 && flank.len() == teeth)
+            .map(|flank| flank.values().collect())
+            .collect();
+        let totals = whole.iter().filter_map(|flank| spread(&centred_sums(flank)));
+        if let Some(total) = totals.max() {
+            push(Deviation::TotalPitch, total, "cumulative pitch deviations, largest less smallest");
+        }
+        let pitches = (teeth / 8).max(2);
+        let sectors = whole.iter().flat_map(|flank| {
+            let sums = centred_sums(flank);
+            (0..flank.len()).map(move |tooth| (&sums[(tooth + pitches) % sums.len()] - &sums[tooth]).abs())
+        });
+        if let Some(sector) = sectors.max() {
+            push(Deviation::SectorPitch, sector, "largest cumulative pitch deviation over k pitches");
+        }
+        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(|lead| lead.abs()).max() {
+            push(Deviation::HelixSlope, self.slope(Part::Pinion, &lead)?, "largest lead deviation");
+        }
+        Ok(())
+    }
+}
+
+/// The largest less the smallest; `None` of fewer than two.
+fn spread(values: &[Length]) -> Option<Length> {
+    if values.len() < 2 {
+        return None;
+    }
+    Some(values.iter().max()? - values.iter().min()?)
+}
+
+/// Sums of single pitch deviations around a turn, their mean removed, because a turn closes.
+fn centred_sums(pitches: &[&Length]) -> Vec<Length> {
+    let sum: Length = pitches.iter().map(|pitch| (*pitch).clone()).sum();
+    let count = Rational::integer(i64::try_from(pitches.len()).unwrap_or(1));
+    let mean = Length::from_exact_mm(sum.exact_mm() / &count, "the mean pitch deviation").unwrap_or(Length::ZERO);
+    let mut total = Length::ZERO;
+    pitches
+        .iter()
+        .map(|pitch| {
+            total = &total + &(*pitch - &mean);
+            total.clone()
+        })
+        .collect()
+}
