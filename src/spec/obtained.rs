@@ -98,7 +98,8 @@ impl Spec {
         if let Some(spread) = spread(&all) {
             push(Deviation::TotalPitch, spread, "position deviations, largest less smallest");
         }
-        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(|lead| lead.abs()).max() {
+        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(crate::quantity::Angle::abs).max()
+        {
             push(Deviation::HelixSlope, self.slope(Part::Rack, &lead)?, "largest lead deviation");
         }
         Ok(())
@@ -142,7 +143,8 @@ impl Spec {
         if let Some(sector) = sectors.max() {
             push(Deviation::SectorPitch, sector, "largest cumulative pitch deviation over k pitches");
         }
-        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(|lead| lead.abs()).max() {
+        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(crate::quantity::Angle::abs).max()
+        {
             push(Deviation::HelixSlope, self.slope(Part::Pinion, &lead)?, "largest lead deviation");
         }
         Ok(())
