@@ -147,6 +147,8 @@ pub(super) struct Touch {
     pub(super) spot: Spot,
     /// Where two edges meet: the other spot, and the share of the first in what their meeting point does.
     pub(super) other: Option<(Spot, f64)>,
+    /// How far off its generator may be; not 0 only if the search ended early.
+    pub(super) spread: f64,
     /// At a vertex of the patch: a generator beyond it and the demand's rate per rate of the gap there.
     pub(super) vertex: Option<(f64, f64)>,
 }
@@ -158,6 +160,23 @@ pub(super) struct Spot {
     pub(super) w: f64,
     pub(super) kind: ContactKind,
     pub(super) on_tip: bool,
+}
+
+/// A generator near the one of the contact.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hint {
+    pub(super) delta: f64,
+    /// How far off it may be.
+    pub(super) spread: f64,
+}
+
+impl Touch {
+    /// Whether the contact goes with the flank's edge.
+    pub(super) fn is_carried(&self) -> bool {
+        self.vertex.is_some()
+            || self.other.is_some()
+            || matches!(self.kind, ContactKind::TipEdge | ContactKind::RootEdge)
+    }
 }
 
 /// How a flank pair changes with the rack's roll.
@@ -487,13 +506,13 @@ impl FlankContact {
         }
         let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
         let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, on_tip: false };
-        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, vertex: None })
+        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, spread: 0.0, vertex: None })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
     ///
-    /// Demands that cannot reach `floor` need not be exact. `hint` is the generator of a contact nearby, to start from.
-    pub(super) fn touch(&self, pose: &Pose, floor: f64, hint: Option<f64>) -> Option<Touch> {
+    /// Demands that cannot reach `floor` need not be exact. `hint` is where the contact is expected.
+    pub(super) fn touch(&self, pose: &Pose, floor: f64, hint: Option<Hint>) -> Option<Touch> {
         let zero = pose.c - self.nu;
         let reach = self.kappa.abs() * self.half_face;
         let lo = (zero + self.start_roll - reach).max(-PI);
@@ -614,7 +633,7 @@ impl FlankContact {
         match self.demand(pose, delta) {
             Generator::Some { demand, rate, kind, w, on_tip, .. } => {
                 let spot = Spot { delta, w, kind, on_tip };
-                Some(Touch { demand, rate, kind, spot, other: None, vertex: None })
+                Some(Touch { demand, rate, kind, spot, other: None, spread: 0.0, vertex: None })
             }
             Generator::None { .. } => None,
         }

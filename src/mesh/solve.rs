@@ -1,7 +1,7 @@
 //! The solve at one stroke: which rotation makes both sides ask for the same centre distance. Used through
 //! [`Mesh::at`], [`Mesh::sample`] and [`Sampler`]; allocates nothing per stroke once a sampler is warm.
 
-use super::contact::{ContactKind, Pose, PoseRates, Touch};
+use super::contact::{ContactKind, Hint, Pose, PoseRates, Touch};
 use super::prepare::{Prepared, Roll};
 use super::roll::Valleys;
 use super::{Carrier, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support};
@@ -51,8 +51,11 @@ struct Seen {
     shift: f64,
     roll: f64,
     across: f64,
-    /// The generator of the contact.
+    /// The generator of the contact, and how it moved with the flank's angle between the last two searches.
     delta: f64,
+    drift: f64,
+    /// How far off both may be.
+    spread: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -378,7 +381,16 @@ impl<'a> Sampler<'a> {
                 continue;
             }
             let floor = best.map_or(f64::NEG_INFINITY, |best| best.value);
-            let touch = prepared.contact.touch(&pose, floor, seen.map(|seen| seen.delta));
+            let hint = seen.map(|seen| {
+                let by = pose.c - seen.c;
+                Hint { delta: seen.delta + seen.drift * by, spread: (0.1 * by.abs()).max(0.1 * seen.spread) }
+            });
+            let touch = prepared.contact.touch(&pose, floor, hint);
+            let drift = |delta: f64, carried: bool| match *seen {
+                Some(seen) if pose.c != seen.c => ((delta - seen.delta) / (pose.c - seen.c)).clamp(-1.0, 2.0),
+                Some(seen) => seen.drift,
+                None => f64::from(u8::from(carried)),
+            };
             // a clipped demand is an upper bound, which is all that is asked of it
             *seen = touch.map(|touch| Seen {
                 demand: touch.demand,
@@ -387,6 +399,8 @@ impl<'a> Sampler<'a> {
                 roll,
                 across: pose.across,
                 delta: touch.spot.delta,
+                drift: drift(touch.spot.delta, touch.is_carried()),
+                spread: touch.spread,
             });
             if let Some(touch) = touch
                 && best.is_none_or(|best| touch.demand > best.value + tie)

@@ -6,10 +6,13 @@
 //! intersection of both tangents, which meets such a corner quadratically. For a concave function that
 //! intersection also is an upper bound, which ends the climb once it is as low as the best value.
 
-use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Spot, Touch};
+use super::{ContactKind, DEMAND, FlankContact, Generator, Hint, MAX_EVALUATIONS, Pose, Spot, Touch};
 
 /// First step off the start of the flank, rad.
 const INSIDE: f64 = 1e-3;
+
+/// A meeting point nearer to one end than this share of the way to the other says little of the other end's side.
+const UNEVEN: f64 = 0.1;
 
 /// Brackets this short (rad) let tangents speak for the function: its square times any curvature is below rounding.
 const NARROW: f64 = 1e-7;
@@ -45,17 +48,22 @@ fn stride(run: i32) -> f64 {
     }
 }
 
+/// Longest step after `run` steps the same way from a hint that is good to `spread`.
+fn reach(spread: f64, run: i32) -> f64 {
+    spread * f64::from(1_u32 << (3 * run.clamp(0, 8)))
+}
+
 impl FlankContact {
     /// Largest demand for δ in `lo..=hi`.
-    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64, hint: Option<f64>) -> Option<Touch> {
+    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64, hint: Option<Hint>) -> Option<Touch> {
         let scale = self.base_radius / self.sin_nu;
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
         let mut best: Option<Touch> = None;
         // where the involute starts at its base circle the derivative vanishes whichever way it goes: look beside it
-        let mut x = match hint {
-            Some(hint) if hint > lo && hint < hi => hint,
-            _ => 0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi),
+        let (mut x, spread) = match hint {
+            Some(Hint { delta, spread }) if delta > lo && delta < hi => (delta, spread.max(NARROW)),
+            _ => (0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi), f64::INFINITY),
         };
         let mut width = f64::INFINITY;
         let mut stalls = 0;
@@ -66,7 +74,7 @@ impl FlankContact {
             if let Generator::Some { demand, rate, w, kind, slope, on_tip } = sample.generator {
                 if best.is_none_or(|best: Touch| demand > best.demand) {
                     let spot = Spot { delta: x, w, kind, on_tip };
-                    best = Some(Touch { demand, rate, kind, spot, other: None, vertex: None });
+                    best = Some(Touch { demand, rate, kind, spot, other: None, spread: 0.0, vertex: None });
                 }
                 let roll = (self.nu - pose.c) + x + self.kappa * w;
                 if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
@@ -93,15 +101,21 @@ impl FlankContact {
                 && bound < floor
             {
                 // kept as an upper bound, which never carries
-                return best.map(|touch| Touch { demand: bound, ..touch });
+                return best.map(|touch| Touch { demand: bound, spread: b - a, ..touch });
             }
-            let next =
-                self.propose(pose, (scale, tolerance), (a, b, hi), (below, above), best.map(|best| best.demand), run);
+            let next = self.propose(
+                pose,
+                (scale, tolerance),
+                (a, b, hi),
+                (below, above),
+                best.map(|best| best.demand),
+                (run, spread),
+            );
             x = match next {
                 Next::Done => break,
                 Next::Nothing => return None,
-                // two steps that did not halve the bracket: halve it
-                Next::Try(_) if stalls >= 2 && below.is_some() && above.is_some() => {
+                // three steps that did not halve the bracket: halve it
+                Next::Try(_) if stalls >= 3 && below.is_some() && above.is_some() => {
                     stalls = 0;
                     0.5 * (a + b)
                 }
@@ -139,7 +153,7 @@ impl FlankContact {
         (a, b, hi): (f64, f64, f64),
         ends: (Option<Sample>, Option<Sample>),
         best: Option<f64>,
-        run: i32,
+        (run, spread): (i32, f64),
     ) -> Next {
         match ends {
             (Some(l), Some(h)) => match (l.generator, h.generator) {
@@ -157,24 +171,31 @@ impl FlankContact {
                     if same {
                         return Next::Try(a + (b - a) * (sl / (sl - sh)));
                     }
-                    // twice from one side: step over the corner, so that the other side comes close too
-                    Next::Try(match run {
-                        2.. => (meet + 2.0 * (meet - a)).max(a + 0.4 * NARROW).min(0.5 * (a + b)),
-                        ..=-2 => (meet + 2.0 * (meet - b)).min(b - 0.4 * NARROW).max(0.5 * (a + b)),
-                        _ => meet,
+                    // The meeting point is as good as the farther end's tangent. Where it falls next to one end, step
+                    // over the corner, so that the other end comes close too.
+                    let (before, after) = (meet - a, b - meet);
+                    Next::Try(if b - a <= NARROW {
+                        meet
+                    } else if before < UNEVEN * after {
+                        meet + (2.0 * before).max(0.4 * NARROW).min(0.5 * after)
+                    } else if after < UNEVEN * before {
+                        meet - (2.0 * after).max(0.4 * NARROW).min(0.5 * before)
+                    } else {
+                        meet
                     })
                 }
                 (Generator::None { gap: gl, slope: sl, .. }, Generator::None { gap: gh, slope: sh, .. }) => {
                     let meet = ((gh - gl) + sl * a - sh * b) / (sl - sh);
                     if gl + sl * (meet - a) < -super::VERTEX * self.half_face { Next::Nothing } else { Next::Try(meet) }
                 }
-                (Generator::None { gap, slope, .. }, _) => Next::Try(a - gap / slope),
-                (_, Generator::None { gap, slope, .. }) => Next::Try(b - gap / slope),
+                (Generator::None { gap, slope, .. }, _) => self.vertex((a, b), gap, slope),
+                (_, Generator::None { gap, slope, .. }) => self.vertex((b, a), gap, slope),
             },
             (Some(l), None) => match l.generator {
                 Generator::Some { slope, w, .. } => {
                     let roll = ((self.nu - pose.c) + a + self.kappa * w).max(0.1);
-                    Next::Try((a + (1.2 * slope / (scale * roll)).max(stride(run))).min(b))
+                    let step = (1.2 * slope / (scale * roll)).max(stride(run));
+                    Next::Try((a + step.min(reach(spread, run))).min(b))
                 }
                 Generator::None { gap, slope, .. } => Next::Try((a - gap / slope).min(b)),
             },
@@ -182,15 +203,31 @@ impl FlankContact {
                 Generator::Some { slope, w, .. } => {
                     let roll = ((self.nu - pose.c) + b + self.kappa * w).max(0.1);
                     let inside = a + INSIDE.min(0.25 * (hi - a));
-                    Next::Try((b + (1.2 * slope / (scale * roll)).min(-stride(-run))).max(if b > inside {
-                        inside
-                    } else {
-                        a
-                    }))
+                    let step = (1.2 * slope / (scale * roll)).min(-stride(-run));
+                    Next::Try((b + step.max(-reach(spread, -run))).max(if b > inside { inside } else { a }))
                 }
                 Generator::None { gap, slope, .. } => Next::Try((b - gap / slope).max(a)),
             },
             (None, None) => Next::Done,
+        }
+    }
+
+    /// Between a generator off the flank and one on it that both lead towards its vertex: Newton's step on the gap
+    /// says where the vertex is, to the step's square. That far inside it, and then outside it, both ends come close.
+    fn vertex(&self, (off, on): (f64, f64), gap: f64, slope: f64) -> Next {
+        let step = -gap / slope;
+        let (vertex, inward) = (off + step, (on - off).signum());
+        // this near the vertex a generator off the flank counts as on it
+        let fuzz = (super::VERTEX * self.half_face / slope).abs();
+        let rounding = 4.0 * f64::EPSILON * vertex.abs();
+        let margin = 4.0 * step * step + rounding;
+        let inside = vertex + inward * margin;
+        if (on - inside) * inward > rounding {
+            Next::Try(inside)
+        } else if step.abs() <= 4.0 * fuzz + rounding {
+            Next::Done
+        } else {
+            Next::Try(vertex - inward * (margin + 2.0 * fuzz))
         }
     }
 
