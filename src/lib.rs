@@ -14,7 +14,10 @@
 //! | [`deviation`] | what is wrong with a part |
 //! | [`formula`] | ΔCD of one error: the paper's formulas and the exact ones, inverses, sensitivities |
 //! | [`standard`] | accuracy grades: permissible deviations by standard and edition |
+//! | [`gear`] | the nominal pair, valid by construction |
+//! | [`mesh`] | ΔCD along the stroke: the exact zero-backlash mesh of every tooth's own deviations |
 //! | [`multibody`] | elastic contact simulated: equilibrium along the stroke, motion in time |
+//! | [`reproduction`] | the paper's tables and figure, computed again |
 //! | [`decision`] | errors combined, and judged against limits |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
 #![cfg_attr(feature = "cmm", doc = "| [`cmm`] | tables of measured values |")]
@@ -77,6 +80,7 @@ pub mod multibody;
 pub mod quantity;
 #[cfg(feature = "report")]
 pub mod report;
+pub mod reproduction;
 #[cfg(feature = "spec")]
 pub mod spec;
 pub mod standard;

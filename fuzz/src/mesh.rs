@@ -39,8 +39,7 @@ impl Numbers<'_> {
 /// Builds a pair from the input and solves it at some strokes and along a short one.
 pub fn check(data: &[u8]) {
     let mut numbers = Numbers(data);
-    let Ok(pair) = Pair::new(&pair(&mut numbers)) else { return };
-    let Some(mesh) = deviating(&mut numbers, pair) else { return };
+    let Some(mesh) = read(&mut numbers) else { return };
     for _ in 0..4 {
         let stroke = numbers.in_range(-20.0, 120.0);
         if let Ok(point) = mesh.at(stroke) {
@@ -53,6 +52,12 @@ pub fn check(data: &[u8]) {
     if let Ok(curve) = mesh.curve(0.0, 2.0, 1e-4) {
         assert!(curve.points.iter().all(|point| point.delta_cd_mm.is_finite()));
     }
+}
+
+/// The mesh that an input stands for, if it is one.
+fn read(numbers: &mut Numbers<'_>) -> Option<Mesh> {
+    let pair = Pair::new(&pair(numbers)).ok()?;
+    deviating(numbers, pair)
 }
 
 fn pair(numbers: &mut Numbers<'_>) -> PairData {

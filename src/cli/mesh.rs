@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::plot::{CurvePlot, Mark, Series};
+use crate::report::plot::{CurvePlot, Mark, PlotError, Series};
 use crate::report::{Format, MeshReport};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
 
@@ -197,7 +197,8 @@ impl Args {
             screen: output.screen(),
         };
         if let Some(path) = &self.plot {
-            write_plot(path, &plot(&report))?;
+            let plot = plot(&report);
+            write_picture(path, || plot.svg(), || plot.png())?;
         }
         match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output)?,
@@ -206,7 +207,8 @@ impl Args {
         }
         Ok(match report.verdict() {
             Some(Verdict::Fail) => Status::Fail,
-            _ => Status::Pass,
+            Some(Verdict::Indeterminate) => Status::Indeterminate,
+            Some(Verdict::Pass) | None => Status::Pass,
         })
     }
 
@@ -335,15 +337,21 @@ fn plot(report: &MeshReport<'_>) -> CurvePlot {
         band: Some(report.prediction.range_mm()),
         limits: limits.flatten().map(Length::mm).collect(),
         marks: marks.collect(),
+        ..CurvePlot::default()
     }
 }
 
-fn write_plot(path: &Path, plot: &CurvePlot) -> Result<(), Failure> {
+/// Writes a picture in the format that the file's name asks for.
+pub(super) fn write_picture(
+    path: &Path,
+    svg: impl FnOnce() -> Result<String, PlotError>,
+    png: impl FnOnce() -> Result<Vec<u8>, PlotError>,
+) -> Result<(), Failure> {
     let failed = |problem: String| Diagnostic::error(Code::FileAccess, problem);
-    let drawing = |error: crate::report::plot::PlotError| failed(format!("cannot draw {}: {error}", path.display()));
+    let drawing = |error: PlotError| failed(format!("cannot draw {}: {error}", path.display()));
     let bytes = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg") => plot.svg().map_err(drawing)?.into_bytes(),
-        Some("png") => plot.png().map_err(drawing)?,
+        Some("svg") => svg().map_err(drawing)?.into_bytes(),
+        Some("png") => png().map_err(drawing)?,
         _ => {
             let message = format!("--plot {}: the name must end in .svg or .png", path.display());
             return Err(Diagnostic::error(Code::Usage, message).into());

@@ -8,7 +8,6 @@ mod completions;
 mod eval;
 mod explain;
 mod init;
-#[allow(dead_code)] // the batch and the simulation are its users
 mod long;
 mod man;
 mod measure;
@@ -17,6 +16,7 @@ mod output;
 mod paste;
 mod reproduce;
 mod schema;
+mod simulate;
 
 use std::io::Read as _;
 use std::process::ExitCode;
@@ -31,6 +31,7 @@ const EXAMPLES: &str = "Examples:
   rackmesh init > rack.toml      write a commented spec to start from
   rackmesh eval rack.toml        ΔCD of every error in it, combined and judged
   rackmesh mesh rack.toml        ΔCD along the stroke, by the exact mesh
+  rackmesh simulate rack.toml    the same with elastic teeth and forces
   rackmesh calc pitch 20um --pressure-angle 20
   rackmesh explain rack-pitch    the formula behind a number
 
@@ -65,6 +66,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("measure", measure),
     subcommand!("paste", paste),
     subcommand!("class", class),
+    subcommand!("simulate", simulate),
     subcommand!("reproduce", reproduce),
     subcommand!("init", init),
     subcommand!("explain", explain),

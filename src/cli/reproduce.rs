@@ -1,17 +1,26 @@
-//! `rackmesh reproduce`: the paper's tables beside ours.
+//! `rackmesh reproduce`: the paper's tables and its last figure beside ours.
 
+use std::path::PathBuf;
+
+use super::mesh::write_picture;
 use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::report::plot::{CurvePlot, Series};
 use crate::report::{Format, Reproduction};
+use crate::reproduction::PaperTable;
 
-pub(super) const ABOUT: &str = "Recompute the analytic columns of the paper's Tables 1 to 3";
+pub(super) const ABOUT: &str = "Recompute the paper's Tables 1 to 3: formulas, multibody simulation and exact mesh";
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   rackmesh reproduce
+  rackmesh reproduce --plots figures      the paper's last figure, and the same for pitch and lead
 
-Exit status: 0 if every entry agrees to the printed digit, 1 if not.")]
+Exit status: 0 if every analytic entry agrees to the printed digit and every row was simulated, 1 if not.")]
 pub(super) struct Args {
+    /// Draw the centre distance over the stroke into this folder, two pictures for each table.
+    #[arg(long, value_name = "FOLDER")]
+    plots: Option<PathBuf>,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -20,6 +29,30 @@ pub(super) struct Args {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let reproduction = Reproduction::new().map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        if let Some(folder) = &self.plots {
+            std::fs::create_dir_all(folder).map_err(|error| {
+                Diagnostic::error(Code::FileAccess, format!("cannot make the folder {}: {error}", folder.display()))
+            })?;
+            for (table, name, what) in [
+                (PaperTable::OverRoller, "over-roller", "Over-roller error ΔM [mm]"),
+                (PaperTable::Pitch, "pitch", "Pitch error Δp [mm]"),
+                (PaperTable::Lead, "lead", "Lead angle error Δβ [deg]"),
+            ] {
+                for (sign, suffix) in [('+', "plus"), ('-', "minus")] {
+                    let curves = reproduction.curves(table, sign);
+                    let curves = curves.map(|(label, points)| Series { label: label.to_owned(), points });
+                    let plot = CurvePlot {
+                        title: format!("{what}: centre distance over the stroke, simulated"),
+                        y_label: "centre distance [mm]",
+                        curves: curves.collect(),
+                        ..CurvePlot::default()
+                    };
+                    let path = folder.join(format!("{name}-{suffix}.svg"));
+                    write_picture(&path, || plot.svg(), || plot.png())?;
+                    output.remark(&format!("wrote {}", path.display()));
+                }
+            }
+        }
         output.report(&reproduction, self.format)?;
         Ok(if reproduction.agrees() { Status::Pass } else { Status::Fail })
     }

@@ -73,6 +73,8 @@ codes! {
     NoResult = "no-result",
     /// A stroke without a solution of the exact mesh.
     NoMesh = "no-mesh",
+    /// A simulation that cannot be set up, or that had to stop.
+    NoSimulation = "no-simulation",
     /// A name that `explain` does not know.
     UnknownTopic = "unknown-topic",
 }

@@ -25,7 +25,8 @@ pub struct Curve {
     pub kinks: Vec<Kink>,
     /// The promised tolerance, mm.
     pub tolerance_mm: f64,
-    /// Whether the tolerance holds everywhere; `false` if refining was given up at [`Mesh::curve`]'s limit of points.
+    /// Whether the tolerance holds everywhere; `false` if refining was given up at [`Mesh::curve`]'s limit of points, or
+    /// at a stroke whose own residual is larger than the tolerance.
     pub resolved: bool,
 }
 
@@ -115,6 +116,13 @@ impl Refiner<'_> {
         }
         self.budget -= 1;
         let m = self.sampler.at(middle)?;
+        // where a solve says that its own error is larger, halving resolves nothing
+        if m.residual_mm.abs() > self.tolerance {
+            self.curve.resolved = false;
+            self.keep(&m, false);
+            self.keep(b, false);
+            return Ok(());
+        }
         let sagitta = (m.delta_cd_mm - 0.5 * (a.delta_cd_mm + b.delta_cd_mm)).abs();
         let same = !kinked && m.right == a.right && m.left == a.left;
         if same && sagitta <= 0.5 * self.tolerance {

@@ -26,6 +26,7 @@
 //! Units: mm, N, s and rad throughout; masses are given in kg.
 
 mod closest;
+mod compare;
 mod drive;
 mod dynamics;
 mod error;
@@ -42,6 +43,7 @@ mod state;
 mod strips;
 mod template;
 
+pub use compare::exact_mean_mm;
 pub use error::{ParameterName, SimulationError};
 pub use outcome::{Counters, Energy, Outcome, RunEnd, Sample, Steady, Watch, YokeSample};
 pub use parameters::{ContactModel, Integrator, Masses, Parameters, SphereGrid, StripGrid, Support, Yoke};

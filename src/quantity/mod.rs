@@ -26,6 +26,8 @@ mod rational;
 pub use angle::{Angle, AngleUnit};
 pub use domain::{Bound, Domain, DomainError};
 pub use length::{Length, LengthUnit};
+#[cfg(feature = "spec")]
+pub(crate) use parse::split_number;
 pub use parse::{NumberError, QuantityError};
 pub use rational::Rational;
 

@@ -82,7 +82,7 @@ pub enum QuantityError {
 }
 
 /// Splits `text` into its leading number and what follows, both trimmed.
-pub(super) fn split_number(text: &str) -> (&str, &str) {
+pub(crate) fn split_number(text: &str) -> (&str, &str) {
     let text = text.trim();
     let mut end = 0;
     let mut characters = text.char_indices().peekable();

@@ -18,6 +18,7 @@ mod paste;
 #[cfg(feature = "plot")]
 pub mod plot;
 mod reproduction;
+mod simulation;
 mod sketch;
 mod table;
 
@@ -30,6 +31,7 @@ pub use mesh::{MeasureReport, MeshReport};
 pub(crate) use number::plain;
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 pub use reproduction::Reproduction;
+pub use simulation::SimulationReport;
 pub use table::{Align, Block, Column, Table};
 
 use serde_json::Value;

@@ -2,102 +2,110 @@
 
 use serde_json::{Value, json};
 
-use super::number::plain;
+use super::number::{plain, signed};
 use super::{Block, Column, Report, Table};
-use crate::formula::{Model, RackLead, RackPitch, over_roller};
-use crate::quantity::{Angle, DomainError, Length};
+use crate::formula::Model;
+use crate::reproduction::{
+    FACE_WIDTH, FIRST_ODD_TOOTH, PRESSURE_ANGLE, PRINTED, PaperTable, Printed, ROLL_AXIS_DEPTH_MM, ReproductionError,
+    Simulated, simulate_all,
+};
 
-/// One row of a table of the paper.
+/// One row of a table of the paper, computed again.
 #[derive(Debug, Clone)]
 struct Row {
-    table: u8,
-    error: &'static str,
-    unit: &'static str,
-    /// Analytic ΔCD as printed, mm.
-    printed: &'static str,
-    exact: Length,
-    paper: Length,
+    printed: Printed,
+    /// By the paper's model, rounded as it is printed.
+    rounded: String,
+    paper_mm: f64,
+    exact_mm: f64,
+    simulated: Result<Simulated, ReproductionError>,
 }
 
-/// The analytic columns of the paper's Tables 1 to 3, recomputed.
+/// The paper's Tables 1 to 3, recomputed.
 #[derive(Debug, Clone)]
 pub struct Reproduction {
     rows: Vec<Row>,
 }
 
-/// Neither is printed in the paper; together they reproduce every analytic entry to the printed digit.
-const PRESSURE_ANGLE: &str = "19.9°";
-const FACE_WIDTH: &str = "19.7 mm";
-
-/// Table, error, analytic ΔCD: the values that the paper prints.
-const PRINTED: &[(u8, &str, &str)] = &[
-    (1, "+0.01", "0.014"),
-    (1, "+0.02", "0.028"),
-    (1, "+0.03", "0.041"),
-    (1, "-0.01", "0.014"),
-    (1, "-0.02", "0.028"),
-    (1, "-0.03", "0.041"),
-    (2, "0", "0"),
-    (2, "+0.25", "0.119"),
-    (2, "+0.5", "0.237"),
-    (2, "0", "0"),
-    (2, "-0.25", "0.119"),
-    (2, "-0.5", "0.237"),
-    (3, "+0.01", "+0.010"),
-    (3, "+0.02", "+0.020"),
-    (3, "+0.03", "+0.030"),
-    (3, "-0.01", "-0.010"),
-    (3, "-0.02", "-0.020"),
-    (3, "-0.03", "-0.030"),
-];
-
 impl Reproduction {
     /// Recomputes the tables.
     ///
     /// # Errors
-    /// None that the constants above can cause; the formulas' own are passed on.
-    pub fn new() -> Result<Self, DomainError> {
-        let pressure_angle: Angle = PRESSURE_ANGLE.parse()?;
-        let pitch = RackPitch::new(&pressure_angle, &Angle::ZERO)?;
-        let lead = RackLead::new(&pressure_angle, &Angle::ZERO, &FACE_WIDTH.parse()?)?;
-        let rows = PRINTED.iter().map(|(table, error, printed)| {
-            let (exact, paper, unit) = match table {
-                1 => {
-                    let error = error.parse()?;
-                    (pitch.delta_cd(&error, Model::Exact)?, pitch.delta_cd(&error, Model::Paper)?, "mm")
-                }
-                2 => {
-                    let error = error.parse()?;
-                    (lead.delta_cd(&error, Model::Exact)?, lead.delta_cd(&error, Model::Paper)?, "deg")
-                }
-                _ => {
-                    let delta_cd = over_roller::delta_cd(&error.parse()?);
-                    (delta_cd.clone(), delta_cd, "mm")
-                }
-            };
-            Ok(Row { table: *table, error, unit, printed, exact, paper })
+    /// None that the printed values can cause; the formulas' own are passed on.
+    pub fn new() -> Result<Self, ReproductionError> {
+        let rows = PRINTED.iter().zip(simulate_all()).map(|(printed, simulated)| {
+            Ok(Row {
+                printed: *printed,
+                rounded: printed.rounded()?,
+                paper_mm: printed.analytic(Model::Paper)?.mm(),
+                exact_mm: printed.analytic(Model::Exact)?.mm(),
+                simulated,
+            })
         });
-        Ok(Self { rows: rows.collect::<Result<_, DomainError>>()? })
+        Ok(Self { rows: rows.collect::<Result<_, ReproductionError>>()? })
     }
 
-    /// Whether every analytic entry agrees with the printed one to its last digit.
+    /// Whether every analytic entry agrees with the printed one to its last digit, and every row was simulated.
     #[must_use]
     pub fn agrees(&self) -> bool {
-        self.rows.iter().all(Row::agrees)
+        self.rows.iter().all(|row| row.agrees() && row.simulated.as_ref().is_ok_and(|run| run.outcome.completed()))
+    }
+
+    /// The curves of a table's rows with that sign, for a picture: the error as printed, stroke and centre distance.
+    pub fn curves(&self, table: PaperTable, sign: char) -> impl Iterator<Item = (&'static str, Vec<(f64, f64)>)> {
+        let rows =
+            self.rows.iter().filter(move |row| row.printed.table == table && row.printed.error.starts_with(sign));
+        rows.filter_map(|row| {
+            let samples = &row.simulated.as_ref().ok()?.outcome.samples;
+            let curve = samples.iter().map(|sample| (sample.stroke_mm, sample.center_distance_mm)).collect();
+            Some((row.printed.error, curve))
+        })
     }
 }
 
 impl Row {
-    fn rounded(&self) -> String {
-        let decimals = self.printed.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-        let mm = self.paper.mm();
-        if self.printed.starts_with('+') { format!("{mm:+.decimals$}") } else { format!("{mm:.decimals$}") }
+    fn agrees(&self) -> bool {
+        self.rounded == self.printed.analytic
     }
 
-    fn agrees(&self) -> bool {
-        self.rounded() == self.printed
+    fn mesh_mm(&self) -> Option<f64> {
+        self.simulated.as_ref().ok()?.exact_mm
+    }
+
+    fn multibody_mm(&self) -> Option<f64> {
+        self.simulated.as_ref().ok()?.multibody_mm
     }
 }
+
+/// Number, heading and unit of a table, and why formula, mesh and simulation differ there.
+const fn of_table(table: PaperTable) -> (u8, &'static str, &'static str, &'static str) {
+    match table {
+        PaperTable::Pitch => (
+            1,
+            "Table 1\nΔp [mm]",
+            "mm",
+            "Table 1: the formula counts one pitch error. In the model every pitch of the rack's second part is off, the teeth \
+             in contact (contact ratio near 2.4) add their errors up, and the teeth are thicker by Δp/2, so that ΔCD switches \
+             between multiples of half the formula's value; the mean is what is listed.",
+        ),
+        PaperTable::Lead => (
+            2,
+            "Table 2\nΔβ [deg]",
+            "deg",
+            "Table 2: flanks touch at the ends of the face width. The rack may roll on its cylindrical joint, which lowers ΔCD \
+             by half a percent; the printed values are 3 to 11 % lower still: an end of the face that carries the whole load \
+             yields more than a line does, or the authors' pinion does not reach the rack's ends.",
+        ),
+        PaperTable::OverRoller => (
+            3,
+            "Table 3\nΔM [mm]",
+            "mm",
+            "Table 3: the flanks of the second part are shifted along Z as a whole, so formula, mesh and simulation say the same.",
+        ),
+    }
+}
+
+const TABLES: [PaperTable; 3] = [PaperTable::Pitch, PaperTable::Lead, PaperTable::OverRoller];
 
 impl Report for Reproduction {
     fn json(&self) -> Value {
@@ -105,42 +113,64 @@ impl Report for Reproduction {
             .rows
             .iter()
             .map(|row| {
-                let (mm, deg) = if row.unit == "mm" {
-                    ("deviation_mm", "deviation_deg")
-                } else {
-                    ("deviation_deg", "deviation_mm")
-                };
+                let (number, _, unit, _) = of_table(row.printed.table);
+                let (given, other) =
+                    if unit == "mm" { ("deviation_mm", "deviation_deg") } else { ("deviation_deg", "deviation_mm") };
                 json!({
-                    "table": row.table,
-                    mm: row.error.parse::<f64>().ok(),
-                    deg: null,
-                    "printed_delta_cd_mm": row.printed.parse::<f64>().ok(),
-                    "delta_cd_paper_mm": row.paper.mm(),
-                    "delta_cd_exact_mm": row.exact.mm(),
+                    "table": number,
+                    given: row.printed.error.parse::<f64>().ok(),
+                    other: null,
+                    "printed_delta_cd_mm": row.printed.analytic.parse::<f64>().ok(),
+                    "delta_cd_paper_mm": row.paper_mm,
+                    "delta_cd_exact_mm": row.exact_mm,
                     "agrees": row.agrees(),
+                    "printed_multibody_mm": row.printed.multibody.parse::<f64>().ok(),
+                    "multibody_mm": row.multibody_mm(),
+                    "exact_mesh_mm": row.mesh_mm(),
+                    "problem": row.simulated.as_ref().err().map(ToString::to_string),
                 })
             })
             .collect();
         json!({
             "inferred": { "normal_pressure_angle_deg": 19.9, "rack_face_width_mm": 19.7, "rack_helix_angle_deg": 0 },
+            "chosen": {
+                "normal_module_mm": 2, "teeth": 8, "pinion_helix_angle_deg": 21, "profile_shift": 0.3,
+                "rack_addendum_mm": 1.7, "tip_diameter_mm": 19.738, "pinion_face_width_mm": 23.5,
+                "roll_axis_depth_mm": ROLL_AXIS_DEPTH_MM, "first_tooth_with_error": FIRST_ODD_TOOTH,
+            },
             "rows": rows,
             "agrees": self.agrees(),
         })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header =
-            ["table", "deviation", "unit", "printed_delta_cd_mm", "delta_cd_paper_mm", "delta_cd_exact_mm", "agrees"];
+        let header = [
+            "table",
+            "deviation",
+            "unit",
+            "printed_delta_cd_mm",
+            "delta_cd_paper_mm",
+            "delta_cd_exact_mm",
+            "agrees",
+            "printed_multibody_mm",
+            "multibody_mm",
+            "exact_mesh_mm",
+        ];
+        let optional = |value: Option<f64>| value.map(plain).unwrap_or_default();
         let mut rows = vec![header.iter().map(|name| (*name).to_owned()).collect()];
         rows.extend(self.rows.iter().map(|row| {
+            let (number, _, unit, _) = of_table(row.printed.table);
             vec![
-                row.table.to_string(),
-                row.error.to_owned(),
-                row.unit.to_owned(),
-                row.printed.to_owned(),
-                plain(row.paper.mm()),
-                plain(row.exact.mm()),
+                number.to_string(),
+                row.printed.error.to_owned(),
+                unit.to_owned(),
+                row.printed.analytic.to_owned(),
+                plain(row.paper_mm),
+                plain(row.exact_mm),
                 row.agrees().to_string(),
+                row.printed.multibody.to_owned(),
+                optional(row.multibody_mm()),
+                optional(row.mesh_mm()),
             ]
         }));
         rows
@@ -148,36 +178,54 @@ impl Report for Reproduction {
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = vec![Block::Title(
-            "Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing: analytic ΔCD".to_owned(),
+            "Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing: ΔCD [mm]".to_owned(),
         )];
-        for (table, heading) in [(1, "Table 1: Δp [mm]"), (2, "Table 2: Δβ [deg]"), (3, "Table 3: ΔM [mm]")] {
-            let rows = self.rows.iter().filter(|row| row.table == table).map(|row| {
+        let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| signed(value, 5));
+        for table in TABLES {
+            let (_, heading, _, why) = of_table(table);
+            let rows = self.rows.iter().filter(|row| row.printed.table == table).map(|row| {
                 vec![
-                    row.error.to_owned(),
-                    row.printed.to_owned(),
-                    row.rounded(),
-                    format!("{:.6}", row.paper.mm()),
-                    format!("{:.6}", row.exact.mm()),
+                    row.printed.error.to_owned(),
+                    row.printed.analytic.to_owned(),
+                    row.rounded.clone(),
+                    format!("{:.6}", row.exact_mm),
                     if row.agrees() { "yes" } else { "NO" }.to_owned(),
+                    row.printed.multibody.to_owned(),
+                    mm(row.multibody_mm()),
+                    mm(row.mesh_mm()),
                 ]
             });
             blocks.push(Block::Table(Table {
                 rows: rows.collect(),
                 columns: vec![
                     Column::number(heading),
-                    Column::number("printed"),
-                    Column::number("ours"),
-                    Column::number("paper model"),
-                    Column::number("exact model"),
-                    Column::text("agrees"),
+                    Column::number("analytic,\nprinted"),
+                    Column::number("\nours"),
+                    Column::number("exact\nmodel"),
+                    Column::text("\nagrees"),
+                    Column::number("multibody,\nprinted"),
+                    Column::number("\nours"),
+                    Column::number("exact\nmesh"),
                 ],
             }));
+            blocks.push(Block::Note(why.to_owned()));
         }
+        let problems = self.rows.iter().filter_map(|row| {
+            let problem = match &row.simulated {
+                Err(error) => error.to_string(),
+                Ok(run) if !run.outcome.completed() => format!("{:?}", run.outcome.end),
+                Ok(_) => return None,
+            };
+            Some(Block::Note(format!("{} was not simulated: {problem}", row.printed.error)))
+        });
+        blocks.extend(problems);
         blocks.push(Block::Note(format!(
-            "ΔCD in mm. Inferred, not printed in the paper: α_n = {PRESSURE_ANGLE}, k = {FACE_WIDTH}. Any α_n above \
-             19.872° and up to 19.983° with k / (2 tan α_n) between 27.158 and 27.215 mm gives the same digits; \
-             α_n = 20° does not. The paper's models do not depend on its other unpublished data; the exact ones are for \
-             a spur rack (β_r = 0)."
+            "Inferred, not printed in the paper: α_n = {PRESSURE_ANGLE}, k = {FACE_WIDTH}. Any α_n above 19.872° and up to \
+             19.983° with k / (2 tan α_n) between 27.158 and 27.215 mm gives the same analytic digits; α_n = 20° does not. \
+             Chosen, for mesh and multibody: m_n = 2, z = 8, β_p = 21°, β_r = 0, x = 0.3, rack addendum 1.7 mm, pinion tip \
+             diameter 19.738 mm and face width 23.5 mm, roll axis {ROLL_AXIS_DEPTH_MM} mm below the reference plane, errors from \
+             tooth {FIRST_ODD_TOOTH} on, the simulation's defaults. ΔCD by mesh and multibody is the mean over the second part \
+             less that over the first."
         )));
         blocks
     }

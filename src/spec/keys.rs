@@ -1,6 +1,10 @@
 //! Every key of the spec, declared once: the reader, the JSON Schema and the suggestions for misspelt
 //! keys all follow this table.
 
+mod simulation;
+
+pub(crate) use simulation::{SIMULATION, YOKE};
+
 use crate::deviation::ErrorKind;
 use crate::formula::domain;
 use crate::quantity::{Bound, Domain};
@@ -18,6 +22,8 @@ pub(crate) enum Kind {
     Number(Domain),
     /// A whole number.
     Count(Domain),
+    /// A number in a unit, or text that names one of its other units.
+    Measure(Domain, Unit),
     /// A deviation, or a table from which one follows.
     Error(ErrorKind),
     /// Limits of ΔCD.
@@ -36,6 +42,27 @@ pub(crate) enum Kind {
     Table(&'static Section),
     /// Any number of such tables: `[[section.key]]`.
     Tables(&'static Section),
+}
+
+/// A unit that is neither a length nor an angle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Unit {
+    /// What bare numbers are in; empty for numbers without a unit.
+    pub(crate) symbol: &'static str,
+    /// Other ways to write it, and other units: symbol, numerator and denominator of its size.
+    pub(crate) others: &'static [(&'static str, i64, u64)],
+}
+
+impl Unit {
+    const NONE: Self = Self { symbol: "", others: &[] };
+    const SPEED: Self = Self { symbol: "mm/s", others: &[("m/s", 1000, 1)] };
+    const FORCE: Self = Self { symbol: "N", others: &[("kN", 1000, 1)] };
+    const RATE: Self = Self { symbol: "N/mm", others: &[("kN/mm", 1000, 1), ("N/m", 1, 1000), ("N/um", 1000, 1)] };
+    const MASS: Self = Self { symbol: "kg", others: &[("g", 1, 1000)] };
+    const INERTIA: Self = Self {
+        symbol: "kg mm²",
+        others: &[("kg mm^2", 1, 1), ("kg m²", 1_000_000, 1), ("kg m^2", 1_000_000, 1), ("g mm²", 1, 1000)],
+    };
 }
 
 /// One key.
@@ -361,4 +388,4 @@ pub(crate) const BATCH: Section = Section {
 };
 
 /// The sections in the order in which they are documented.
-pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS, BATCH];
+pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS, BATCH, SIMULATION];

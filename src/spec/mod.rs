@@ -15,6 +15,7 @@ mod obtained;
 mod reader;
 mod resolve;
 mod schema;
+mod simulation;
 mod template;
 
 pub use batch::{BatchColumn, BatchSection, Reading};
@@ -23,6 +24,7 @@ pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use obtained::MeasuredValue;
 pub use schema::json_schema;
+pub use simulation::SimulationSection;
 pub use template::TEMPLATE;
 
 use std::ops::Range;
@@ -74,6 +76,8 @@ pub struct Spec {
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
     /// `[batch]`.
     pub batch: BatchSection,
+    /// `[simulation]`.
+    pub simulation: SimulationSection,
 }
 
 /// `[pair]`: what rack and pinion have in common.
@@ -238,8 +242,22 @@ impl Spec {
                 .collect()
         });
         let batch = sections.read(&keys::BATCH, batch::read);
+        let simulation = sections.read(&keys::SIMULATION, simulation::read);
         if diagnostics.is_empty() {
-            Ok(Self { source, title, pair, rack, pinion, support, tolerance, errors, nominals, limits, batch })
+            Ok(Self {
+                source,
+                title,
+                pair,
+                rack,
+                pinion,
+                support,
+                tolerance,
+                errors,
+                nominals,
+                limits,
+                batch,
+                simulation,
+            })
         } else {
             diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
             Err(Diagnostics(diagnostics))

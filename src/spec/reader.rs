@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::LARGEST_CLASS;
 use super::Located;
-use super::keys::{Kind, SECTIONS, Section};
+use super::keys::{Kind, SECTIONS, Section, Unit};
 use crate::decision::class::RackDiameter;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, Rational};
@@ -159,6 +159,36 @@ impl SectionReader<'_> {
         grade
     }
 
+    /// A number in the key's unit, or text that names another.
+    pub(super) fn measure(&mut self, name: &str) -> Option<Located<f64>> {
+        let value = self.table?.get(name)?;
+        let Some(Kind::Measure(domain, unit)) = self.kind(name) else { return None };
+        let number = match value.get_ref() {
+            DeValue::String(text) => match in_unit(text, unit) {
+                Ok(number) => number,
+                Err(problem) => {
+                    let message = format!("`{name}`: {problem}");
+                    self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
+                    return None;
+                }
+            },
+            _ => self.plain_number(name, value)?,
+        };
+        if !domain.contains(&number) {
+            let unit = unit.symbol;
+            let message = format!(
+                "the {} {} is {}; it must be {}",
+                domain.name,
+                domain.symbol,
+                format!("{} {unit}", number.to_f64()).trim_end(),
+                domain.in_words(unit)
+            );
+            self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
+            return None;
+        }
+        Some(Located { value: number.to_f64(), span: value.span() })
+    }
+
     fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rational> {
         let Some(written) = decimal_text(value.get_ref()) else {
             self.wrong_type(name, value, "a number");
@@ -218,6 +248,20 @@ impl SectionReader<'_> {
                 None
             }
         }
+    }
+}
+
+/// A number with one of a unit's symbols.
+fn in_unit(text: &str, unit: Unit) -> Result<Rational, String> {
+    let (written, symbol) = crate::quantity::split_number(text);
+    let number = Rational::parse_decimal(written).map_err(|error| format!("`{text}` is not a number: {error}"))?;
+    if symbol.is_empty() || symbol == unit.symbol {
+        return Ok(number);
+    }
+    match unit.others.iter().find(|other| other.0 == symbol) {
+        Some((_, numerator, denominator)) => Ok(&number * &Rational::fraction(*numerator, *denominator)),
+        None if unit.symbol.is_empty() => Err(format!("`{symbol}` is no part of a number without a unit")),
+        None => Err(format!("`{symbol}` is not a unit that fits; write {}", unit.symbol)),
     }
 }
 

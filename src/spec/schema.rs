@@ -47,7 +47,10 @@ fn property(key: &Key) -> Value {
         Kind::Number(domain) => typed("number", &domain),
         Kind::Count(domain) => typed("integer", &domain),
         Kind::Length(domain) => json!({ "anyOf": [typed("number", &domain), length_text()] }),
-        Kind::Angle(domain) => json!({ "anyOf": [typed("number", &domain), { "type": "string" }] }),
+        Kind::Measure(domain, unit) if unit.symbol.is_empty() => typed("number", &domain),
+        Kind::Angle(domain) | Kind::Measure(domain, _) => {
+            json!({ "anyOf": [typed("number", &domain), { "type": "string" }] })
+        }
         Kind::Error(kind) => error(kind),
         Kind::Word(words) => json!({ "enum": words }),
         Kind::Standard => json!({ "anyOf": [

@@ -8,10 +8,12 @@ use super::axis::Axis;
 use super::canvas::{Drawing, FAMILY, Failure, GRID, INK, PlotError, SERIES};
 
 /// A curve with what it is held against.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct CurvePlot {
     /// Above the picture.
     pub title: String,
+    /// What the curves show, with its unit; `ΔCD [mm]` by default.
+    pub y_label: &'static str,
     /// The curves; marks are drawn on the first.
     pub curves: Vec<Series>,
     /// What the formulas predict, from lowest to highest, mm.
@@ -27,7 +29,7 @@ pub struct CurvePlot {
 pub struct Series {
     /// What it is, for the legend.
     pub label: String,
-    /// Stroke and ΔCD, mm, in the order of the stroke.
+    /// Stroke and what the plot shows over it, in the order of the stroke.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -44,6 +46,19 @@ pub struct Mark {
 
 const BAND: RGBColor = RGBColor(222, 146, 32);
 const LIMIT: RGBColor = RGBColor(190, 40, 40);
+
+impl Default for CurvePlot {
+    fn default() -> Self {
+        Self {
+            title: String::new(),
+            y_label: "ΔCD [mm]",
+            curves: Vec::new(),
+            band: None,
+            limits: Vec::new(),
+            marks: Vec::new(),
+        }
+    }
+}
 
 impl CurvePlot {
     /// The picture as SVG.
@@ -117,7 +132,7 @@ impl Drawing for CurvePlot {
         chart
             .configure_mesh()
             .x_desc("stroke [mm]")
-            .y_desc("ΔCD [mm]")
+            .y_desc(self.y_label)
             .x_labels(12)
             .y_labels(9)
             .axis_desc_style((FAMILY, 20).into_font().color(&INK))
@@ -176,6 +191,7 @@ mod tests {
             }],
             band: Some((0.0, 0.0275)),
             limits: vec![-0.03, 0.03],
+            y_label: "ΔCD [mm]",
             marks: vec![Mark { stroke_mm: 10.5, delta_cd_mm: 0.027, label: "r4".to_owned() }],
         }
     }

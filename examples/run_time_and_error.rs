@@ -1,0 +1,217 @@
+//! Run time against error: every model and setting on the same three errors.
+//!
+//! `cargo run --release --example run_time_and_error [FOLDER]` prints a table, and writes it as CSV with one log-log
+//! picture for each kind of error into FOLDER (default `benches/results`).
+//!
+//! The error of a model is the root mean square, over the strokes at which only teeth with deviations are in contact, of
+//! its ΔCD less that of the exact mesh at the same stroke. A simulation's ΔCD is taken with its elastic indentation
+//! added back. The run time is the median of several runs, for one core and 50 mm of stroke.
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use rackmesh::deviation::{PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
+use rackmesh::formula::{Model, RackLead, RackPitch, over_roller};
+use rackmesh::gear::Pair;
+use rackmesh::mesh::{Mesh, Support};
+use rackmesh::multibody::{ContactModel, Outcome, Parameters, Scene, SphereGrid, StripGrid};
+use rackmesh::quantity::{Angle, Length};
+use rackmesh::report::plot::{LogPlot, LogSeries};
+use rackmesh::reproduction::{self, FACE_WIDTH, PRESSURE_ANGLE};
+
+/// Strokes at which only deviating teeth touch, mm.
+const WINDOW: (f64, f64) = (32.0, 49.0);
+const STROKE_MM: f64 = 50.0;
+/// Runs are repeated until this much time is spent, at least three times.
+const SPENT_S: f64 = 0.15;
+
+/// A measured setting.
+struct Row {
+    model: &'static str,
+    setting: String,
+    time_s: f64,
+    error_mm: f64,
+}
+
+/// One kind of error: what it is, and the rack that has it from tooth 4 on.
+struct Case {
+    name: &'static str,
+    title: &'static str,
+    kinds: Vec<RackDeviationKind>,
+    formula: fn() -> Result<f64, Box<dyn Error>>,
+}
+
+fn cases() -> [Case; 3] {
+    [
+        Case {
+            name: "over-roller",
+            title: "over-roller error ΔM = 0.02 mm",
+            kinds: vec![RackDeviationKind::OverRoller(0.02)],
+            formula: || Ok(over_roller::delta_cd(&"0.02".parse()?).mm()),
+        },
+        Case {
+            name: "pitch",
+            title: "every pitch off by Δp = 0.02 mm",
+            kinds: vec![RackDeviationKind::Pitch(0.02), RackDeviationKind::Thickness(0.01)],
+            formula: || {
+                let alpha: Angle = PRESSURE_ANGLE.parse()?;
+                Ok(RackPitch::new(&alpha, &Angle::ZERO)?.delta_cd(&"0.02".parse()?, Model::Exact)?.mm())
+            },
+        },
+        Case {
+            name: "lead",
+            title: "lead angle error Δβ = 0.25°",
+            kinds: vec![RackDeviationKind::Lead(0.25_f64.to_radians())],
+            formula: || {
+                let (alpha, width): (Angle, Length) = (PRESSURE_ANGLE.parse()?, FACE_WIDTH.parse()?);
+                Ok(RackLead::new(&alpha, &Angle::ZERO, &width)?.delta_cd(&"0.25".parse()?, Model::Exact)?.mm())
+            },
+        },
+    ]
+}
+
+/// The median time of `run`, s, and what it gave.
+fn timed<T>(mut run: impl FnMut() -> T) -> (f64, T) {
+    let mut times = Vec::new();
+    let begin = Instant::now();
+    loop {
+        let start = Instant::now();
+        let result = std::hint::black_box(run());
+        times.push(start.elapsed().as_secs_f64());
+        if times.len() >= 3 && begin.elapsed().as_secs_f64() > SPENT_S {
+            times.sort_by(f64::total_cmp);
+            return (times[times.len() / 2], result);
+        }
+    }
+}
+
+/// Root mean square of `curve` less the exact mesh, within the window.
+fn error_mm(mesh: &Mesh, curve: impl Iterator<Item = (f64, f64)>) -> Result<f64, Box<dyn Error>> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (stroke, delta_cd) in curve.filter(|(stroke, _)| (WINDOW.0..=WINDOW.1).contains(stroke)) {
+        sum += (delta_cd - mesh.at(stroke)?.delta_cd_mm).powi(2);
+        count += 1.0;
+    }
+    Ok(f64::sqrt(sum / count))
+}
+
+/// Strokes across the window, not in step with anything.
+fn strokes() -> impl Iterator<Item = f64> {
+    let step = (WINDOW.1 - WINDOW.0) / 997.0;
+    (0..997).map(move |index| WINDOW.0 + step * (f64::from(index) + 0.5))
+}
+
+/// The curve between its points.
+fn interpolated(points: &[(f64, f64)], stroke: f64) -> f64 {
+    let after = points.partition_point(|point| point.0 < stroke).clamp(1, points.len() - 1);
+    let (a, b) = (points[after - 1], points[after]);
+    if b.0 > a.0 { a.1 + (b.1 - a.1) * (stroke - a.0) / (b.0 - a.0) } else { b.1 }
+}
+
+fn simulated(
+    mesh: &Mesh,
+    pair: Pair,
+    parameters: Parameters,
+    run: fn(&Scene) -> Outcome,
+) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
+    let (time, outcome) =
+        timed(|| Scene::new(pair, mesh.rack().clone(), mesh.pinion().clone(), parameters).map(|scene| run(&scene)));
+    let outcome = outcome?;
+    if !outcome.completed() {
+        eprintln!("not completed: {:?}", outcome.end);
+        return Ok(None);
+    }
+    let rigid = outcome.samples.iter().map(|sample| (sample.stroke_mm, sample.delta_cd_mm + sample.indentation_mm));
+    Ok(Some((time, error_mm(mesh, rigid)?)))
+}
+
+fn measure(case: &Case) -> Result<Vec<Row>, Box<dyn Error>> {
+    let pair = reproduction::pair()?;
+    let teeth = ToothRange::new(Some(reproduction::FIRST_ODD_TOOTH), None)?;
+    let deviations: Vec<_> = case.kinds.iter().map(|kind| RackDeviation { teeth, kind: *kind }).collect();
+    let mesh = Mesh::new(pair, RackFlanks::new(&pair, &deviations)?, PinionFlanks::nominal(&pair), Support::Fixed)?;
+    let mut rows = Vec::new();
+    let (time_s, delta_cd) = timed(|| (case.formula)());
+    let delta_cd = delta_cd?;
+    let error = error_mm(&mesh, strokes().map(|stroke| (stroke, delta_cd)))?;
+    rows.push(Row { model: "formula", setting: "exact model".to_owned(), time_s, error_mm: error });
+    for exponent in [2, 3, 4, 5, 6, 7, 8] {
+        let tolerance = 10_f64.powi(-exponent);
+        let (time_s, curve) = timed(|| mesh.curve(0.0, STROKE_MM, tolerance));
+        let points: Vec<_> = curve?.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
+        let error = error_mm(&mesh, strokes().map(|stroke| (stroke, interpolated(&points, stroke))))?;
+        rows.push(Row { model: "exact mesh", setting: format!("tolerance 1e-{exponent}"), time_s, error_mm: error });
+    }
+    let spheres = [6, 12, 24, 48, 96].map(|profile| {
+        let grid = SphereGrid { profile_nodes: profile, width_nodes: 2 * profile, ..SphereGrid::default() };
+        (format!("{profile} × {} spheres", 2 * profile), ContactModel::Spheres(grid))
+    });
+    let strips = [16, 64, 256].map(|strips| (format!("{strips} strips"), ContactModel::Analytic(StripGrid { strips })));
+    let quasi_static = |scene: &Scene| scene.quasi_static(&mut |_| ControlFlow::Continue(()));
+    let dynamic = |scene: &Scene| scene.dynamic(&mut |_| ControlFlow::Continue(()));
+    let models: [(&[(String, ContactModel)], [&'static str; 2]); 2] = [
+        (&spheres, ["equilibrium, spheres", "in time, spheres"]),
+        (&strips, ["equilibrium, exact surfaces", "in time, exact surfaces"]),
+    ];
+    for (settings, names) in models {
+        for (model, run) in names.into_iter().zip([quasi_static as fn(&Scene) -> Outcome, dynamic]) {
+            for (setting, contact) in settings {
+                let parameters = Parameters { contact: *contact, stroke_mm: STROKE_MM, ..Parameters::default() };
+                if let Some((time_s, error_mm)) = simulated(&mesh, pair, parameters, run)? {
+                    rows.push(Row { model, setting: setting.clone(), time_s, error_mm });
+                }
+            }
+        }
+    }
+    // the tolerance of the steps in time, where the spheres are fine enough to show it
+    for exponent in [3, 4, 6] {
+        let parameters =
+            Parameters { tolerance_mm: 10_f64.powi(-exponent), stroke_mm: STROKE_MM, ..Parameters::default() };
+        if let Some((time_s, error_mm)) = simulated(&mesh, pair, parameters, dynamic)? {
+            let setting = format!("default spheres, tolerance 1e-{exponent}");
+            rows.push(Row { model: "in time, tolerance", setting, time_s, error_mm });
+        }
+    }
+    Ok(rows)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "benches/results".to_owned()));
+    std::fs::create_dir_all(&folder)?;
+    let mut csv = "case,model,setting,time_s,rms_error_mm,on_front\n".to_owned();
+    for case in cases() {
+        let rows = measure(&case)?;
+        let mut plot = LogPlot {
+            title: format!("Run time against error: {}", case.title),
+            x_label: "run time for 50 mm of stroke, one core [s]".to_owned(),
+            y_label: "error of ΔCD, rms [mm]".to_owned(),
+            series: Vec::new(),
+        };
+        for row in &rows {
+            let point = (row.time_s, row.error_mm);
+            match plot.series.iter_mut().find(|series| series.label == row.model) {
+                Some(series) => series.points.push(point),
+                None => plot.series.push(LogSeries { label: row.model.to_owned(), points: vec![point] }),
+            }
+        }
+        let front = plot.front();
+        println!("\n{}\n{:28} {:34} {:>12} {:>14}", case.title, "model", "setting", "run time [s]", "rms error [mm]");
+        for row in &rows {
+            let on_front = front.contains(&(row.time_s, row.error_mm));
+            let mark = if on_front { " *" } else { "" };
+            println!("{:28} {:34} {:12.3e} {:14.3e}{mark}", row.model, row.setting, row.time_s, row.error_mm);
+            writeln!(
+                csv,
+                "{},{},{},{:.3e},{:.3e},{on_front}",
+                case.name, row.model, row.setting, row.time_s, row.error_mm
+            )?;
+        }
+        std::fs::write(folder.join(format!("run-time-and-error-{}.svg", case.name)), plot.svg()?)?;
+    }
+    println!("\n* no setting is both faster and closer");
+    std::fs::write(folder.join("run-time-and-error.csv"), csv)?;
+    Ok(())
+}

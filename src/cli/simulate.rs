@@ -1,0 +1,115 @@
+//! `rackmesh simulate`: the multibody simulation along the stroke.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use super::mesh::{measured_tables, write_picture};
+use super::output::{Failure, Output, Status};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
+use crate::quantity::Length;
+use crate::report::plot::{CurvePlot, Series};
+use crate::report::{Format, SimulationReport};
+
+pub(super) const ABOUT: &str =
+    "Simulate the mesh as elastic bodies in contact, in time or as an equilibrium at each stroke";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  rackmesh simulate examples/mesh.toml                  steady ΔCD of both rack parts, beside the exact mesh
+  rackmesh simulate examples/mesh.toml --quasi-static --format csv
+  rackmesh simulate examples/mesh.toml --plot run.svg
+
+Ctrl-C ends the run and prints what was computed.
+
+Exit status: 0 if the whole stroke was computed, 2 if not.")]
+pub(super) struct Args {
+    /// The gear spec (TOML); `-` reads standard input.
+    spec: String,
+    /// Solve the equilibrium at each stroke, without inertia and damping.
+    #[arg(long)]
+    quasi_static: bool,
+    /// Travel from one printed position to the next; overrides `simulation.spacing`.
+    #[arg(long, value_name = "LENGTH")]
+    spacing: Option<Length>,
+    /// Write ΔCD over the stroke as a picture, the exact mesh beside it; the name ends in .svg or .png.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Output format.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Args {
+    /// Runs the scene with a bar where somebody watches, until the end or Ctrl-C.
+    fn watched(&self, scene: &Scene) -> Outcome {
+        /// Parts of the stroke that the bar tells apart.
+        const PARTS: u64 = 1000;
+        let stop = super::long::interrupted();
+        let bar = super::long::progress(PARTS, "{bar:40} {percent} % of the stroke, {eta} left");
+        let parameters = scene.parameters();
+        let mut watch = |sample: &Sample| {
+            let share = (sample.stroke_mm - parameters.start_mm) / parameters.stroke_mm;
+            // between 0 and 1
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                clippy::cast_precision_loss,
+                reason = "a bar"
+            )]
+            bar.set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
+            if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let outcome = if self.quasi_static { scene.quasi_static(&mut watch) } else { scene.dynamic(&mut watch) };
+        bar.finish_and_clear();
+        outcome
+    }
+
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let mut spec = super::read_spec(&self.spec)?;
+        if let Some(spacing) = &self.spacing {
+            spec.simulation.parameters.spacing_mm = spacing.mm();
+        }
+        let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let scene = spec.scene(&input)?;
+        let outcome = self.watched(&scene);
+        let exact = |steady: Option<Steady>| exact_mean_mm(&input.mesh, &steady?);
+        let report = SimulationReport {
+            title: spec.title.as_deref(),
+            parameters: scene.parameters(),
+            quasi_static: self.quasi_static,
+            outcome: &outcome,
+            exact_mm: [exact(outcome.nominal), exact(outcome.deviating)],
+            notes: input.warnings.iter().map(ToString::to_string).collect(),
+            screen: output.screen(),
+        };
+        if let Some(path) = &self.plot {
+            let samples = outcome.samples.iter();
+            let strokes: Vec<f64> = samples.clone().map(|sample| sample.stroke_mm).collect();
+            let exact = strokes.iter().zip(input.mesh.sample(&strokes));
+            let exact = exact.filter_map(|(stroke, point)| Some((*stroke, point.ok()?.delta_cd_mm)));
+            let plot = CurvePlot {
+                title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
+                curves: vec![
+                    Series {
+                        label: "simulated".to_owned(),
+                        points: samples.map(|sample| (sample.stroke_mm, sample.delta_cd_mm)).collect(),
+                    },
+                    Series { label: "exact mesh".to_owned(), points: exact.collect() },
+                ],
+                ..CurvePlot::default()
+            };
+            write_picture(path, || plot.svg(), || plot.png())?;
+        }
+        output.report(&report, self.format)?;
+        Ok(match outcome.end {
+            RunEnd::Completed => Status::Pass,
+            RunEnd::Interrupted => Status::Undecided,
+            RunEnd::Failed(error) => {
+                output.diagnostic(&Diagnostic::error(Code::NoSimulation, error.to_string()));
+                Status::Undecided
+            }
+        })
+    }
+}

@@ -1,0 +1,316 @@
+//! The report of `simulate`: positions in time, the steady values of both rack parts, and the exact mesh beside them.
+
+use serde_json::{Map, Value, json};
+
+use super::number::{plain, signed, tidy};
+use super::{Block, Column, Report, Screen, Table, sketch};
+use crate::multibody::{ContactModel, Integrator, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support};
+
+/// A simulated stroke.
+#[derive(Debug)]
+pub struct SimulationReport<'a> {
+    /// The spec's title.
+    pub title: Option<&'a str>,
+    /// What was simulated.
+    pub parameters: &'a Parameters,
+    /// Whether it was solved as an equilibrium at each stroke.
+    pub quasi_static: bool,
+    /// What came out.
+    pub outcome: &'a Outcome,
+    /// The exact mesh, averaged over the same strokes as the steady value of the nominal and of the
+    /// deviating teeth, mm.
+    pub exact_mm: [Option<f64>; 2],
+    /// Remarks.
+    pub notes: Vec<String>,
+    /// Room for the sketch, which is drawn on a screen only.
+    pub screen: Screen,
+}
+
+const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
+
+/// A column of the listing: its name, and the value at a position.
+type Listed = (&'static str, fn(&Sample) -> f64);
+
+const COLUMNS: &[Listed] = &[
+    ("time_s", |s| s.time_s),
+    ("stroke_mm", |s| s.stroke_mm),
+    ("delta_cd_mm", |s| s.delta_cd_mm),
+    ("center_distance_mm", |s| s.center_distance_mm),
+    ("pinion_angle_deg", |s| s.pinion_angle_rad * DEGREES_PER_RADIAN),
+    ("roll_deg", |s| s.roll_rad * DEGREES_PER_RADIAN),
+    ("normal_force_right_n", |s| s.normal_force_right_n),
+    ("normal_force_left_n", |s| s.normal_force_left_n),
+    ("contacts", |s| f64::from(s.contacts)),
+    ("penetration_mm", |s| s.penetration_mm),
+    ("indentation_mm", |s| s.indentation_mm),
+];
+
+/// The columns of a yoke, after the others.
+const YOKE_COLUMNS: [&str; 3] = ["yoke_travel_mm", "yoke_force_n", "bush_force_n"];
+
+fn yoke_cells(sample: &Sample) -> Option<[f64; 3]> {
+    sample.yoke.map(|yoke| [yoke.travel_mm, yoke.force_n, yoke.bush_force_n])
+}
+
+impl SimulationReport<'_> {
+    /// The steady value of each rack part with the exact mesh's over the same strokes.
+    fn parts(&self) -> [(&'static str, Option<Steady>, Option<f64>); 2] {
+        let [nominal, deviating] = self.exact_mm;
+        [("nominal teeth", self.outcome.nominal, nominal), ("teeth with deviations", self.outcome.deviating, deviating)]
+    }
+
+    /// ΔCD of the exact mesh between the two parts, mm.
+    fn exact_difference_mm(&self) -> Option<f64> {
+        Some(self.exact_mm[1]? - self.exact_mm[0]?)
+    }
+
+    fn steady_table(&self) -> Table {
+        let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| signed(tidy(value), 5));
+        let micrometres = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| signed(1000.0 * v, 3));
+        let mut rows: Vec<Vec<String>> = self
+            .parts()
+            .into_iter()
+            .filter_map(|(name, steady, exact)| {
+                let steady = steady?;
+                Some(vec![
+                    name.to_owned(),
+                    format!("{:.2} … {:.2}", steady.from_mm, steady.to_mm),
+                    mm(Some(steady.delta_cd_mm)),
+                    mm(exact),
+                    micrometres(Some(-steady.indentation_mm)),
+                    micrometres(exact.map(|exact| steady.delta_cd_mm + steady.indentation_mm - exact)),
+                    format!("{:.4}", 1000.0 * steady.ripple_mm),
+                ])
+            })
+            .collect();
+        if let Some(difference) = self.outcome.difference_mm() {
+            let exact = self.exact_difference_mm();
+            rows.push(vec![
+                "difference".to_owned(),
+                String::new(),
+                mm(Some(difference)),
+                mm(exact),
+                String::new(),
+                micrometres(self.outcome.rigid_difference_mm().zip(exact).map(|(rigid, exact)| rigid - exact)),
+                String::new(),
+            ]);
+        }
+        Table {
+            columns: vec![
+                Column::text("mean ΔCD"),
+                Column::number("stroke\n[mm]"),
+                Column::number("simulated\n[mm]"),
+                Column::number("exact mesh\n[mm]"),
+                Column::number("elastic part\n[µm]"),
+                Column::number("what is left\n[µm]"),
+                Column::number("ripple, rms\n[µm]"),
+            ],
+            rows,
+        }
+    }
+
+    fn how(&self) -> String {
+        let p = self.parameters;
+        let contact = match p.contact {
+            ContactModel::Spheres(grid) => {
+                format!("{} × {} spheres a flank against triangles", grid.profile_nodes, grid.width_nodes)
+            }
+            ContactModel::Analytic(grid) => format!("exact surfaces in {} strips over the width", grid.strips),
+        };
+        let time = match (self.quasi_static, p.integrator) {
+            (true, _) => "equilibrium at each stroke, no inertia and no damping".to_owned(),
+            (false, Integrator::Implicit) => format!("implicit steps in time to {} mm", plain(p.tolerance_mm)),
+            (false, Integrator::Explicit) => "explicit steps in time".to_owned(),
+        };
+        let support = match p.support {
+            Support::Fixed => "pinion on a slider, rack cannot roll",
+            Support::FreeRoll { .. } => "pinion on a slider, rack may roll",
+            Support::Yoke(_) => "pinion axis fixed, rack carried by bush and yoke",
+        };
+        format!("{support}; {contact}; {time}")
+    }
+
+    /// The numbers that the run was given, those only that it used.
+    fn given(&self) -> Vec<(ParameterName, f64)> {
+        use ParameterName as Name;
+        let p = self.parameters;
+        let mut given = vec![(Name::Stroke, p.stroke_mm), (Name::Speed, p.speed_mm_per_s)];
+        if p.start_mm != 0.0 {
+            given.insert(0, (Name::Start, p.start_mm));
+        }
+        match p.support {
+            Support::Yoke(yoke) => given.extend([
+                (Name::YokePreload, yoke.preload_n),
+                (Name::YokeRate, yoke.rate_n_per_mm),
+                (Name::YokeClearance, yoke.clearance_mm),
+                (Name::YokeStop, yoke.stop_n_per_mm),
+                (Name::BushStiffness, yoke.bush_n_per_mm),
+            ]),
+            Support::FreeRoll { axis_depth_mm } => {
+                given.extend([(Name::Preload, p.preload_n), (Name::RollAxisDepth, axis_depth_mm)]);
+            }
+            Support::Fixed => given.push((Name::Preload, p.preload_n)),
+        }
+        given.extend([(Name::Stiffness, p.stiffness), (Name::StiffnessExponent, p.stiffness_exponent)]);
+        if !self.quasi_static {
+            given.extend([
+                (Name::Damping, p.damping),
+                (Name::DampingExponent, p.damping_exponent),
+                (Name::IndentationExponent, p.indentation_exponent),
+            ]);
+        }
+        given.push((Name::Friction, p.friction));
+        if p.friction > 0.0 {
+            given.push((Name::FrictionSpeed, p.friction_speed_mm_per_s));
+        }
+        if let ContactModel::Spheres(grid) = p.contact {
+            given.push((Name::SphereRadius, grid.radius_mm));
+        }
+        let masses = [
+            (Name::PinionMass, p.masses.pinion_kg),
+            (Name::PinionInertia, p.masses.pinion_kg_mm2),
+            (Name::RackMass, p.masses.rack_kg),
+            (Name::RackInertia, p.masses.rack_kg_mm2),
+        ];
+        if !self.quasi_static {
+            given.extend(masses.into_iter().filter_map(|(name, value)| Some((name, value?))));
+        }
+        given
+    }
+
+    fn work(&self) -> String {
+        let counters = &self.outcome.counters;
+        let mut text = format!(
+            "{} positions, {} coordinates, {} Newton iterations, {} elements tested",
+            self.outcome.samples.len(),
+            counters.coordinates,
+            counters.iterations,
+            counters.spheres_tested
+        );
+        if counters.steps > 0 {
+            text.push_str(&format!(", {} steps ({} rejected)", counters.steps, counters.rejected));
+        }
+        text
+    }
+
+    fn ending(&self) -> (&'static str, Option<String>) {
+        match self.outcome.end {
+            RunEnd::Completed => ("completed", None),
+            RunEnd::Interrupted => ("interrupted", Some("interrupted; the positions so far are right".to_owned())),
+            RunEnd::Failed(error) => ("failed", Some(format!("stopped: {error}"))),
+        }
+    }
+}
+
+impl Report for SimulationReport<'_> {
+    fn json(&self) -> Value {
+        let steady = |steady: Option<Steady>, exact: Option<f64>| {
+            steady.map(|steady| {
+                json!({
+                    "delta_cd_mm": tidy(steady.delta_cd_mm),
+                    "exact_mesh_mm": exact.map(tidy),
+                    "indentation_mm": tidy(steady.indentation_mm),
+                    "ripple_rms_mm": steady.ripple_mm,
+                    "from_mm": steady.from_mm,
+                    "to_mm": steady.to_mm,
+                    "pitches": steady.pitches,
+                })
+            })
+        };
+        let points: Vec<_> = self
+            .outcome
+            .samples
+            .iter()
+            .map(|sample| {
+                let cells = COLUMNS.iter().map(|(name, value)| ((*name).to_owned(), json!(tidy(value(sample)))));
+                let mut point: Map<_, _> = cells.collect();
+                point["contacts"] = json!(sample.contacts);
+                let yoke = yoke_cells(sample).into_iter().flat_map(|cells| YOKE_COLUMNS.into_iter().zip(cells));
+                point.extend(yoke.map(|(name, value)| (name.to_owned(), json!(tidy(value)))));
+                Value::Object(point)
+            })
+            .collect();
+        let parameters: Map<_, _> = self
+            .given()
+            .into_iter()
+            .map(|(name, value)| (name.name().to_owned(), json!({ "value": value, "unit": name.unit() })))
+            .collect();
+        let counters = &self.outcome.counters;
+        let [(_, nominal, exact_nominal), (_, deviating, exact_deviating)] = self.parts();
+        json!({
+            "title": self.title,
+            "model": self.how(),
+            "quasi_static": self.quasi_static,
+            "end": self.ending().0,
+            "problem": self.ending().1,
+            "nominal": steady(nominal, exact_nominal),
+            "deviating": steady(deviating, exact_deviating),
+            "difference_mm": self.outcome.difference_mm().map(tidy),
+            "rigid_difference_mm": self.outcome.rigid_difference_mm().map(tidy),
+            "exact_difference_mm": self.exact_difference_mm().map(tidy),
+            "energy_n_mm": self.outcome.energy.map(|energy| json!({
+                "stored": energy.stored,
+                "driven": energy.driven,
+                "dissipated": energy.dissipated,
+                "exchanged": energy.exchanged,
+                "drift": energy.drift,
+            })),
+            "parameters": parameters,
+            "work": {
+                "coordinates": counters.coordinates,
+                "evaluations": counters.evaluations,
+                "elements_tested": counters.spheres_tested,
+                "friction_evaluations": counters.friction_evaluations,
+                "newton_iterations": counters.iterations,
+                "steps": counters.steps,
+                "rejected_steps": counters.rejected,
+            },
+            "points": points,
+            "notes": self.notes,
+        })
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        let has_yoke = self.outcome.samples.iter().any(|sample| sample.yoke.is_some());
+        let yoke_header = has_yoke.then_some(YOKE_COLUMNS).into_iter().flatten();
+        let header = COLUMNS.iter().map(|(name, _)| *name).chain(yoke_header);
+        let mut rows = vec![header.map(str::to_owned).collect::<Vec<_>>()];
+        rows.extend(self.outcome.samples.iter().map(|sample| {
+            let cells = COLUMNS.iter().map(|(_, value)| value(sample));
+            cells.chain(yoke_cells(sample).into_iter().flatten()).map(|value| plain(tidy(value))).collect()
+        }));
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let table = self.steady_table();
+        if !table.rows.is_empty() {
+            blocks.push(Block::Table(table));
+        }
+        if let Some(width) = self.screen.width {
+            let points: Vec<_> = self.outcome.samples.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();
+            blocks.extend(sketch::sketch(&points, usize::from(width.min(100)), 8).map(Block::Drawing));
+        }
+        let given = self.given();
+        let given: Vec<_> = given
+            .iter()
+            .map(|(name, value)| format!("{name} {} {}", plain(*value), name.unit()).trim_end().to_owned())
+            .collect();
+        blocks.push(Block::Note(format!("model: {}", self.how())));
+        blocks.push(Block::Note(format!("parameters: {}", given.join(", "))));
+        blocks.push(Block::Note(format!("work: {}", self.work())));
+        if let Some(energy) = self.outcome.energy {
+            blocks.push(Block::Note(format!(
+                "energy: {:.1} N mm driven in, {:.1} N mm lost to damping and friction, balance off by {:.1e} of what was \
+                 exchanged",
+                energy.driven,
+                energy.dissipated,
+                if energy.exchanged > 0.0 { energy.drift.abs() / energy.exchanged } else { 0.0 }
+            )));
+        }
+        blocks.extend(self.notes.iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks.extend(self.ending().1.map(Block::Note));
+        blocks
+    }
+}
