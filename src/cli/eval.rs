@@ -2,12 +2,13 @@
 
 use clap::ValueEnum;
 
+use super::decision::DecisionArgs;
 use super::mesh;
 use super::output::{Failure, Output, Status};
-use crate::decision::{self, LimitTarget, Stack, Verdict};
+use crate::decision::{self, LimitTarget, Rule, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
-use crate::report::{EvaluationReport, Format, MeshPart};
+use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged against the limits";
@@ -17,12 +18,14 @@ pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined an
   rackmesh eval rack.toml
   rackmesh eval rack.toml --stack worst --format json
   rackmesh eval examples/mesh-errors.toml --mesh
+  rackmesh eval examples/uncertain.toml --rule iso14253 --monte-carlo
   rackmesh init | rackmesh eval -
 
-Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge.")]
+Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate by the rule.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    #[arg(required_unless_present = "monte_carlo")]
+    spec: Option<String>,
     /// The combination that the verdict judges.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
@@ -32,6 +35,8 @@ pub(super) struct Args {
     /// Add the exact mesh of the same parts, along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
+    #[command(flatten)]
+    decision: DecisionArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -77,19 +82,45 @@ impl From<ModelArg> for Model {
 }
 
 impl Args {
-    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec)?;
+    pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
+        let path = match self.spec.take() {
+            Some(path) => path,
+            None => self.decision.spec_behind_monte_carlo().ok_or_else(|| {
+                Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
+            })?,
+        };
+        let spec = super::read_spec(&path)?;
         let errors = spec.part_errors()?;
-        let evaluation = decision::evaluate(&errors, &spec.limits(), self.model.into(), self.stack.into())
-            .map_err(|failure| spec.explain_failure(&failure))?;
+        let (model, stack, limits) = (self.model.into(), self.stack.into(), spec.limits());
+        let mut evaluation =
+            decision::evaluate(&errors, &limits, model, stack).map_err(|failure| spec.explain_failure(&failure))?;
+        let over_pin = spec.over_pin();
+        let known = self.decision.known(&spec.part(&errors, over_pin.as_ref(), model, stack), &spec, &limits)?;
+        let rule = self.decision.rule(&spec);
+        if known.is_some() || rule != Rule::Simple {
+            let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
+            evaluation
+                .decide_by(
+                    &rule,
+                    known.as_ref().map(|known| &known.propagation),
+                    simulated.map(|simulation| simulation.outcome.inside.as_slice()),
+                )
+                .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        }
         for target in evaluation.unjudged() {
             output.diagnostic(&unjudged(&spec, target));
         }
         let rack_is_helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
         let mut report =
             EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical).with_classes(spec.classes()?);
+        report.rule = rule;
+        report.uncertainty = known.map(|known| UncertaintyPart {
+            propagation: known.propagation,
+            simulation: known.simulation,
+            taken_as_exact: spec.taken_as_exact(),
+        });
         if self.mesh {
-            report.mesh = Some(self.mesh_part(&spec)?);
+            report.mesh = Some(mesh_part(&spec, &path)?);
         }
         output.report(&report, self.format)?;
         Ok(match evaluation.verdict {
@@ -102,18 +133,16 @@ impl Args {
     }
 }
 
-impl Args {
-    /// The exact mesh of the spec, in short.
-    fn mesh_part(&self, spec: &Spec) -> Result<MeshPart, Failure> {
-        const STROKE_MM: (f64, f64) = (0.0, 50.0);
-        const TOLERANCE_MM: f64 = 1e-6;
-        let input = spec.mesh(&mesh::measured_tables(spec, &self.spec)?)?;
-        let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM).map_err(|error| mesh::unsolved(&error))?;
-        let summary = curve
-            .summary(&input.mesh)
-            .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;
-        Ok(MeshPart { stroke_mm: STROKE_MM, summary, notes: mesh::notes(&input) })
-    }
+/// The exact mesh of the spec, in short.
+fn mesh_part(spec: &Spec, path: &str) -> Result<MeshPart, Failure> {
+    const STROKE_MM: (f64, f64) = (0.0, 50.0);
+    const TOLERANCE_MM: f64 = 1e-6;
+    let input = spec.mesh(&mesh::measured_tables(spec, path)?)?;
+    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM).map_err(|error| mesh::unsolved(&error))?;
+    let summary = curve
+        .summary(&input.mesh)
+        .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;
+    Ok(MeshPart { stroke_mm: STROKE_MM, summary, notes: mesh::notes(&input) })
 }
 
 pub(super) fn unjudged(spec: &Spec, target: LimitTarget) -> Diagnostic {

@@ -5,6 +5,7 @@
 mod calc;
 mod class;
 mod completions;
+mod decision;
 mod eval;
 mod explain;
 mod init;
@@ -35,7 +36,7 @@ const EXAMPLES: &str = "Examples:
   rackmesh calc pitch 20um --pressure-angle 20
   rackmesh explain rack-pitch    the formula behind a number
 
-Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge.";
+Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate.";
 
 type Run = fn(&ArgMatches, &mut Output) -> Result<Status, Failure>;
 

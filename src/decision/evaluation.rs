@@ -2,10 +2,12 @@
 
 use thiserror::Error;
 
+use super::rule::{Decision, Rule, decide};
+use super::uncertainty::Propagation;
 use super::{Combined, Limit, LimitTarget, Limits, Stack, Term, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Model, PartError};
-use crate::quantity::{DomainError, Length};
+use crate::quantity::{DomainError, Length, QuantityError};
 
 /// What one error contributes.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +50,7 @@ impl Contribution {
 }
 
 /// One limit, the interval of ΔCD held against it, and how that ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LimitCheck {
     /// What the limit is on.
     pub on: LimitTarget,
@@ -58,6 +60,8 @@ pub struct LimitCheck {
     pub result: Option<(Length, Length)>,
     /// The verdict, `None` if there is no result to judge.
     pub verdict: Option<Verdict>,
+    /// How a decision rule came to it; `None` while the value alone decides and nothing is known of its uncertainty.
+    pub decision: Option<Decision>,
 }
 
 /// Every contribution, the combinations and the verdicts.
@@ -73,7 +77,7 @@ pub struct Evaluation {
     pub combined: Combined,
     /// One per limit.
     pub limits: Vec<LimitCheck>,
-    /// Fail if any limit fails; pass if all pass; `None` if there are none, or one could not be judged.
+    /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else pass.
     pub verdict: Option<Verdict>,
 }
 
@@ -81,6 +85,29 @@ impl Evaluation {
     /// The limits that could not be judged, because the error they are on is not given.
     pub fn unjudged(&self) -> impl Iterator<Item = LimitTarget> + '_ {
         self.limits.iter().filter(|check| check.verdict.is_none()).map(|check| check.on)
+    }
+
+    /// Judges every limit again by a decision rule, with the uncertainty of the results and, if they were simulated, the
+    /// simulated probabilities of conformance (one per limit, NaN where there is none).
+    ///
+    /// # Errors
+    /// [`QuantityError`] if a guard band is beyond the range of numbers.
+    pub fn decide_by(
+        &mut self,
+        rule: &Rule,
+        propagation: Option<&Propagation>,
+        simulated: Option<&[f64]>,
+    ) -> Result<(), QuantityError> {
+        for (index, check) in self.limits.iter_mut().enumerate() {
+            let Some((lower, upper)) = &check.result else { continue };
+            let ends = propagation.and_then(|propagation| propagation.ends(check.on));
+            let probability = simulated.and_then(|inside| inside.get(index)).copied().filter(|p| !p.is_nan());
+            let decision = decide(rule, &check.limit, (lower, upper), ends.as_ref(), probability)?;
+            check.verdict = Some(decision.verdict);
+            check.decision = Some(decision);
+        }
+        self.verdict = overall(&self.limits);
+        Ok(())
     }
 
     /// Whether any error's ΔCD depends on the model.
@@ -145,17 +172,25 @@ pub fn evaluate(
                 }
             };
             let verdict = result.as_ref().map(|(lower, upper)| limit.judge(lower, upper));
-            LimitCheck { on: *on, limit: limit.clone(), result, verdict }
+            LimitCheck { on: *on, limit: limit.clone(), result, verdict, decision: None }
         })
         .collect();
-    let verdict = if limits.iter().any(|check| check.verdict == Some(Verdict::Fail)) {
+    let verdict = overall(&limits);
+    Ok(Evaluation { model, stack, contributions, combined, limits, verdict })
+}
+
+/// Fail if any limit fails; open if there are none or one could not be judged; indeterminate if any is; else pass.
+fn overall(limits: &[LimitCheck]) -> Option<Verdict> {
+    let any = |verdict| limits.iter().any(|check| check.verdict == verdict);
+    if any(Some(Verdict::Fail)) {
         Some(Verdict::Fail)
-    } else if limits.is_empty() || limits.iter().any(|check| check.verdict.is_none()) {
+    } else if limits.is_empty() || any(None) {
         None
+    } else if any(Some(Verdict::Indeterminate)) {
+        Some(Verdict::Indeterminate)
     } else {
         Some(Verdict::Pass)
-    };
-    Ok(Evaluation { model, stack, contributions, combined, limits, verdict })
+    }
 }
 
 #[cfg(test)]

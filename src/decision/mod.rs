@@ -23,4 +23,5 @@ pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, eval
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
 pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};
 pub use prediction::{Predicted, Prediction};
+pub use rule::Rule;
 pub use stack::{Combined, Stack, Term};

@@ -65,6 +65,12 @@ codes! {
     NoClass = "no-class",
     /// A name that is no standard's.
     UnknownStandard = "unknown-standard",
+    /// An uncertainty or a correlation that makes no sense.
+    BadUncertainty = "bad-uncertainty",
+    /// A decision rule that is none, or that lacks what it needs.
+    BadRule = "bad-rule",
+    /// A Monte Carlo simulation that cannot be made.
+    NoMonteCarlo = "no-monte-carlo",
     /// There is nothing to evaluate.
     NoErrors = "no-errors",
     /// A limit on an error that is not given.

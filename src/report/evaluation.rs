@@ -4,9 +4,10 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, signed, tidy};
+use super::uncertainty::{UncertaintyPart, decision_json, indeterminate_sentence, rule_name};
 use super::{Block, Column, Report, Table};
 use crate::decision::class::ErrorClass;
-use crate::decision::{Evaluation, LimitCheck, Stack, Verdict};
+use crate::decision::{Evaluation, LimitCheck, Rule, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Model, formula_text};
 use crate::mesh::Summary;
@@ -25,6 +26,10 @@ pub struct EvaluationReport<'a> {
     pub mesh: Option<MeshPart>,
     /// What errors given as classes came to.
     pub classes: Vec<ErrorClass>,
+    /// The decision rule.
+    pub rule: Rule,
+    /// The uncertainty of the results, where uncertainties are given.
+    pub uncertainty: Option<UncertaintyPart>,
 }
 
 /// The exact mesh of the same parts, in short.
@@ -184,12 +189,20 @@ impl EvaluationReport<'_> {
         if !unjudged.is_empty() {
             return Some(Block::Note(format!("No verdict: there is no value for {}.", unjudged.join(", "))));
         }
+        if let Some(open) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Indeterminate)) {
+            let sentence = indeterminate_sentence(open, &self.rule, evaluation.stack);
+            return Some(Block::Verdict(Verdict::Indeterminate, sentence));
+        }
+        let rule = match &self.rule {
+            Rule::Simple => String::new(),
+            rule => format!(", rule {}", rule_name(rule)),
+        };
         let count = match evaluation.limits.len() {
             0 => return None,
             1 => "the limit is met".to_owned(),
             count => format!("all {count} limits are met"),
         };
-        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {})", evaluation.stack)))
+        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule})", evaluation.stack)))
     }
 }
 
@@ -259,6 +272,7 @@ impl Report for EvaluationReport<'_> {
                     "result_lower_mm": check.result.as_ref().map(|(lower, _)| lower.mm()),
                     "result_upper_mm": check.result.as_ref().map(|(_, upper)| upper.mm()),
                     "verdict": verdict_name(check.verdict),
+                    "decision": decision_json(check.decision.as_ref()),
                 })
             })
             .collect();
@@ -272,8 +286,10 @@ impl Report for EvaluationReport<'_> {
                 "rss_mm": combined.rss.mm(),
             },
             "stack": evaluation.stack.name(),
+            "rule": self.rule.to_string(),
             "limits": limits,
             "verdict": verdict_name(evaluation.verdict),
+            "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
             "mesh": self.mesh.as_ref().map(|mesh| json!({
                 "from_mm": mesh.stroke_mm.0,
                 "to_mm": mesh.stroke_mm.1,
@@ -363,6 +379,7 @@ impl Report for EvaluationReport<'_> {
             let verdict = verdict_name(check.verdict).unwrap_or_default().to_owned();
             interval_row("limit", check.on.key(), ends, verdict);
         }
+        self.add_uncertainty(&mut rows);
         rows
     }
 
@@ -376,10 +393,34 @@ impl Report for EvaluationReport<'_> {
         if !self.evaluation.limits.is_empty() {
             blocks.push(Block::Table(self.limit_table()));
         }
+        blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
+        blocks.extend(UncertaintyPart::decision_blocks(&self.rule, &self.evaluation.limits));
         let mesh_notes = self.mesh.iter().flat_map(|mesh| mesh.notes.iter().map(|note| format!("note: {note}")));
         blocks.extend(self.notes.iter().cloned().chain(mesh_notes).map(Block::Note));
         blocks.extend(self.verdict_block());
         blocks
+    }
+}
+
+impl EvaluationReport<'_> {
+    /// Appends the columns of the uncertainties, and their rows.
+    fn add_uncertainty(&self, rows: &mut Vec<Vec<String>>) {
+        let Some(part) = &self.uncertainty else { return };
+        for (index, row) in rows.iter_mut().enumerate() {
+            let cells = UncertaintyPart::COLUMNS.map(|name| if index == 0 { name.to_owned() } else { String::new() });
+            row.extend(cells);
+        }
+        let width = rows.first().map_or(0, Vec::len) - UncertaintyPart::COLUMNS.len();
+        let delta_cd = rows.first().and_then(|header| header.iter().position(|name| name == "delta_cd_mm"));
+        for (key, value_mm, cells) in part.rows() {
+            let mut row = vec!["uncertainty".to_owned(), key.to_owned()];
+            row.resize(width, String::new());
+            if let Some(column) = delta_cd {
+                row[column] = plain(value_mm);
+            }
+            row.extend(cells);
+            rows.push(row);
+        }
     }
 }
 
@@ -392,7 +433,7 @@ impl<'a> EvaluationReport<'a> {
         if has_lead && rack_is_helical {
             notes.push("note: for a helical rack the formula of the lead error holds within about 2 %".to_owned());
         }
-        Self { title, evaluation, notes, mesh: None, classes: Vec::new() }
+        Self { title, evaluation, notes, mesh: None, classes: Vec::new(), rule: Rule::Simple, uncertainty: None }
     }
 
     /// Adds what errors given as classes came to.

@@ -21,6 +21,7 @@ mod reproduction;
 mod simulation;
 mod sketch;
 mod table;
+mod uncertainty;
 
 pub use calculation::{Calculation, Computed, ResultUnit};
 pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
@@ -33,6 +34,7 @@ pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
 pub use table::{Align, Block, Column, Table};
+pub use uncertainty::UncertaintyPart;
 
 use serde_json::Value;
 

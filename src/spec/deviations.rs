@@ -152,14 +152,19 @@ fn each_table<T>(
 
 impl SectionReader<'_> {
     /// Reads a table below this one with the keys of `section`.
-    fn inner<T>(
+    pub(super) fn inner<T>(
         &mut self,
         section: &'static Section,
         table: &DeTable<'_>,
         read: impl FnOnce(&mut SectionReader<'_>) -> T,
     ) -> T {
-        let mut inner =
-            SectionReader { source: self.source, section, table: Some(table), diagnostics: self.diagnostics };
+        let mut inner = SectionReader {
+            source: self.source,
+            section,
+            table: Some(table),
+            diagnostics: self.diagnostics,
+            uncertainties: self.uncertainties,
+        };
         inner.refuse_unknown_keys();
         read(&mut inner)
     }

@@ -36,6 +36,10 @@ pub(crate) enum Kind {
     Standard,
     /// Which diameter stands for a rack: `"pinion"`, `"developed"`, or a length.
     RackDiameter,
+    /// A decision rule.
+    Rule,
+    /// The names of two values.
+    Pair,
     /// Which teeth: `"all"`, `5`, `"5"`, `"8.."`, `"8..=12"`.
     Teeth,
     /// A table with these keys.
@@ -88,7 +92,46 @@ const fn key(name: &'static str, kind: Kind, doc: &'static str) -> Key {
 pub(crate) const TOP: Section = Section {
     name: "",
     doc: "What may be wrong with a rack and pinion, and how much of it is permitted.",
-    keys: &[key("title", Kind::Text, "Printed above the results.")],
+    keys: &[
+        key("title", Kind::Text, "Printed above the results."),
+        key(
+            "correlation",
+            Kind::Tables(&CORRELATION),
+            "Which uncertainties belong together; any number, each between two values.",
+        ),
+    ],
+};
+
+/// The keys of an uncertainty, beside the value that it is of.
+pub(crate) const UNCERTAINTY_KEYS: [&str; 6] = ["u", "U", "k", "half_width", "distribution", "dof"];
+
+pub(crate) const CORRELATION: Section = Section {
+    name: "correlation",
+    doc: "The correlation of two uncertain values.",
+    keys: &[
+        key("between", Kind::Pair, "The two values: their keys, such as \"rack_pitch\" or \"rack.face_width\"."),
+        key(
+            "coefficient",
+            Kind::Number(Domain {
+                name: "correlation coefficient",
+                symbol: "r",
+                lower: Bound::Inclusive(-1),
+                upper: Bound::Inclusive(1),
+            }),
+            "Correlation coefficient r, -1 to 1.",
+        ),
+    ],
+};
+
+pub(crate) const DECISION: Section = Section {
+    name: "decision",
+    doc: "How a verdict is reached.",
+    keys: &[key(
+        "rule",
+        Kind::Rule,
+        "simple: the measured value decides. iso14253: with a guard band of 1.65 standard uncertainties. guard=VALUE: with \
+         that guard band. Default simple.",
+    )],
 };
 
 pub(crate) const PAIR: Section = Section {
@@ -388,4 +431,5 @@ pub(crate) const BATCH: Section = Section {
 };
 
 /// The sections in the order in which they are documented.
-pub(crate) const SECTIONS: &[Section] = &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS, BATCH, SIMULATION];
+pub(crate) const SECTIONS: &[Section] =
+    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS, DECISION, BATCH, SIMULATION];

@@ -17,6 +17,7 @@ mod resolve;
 mod schema;
 mod simulation;
 mod template;
+mod uncertainty;
 
 pub use batch::{BatchColumn, BatchSection, Reading};
 pub use class::ToleranceSection;
@@ -26,6 +27,7 @@ pub use obtained::MeasuredValue;
 pub use schema::json_schema;
 pub use simulation::SimulationSection;
 pub use template::TEMPLATE;
+pub use uncertainty::WrittenCorrelation;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -33,7 +35,8 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::decision::{Limit, LimitTarget};
+use crate::decision::uncertainty as uncertain;
+use crate::decision::{Limit, LimitTarget, Rule};
 use crate::deviation::{ErrorKind, ErrorValue, RackDeviation};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::RackLead;
@@ -78,6 +81,12 @@ pub struct Spec {
     pub batch: BatchSection,
     /// `[simulation]`.
     pub simulation: SimulationSection,
+    /// `decision.rule`.
+    pub rule: Option<Located<Rule>>,
+    /// The uncertainties, wherever they stand.
+    pub uncertainties: Vec<(uncertain::Source, Located<uncertain::Uncertainty>)>,
+    /// `[[correlation]]`
+    pub correlations: Vec<Located<WrittenCorrelation>>,
 }
 
 /// `[pair]`: what rack and pinion have in common.
@@ -185,9 +194,12 @@ impl Spec {
             return Err(syntax_error(&source, error).into());
         }
         let table = table.into_inner();
-        let mut sections = Sections { source: &source, top: &table, diagnostics: &mut diagnostics };
+        let mut uncertainties = Vec::new();
+        let mut sections =
+            Sections { source: &source, top: &table, diagnostics: &mut diagnostics, uncertainties: &mut uncertainties };
         sections.refuse_unknown();
-        let title = sections.read(&keys::TOP, |reader| reader.text("title"));
+        let (title, correlations) =
+            sections.read(&keys::TOP, |reader| (reader.text("title"), uncertainty::correlations(reader)));
         let pair = sections.read(&keys::PAIR, |reader| PairSection {
             normal_module: reader.length("normal_module"),
             normal_pressure_angle: reader.angle("normal_pressure_angle"),
@@ -243,6 +255,7 @@ impl Spec {
         });
         let batch = sections.read(&keys::BATCH, batch::read);
         let simulation = sections.read(&keys::SIMULATION, simulation::read);
+        let rule = sections.read(&keys::DECISION, |reader| reader.rule("rule"));
         if diagnostics.is_empty() {
             Ok(Self {
                 source,
@@ -257,6 +270,9 @@ impl Spec {
                 limits,
                 batch,
                 simulation,
+                rule,
+                uncertainties,
+                correlations,
             })
         } else {
             diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
@@ -270,6 +286,7 @@ struct Sections<'a> {
     source: &'a Arc<Source>,
     top: &'a DeTable<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
+    uncertainties: &'a mut Vec<(uncertain::Source, Located<uncertain::Uncertainty>)>,
 }
 
 impl Sections<'_> {
@@ -312,7 +329,13 @@ impl Sections<'_> {
         } else {
             self.top.get(section.name).and_then(|value| value.get_ref().as_table())
         };
-        let mut reader = SectionReader { source: self.source, section, table, diagnostics: self.diagnostics };
+        let mut reader = SectionReader {
+            source: self.source,
+            section,
+            table,
+            diagnostics: self.diagnostics,
+            uncertainties: self.uncertainties,
+        };
         if !section.name.is_empty() {
             reader.refuse_unknown_keys();
         }
@@ -386,9 +409,13 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Locat
 /// The keys that the table form of an error may have, in the combinations that make an error.
 pub(crate) fn error_table_forms(kind: ErrorKind) -> &'static [&'static [&'static str]] {
     match kind {
-        ErrorKind::RackOverRoller => &[&["measured", "nominal"], &["measured", "roller"], &["nominal"], &["class"]],
-        ErrorKind::RackLead => &[&["measured", "nominal"], &["f_h_beta", "length"], &["nominal"], &["class"]],
-        _ => &[&["measured", "nominal"], &["nominal"], &["class"]],
+        ErrorKind::RackOverRoller => {
+            &[&["value"], &["measured", "nominal"], &["measured", "roller"], &["nominal"], &["class"]]
+        }
+        ErrorKind::RackLead => {
+            &[&["value"], &["measured", "nominal"], &["f_h_beta", "length"], &["nominal"], &["class"]]
+        }
+        _ => &[&["value"], &["measured", "nominal"], &["nominal"], &["class"]],
     }
 }
 
@@ -405,7 +432,7 @@ fn read_error_table(
     let mut known = true;
     for (key, _) in entry {
         let name = key.get_ref().as_ref();
-        let all = forms.iter().flat_map(|form| form.iter().copied());
+        let all = forms.iter().flat_map(|form| form.iter().copied()).chain(keys::UNCERTAINTY_KEYS);
         if !all.clone().any(|candidate| candidate == name) {
             known = false;
             let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{}` has no key `{name}`", kind.key()));
@@ -419,23 +446,39 @@ fn read_error_table(
     if !known {
         return None;
     }
-    let Some(form) = forms.iter().find(|form| form.len() == entry.len() && form.iter().all(|k| entry.contains_key(*k)))
-    else {
+    let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
+    let makes = |form: &&&[&str]| form.len() + uncertain == entry.len() && form.iter().all(|k| entry.contains_key(*k));
+    let Some(form) = forms.iter().find(makes) else {
         let message = format!("`{}` is a table that makes no error", kind.key());
         let diagnostic =
             Diagnostic::error(Code::BadErrorEntry, message).help(format!("write {}", forms_in_words(forms)));
         reader.report(diagnostic, span, "");
         return None;
     };
+    let noted = uncertain::Source::Error(kind);
     if *form == ["class"] {
+        if uncertain > 0 {
+            let message = format!("`{}` is a class: what is permitted has no measuring uncertainty", kind.key());
+            reader.report(Diagnostic::error(Code::BadUncertainty, message), span, "");
+            return None;
+        }
         return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class);
+    }
+    if *form != ["f_h_beta", "length"] {
+        reader.note_uncertainty(kind.key(), entry, span.clone(), noted, noted.is_angle(), 1.0);
     }
     let mut length = |name: &str| reader.length_value(name, entry.get(name)?);
     match form {
         ["f_h_beta", "length"] => {
-            let (slope, over) = (length("f_h_beta"), length("length"));
-            match RackLead::error_from_slope(&slope?, &over?) {
-                Ok(angle) => Some(WrittenError::Angle(angle)),
+            let (slope, over) = (length("f_h_beta")?, length("length")?);
+            match RackLead::error_from_slope(&slope, &over) {
+                Ok(angle) => {
+                    // d(atan(f/L))/df = L/(L² + f²)
+                    let (f, l) = (slope.mm(), over.mm());
+                    let degrees_per_mm = (180.0 / std::f64::consts::PI) * l / (l * l + f * f);
+                    reader.note_uncertainty(kind.key(), entry, span, noted, false, degrees_per_mm);
+                    Some(WrittenError::Angle(angle))
+                }
                 Err(error) => {
                     reader.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
                     None
@@ -443,12 +486,18 @@ fn read_error_table(
             }
         }
         ["measured", "roller"] => {
-            let (measured, roller) = (length("measured"), length("roller"));
-            let roller = roller?;
+            let measured = length("measured");
+            let roller = entry.get("roller")?;
+            let roller = reader.uncertain("roller", roller, Some(uncertain::Source::Roller))?;
+            let roller = reader.length_value("roller", roller)?;
             let roller_span = entry.get("roller").map_or(span, Spanned::span);
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(&roller), roller_span)?;
             Some(WrittenError::OverRoller { measured: measured?, roller })
         }
+        ["value"] if kind == ErrorKind::RackLead => {
+            Some(WrittenError::Angle(reader.angle_value("value", entry.get("value")?)?))
+        }
+        ["value"] => Some(WrittenError::Length(length("value")?)),
         _ if kind == ErrorKind::RackLead => {
             let mut angle = |name: &str| reader.angle_value(name, entry.get(name)?);
             let (measured, nominal) = (angle("measured"), angle("nominal"));

@@ -9,7 +9,9 @@ use toml::de::{DeTable, DeValue};
 use super::LARGEST_CLASS;
 use super::Located;
 use super::keys::{Kind, SECTIONS, Section, Unit};
+use super::uncertainty::source_of;
 use crate::decision::class::RackDiameter;
+use crate::decision::uncertainty::{Source as UncertainSource, Uncertainty};
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, Rational};
 use crate::standard::Standard;
@@ -20,6 +22,8 @@ pub(super) struct SectionReader<'a> {
     pub(super) section: &'static Section,
     pub(super) table: Option<&'a DeTable<'a>>,
     pub(super) diagnostics: &'a mut Vec<Diagnostic>,
+    /// The uncertainties found so far.
+    pub(super) uncertainties: &'a mut Vec<(UncertainSource, Located<Uncertainty>)>,
 }
 
 impl SectionReader<'_> {
@@ -73,6 +77,7 @@ impl SectionReader<'_> {
     pub(super) fn length(&mut self, name: &str) -> Option<Located<Length>> {
         let value = self.table?.get(name)?;
         let Some(Kind::Length(domain)) = self.kind(name) else { return None };
+        let value = self.uncertain(name, value, source_of(self.section.name, name))?;
         let length = self.length_value(name, value)?;
         self.in_domain(domain.check_length(&length), value.span())?;
         Some(Located { value: length, span: value.span() })
@@ -81,6 +86,7 @@ impl SectionReader<'_> {
     pub(super) fn angle(&mut self, name: &str) -> Option<Located<Angle>> {
         let value = self.table?.get(name)?;
         let Some(Kind::Angle(domain)) = self.kind(name) else { return None };
+        let value = self.uncertain(name, value, source_of(self.section.name, name))?;
         let angle = self.angle_value(name, value)?;
         self.in_domain(domain.check_angle(&angle), value.span())?;
         Some(Located { value: angle, span: value.span() })
@@ -189,7 +195,7 @@ impl SectionReader<'_> {
         Some(Located { value: number.to_f64(), span: value.span() })
     }
 
-    fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rational> {
+    pub(super) fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rational> {
         let Some(written) = decimal_text(value.get_ref()) else {
             self.wrong_type(name, value, "a number");
             return None;

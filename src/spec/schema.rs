@@ -2,8 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
-use super::keys::{Key, Kind, SECTIONS, Section, TOP};
+use super::keys::{Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
+use super::uncertainty::source_of;
 use super::{ErrorKind, LARGEST_CLASS, error_table_forms};
+use crate::decision::uncertainty::Source;
 use crate::quantity::{Bound, Domain};
 use crate::standard::Standard;
 
@@ -17,7 +19,7 @@ pub fn json_schema() -> Value {
     let properties: Map<_, _> = TOP
         .keys
         .iter()
-        .map(|key| (key.name, property(key)))
+        .map(|key| (key.name, property(key, TOP.name)))
         .chain(sections)
         .map(|(name, schema)| (name.to_owned(), schema))
         .collect();
@@ -32,7 +34,8 @@ pub fn json_schema() -> Value {
 }
 
 fn object(section: &Section) -> Value {
-    let properties: Map<_, _> = section.keys.iter().map(|key| (key.name.to_owned(), property(key))).collect();
+    let properties: Map<_, _> =
+        section.keys.iter().map(|key| (key.name.to_owned(), property(key, section.name))).collect();
     json!({
         "description": section.doc,
         "type": "object",
@@ -41,16 +44,19 @@ fn object(section: &Section) -> Value {
     })
 }
 
-fn property(key: &Key) -> Value {
+fn property(key: &Key, section: &str) -> Value {
+    let source = source_of(section, key.name);
     let mut schema = match key.kind {
         Kind::Text | Kind::File => json!({ "type": "string" }),
         Kind::Number(domain) => typed("number", &domain),
         Kind::Count(domain) => typed("integer", &domain),
-        Kind::Length(domain) => json!({ "anyOf": [typed("number", &domain), length_text()] }),
+        Kind::Length(domain) => json!({ "anyOf": forms(vec![typed("number", &domain), length_text()], source) }),
         Kind::Measure(domain, unit) if unit.symbol.is_empty() => typed("number", &domain),
         Kind::Angle(domain) | Kind::Measure(domain, _) => {
-            json!({ "anyOf": [typed("number", &domain), { "type": "string" }] })
+            json!({ "anyOf": forms(vec![typed("number", &domain), json!({ "type": "string" })], source) })
         }
+        Kind::Rule => json!({ "type": "string", "pattern": r"^\s*(simple|iso14253|guard=.+)\s*$" }),
+        Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
         Kind::Error(kind) => error(kind),
         Kind::Word(words) => json!({ "enum": words }),
         Kind::Standard => json!({ "anyOf": [
@@ -84,6 +90,37 @@ fn property(key: &Key) -> Value {
     schema
 }
 
+/// The forms of a value, with one that carries an uncertainty where that means anything.
+fn forms(mut forms: Vec<Value>, source: Option<Source>) -> Vec<Value> {
+    if source.is_some() {
+        let mut properties = uncertainty_properties();
+        properties.insert("value".to_owned(), json!({ "anyOf": forms }));
+        forms.push(json!({
+            "type": "object",
+            "additionalProperties": false,
+            "required": ["value"],
+            "properties": properties,
+        }));
+    }
+    forms
+}
+
+fn uncertainty_properties() -> Map<String, Value> {
+    let quantity = json!({ "anyOf": [{ "type": "number", "minimum": 0 }, { "type": "string" }] });
+    UNCERTAINTY_KEYS
+        .into_iter()
+        .map(|name| {
+            let schema = match name {
+                "k" => json!({ "type": "number", "exclusiveMinimum": 0 }),
+                "dof" => json!({ "type": "number", "minimum": 1 }),
+                "distribution" => json!({ "enum": ["normal", "rectangular", "triangular", "arcsine"] }),
+                _ => quantity.clone(),
+            };
+            (name.to_owned(), schema)
+        })
+        .collect()
+}
+
 fn length_text() -> Value {
     json!({ "type": "string", "pattern": LENGTH_TEXT })
 }
@@ -96,7 +133,10 @@ fn error(kind: ErrorKind) -> Value {
             "class" => json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS }),
             _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         };
-        let properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
+        let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
+        if *form != ["class"] {
+            properties.extend(uncertainty_properties());
+        }
         forms.push(json!({
             "type": "object",
             "additionalProperties": false,

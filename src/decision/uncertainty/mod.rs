@@ -19,8 +19,9 @@ mod source;
 pub use inputs::{Uncertainties, UncertaintyError};
 pub use source::{Distribution, Source, Uncertainty};
 
+use super::rule::Ends;
 use super::statistics::student_quantile;
-use super::{Combined, Stack, Term};
+use super::{Combined, LimitTarget, Stack, Term};
 use crate::deviation::ErrorKind;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Input, Model, PartError, Sensitivity};
@@ -98,6 +99,24 @@ pub struct Propagation {
 }
 
 impl Propagation {
+    /// What a limit on `target` is held against, with its uncertainty.
+    #[must_use]
+    pub fn ends(&self, target: LimitTarget) -> Option<Ends> {
+        match target {
+            LimitTarget::CenterDistance => Some(Ends {
+                lower_mm: self.lower.value_mm,
+                upper_mm: self.upper.value_mm,
+                lower_standard_mm: self.lower.standard_mm,
+                upper_standard_mm: self.upper.standard_mm,
+                correlation: self.end_correlation,
+            }),
+            LimitTarget::Error(kind) => {
+                let (_, linear) = self.errors.iter().find(|(other, _)| *other == kind)?;
+                Some(Ends::value(linear.value_mm, linear.standard_mm))
+            }
+        }
+    }
+
     /// Errors whose ΔCD is so near to zero that nothing linear describes it.
     #[must_use]
     pub fn folded(&self) -> &[ErrorKind] {

@@ -1,0 +1,126 @@
+//! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
+
+use super::output::Failure;
+use crate::decision::monte_carlo::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, PartSimulation, Settings};
+use crate::decision::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyError};
+use crate::decision::{Limits, Rule};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::spec::Spec;
+
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct DecisionArgs {
+    /// Decision rule: simple, iso14253 or guard=VALUE; default the spec's, or simple.
+    #[arg(long, value_name = "RULE")]
+    rule: Option<Rule>,
+    /// Simulate the distribution of ΔCD (JCGM 101), with N draws or as many as the digits need.
+    #[arg(long, value_name = "N", num_args = 0..=1)]
+    #[expect(clippy::option_option, reason = "not given, given without a number, given with one")]
+    monte_carlo: Option<Option<String>>,
+    /// Seed of the simulation.
+    #[arg(long, value_name = "SEED", default_value_t = DEFAULT_SEED, requires = "monte_carlo")]
+    seed: u64,
+    /// Digits of the standard uncertainty that the simulation shall reach.
+    #[arg(long, value_name = "DIGITS", default_value_t = DEFAULT_DIGITS, requires = "monte_carlo")]
+    digits: u32,
+}
+
+/// What is known of a part's uncertainty.
+pub(super) struct Known {
+    pub(super) propagation: Propagation,
+    pub(super) simulation: Option<PartSimulation>,
+}
+
+/// A number of draws as people write it: `1000000`, `1_000_000`, `1e6`.
+fn draws(text: &str) -> Option<u64> {
+    let plain = text.replace('_', "");
+    if let Ok(number) = plain.parse() {
+        return Some(number);
+    }
+    let (mantissa, exponent) = plain.split_once(['e', 'E'])?;
+    let (mantissa, exponent): (u64, u32) = (mantissa.parse().ok()?, exponent.trim_start_matches('+').parse().ok()?);
+    mantissa.checked_mul(10_u64.checked_pow(exponent)?)
+}
+
+impl DecisionArgs {
+    /// Takes back a word that was taken for the number of draws: `--monte-carlo rack.toml` means the spec.
+    pub(super) fn spec_behind_monte_carlo(&mut self) -> Option<String> {
+        let given = self.monte_carlo.as_mut()?;
+        if given.as_deref().is_some_and(|text| draws(text).is_none()) { given.take() } else { None }
+    }
+
+    /// The rule: that of the command line, or of the spec, or simple.
+    pub(super) fn rule(&self, spec: &Spec) -> Rule {
+        let of_spec = || spec.rule.as_ref().map(|rule| rule.value.clone());
+        self.rule.clone().or_else(of_spec).unwrap_or_default()
+    }
+
+    /// How to simulate, if that was asked for.
+    fn settings(&self) -> Result<Option<Settings>, Failure> {
+        let Some(given) = &self.monte_carlo else { return Ok(None) };
+        let draws = match given {
+            None => None,
+            Some(text) => Some(draws(text).ok_or_else(|| {
+                Diagnostic::error(Code::Usage, format!("--monte-carlo {text}: that is no number of draws"))
+                    .help("write it as 1000000 or 1e6, or leave it out for as many as are needed")
+            })?),
+        };
+        Ok(Some(Settings { seed: self.seed, draws, digits: self.digits, threads: None }))
+    }
+
+    /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
+    pub(super) fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<Known>, Failure> {
+        let settings = self.settings()?;
+        let uncertainties = spec.uncertainties()?;
+        if uncertainties.is_empty() {
+            if settings.is_some() {
+                return Err(unsimulated(&MonteCarloError::NothingUncertain).into());
+            }
+            let rule = self.rule(spec);
+            if rule.needs_uncertainty() {
+                let message = format!("the rule {rule} needs uncertainties, and the spec gives none");
+                return Err(Diagnostic::error(Code::BadRule, message).help(EXAMPLE).into());
+            }
+            return Ok(None);
+        }
+        let propagation = uncertainty::propagate(part, &uncertainties).map_err(|error| no_uncertainty(&error))?;
+        let simulation = settings.map(|settings| simulate(part, &uncertainties, limits, &settings)).transpose()?;
+        Ok(Some(Known { propagation, simulation }))
+    }
+}
+
+const EXAMPLE: &str = "give the errors one, such as `rack_pitch = { value = \"12 um\", u = \"0.8 um\" }`; see `rackmesh explain bad-uncertainty`";
+
+fn simulate(
+    part: &Part<'_>,
+    uncertainties: &Uncertainties,
+    limits: &Limits,
+    settings: &Settings,
+) -> Result<PartSimulation, Failure> {
+    monte_carlo::simulate_part(part, uncertainties, limits, settings).map_err(|error| unsimulated(&error).into())
+}
+
+fn unsimulated(error: &MonteCarloError) -> Diagnostic {
+    let diagnostic = Diagnostic::error(Code::NoMonteCarlo, error.to_string());
+    if *error == MonteCarloError::NothingUncertain { diagnostic.help(EXAMPLE) } else { diagnostic }
+}
+
+fn no_uncertainty(error: &UncertaintyError) -> Diagnostic {
+    Diagnostic::error(Code::NoResult, error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::draws;
+
+    #[test]
+    fn numbers_of_draws_as_people_write_them() {
+        for (text, number) in
+            [("1000", Some(1000)), ("1_000_000", Some(1_000_000)), ("1e6", Some(1_000_000)), ("2E+3", Some(2000))]
+        {
+            assert_eq!(draws(text), number, "{text}");
+        }
+        for text in ["rack.toml", "1e99", "-5", "", "1.5e3"] {
+            assert_eq!(draws(text), None, "{text}");
+        }
+    }
+}

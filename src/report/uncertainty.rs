@@ -1,0 +1,441 @@
+//! What a result's uncertainty says, as a part of another report: tables, JSON and rows of `eval`.
+
+use serde_json::{Value, json};
+
+use super::number::{millimetres, plain};
+use super::{Block, Column, Table};
+use crate::decision::monte_carlo::{PartSimulation, Simulation, Validation, validate};
+use crate::decision::rule::{Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
+use crate::decision::uncertainty::{FOLD, Linear, Propagation};
+use crate::decision::{LimitCheck, Rule, Stack, Verdict};
+use crate::deviation::ErrorKind;
+
+/// The uncertainty of an evaluation's results.
+#[derive(Debug)]
+pub struct UncertaintyPart {
+    /// The linear result.
+    pub propagation: Propagation,
+    /// The simulated result, where it was asked for.
+    pub simulation: Option<PartSimulation>,
+    /// Measured errors without an uncertainty.
+    pub taken_as_exact: Vec<ErrorKind>,
+}
+
+/// A length of an uncertainty in µm for people: two decimals, more for small ones.
+fn micrometres(mm: f64) -> String {
+    let um = 1000.0 * mm;
+    if um == 0.0 {
+        "exact".to_owned()
+    } else if um.abs() < 0.001 || um.abs() >= 1e6 {
+        format!("{um:.1e}")
+    } else if um.abs() < 0.095 {
+        format!("{um:.4}")
+    } else {
+        format!("{um:.2}")
+    }
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share))
+}
+
+/// A probability for people; one that is neither 0 nor 1 is not printed as such.
+fn probability(p: f64) -> String {
+    let text = format!("{:.2} %", 100.0 * p);
+    match text.as_str() {
+        "0.00 %" if p > 0.0 => "< 0.01 %".to_owned(),
+        "100.00 %" if p < 1.0 => "> 99.99 %".to_owned(),
+        _ => text,
+    }
+}
+
+impl UncertaintyPart {
+    fn end_names(&self) -> [String; 2] {
+        let stack = self.propagation.stack;
+        [format!("{stack}, lower end"), format!("{stack}, upper end")]
+    }
+
+    /// Every result with its key and its name, linear and simulated.
+    fn results(&self) -> Vec<(&'static str, String, &Linear, Option<&Simulation>)> {
+        let [lower, upper] = self.end_names();
+        let simulation = self.simulation.as_ref();
+        let simulated = |kind: ErrorKind| {
+            simulation.and_then(|s| s.errors().find(|(other, _)| *other == kind).map(|(_, result)| result))
+        };
+        let errors = self.propagation.errors.iter();
+        errors
+            .map(|(kind, linear)| (kind.key(), kind.to_string(), linear, simulated(*kind)))
+            .chain([
+                ("lower", lower, &self.propagation.lower, simulation.map(PartSimulation::lower)),
+                ("upper", upper, &self.propagation.upper, simulation.map(PartSimulation::upper)),
+            ])
+            .collect()
+    }
+
+    fn digits(&self) -> u32 {
+        self.simulation.as_ref().map_or(2, |simulation| simulation.outcome.digits)
+    }
+
+    pub(super) fn blocks(&self) -> Vec<Block> {
+        let mut blocks = vec![Block::Table(self.result_table()), Block::Table(self.budget_table())];
+        if self.simulation.is_some() {
+            blocks.push(Block::Table(self.simulation_table()));
+        }
+        blocks.extend(self.notes().into_iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks
+    }
+
+    fn result_table(&self) -> Table {
+        let with_dof = self.results().iter().any(|(_, _, linear, _)| linear.dof.is_none_or(f64::is_finite));
+        let mut columns = vec![
+            Column::text("uncertainty of"),
+            Column::number("ΔCD\n[mm]"),
+            Column::number("u\n[µm]"),
+            Column::number("k"),
+            Column::number("U = k u\n[µm]"),
+        ];
+        if with_dof {
+            columns.push(Column::number("ν_eff"));
+        }
+        columns.push(Column::text("linear"));
+        let rows = self.results().into_iter().map(|(_, name, linear, _)| {
+            let mut row = vec![name, millimetres(linear.value_mm), micrometres(linear.standard_mm)];
+            if linear.standard_mm > 0.0 {
+                row.extend([format!("{:.2}", linear.coverage_factor), micrometres(linear.expanded_mm())]);
+            } else {
+                row.extend(["-".to_owned(), "-".to_owned()]);
+            }
+            if with_dof {
+                row.push(match linear.dof {
+                    Some(dof) if dof.is_finite() => format!("{dof:.1}"),
+                    Some(_) => "∞".to_owned(),
+                    None => "unknown".to_owned(),
+                });
+            }
+            row.push(if linear.folded.is_empty() { "yes" } else { "no: near 0" }.to_owned());
+            row
+        });
+        Table { rows: rows.collect(), columns }
+    }
+
+    fn budget_table(&self) -> Table {
+        let [_, upper] = self.end_names();
+        let rows = self.propagation.upper.contributions.iter().map(|c| {
+            let (u, per) = if c.source.is_angle() {
+                (format!("{:.3}′", 60.0 * c.standard), format!("{:+.4} µm/′", 1000.0 * c.sensitivity / 60.0))
+            } else {
+                (format!("{} µm", micrometres(c.standard)), format!("{:+.4} µm/µm", c.sensitivity))
+            };
+            vec![c.source.to_string(), u, per, micrometres(c.contribution_mm.abs()), percent(c.share)]
+        });
+        let mut rows: Vec<_> = rows.collect();
+        let shares: f64 = self.propagation.upper.contributions.iter().filter_map(|c| c.share).sum();
+        // what independent contributions do not account for
+        if self.propagation.upper.standard_mm > 0.0 && (shares - 1.0).abs() > 1e-9 {
+            let blank = String::new;
+            rows.push(vec!["correlations".to_owned(), blank(), blank(), blank(), percent(Some(1.0 - shares))]);
+        }
+        Table {
+            rows,
+            columns: vec![
+                Column::text(format!("budget of {upper}")),
+                Column::number("u(x)"),
+                Column::number("∂ΔCD/∂x"),
+                Column::number("contribution\n[µm]"),
+                Column::number("share"),
+            ],
+        }
+    }
+
+    fn simulation_table(&self) -> Table {
+        let interval = |(low, high): (f64, f64)| format!("{} … {}", millimetres(low), millimetres(high));
+        let rows = self.results().into_iter().filter_map(|(_, name, linear, simulated)| {
+            let simulated = simulated?;
+            if simulated.standard == 0.0 {
+                return None;
+            }
+            let validation = validate(linear, simulated, self.digits());
+            Some(vec![
+                name,
+                millimetres(simulated.mean),
+                micrometres(simulated.standard),
+                interval(simulated.symmetric),
+                interval(simulated.shortest),
+                if validation.validated { "validated" } else { "not validated" }.to_owned(),
+            ])
+        });
+        Table {
+            rows: rows.collect(),
+            columns: vec![
+                Column::text("Monte Carlo"),
+                Column::number("mean\n[mm]"),
+                Column::number("u\n[µm]"),
+                Column::number("95 %, symmetric\n[mm]"),
+                Column::number("95 %, shortest\n[mm]"),
+                Column::text("linear result"),
+            ],
+        }
+    }
+
+    pub(super) fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let upper = &self.propagation.upper;
+        if upper.dof.is_none() {
+            notes.push(
+                "correlated inputs have finite degrees of freedom, for which there is no formula: k = 2 is taken"
+                    .to_owned(),
+            );
+        }
+        if !upper.folded.is_empty() {
+            let names: Vec<_> = upper.folded.iter().map(ToString::to_string).collect();
+            let remedy =
+                if self.simulation.is_some() { "the Monte Carlo result holds" } else { "ask for --monte-carlo" };
+            notes.push(format!(
+                "{}: nearer to 0 than {FOLD:.0} u, where a magnitude is not linear; u is an upper bound there and the mean lies above the value: {remedy}",
+                names.join(", ")
+            ));
+        }
+        if !self.taken_as_exact.is_empty() {
+            let names: Vec<_> = self.taken_as_exact.iter().map(|kind| kind.name()).collect();
+            notes.push(format!("taken as exact, because no uncertainty is given: {}", names.join(", ")));
+        }
+        if let Some(simulation) = &self.simulation {
+            let outcome = &simulation.outcome;
+            let how = match outcome.reached {
+                None => "as asked for".to_owned(),
+                Some(true) => format!("adaptive, {} digits of u reached", outcome.digits),
+                Some(false) => format!("adaptive, {} digits of u NOT reached", outcome.digits),
+            };
+            let errors = upper_error(simulation);
+            notes.push(format!(
+                "Monte Carlo (JCGM 101): {} draws ({how}), seed {}; standard error of the interval's ends {} µm",
+                outcome.draws,
+                outcome.seed,
+                micrometres(errors)
+            ));
+        }
+        notes
+    }
+
+    /// What a decision rule made of each limit.
+    pub(super) fn decision_blocks(rule: &Rule, checks: &[LimitCheck]) -> Vec<Block> {
+        let decided: Vec<_> = checks.iter().filter_map(|check| Some((check, check.decision.as_ref()?))).collect();
+        if decided.is_empty() {
+            return Vec::new();
+        }
+        let with_probability = decided.iter().any(|(_, decision)| decision.conformance.is_some());
+        let rows = decided.iter().map(|(check, decision)| {
+            let mut row = vec![check.on.to_string(), guard_text(decision)];
+            if with_probability {
+                let conformance = decision.conformance;
+                let of = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), probability);
+                row.push(of(conformance.map(|c| c.probability)));
+                row.push(of(conformance.map(|c| c.consumer_risk())));
+                row.push(of(conformance.map(|c| c.producer_risk())));
+            }
+            row.push(decision.verdict.name().to_owned());
+            row
+        });
+        let rows: Vec<_> = rows.collect();
+        let mut columns = vec![Column::text("decision on"), Column::number("guard band\n[µm]")];
+        if with_probability {
+            columns.extend([
+                Column::number("conforms"),
+                Column::number("consumer's risk\nif accepted"),
+                Column::number("producer's risk\nif rejected"),
+            ]);
+        }
+        columns.push(Column::text(format!("by {}", rule_name(rule))));
+        let mut blocks = vec![Block::Table(Table { columns, rows })];
+        blocks.extend(rule_notes(rule, &decided).into_iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks
+    }
+
+    pub(super) fn json(&self) -> Value {
+        let results: Vec<_> = self
+            .results()
+            .into_iter()
+            .map(|(key, _, linear, simulated)| {
+                let contributions: Vec<_> = linear
+                    .contributions
+                    .iter()
+                    .map(|c| {
+                        let angle = c.source.is_angle();
+                        json!({
+                            "input": c.source.key(),
+                            "standard_uncertainty_mm": (!angle).then_some(c.standard),
+                            "standard_uncertainty_deg": angle.then_some(c.standard),
+                            "degrees_of_freedom": finite(c.dof),
+                            "sensitivity": c.sensitivity,
+                            "sensitivity_unit": if angle { "mm/deg" } else { "mm/mm" },
+                            "contribution_mm": c.contribution_mm,
+                            "share": c.share,
+                        })
+                    })
+                    .collect();
+                json!({
+                    "of": key,
+                    "delta_cd_mm": linear.value_mm,
+                    "standard_uncertainty_mm": linear.standard_mm,
+                    "coverage_factor": linear.coverage_factor,
+                    "expanded_uncertainty_mm": linear.expanded_mm(),
+                    "effective_degrees_of_freedom": linear.dof.and_then(finite),
+                    "linear": linear.folded.is_empty(),
+                    "folded": linear.folded.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
+                    "contributions": contributions,
+                    "monte_carlo": simulated.map(|simulated| {
+                        simulation_json(simulated, &validate(linear, simulated, self.digits()))
+                    }),
+                })
+            })
+            .collect();
+        json!({
+            "stack": self.propagation.stack.name(),
+            "coverage": "95.45 %",
+            "results": results,
+            "monte_carlo": self.simulation.as_ref().map(|simulation| {
+                let outcome = &simulation.outcome;
+                json!({
+                    "seed": outcome.seed,
+                    "draws": outcome.draws,
+                    "digits": outcome.digits,
+                    "digits_reached": outcome.reached,
+                })
+            }),
+            "taken_as_exact": self.taken_as_exact.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
+            "notes": self.notes(),
+        })
+    }
+
+    /// The header of [`rows`](Self::rows).
+    pub(super) const COLUMNS: [&'static str; 8] = [
+        "standard_uncertainty_mm",
+        "expanded_uncertainty_mm",
+        "coverage_factor",
+        "monte_carlo_mean_mm",
+        "monte_carlo_standard_mm",
+        "monte_carlo_lower_mm",
+        "monte_carlo_upper_mm",
+        "linear_validated",
+    ];
+
+    /// One row per result: its key, and a cell for each of [`COLUMNS`](Self::COLUMNS).
+    pub(super) fn rows(&self) -> Vec<(&'static str, f64, Vec<String>)> {
+        let results = self.results().into_iter();
+        results
+            .map(|(key, _, linear, simulated)| {
+                let mut cells =
+                    vec![plain(linear.standard_mm), plain(linear.expanded_mm()), plain(linear.coverage_factor)];
+                match simulated {
+                    Some(simulated) => cells.extend([
+                        plain(simulated.mean),
+                        plain(simulated.standard),
+                        plain(simulated.symmetric.0),
+                        plain(simulated.symmetric.1),
+                        validate(linear, simulated, self.digits()).validated.to_string(),
+                    ]),
+                    None => cells.extend(std::iter::repeat_n(String::new(), 5)),
+                }
+                (key, linear.value_mm, cells)
+            })
+            .collect()
+    }
+}
+
+fn upper_error(simulation: &PartSimulation) -> f64 {
+    let (low, high) = simulation.upper().end_errors;
+    low.max(high)
+}
+
+/// Infinity is no JSON number: it is null.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn simulation_json(simulated: &Simulation, validation: &Validation) -> Value {
+    json!({
+        "mean_mm": simulated.mean,
+        "standard_uncertainty_mm": simulated.standard,
+        "symmetric_95_mm": { "lower": simulated.symmetric.0, "upper": simulated.symmetric.1 },
+        "shortest_95_mm": { "lower": simulated.shortest.0, "upper": simulated.shortest.1 },
+        "end_standard_error_mm": { "lower": simulated.end_errors.0, "upper": simulated.end_errors.1 },
+        "linear_half_width_mm": validation.linear_half_width,
+        "distance_lower_mm": validation.distances.0,
+        "distance_upper_mm": validation.distances.1,
+        "tolerance_mm": validation.tolerance,
+        "linear_validated": validation.validated,
+    })
+}
+
+/// A decision as JSON; null where there is none.
+pub(super) fn decision_json(decision: Option<&Decision>) -> Value {
+    decision.map_or(Value::Null, |decision| {
+        json!({
+            "guard_lower_mm": decision.guard_mm.map(|(lower, _)| lower),
+            "guard_upper_mm": decision.guard_mm.map(|(_, upper)| upper),
+            "conformance_probability": decision.conformance.map(|c| c.probability),
+            "consumer_risk_if_accepted": decision.conformance.map(|c| c.consumer_risk()),
+            "producer_risk_if_rejected": decision.conformance.map(|c| c.producer_risk()),
+            "method": decision.conformance.map(|c| if c.simulated { "monte carlo" } else { "linear, normal" }),
+        })
+    })
+}
+
+pub(super) fn rule_name(rule: &Rule) -> String {
+    match rule {
+        Rule::Simple => "simple".to_owned(),
+        Rule::Iso14253 => "ISO 14253-1".to_owned(),
+        Rule::Guard(guard) => format!("guard {} µm", plain(guard.in_unit(crate::quantity::LengthUnit::Micrometre))),
+    }
+}
+
+fn guard_text(decision: &Decision) -> String {
+    match decision.guard_mm {
+        None => "-".to_owned(),
+        Some((lower, upper)) if lower == upper => micrometres(upper),
+        Some((lower, upper)) => format!("{} / {}", micrometres(lower), micrometres(upper)),
+    }
+}
+
+fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let simulated = decided.iter().any(|(_, decision)| decision.conformance.is_some_and(|c| c.simulated));
+    notes.extend(match rule {
+        Rule::Simple => None,
+        Rule::Iso14253 if simulated => Some(format!(
+            "ISO 14253-1: pass if the simulated probability of conformance is at least {:.0} %, fail if that of non-conformance is, else indeterminate",
+            100.0 * ISO_14253_PROBABILITY
+        )),
+        Rule::Iso14253 => Some(format!(
+            "ISO 14253-1: guard band {ISO_14253_FACTOR} u_c (conformance probability 95 %, one-sided); inside the limits by it pass, outside by it fail, between indeterminate"
+        )),
+        Rule::Guard(_) => Some("inside the limits by the guard band pass, outside by it fail, between indeterminate".to_owned()),
+    });
+    if decided.iter().any(|(_, decision)| decision.conformance.is_some()) {
+        let how = if simulated { "counted in the simulation" } else { "linear, normal distribution" };
+        notes.push(format!(
+            "conforms: probability that the true value lies inside the limits, given this measurement ({how}); consumer's risk: that the part, accepted, does not conform; producer's risk: that it, rejected, does (JCGM 106)"
+        ));
+    }
+    let no_room = decided.iter().any(|(check, decision)| {
+        let (Some(lower), Some(upper), Some(guard)) = (&check.limit.lower, &check.limit.upper, decision.guard_mm)
+        else {
+            return false;
+        };
+        guard.0 + guard.1 > (upper - lower).mm()
+    });
+    if no_room {
+        notes.push("the guard bands leave no room between the limits: nothing can pass".to_owned());
+    }
+    notes
+}
+
+/// The sentence of a verdict that is indeterminate.
+pub(super) fn indeterminate_sentence(check: &LimitCheck, rule: &Rule, stack: Stack) -> String {
+    let what = match check.on {
+        crate::decision::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
+        crate::decision::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
+    };
+    debug_assert_eq!(check.verdict, Some(Verdict::Indeterminate));
+    format!("{what} is too near a limit to prove conformity or non-conformity (rule {})", rule_name(rule))
+}

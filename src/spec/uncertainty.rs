@@ -1,0 +1,360 @@
+//! Uncertainties as written beside the values they belong to, and `[[correlation]]`.
+//!
+//! A measured error or a size of the gear may be a table: `{ value = "20 deg", u = "0.02 deg" }`, or with the measured and
+//! nominal values of an error. The reader calls this for the keys that follow the value.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::keys::{self, UNCERTAINTY_KEYS};
+use super::reader::{SectionReader, similar};
+use super::{Located, Spec};
+use crate::decision::uncertainty::{Distribution, Part, Source, Uncertainties, Uncertainty, UncertaintyError};
+use crate::decision::{Rule, Stack};
+use crate::deviation::ErrorKind;
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Model, PartError};
+
+/// Every source that a spec can name.
+const SOURCES: [Source; 13] = [
+    Source::Error(ErrorKind::RackOverRoller),
+    Source::Error(ErrorKind::RackPitch),
+    Source::Error(ErrorKind::RackLead),
+    Source::Error(ErrorKind::PinionRadial),
+    Source::Error(ErrorKind::PinionPitch),
+    Source::NormalModule,
+    Source::NormalPressureAngle,
+    Source::RackHelixAngle,
+    Source::FaceWidth,
+    Source::ToothThickness,
+    Source::Datum,
+    Source::Roller,
+    Source::PinionHelixAngle,
+];
+
+const HELP: &str = "write u = …, or U = … with k = …, or half_width = … with distribution = \"rectangular\", \
+                    \"triangular\", \"arcsine\" or \"normal\"";
+
+/// A correlation as written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WrittenCorrelation {
+    /// Between which two.
+    pub between: (Source, Source),
+    /// The correlation coefficient.
+    pub coefficient: f64,
+}
+
+/// The source behind a key of a section, if its uncertainty means anything.
+pub(super) fn source_of(section: &str, name: &str) -> Option<Source> {
+    let is = |source: &Source| source.key().split_once('.').is_some_and(|(s, n)| s == section && n == name);
+    SOURCES.into_iter().find(|source| !matches!(source, Source::Error(_)) && is(source))
+}
+
+impl SectionReader<'_> {
+    /// The value under a key that may carry an uncertainty: of a table, its `value`, and the rest is noted.
+    pub(super) fn uncertain<'v, 't>(
+        &mut self,
+        name: &str,
+        value: &'v Spanned<DeValue<'t>>,
+        source: Option<Source>,
+    ) -> Option<&'v Spanned<DeValue<'t>>> {
+        let (DeValue::Table(table), Some(source)) = (value.get_ref(), source) else { return Some(value) };
+        let mut known = true;
+        for (key, _) in table {
+            let key_name = key.get_ref().as_ref();
+            let all = UNCERTAINTY_KEYS.into_iter().chain(["value"]);
+            if !all.clone().any(|candidate| candidate == key_name) {
+                known = false;
+                let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{key_name}`"));
+                let help = similar(key_name, all).map_or_else(
+                    || format!("write {name} = {{ value = …, u = … }}"),
+                    |similar| format!("did you mean `{similar}`?"),
+                );
+                self.report(diagnostic.help(help), key.span(), "unknown key");
+            }
+        }
+        if !known {
+            return None;
+        }
+        let Some(inner) = table.get("value") else {
+            let diagnostic = Diagnostic::error(Code::BadUncertainty, format!("`{name}` is a table without a value"))
+                .help(format!("write {name} = {{ value = …, u = … }}"));
+            self.report(diagnostic, value.span(), "");
+            return None;
+        };
+        self.note_uncertainty(name, table, value.span(), source, source.is_angle(), 1.0);
+        Some(inner)
+    }
+
+    /// Reads the uncertainty in a table, if it has one; `scale` takes it from the unit written to that of the source.
+    pub(super) fn note_uncertainty(
+        &mut self,
+        name: &str,
+        table: &DeTable<'_>,
+        span: Range<usize>,
+        source: Source,
+        is_angle: bool,
+        scale: f64,
+    ) {
+        if !UNCERTAINTY_KEYS.iter().any(|key| table.contains_key(*key)) {
+            return;
+        }
+        let has = |key: &str| table.contains_key(key);
+        let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
+        let ways = [has("u"), has("U"), has("half_width")];
+        let problem = match ways.iter().filter(|way| **way).count() {
+            0 => Some(format!("`{name}` has {} but no uncertainty that it is of", first_of(table))),
+            1 if has("U") != has("k") => Some(format!(
+                "`{name}`: an expanded uncertainty U and its coverage factor k belong together: {} is missing",
+                if has("U") { "k" } else { "U" }
+            )),
+            1 if has("half_width") && !has("distribution") => {
+                Some(format!("`{name}`: a half-width says nothing without its distribution"))
+            }
+            1 if has("half_width") && has("dof") => {
+                Some(format!("`{name}`: a half-width has no degrees of freedom: its distribution is known"))
+            }
+            1 => None,
+            _ => Some(format!("`{name}` has more than one uncertainty")),
+        };
+        if let Some(problem) = problem {
+            self.report(bad(problem), span, "");
+            return;
+        }
+        let magnitude = |reader: &mut Self, key: &str| {
+            let value = table.get(key)?;
+            let number = if is_angle {
+                reader.angle_value(key, value)?.degrees()
+            } else {
+                reader.length_value(key, value)?.mm()
+            };
+            if number < 0.0 {
+                reader.report(bad(format!("`{key}` of `{name}` is negative")), value.span(), "");
+                return None;
+            }
+            Some(number * scale)
+        };
+        let distribution = match table.get("distribution") {
+            None => Distribution::Normal,
+            Some(value) => match self.distribution(value) {
+                Some(distribution) => distribution,
+                None => return,
+            },
+        };
+        let uncertainty = if has("u") {
+            magnitude(self, "u").map(|u| Uncertainty { distribution, ..Uncertainty::standard(u) })
+        } else if has("U") {
+            let expanded = magnitude(self, "U");
+            let k = table.get("k").and_then(|value| self.positive("k", value));
+            expanded.zip(k).map(|(expanded, k)| Uncertainty { distribution, ..Uncertainty::expanded(expanded, k) })
+        } else {
+            magnitude(self, "half_width").map(|half_width| Uncertainty::half_width(half_width, distribution))
+        };
+        let Some(mut uncertainty) = uncertainty else { return };
+        if let Some(value) = table.get("dof") {
+            let Some(dof) = self.positive("dof", value) else { return };
+            if dof < 1.0 || distribution != Distribution::Normal {
+                let what = if dof < 1.0 { "at least 1 is needed" } else { "only a normal distribution has them" };
+                self.report(bad(format!("`{name}` has {dof} degrees of freedom: {what}")), value.span(), "");
+                return;
+            }
+            uncertainty.dof = dof;
+        }
+        self.uncertainties.push((source, Located { value: uncertainty, span }));
+    }
+
+    fn distribution(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Distribution> {
+        let all = [Distribution::Normal, Distribution::Rectangular, Distribution::Triangular, Distribution::Arcsine];
+        let DeValue::String(text) = value.get_ref() else {
+            self.wrong_type("distribution", value, "a word in quotes");
+            return None;
+        };
+        let found = all.into_iter().find(|distribution| distribution.name() == text.as_ref());
+        if found.is_none() {
+            let message = format!("\"{text}\" is no distribution: write normal, rectangular, triangular or arcsine");
+            self.report(Diagnostic::error(Code::BadUncertainty, message), value.span(), "");
+        }
+        found
+    }
+
+    /// A number above 0.
+    fn positive(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<f64> {
+        let number = self.plain_number(name, value)?.to_f64();
+        if number > 0.0 {
+            return Some(number);
+        }
+        let message = format!("`{name}` is {number}; it must be above 0");
+        self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
+        None
+    }
+
+    /// `decision.rule`.
+    pub(super) fn rule(&mut self, name: &str) -> Option<Located<Rule>> {
+        let value = self.table?.get(name)?;
+        match self.text(name)?.parse() {
+            Ok(rule) => Some(Located { value: rule, span: value.span() }),
+            Err(message) => {
+                self.report(Diagnostic::error(Code::BadRule, message), value.span(), "");
+                None
+            }
+        }
+    }
+}
+
+/// The first of the keys that belong to an uncertainty.
+fn first_of(table: &DeTable<'_>) -> &'static str {
+    UNCERTAINTY_KEYS.into_iter().find(|key| table.contains_key(*key)).unwrap_or("keys")
+}
+
+/// Reads every `[[correlation]]`.
+pub(super) fn correlations(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenCorrelation>> {
+    let Some(value) = reader.table.and_then(|table| table.get("correlation")) else { return Vec::new() };
+    let DeValue::Array(entries) = value.get_ref() else {
+        reader.wrong_type("correlation", value, "tables, each under a line `[[correlation]]`,");
+        return Vec::new();
+    };
+    entries.iter().filter_map(|entry| correlation(reader, entry)).collect()
+}
+
+fn correlation(reader: &mut SectionReader<'_>, entry: &Spanned<DeValue<'_>>) -> Option<Located<WrittenCorrelation>> {
+    const HELP: &str = "write between = [\"rack_pitch\", \"pinion_pitch\"] and coefficient = 0.5";
+    let DeValue::Table(table) = entry.get_ref() else {
+        reader.wrong_type("correlation", entry, "a table under a line `[[correlation]]`");
+        return None;
+    };
+    reader.inner(&keys::CORRELATION, table, |reader| {
+        let bad = |message: &str| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
+        let Some(between) = table.get("between") else {
+            reader.report(bad("this correlation does not say between what"), entry.span(), "");
+            return None;
+        };
+        let names = match between.get_ref() {
+            DeValue::Array(names) if names.len() == 2 => names,
+            _ => {
+                reader.report(bad("`between` is not a list of two names"), between.span(), "");
+                return None;
+            }
+        };
+        let [a, b] = [0, 1].map(|index| names.get(index).and_then(|name| source_named(reader, name)));
+        let Some(value) = table.get("coefficient") else {
+            reader.report(bad("this correlation has no coefficient"), entry.span(), "");
+            return None;
+        };
+        let coefficient = reader.plain_number("coefficient", value)?.to_f64();
+        let between = (a?, b?);
+        if !(-1.0..=1.0).contains(&coefficient) || between.0 == between.1 {
+            let problem = UncertaintyError::Coefficient { of: between, coefficient };
+            reader.report(bad(&problem.to_string()), value.span(), "");
+            return None;
+        }
+        Some(Located { value: WrittenCorrelation { between, coefficient }, span: entry.span() })
+    })
+}
+
+/// The source of a name: its whole key, or the part behind the section if that is clear.
+fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> Option<Source> {
+    let DeValue::String(text) = name.get_ref() else {
+        reader.wrong_type("between", name, "the name of a value in quotes");
+        return None;
+    };
+    let text = text.as_ref();
+    let short = |source: &Source| source.key().split_once('.').map_or(source.key(), |(_, name)| name);
+    if let Some(source) = SOURCES.into_iter().find(|source| source.key() == text) {
+        return Some(source);
+    }
+    let mut matching = SOURCES.into_iter().filter(|source| short(source) == text);
+    if let (Some(source), None) = (matching.next(), matching.next()) {
+        return Some(source);
+    }
+    let diagnostic = Diagnostic::error(Code::UnknownKey, format!("\"{text}\" names no value that may be uncertain"));
+    let help = similar(text, SOURCES.iter().flat_map(|source| [source.key(), short(source)])).map_or_else(
+        || format!("the names are {}", SOURCES.map(Source::key).join(", ")),
+        |similar| format!("did you mean `{similar}`?"),
+    );
+    reader.report(diagnostic.help(help), name.span(), "");
+    None
+}
+
+impl Spec {
+    /// The inputs of the over-roller nominal, if the spec has it computed.
+    #[must_use]
+    pub fn over_pin(&self) -> Option<OverPin> {
+        let (_, written) = self.errors.iter().find(|(kind, _)| *kind == ErrorKind::RackOverRoller)?;
+        let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
+        Some(OverPin {
+            normal_module: self.pair.normal_module.as_ref()?.value.clone(),
+            normal_pressure_angle: self.pair.normal_pressure_angle.as_ref()?.value.clone(),
+            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value.clone()),
+            pin_diameter: roller.clone(),
+            datum: self.rack.datum.as_ref()?.value.clone(),
+        })
+    }
+
+    /// The part that the spec's uncertainties are about.
+    #[must_use]
+    pub fn part<'a>(
+        &self,
+        errors: &'a [PartError],
+        over_pin: Option<&'a OverPin>,
+        model: Model,
+        stack: Stack,
+    ) -> Part<'a> {
+        Part { errors, over_pin, model, stack }
+    }
+
+    /// The uncertainties of the values that ΔCD of the given errors follows from.
+    ///
+    /// # Errors
+    /// A diagnostic for correlations of what has no uncertainty, or that contradict each other.
+    pub fn uncertainties(&self) -> Result<Uncertainties, Diagnostics> {
+        let given = |kind: ErrorKind| self.errors.iter().any(|(other, _)| *other == kind);
+        let pitch = given(ErrorKind::RackPitch) || given(ErrorKind::RackLead);
+        let nominal = self.over_pin().is_some();
+        let counts = |source: Source| match source {
+            Source::Error(kind) => given(kind),
+            Source::NormalPressureAngle => pitch || given(ErrorKind::PinionPitch) || nominal,
+            Source::RackHelixAngle => pitch,
+            Source::FaceWidth => given(ErrorKind::RackLead),
+            Source::PinionHelixAngle => given(ErrorKind::PinionPitch),
+            Source::NormalModule | Source::ToothThickness | Source::Datum | Source::Roller => nominal,
+        };
+        let inputs: Vec<_> = self
+            .uncertainties
+            .iter()
+            .filter(|(source, _)| counts(*source))
+            .map(|(source, written)| (*source, written.value))
+            .collect();
+        let mut correlations = Vec::new();
+        for written in &self.correlations {
+            let WrittenCorrelation { between: (a, b), coefficient } = written.value;
+            for source in [a, b] {
+                if !self.uncertainties.iter().any(|(other, _)| *other == source) {
+                    let problem = UncertaintyError::Unknown(source).to_string();
+                    return Err(Diagnostic::error(Code::BadUncertainty, problem)
+                        .at(&self.source, written.span.clone(), "")
+                        .help(format!("give `{}` an uncertainty: {{ value = …, u = … }}", source.key()))
+                        .into());
+                }
+            }
+            if counts(a) && counts(b) {
+                correlations.push((a, b, coefficient));
+            }
+        }
+        Uncertainties::new(inputs, &correlations).map_err(|problem| {
+            let place = self.correlations.first().map_or(0..0, |written| written.span.clone());
+            Diagnostic::error(Code::BadUncertainty, problem.to_string()).at(&self.source, place, "").into()
+        })
+    }
+
+    /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.
+    #[must_use]
+    pub fn taken_as_exact(&self) -> Vec<ErrorKind> {
+        let has = |kind: ErrorKind| self.uncertainties.iter().any(|(source, _)| *source == Source::Error(kind));
+        let measured =
+            self.errors.iter().filter(|(_, written)| !matches!(written.value, super::WrittenError::Class(_)));
+        measured.map(|(kind, _)| *kind).filter(|kind| !has(*kind)).collect()
+    }
+}
