@@ -217,8 +217,8 @@ mod tests {
 
     #[test]
     fn chunks_end_where_records_end_however_the_bytes_arrive() {
-        let lines: String = (0..40_000).map(|line| format!("P{line},1.0\n")).collect();
-        let quoted: String = (0..40_000).map(|line| format!("\"P\n{line}\",1.0\r")).collect();
+        let lines: String = (0..40_000).map(|line| ["P", &line.to_string(), ",1.0\n"].concat()).collect();
+        let quoted: String = (0..40_000).map(|line| ["\"P\n", &line.to_string(), "\",1.0\r"].concat()).collect();
         for text in [lines, quoted] {
             let whole = chunks(text.as_bytes(), false);
             assert!(whole.len() > 3);

@@ -1,10 +1,11 @@
 //! What a batch came to: counts that add up, what is wrong with which row, the parts to look at.
 
+use std::fmt;
 use std::sync::Arc;
 
 use super::statistics::Statistics;
 use crate::decision::{LimitTarget, Verdict};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Code;
 
 /// How many rows there were, and what became of them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -97,13 +98,23 @@ impl Problem {
         }
     }
 
-    /// The problem as a diagnostic.
+    /// What is wrong, with the text where the message does not have it.
     #[must_use]
-    pub fn diagnostic(&self) -> Diagnostic {
+    pub fn what(&self) -> String {
         let column = self.column.as_ref().map(|column| format!(", column `{column}`")).unwrap_or_default();
-        let message = format!("{}: record {}{column}: {}", self.whereabouts(), self.record, self.message);
-        let diagnostic = Diagnostic::error(Code::BadRow, message);
-        if self.text.is_empty() { diagnostic } else { diagnostic.help(format!("the text is `{}`", self.text)) }
+        let message = format!("record {}{column}: {}", self.record, self.message);
+        if self.text.is_empty() || self.message.contains(&self.text) {
+            message
+        } else {
+            format!("{message}: `{}`", self.text)
+        }
+    }
+}
+
+/// `file:line: error[bad-row]: record, column: what is wrong`, on one line.
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: error[{}]: {}", self.whereabouts(), Code::BadRow, self.what())
     }
 }
 

@@ -228,6 +228,30 @@ impl Plan {
         self.quantities().map(|output| self.output_name(output)).collect()
     }
 
+    /// The limits (mm, lower and upper) that each result that is a number is held against, if it is.
+    #[must_use]
+    pub fn quantity_limits(&self) -> Vec<(Option<f64>, Option<f64>)> {
+        let limit = |on: LimitTarget| self.limits.iter().find(|(target, _)| *target == on).map(|(_, limit)| limit);
+        let ends = |limit: &Limit| (limit.lower.as_ref().map(Length::mm), limit.upper.as_ref().map(Length::mm));
+        let combined = |stack: Stack| {
+            limit(LimitTarget::CenterDistance).filter(|_| self.stack == stack).map_or((None, None), ends)
+        };
+        // a magnitude W stands for -W to W: it must not exceed the nearer end
+        let magnitude = |stack: Stack| {
+            let (lower, upper) = combined(stack);
+            let nearer = lower.map(|lower| -lower).into_iter().chain(upper).reduce(f64::min);
+            (None, nearer)
+        };
+        let quantities = self.quantities().map(|output| match output {
+            Output::Error(source) => limit(LimitTarget::Error(self.sources[*source].kind)).map_or((None, None), ends),
+            Output::RangeLower | Output::RangeUpper => combined(Stack::Range),
+            Output::WorstCase => magnitude(Stack::WorstCase),
+            Output::Rss => magnitude(Stack::Rss),
+            Output::Id | Output::Verdict | Output::Copied(_) => (None, None),
+        });
+        quantities.collect()
+    }
+
     /// The names of the columns written, in order.
     #[must_use]
     pub fn column_names(&self) -> Vec<String> {

@@ -2,6 +2,7 @@
 //!
 //! One file per subcommand. This is the only module that reads files and prints.
 
+mod batch;
 mod calc;
 mod class;
 mod completions;
@@ -18,6 +19,7 @@ mod paste;
 mod reproduce;
 mod schema;
 mod simulate;
+mod stream;
 
 use std::io::Read as _;
 use std::process::ExitCode;
@@ -65,6 +67,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("calc", calc),
     subcommand!("mesh", mesh),
     subcommand!("measure", measure),
+    subcommand!("batch", batch),
     subcommand!("paste", paste),
     subcommand!("class", class),
     subcommand!("simulate", simulate),

@@ -239,6 +239,31 @@ pub fn capability(
     })
 }
 
+/// Pp and Ppk of so many parts of which mean and standard deviation are known, against limits in mm; for batches whose
+/// values are not kept. Pp is `None` unless both limits are given; both are with fewer than [`FEWEST_PARTS`] parts, without
+/// limits, or without spread.
+#[must_use]
+pub fn performance(
+    parts: u64,
+    mean_mm: f64,
+    deviation_mm: f64,
+    lower_mm: Option<f64>,
+    upper_mm: Option<f64>,
+) -> (Option<Index>, Option<Index>) {
+    let n = count(usize::try_from(parts).unwrap_or(usize::MAX));
+    let margin = lower_mm
+        .map_or(f64::INFINITY, |lower| mean_mm - lower)
+        .min(upper_mm.map_or(f64::INFINITY, |upper| upper - mean_mm));
+    // a spread below the rounding of the values is none
+    let spreads = deviation_mm > 4.0 * f64::EPSILON * mean_mm.abs();
+    if parts < FEWEST_PARTS as u64 || margin.is_infinite() || !spreads {
+        return (None, None);
+    }
+    let width = lower_mm.zip(upper_mm).map(|(lower, upper)| upper - lower);
+    let pp = width.map(|width| spread_index(width, deviation_mm, n - 1.0));
+    (pp, Some(margin_index(margin, deviation_mm, n, n - 1.0)))
+}
+
 #[allow(clippy::cast_precision_loss)] // far below 2⁵³ parts
 fn count(parts: usize) -> f64 {
     parts as f64
@@ -361,6 +386,20 @@ mod tests {
         assert!((result.cpk.value - 0.004 / (3.0 * within)).abs() < 1e-12);
         assert!(result.normality.rejected(), "two values only are no normal distribution");
         assert_eq!(result.outside, 0.0);
+    }
+
+    #[test]
+    fn indices_without_the_values_are_those_with_them() {
+        let values = normal_values(200, 0.003, 0.01);
+        let whole = capability(&values, &limit("-0.04", "0.05"), 1, None).unwrap();
+        let (pp, ppk) = performance(200, whole.mean_mm, whole.overall_deviation_mm, Some(-0.04), Some(0.05));
+        assert_eq!((pp, ppk), (whole.pp, Some(whole.ppk)));
+        assert_eq!(performance(9, 0.0, 0.01, None, Some(0.05)), (None, None));
+        assert_eq!(performance(90, 0.01, 0.0, None, Some(0.05)), (None, None));
+        let (pp, ppk) = performance(1_000_000_000, 0.01, 0.01, None, Some(0.05));
+        assert_eq!(pp, None);
+        let ppk = ppk.unwrap();
+        assert!(ppk.lower < ppk.value && ppk.upper - ppk.lower < 1e-3, "{ppk:?}");
     }
 
     #[test]

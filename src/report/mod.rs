@@ -8,7 +8,11 @@
 //! as the same double, and what could not be computed is `null` or an empty field. Tables and Markdown
 //! are for people: four decimals of a millimetre, which is 0.1 µm.
 
+#[cfg(feature = "batch")]
+mod batch;
 mod calculation;
+#[cfg(feature = "batch")]
+mod ci;
 mod class;
 mod evaluation;
 mod mesh;
@@ -23,7 +27,11 @@ mod sketch;
 mod table;
 mod uncertainty;
 
+#[cfg(feature = "batch")]
+pub use batch::BatchReport;
 pub use calculation::{Calculation, Computed, ResultUnit};
+#[cfg(feature = "batch")]
+pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
 pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart};
 

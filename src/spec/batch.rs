@@ -133,13 +133,10 @@ impl Spec {
                     .help("add `nominal = …` beside it")
                     .into())
             }
-            _ => match (in_column, in_errors) {
+            _ => match (in_column.or(in_errors), roller) {
                 (Some(nominal), _) => Ok(Reading::Measured(nominal.value.clone())),
-                (None, Some(nominal)) => Ok(Reading::Measured(nominal.value.clone())),
-                (None, None) => match roller {
-                    Some((roller, written)) => self.over_roller(roller, written).map(Reading::Measured),
-                    None => Ok(Reading::Deviation),
-                },
+                (None, Some((roller, written))) => self.over_roller(roller, written).map(Reading::Measured),
+                (None, None) => Ok(Reading::Deviation),
             },
         }
     }

@@ -1,0 +1,464 @@
+//! `rackmesh batch`: tables with a row per part, through the formulas.
+
+use std::fs::File;
+use std::io::{self, IsTerminal as _, Read, Write};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::ValueEnum;
+use indicatif::HumanCount;
+
+use super::eval::{ModelArg, StackArg};
+use super::long;
+use super::output::{Failure, Output, Status};
+use super::stream::Stdin;
+use crate::batch::{
+    Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Progress, Request, RowFormat, Rows,
+    RunError, Sink, Sinks,
+};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::report::{self, BatchReport, Format};
+use crate::spec::Spec;
+
+pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinations and a verdict for every part";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  rackmesh batch rack.toml parts.csv > results.csv
+  rackmesh batch rack.toml parts.csv.gz --summary
+  rackmesh batch rack.toml parts.csv --only-failures --columns part_id,verdict
+  rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
+
+Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row was rejected or something
+could not be judged, 3 a verdict is indeterminate.")]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
+pub(super) struct Args {
+    /// The gear spec (TOML).
+    spec: String,
+    /// Tables with a header and a row per part, gzip and zstd included; `-` or none reads standard input.
+    files: Vec<String>,
+    /// Write the rows (or the summary) here; `.tsv` and `.jsonl` name a format, `.gz` and `.zst` pack.
+    #[arg(long, short)]
+    output: Option<String>,
+    /// The format of rows (csv, tsv, jsonl) or of a summary (table, markdown, json, csv).
+    #[arg(long, value_enum)]
+    format: Option<BatchFormat>,
+    /// Decimals of the lengths, mm; `full` writes what `eval` writes.
+    #[arg(long, default_value = "6", value_name = "N|full")]
+    decimals: Decimals,
+    /// The columns to write: results, or columns of the table as they are.
+    #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
+    columns: Option<Vec<String>>,
+    /// The column that names the part.
+    #[arg(long, value_name = "NAME")]
+    id: Option<String>,
+    /// Print counts, statistics, quantiles, Pp, Ppk and the ten worst parts instead of rows.
+    #[arg(long, conflicts_with = "only_failures")]
+    summary: bool,
+    /// Write the parts that do not pass only.
+    #[arg(long)]
+    only_failures: bool,
+    /// The combination that the verdict judges.
+    #[arg(long, value_enum, default_value_t)]
+    stack: StackArg,
+    /// Formulas exact for rigid teeth, or as the paper prints them.
+    #[arg(long, value_enum, default_value_t)]
+    model: ModelArg,
+    /// Write rejected rows here, unchanged and below their header.
+    #[arg(long, value_name = "FILE")]
+    rejects: Option<String>,
+    /// End at the first rejected row.
+    #[arg(long)]
+    strict: bool,
+    /// Write a JUnit report here.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<String>,
+    /// Annotate parts that do not pass and rejected rows, on standard error.
+    #[arg(long, value_enum, value_name = "FOR")]
+    annotations: Option<Annotations>,
+    /// The separator, a character or `tab`; found from the header unless given.
+    #[arg(long, value_parser = separator, value_name = "CHAR")]
+    separator: Option<u8>,
+    /// Numbers have a decimal comma.
+    #[arg(long)]
+    decimal_comma: bool,
+    /// Threads; as many as there are cores unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BatchFormat {
+    /// Comma-separated values with a header.
+    Csv,
+    /// Tab-separated values with a header.
+    Tsv,
+    /// One JSON object per line.
+    Jsonl,
+    /// Aligned tables for people (summary).
+    Table,
+    /// Markdown tables (summary).
+    Markdown,
+    /// One JSON object (summary).
+    Json,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Annotations {
+    /// Workflow commands of GitHub Actions.
+    Github,
+}
+
+/// Rejected rows shown on standard error; the others are counted.
+const PROBLEMS_SHOWN: usize = 10;
+
+/// Parts listed in a JUnit report; the others are counted in it.
+const PARTS_LISTED: usize = 1000;
+
+fn separator(text: &str) -> Result<u8, String> {
+    match text.as_bytes() {
+        _ if text == "tab" || text == "\\t" => Ok(b'\t'),
+        [byte]
+            if byte.is_ascii()
+                && !byte.is_ascii_alphanumeric()
+                && !matches!(byte, b'"' | b'\n' | b'\r' | b'.' | b'-') =>
+        {
+            Ok(*byte)
+        }
+        _ => Err("write one character such as ; or the word tab".to_owned()),
+    }
+}
+
+fn unwritable(name: &str, error: &io::Error) -> Failure {
+    Diagnostic::error(Code::FileAccess, format!("cannot write {name}: {error}")).into()
+}
+
+impl Args {
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let spec = Arc::new(super::read_spec(&self.spec)?);
+        let stop = long::interrupted();
+        let mut files = self.files.iter().map(String::as_str).collect::<Vec<_>>();
+        if files.is_empty() {
+            files.push("-");
+        }
+        if files.contains(&"-") && self.spec == "-" {
+            return Err(
+                Diagnostic::error(Code::Usage, "the spec and the table cannot both come from standard input").into()
+            );
+        }
+        let (rows_format, summary_format) = self.formats()?;
+        let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
+        let first = Input::open(name(files[0]), open(files[0], &stop)?, dialect)?;
+        let plan = Plan::new(&spec, &first.header, self.request(rows_format))?;
+        self.remarks(&plan, &first, output);
+
+        let mut rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
+            (_, true) => None,
+            (Some(path), false) => Some(Box::new(File::create(path).map_err(|error| unwritable(path, &error))?)),
+            (None, false) => Some(Box::new(super::stream::Stdout)),
+        };
+        let packing = self.output.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
+        let rejects_packing = self.rejects.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
+        let rejects = self.rejects.as_ref().map(|path| File::create(path).map_err(|error| unwritable(path, &error)));
+        let mut rejects = rejects.transpose()?;
+        let sinks = Sinks {
+            rows: rows.as_mut().map(|writer| Sink { writer, packing }),
+            rejects: rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
+        };
+        let mut batch = Batch::new(&plan, sinks, self.threads.map(usize::from));
+        let mut failed = Vec::new();
+        let mut first = Some(first);
+        let mut bar = Bar::new(&files);
+        for file in &files {
+            let input = match first.take() {
+                Some(input) => Ok(input),
+                None => open(file, &stop)
+                    .map_err(failures)
+                    .and_then(|bytes| Input::open(name(file), bytes, dialect).map_err(|diagnostic| vec![diagnostic])),
+            };
+            let layout = input.and_then(|input| {
+                let layout = Layout::new(&plan, &input.header).map_err(|diagnostics| diagnostics.0)?;
+                Ok((input, layout))
+            });
+            match layout {
+                Ok((input, layout)) => match batch.run(input, &layout, &stop, &mut |progress| bar.show(progress)) {
+                    Ok(()) => {}
+                    Err(RunError::Read(error)) => {
+                        let message = format!("cannot read {} to its end: {error}", name(file));
+                        failed.push(Diagnostic::error(Code::FileAccess, message));
+                    }
+                    Err(RunError::Write(error)) => return Err(Failure::Write(error)),
+                },
+                Err(diagnostics) => failed.extend(diagnostics),
+            }
+            bar.next();
+            if batch.is_over() {
+                break;
+            }
+        }
+        bar.finish();
+        let (outcome, written) = batch.finish();
+        written?;
+        drop(rows);
+        for diagnostic in &failed {
+            output.diagnostic(diagnostic);
+        }
+        self.report(&spec, &plan, &outcome, summary_format, output)?;
+        Ok(status(&plan, &outcome, !failed.is_empty()))
+    }
+
+    /// The format of the rows, and of a summary.
+    fn formats(&self) -> Result<(RowFormat, Format), Failure> {
+        let named = self.output.as_deref().map(|path| Packing::of_name(path).1.to_ascii_lowercase());
+        let ends = |suffix: &str| named.as_ref().is_some_and(|name| name.ends_with(suffix));
+        let rows = match self.format {
+            Some(BatchFormat::Csv) => RowFormat::Csv,
+            Some(BatchFormat::Tsv) => RowFormat::Tsv,
+            Some(BatchFormat::Jsonl) => RowFormat::JsonLines,
+            Some(format) if !self.summary => {
+                let name = format.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
+                return Err(Diagnostic::error(Code::Usage, format!("rows cannot be written as {name}"))
+                    .help("write csv, tsv or jsonl; or ask for the --summary")
+                    .into());
+            }
+            None if ends(".tsv") => RowFormat::Tsv,
+            None if ends(".jsonl") || ends(".ndjson") => RowFormat::JsonLines,
+            _ => RowFormat::Csv,
+        };
+        let summary = match self.format {
+            Some(BatchFormat::Csv) => Format::Csv,
+            Some(BatchFormat::Json) => Format::Json,
+            Some(BatchFormat::Markdown) => Format::Markdown,
+            Some(BatchFormat::Tsv | BatchFormat::Jsonl) if self.summary => {
+                return Err(Diagnostic::error(Code::Usage, "a summary has no such format")
+                    .help("write table, markdown, json or csv")
+                    .into());
+            }
+            None if ends(".json") => Format::Json,
+            None if ends(".csv") => Format::Csv,
+            None if ends(".md") => Format::Markdown,
+            _ => Format::Table,
+        };
+        Ok((rows, summary))
+    }
+
+    fn request(&self, format: RowFormat) -> Request {
+        Request {
+            model: self.model.into(),
+            stack: self.stack.into(),
+            decimals: self.decimals,
+            format,
+            columns: self.columns.clone(),
+            id: self.id.clone(),
+            rows: match (self.summary, self.only_failures) {
+                (true, _) => Rows::None,
+                (_, true) => Rows::NotPassed,
+                _ => Rows::All,
+            },
+            statistics: self.summary,
+            strict: self.strict,
+            failures_kept: if self.junit.is_some() {
+                PARTS_LISTED
+            } else if self.annotations.is_some() {
+                report::ANNOTATIONS_SHOWN
+            } else {
+                0
+            },
+            problems_kept: if self.junit.is_some() { PARTS_LISTED } else { PROBLEMS_SHOWN },
+        }
+    }
+
+    /// What the user should know before the first row.
+    fn remarks(&self, plan: &Plan, first: &Input, output: &mut Output) {
+        for kind in plan.left_out(&first.header) {
+            let message = format!(
+                "{} has no column `{}`: that error is left out, because the value in [errors] is one part's",
+                first.header.name,
+                kind.key()
+            );
+            output.diagnostic(&Diagnostic::warning(Code::BadTable, message));
+        }
+        for target in plan.unjudged() {
+            let message = format!("there is a limit on ΔCD of the {target}, but the table has no such column");
+            output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
+        }
+        if !plan.has_id(&first.header) {
+            let message =
+                format!("{} has no column `part_id`: parts are called by the number of their row", first.header.name);
+            let help = "name the column that has the part's name with --id";
+            output.diagnostic(&Diagnostic::warning(Code::BadTable, message).help(help));
+        }
+        if self.only_failures && plan.limits().is_empty() {
+            let message = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
+            output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
+        }
+    }
+
+    /// What is said after the last row.
+    fn report(
+        &self,
+        spec: &Spec,
+        plan: &Plan,
+        outcome: &Outcome,
+        format: Format,
+        output: &mut Output,
+    ) -> Result<(), Failure> {
+        let counts = &outcome.counts;
+        for problem in outcome.problems.iter().take(PROBLEMS_SHOWN) {
+            output.remark(&problem.to_string());
+        }
+        let more = counts.rejected.saturating_sub(PROBLEMS_SHOWN as u64);
+        if more > 0 {
+            output.remark(&format!("… and {} more rejected rows", HumanCount(more)));
+        }
+        if let Some(path) = &self.junit {
+            let report = report::junit(spec.title.as_deref(), plan, outcome);
+            std::fs::write(path, report).map_err(|error| unwritable(path, &error))?;
+        }
+        if self.annotations == Some(Annotations::Github) {
+            output.remark(report::github_annotations(outcome).trim_end());
+        }
+        if outcome.interrupted {
+            output.remark("interrupted: what follows is of the rows up to here");
+        }
+        if self.summary {
+            let report = BatchReport::new(spec.title.as_deref(), plan, outcome);
+            match &self.output {
+                Some(path) => {
+                    let text = report::write(&report, format, crate::report::Screen::default())?;
+                    std::fs::write(path, text).map_err(|error| unwritable(path, &error))?;
+                }
+                None => output.report(&report, format)?,
+            }
+        } else {
+            output.remark(&in_words(counts));
+        }
+        Ok(())
+    }
+}
+
+/// The counts in one line.
+fn in_words(counts: &Counts) -> String {
+    let mut parts = Vec::new();
+    for (count, what) in [
+        (counts.pass, "pass"),
+        (counts.fail, "fail"),
+        (counts.indeterminate, "indeterminate"),
+        (counts.unjudged, "without a verdict"),
+        (counts.rejected, "rejected"),
+    ] {
+        if count > 0 || (what == "fail" && counts.pass > 0) {
+            parts.push(format!("{} {what}", HumanCount(count)));
+        }
+    }
+    let rows = if counts.rows == 1 { "row" } else { "rows" };
+    let mut line = format!("{} {rows}", HumanCount(counts.rows));
+    if !parts.is_empty() {
+        line.push_str(": ");
+        line.push_str(&parts.join(", "));
+    }
+    if counts.blank_lines > 0 {
+        line.push_str(&format!("; {} blank lines", HumanCount(counts.blank_lines)));
+    }
+    line
+}
+
+/// The exit status: a rejected row weighs more than a failed part, and that more than an open verdict.
+fn status(plan: &Plan, outcome: &Outcome, unread: bool) -> Status {
+    let counts = &outcome.counts;
+    if counts.rejected > 0 || unread {
+        Status::Undecided
+    } else if counts.fail > 0 {
+        Status::Fail
+    } else if !plan.unjudged().is_empty() {
+        Status::Undecided
+    } else if counts.indeterminate > 0 {
+        Status::Indeterminate
+    } else {
+        Status::Pass
+    }
+}
+
+/// What messages call a file.
+fn name(path: &str) -> &str {
+    if path == "-" { "<stdin>" } else { path }
+}
+
+fn failures(failure: Failure) -> Vec<Diagnostic> {
+    match failure {
+        Failure::Diagnostics(diagnostics) => diagnostics,
+        Failure::Usage(error) => Diagnostics::from(Diagnostic::error(Code::Usage, error.to_string())).0,
+        Failure::Write(error) => Diagnostics::from(Diagnostic::error(Code::FileAccess, error.to_string())).0,
+    }
+}
+
+fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
+    if path == "-" {
+        return Ok(Box::new(Stdin::new(Arc::clone(stop))));
+    }
+    let unreadable = |error: &dyn std::fmt::Display| {
+        Failure::from(Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {error}")))
+    };
+    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
+        return Err(unreadable(&"it is a folder"));
+    }
+    Ok(Box::new(file))
+}
+
+/// How far the run is, where somebody watches.
+struct Bar {
+    shown: indicatif::ProgressBar,
+    /// The sizes of the files, as far as they have one.
+    sizes: Vec<Option<u64>>,
+    file: usize,
+    done: u64,
+}
+
+impl Bar {
+    fn new(files: &[&str]) -> Self {
+        let sizes = files.iter().map(|path| {
+            let (packing, _) = Packing::of_name(path);
+            let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+            (packing == Packing::None).then_some(metadata.len())
+        });
+        let sizes: Vec<_> = sizes.collect();
+        let total: Option<u64> = sizes.iter().copied().sum();
+        // nothing is shown before the first tenth of a second is over, and nothing unless somebody watches
+        let bar = match total {
+            _ if !io::stderr().is_terminal() => indicatif::ProgressBar::hidden(),
+            Some(total) => long::progress(total, "{msg}  {bar:20} {percent} %  {eta} left"),
+            None => long::progress(0, "{msg}  {elapsed}"),
+        };
+        Self { shown: bar, sizes, file: 0, done: 0 }
+    }
+
+    fn show(&mut self, progress: &Progress) {
+        let seconds = self.shown.elapsed().as_secs_f64();
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "for people"
+        )]
+        let rate = if seconds > 0.0 { (progress.rows as f64 / seconds) as u64 } else { 0 };
+        let mut message = format!("{} rows  {}/s", HumanCount(progress.rows), HumanCount(rate));
+        if progress.failures > 0 {
+            message.push_str(&format!("  {} failed", HumanCount(progress.failures)));
+        }
+        if progress.rejected > 0 {
+            message.push_str(&format!("  {} rejected", HumanCount(progress.rejected)));
+        }
+        self.shown.set_position(self.done + progress.bytes);
+        self.shown.set_message(message);
+    }
+
+    fn next(&mut self) {
+        self.done += self.sizes.get(self.file).copied().flatten().unwrap_or(0);
+        self.file += 1;
+    }
+
+    fn finish(&self) {
+        self.shown.finish_and_clear();
+    }
+}

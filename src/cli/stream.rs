@@ -1,0 +1,87 @@
+//! Standard input that Ctrl-C can end, and standard output without a line buffer.
+
+use std::io::{self, Read, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::Duration;
+
+/// Standard input, read by a thread of its own: a slow pipe does not keep the program from ending.
+pub(super) struct Stdin {
+    blocks: Receiver<io::Result<Vec<u8>>>,
+    /// Blocks that were read to the end, to be filled again.
+    empty: SyncSender<Vec<u8>>,
+    block: Vec<u8>,
+    at: usize,
+    ended: bool,
+    stop: Arc<AtomicBool>,
+}
+
+const BLOCK: usize = 1 << 16;
+const BLOCKS: usize = 4;
+
+impl Stdin {
+    pub(super) fn new(stop: Arc<AtomicBool>) -> Self {
+        let (filled, blocks) = sync_channel(BLOCKS);
+        let (empty, to_fill) = sync_channel::<Vec<u8>>(BLOCKS);
+        std::thread::spawn(move || {
+            let mut stdin = io::stdin().lock();
+            loop {
+                let mut block = to_fill.try_recv().unwrap_or_default();
+                block.resize(BLOCK, 0);
+                let read = match stdin.read(&mut block) {
+                    Ok(0) => return,
+                    Ok(count) => {
+                        block.truncate(count);
+                        Ok(block)
+                    }
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                    Err(error) => Err(error),
+                };
+                let failed = read.is_err();
+                if filled.send(read).is_err() || failed {
+                    return;
+                }
+            }
+        });
+        Self { blocks, empty, block: Vec::new(), at: 0, ended: false, stop }
+    }
+}
+
+impl Read for Stdin {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        const INTERVAL: Duration = Duration::from_millis(50);
+        while self.at == self.block.len() && !self.ended {
+            if self.stop.load(Ordering::Relaxed) {
+                return Ok(0);
+            }
+            match self.blocks.recv_timeout(INTERVAL) {
+                Ok(block) => {
+                    let used = std::mem::replace(&mut self.block, block?);
+                    self.at = 0;
+                    // a full channel has enough blocks already
+                    let _ = self.empty.try_send(used);
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => self.ended = true,
+            }
+        }
+        let count = out.len().min(self.block.len() - self.at);
+        out[..count].copy_from_slice(&self.block[self.at..self.at + count]);
+        self.at += count;
+        Ok(count)
+    }
+}
+
+/// Standard output; what is written comes in large pieces.
+pub(super) struct Stdout;
+
+impl Write for Stdout {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        io::stdout().lock().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        io::stdout().lock().flush()
+    }
+}

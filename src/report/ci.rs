@@ -1,0 +1,178 @@
+//! A batch as pipelines show it: a JUnit report, and annotations of GitHub Actions.
+
+use std::fmt::Write as _;
+
+use super::batch::{grouped, whereabouts};
+use super::number::{millimetres, plain};
+use crate::batch::{Outcome, Part, Plan};
+use crate::decision::Verdict;
+
+/// Annotations that a page shows of one step.
+pub const ANNOTATIONS_SHOWN: usize = 10;
+
+/// What is wrong with a part, in a sentence.
+fn sentence(part: &Part) -> String {
+    let (lower, upper) = part.result_mm;
+    let result =
+        if lower == upper { millimetres(upper) } else { format!("{} … {}", millimetres(lower), millimetres(upper)) };
+    let on = part.on.map(|on| on.to_string()).unwrap_or_default();
+    if part.verdict == Some(Verdict::Indeterminate) {
+        return format!("ΔCD ({on}) {result} mm is too near its limit to be judged");
+    }
+    let beyond = millimetres(part.margin_mm.abs());
+    format!("ΔCD ({on}) {result} mm is {} mm outside its limit", beyond.trim_start_matches('+'))
+}
+
+/// The batch as a JUnit report. The parts that did not pass and the rejected rows are test cases of their own,
+/// as far as the outcome lists them; one more stands for all others, so that a pipeline has something to show
+/// where everything passes.
+#[must_use]
+pub fn junit(title: Option<&str>, plan: &Plan, outcome: &Outcome) -> String {
+    let counts = &outcome.counts;
+    let (failures, problems) = (&outcome.failures, &outcome.problems);
+    let unlisted_failures = (counts.fail + counts.indeterminate).saturating_sub(failures.len() as u64);
+    let unlisted_problems = counts.rejected.saturating_sub(problems.len() as u64);
+    let rest = counts.pass + counts.unjudged;
+    let cases =
+        failures.len() + problems.len() + 1 + usize::from(unlisted_failures > 0) + usize::from(unlisted_problems > 0);
+    let failed = failures.len() + usize::from(unlisted_failures > 0);
+    let errors = problems.len() + usize::from(unlisted_problems > 0);
+    let name = escaped(title.unwrap_or("rackmesh batch"));
+    let mut xml = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+         <testsuites name=\"rackmesh\" tests=\"{cases}\" failures=\"{failed}\" errors=\"{errors}\">\n\
+         <testsuite name=\"{name}\" tests=\"{cases}\" failures=\"{failed}\" errors=\"{errors}\" skipped=\"0\">\n\
+         <properties>\n"
+    );
+    let values = [
+        ("rows", counts.rows),
+        ("pass", counts.pass),
+        ("fail", counts.fail),
+        ("indeterminate", counts.indeterminate),
+        ("unjudged", counts.unjudged),
+        ("rejected", counts.rejected),
+    ];
+    let property = |xml: &mut String, name: &str, value: &str| {
+        let _ = writeln!(xml, "<property name=\"{name}\" value=\"{}\"/>", escaped(value));
+    };
+    for (name, count) in values {
+        property(&mut xml, name, &count.to_string());
+    }
+    property(&mut xml, "model", plan.model().name());
+    property(&mut xml, "stack", plan.stack().name());
+    for (on, limit) in plan.limits() {
+        let end = |end: &Option<crate::quantity::Length>| end.as_ref().map_or("open".to_owned(), |end| plain(end.mm()));
+        let ends = format!("{} … {} mm", end(&limit.lower), end(&limit.upper));
+        property(&mut xml, &format!("limit {}", on.key()), &ends);
+    }
+    xml.push_str("</properties>\n");
+    let (parts, were) = if rest == 1 { ("part", "was") } else { ("parts", "were") };
+    let all = if counts.unjudged > 0 { "have no verdict or pass" } else { "pass" };
+    let _ =
+        writeln!(xml, "<testcase classname=\"parts\" name=\"{} {parts} {were} checked and {all}\"/>", grouped(rest));
+    for part in failures {
+        let place = escaped(&whereabouts(part));
+        let message = escaped(&sentence(part));
+        let kind = part.verdict.map_or("fail", Verdict::name);
+        let _ = writeln!(
+            xml,
+            "<testcase classname=\"{}\" name=\"{}\" file=\"{}\" line=\"{}\">\n\
+             <failure type=\"{kind}\" message=\"{message}\">{place}: {message}</failure>\n</testcase>",
+            escaped(&part.file),
+            escaped(&part.id),
+            escaped(&part.file),
+            part.line
+        );
+    }
+    if unlisted_failures > 0 {
+        let _ = writeln!(
+            xml,
+            "<testcase classname=\"parts\" name=\"other parts\">\n<failure type=\"fail\" message=\"{} more parts do not pass\"/>\n</testcase>",
+            grouped(unlisted_failures)
+        );
+    }
+    for problem in problems {
+        let message = escaped(&problem.what());
+        let _ = writeln!(
+            xml,
+            "<testcase classname=\"{}\" name=\"record {}\" file=\"{}\" line=\"{}\">\n\
+             <error type=\"bad-row\" message=\"{message}\">{}: {message}</error>\n</testcase>",
+            escaped(&problem.file),
+            problem.record,
+            escaped(&problem.file),
+            problem.line,
+            escaped(&problem.whereabouts())
+        );
+    }
+    if unlisted_problems > 0 {
+        let _ = writeln!(
+            xml,
+            "<testcase classname=\"rows\" name=\"other rows\">\n<error type=\"bad-row\" message=\"{} more rows are rejected\"/>\n</testcase>",
+            grouped(unlisted_problems)
+        );
+    }
+    xml.push_str("</testsuite>\n</testsuites>\n");
+    xml
+}
+
+/// Text in XML 1.0, which has no place for most control characters.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\n' => out.push_str("&#10;"),
+            '\r' => out.push_str("&#13;"),
+            '\t' => out.push_str("&#9;"),
+            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// The batch as workflow commands of GitHub Actions: the first parts that did not pass, the first rejected
+/// rows, and the counts.
+#[must_use]
+pub fn github_annotations(outcome: &Outcome) -> String {
+    let mut text = String::new();
+    for part in outcome.failures.iter().take(ANNOTATIONS_SHOWN) {
+        let level = if part.verdict == Some(Verdict::Indeterminate) { "warning" } else { "error" };
+        let title = format!("part {}", part.id);
+        command(&mut text, level, &part.file, part.line, &title, &sentence(part));
+    }
+    for problem in outcome.problems.iter().take(ANNOTATIONS_SHOWN) {
+        let title = format!("record {} rejected", problem.record);
+        command(&mut text, "error", &problem.file, problem.line, &title, &problem.what());
+    }
+    let counts = &outcome.counts;
+    let _ = writeln!(
+        text,
+        "::notice title=rackmesh batch::{} rows: {} pass, {} fail, {} indeterminate, {} without a verdict, {} rejected",
+        counts.rows, counts.pass, counts.fail, counts.indeterminate, counts.unjudged, counts.rejected
+    );
+    text
+}
+
+fn command(text: &mut String, level: &str, file: &str, line: u64, title: &str, message: &str) {
+    // the characters that end a value, as the runner's own toolkit writes them
+    let data = |text: &str| text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
+    let value = |text: &str| data(text).replace(':', "%3A").replace(',', "%2C");
+    let _ = writeln!(text, "::{level} file={},line={line},title={}::{}", value(file), value(title), data(message));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_escaped() {
+        assert_eq!(escaped("a<\"b\">&\u{1}\n"), "a&lt;&quot;b&quot;&gt;&amp;\u{fffd}&#10;");
+        let mut text = String::new();
+        command(&mut text, "error", "a,b.csv", 7, "part 1:2", "50 %\nout: of");
+        assert_eq!(text, "::error file=a%2Cb.csv,line=7,title=part 1%3A2::50 %25%0Aout: of\n");
+    }
+}

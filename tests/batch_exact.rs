@@ -1,0 +1,209 @@
+//! A batch gives what `eval` gives, to the last digit and to the limit: the fast way must not be seen.
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use proptest::prelude::*;
+use rackmesh::batch::{Batch, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
+use rackmesh::decision::{Stack, Verdict, evaluate};
+use rackmesh::formula::Model;
+use rackmesh::quantity::Length;
+use rackmesh::spec::Spec;
+
+const COLUMNS: [&str; 5] = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch"];
+
+/// Everything but the errors: gear data and limits.
+fn spec_text(alpha: &str, helix: &str, limit: &str) -> String {
+    format!(
+        "[pair]\nnormal_pressure_angle = {alpha}\n[rack]\nface_width = 19.7\nhelix_angle = {helix}\n\
+         [pinion]\nhelix_angle = {helix}\n[limits]\ncenter_distance = \"±{limit}\"\nrack_lead = {{ upper = {limit} }}\n"
+    )
+}
+
+fn run(spec: &str, table: &str, request: Request) -> (Vec<String>, Outcome) {
+    let spec = Arc::new(Spec::parse("spec.toml", spec).expect("the spec is valid"));
+    let bytes = std::io::Cursor::new(table.as_bytes().to_vec());
+    let input = Input::open("parts.csv", Box::new(bytes), Dialect::default()).expect("there is a header");
+    let plan = Plan::new(&spec, &input.header, request).expect("the plan fits");
+    let layout = Layout::new(&plan, &input.header).expect("the columns are there");
+    let mut rows = Vec::new();
+    let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
+    let mut batch = Batch::new(&plan, sinks, Some(2));
+    batch.run(input, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
+    let (outcome, _) = batch.finish();
+    let rows = String::from_utf8(rows).expect("CSV is text");
+    (rows.lines().skip(1).map(str::to_owned).collect(), outcome)
+}
+
+/// The same row by the evaluation of single specs.
+fn by_eval(spec: &str, values: &[String; 5], id: &str, decimals: Decimals, model: Model, stack: Stack) -> String {
+    let mut text = spec.to_owned() + "[errors]\n";
+    let _ = writeln!(text, "rack_over_roller = {{ measured = {}, nominal = 25.0 }}", values[0]);
+    let _ = writeln!(text, "rack_pitch = \"{} um\"", values[1]);
+    let _ = writeln!(text, "rack_lead = {}", values[2]);
+    let _ = writeln!(text, "pinion_radial = {{ measured = {}, nominal = 8.5 }}", values[3]);
+    let _ = writeln!(text, "pinion_pitch = {}", values[4]);
+    let spec = Spec::parse("one.toml", &text).expect("the spec is valid");
+    let errors = spec.part_errors().expect("the errors are there");
+    let evaluation = evaluate(&errors, &spec.limits(), model, stack).expect("the errors are in their domain");
+    let write = |length: &Length| match decimals {
+        Decimals::Places(places) => length.exact_mm().to_decimal_text(u16::from(places)),
+        Decimals::Full => {
+            let mm = length.mm();
+            if mm != 0.0 && !(1e-7..1e15).contains(&mm.abs()) { format!("{mm:e}") } else { format!("{mm}") }
+        }
+    };
+    let mut row = id.to_owned();
+    for contribution in &evaluation.contributions {
+        row += &format!(",{}", write(contribution.delta_cd(model)));
+    }
+    let combined = &evaluation.combined;
+    for length in [&combined.range_lower, &combined.range_upper, &combined.worst_case, &combined.rss] {
+        row += &format!(",{}", write(length));
+    }
+    row + "," + evaluation.verdict.map_or("", Verdict::name)
+}
+
+fn check(
+    alpha: &str,
+    helix: &str,
+    limit: &str,
+    parts: &[[String; 5]],
+    decimals: Decimals,
+    model: Model,
+    stack: Stack,
+) -> Outcome {
+    let base = spec_text(alpha, helix, limit);
+    let spec = base.clone()
+        + "[errors]\nrack_over_roller = { nominal = 25 }\npinion_radial = { nominal = 8.5 }\n\
+           [batch.columns]\nrack_pitch = { unit = \"um\" }\n";
+    let mut table = format!("part_id,{}\n", COLUMNS.join(","));
+    for (index, values) in parts.iter().enumerate() {
+        let _ = writeln!(table, "P{index},{}", values.join(","));
+    }
+    let request = Request { decimals, model, stack, ..Request::default() };
+    let (rows, outcome) = run(&spec, &table, request);
+    assert_eq!(outcome.problems, [], "{table}");
+    assert_eq!(rows.len(), parts.len());
+    for (index, (row, values)) in rows.iter().zip(parts).enumerate() {
+        let id = format!("P{index}");
+        assert_eq!(*row, by_eval(&base, values, &id, decimals, model, stack), "{values:?}");
+    }
+    outcome
+}
+
+const STACKS: [Stack; 3] = [Stack::Range, Stack::WorstCase, Stack::Rss];
+
+#[test]
+fn on_ties_and_on_limits() {
+    // over-roller and radial errors are exact, so that every half of the last place and every limit is met
+    let mut parts = Vec::new();
+    for step in 0..200 {
+        let zero = || "0".to_owned();
+        let (half, sign) = (5 * (step % 40), if step % 3 == 0 { "-" } else { "" });
+        parts.push([format!("25.000{half:04}"), zero(), zero(), "8.5".to_owned(), zero()]);
+        parts.push([format!("24.99{:03}", step * 5), zero(), zero(), format!("8.50{step:03}"), zero()]);
+        // 3/4 µm for each µm at 30°, and 3-4-5
+        parts.push([
+            format!("25.0{:02}", step % 10 * 4),
+            format!("{sign}{}", step % 10 * 40),
+            zero(),
+            "8.5".to_owned(),
+            zero(),
+        ]);
+    }
+    for stack in STACKS {
+        for limit in ["0.05", "0.0000125", "0.0300005"] {
+            let outcome = check("30", "30", limit, &parts, Decimals::Places(6), Model::Exact, stack);
+            assert!(outcome.work.exact < 400, "{:?}", outcome.work);
+        }
+    }
+    check("45", "0", "0.05", &parts, Decimals::Places(3), Model::Paper, Stack::Range);
+}
+
+#[test]
+fn few_rows_need_exact_arithmetic() {
+    let parts: Vec<_> = (0..2000i64)
+        .map(|n| {
+            let value = |factor: i64, range: i64| (n * factor) % (2 * range + 1) - range;
+            let decimal = |value: i64, places: i64| {
+                let one = 10i64.pow(u32::try_from(places).unwrap());
+                let sign = if value < 0 { "-" } else { "" };
+                format!(
+                    "{sign}{}.{:0width$}",
+                    value.abs() / one,
+                    value.abs() % one,
+                    width = usize::try_from(places).unwrap()
+                )
+            };
+            [
+                decimal(250_000 + value(7919, 200), 4),
+                decimal(value(104_729, 200), 1),
+                decimal(value(15_485_863, 2500), 4),
+                decimal(85_000 + value(6151, 200), 4),
+                decimal(value(49_979, 200), 4),
+            ]
+        })
+        .collect();
+    let outcome = check("20", "12.5", "0.05", &parts, Decimals::Places(6), Model::Exact, Stack::Range);
+    assert_eq!(outcome.work.exact, 0);
+    assert_eq!(outcome.work.fields, 10_000);
+    assert!(outcome.counts.fail > 100 && outcome.counts.pass > 100, "{:?}", outcome.counts);
+}
+
+/// A number with so many decimals.
+fn number(most: i64, places: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = String> {
+    (-most..=most, places).prop_map(|(value, places)| {
+        let one = 10i64.pow(u32::try_from(places).unwrap());
+        let sign = if value < 0 { "-" } else { "" };
+        if places == 0 {
+            return format!("{value}");
+        }
+        format!("{sign}{}.{:0places$}", value.abs() / one, value.abs() % one)
+    })
+}
+
+fn part() -> impl Strategy<Value = [String; 5]> {
+    (
+        number(30_000_000, 4..=9),
+        number(30_000, 0..=3),
+        number(40_000_000, 7..=16),
+        number(9_000_000, 5..=8),
+        number(30_000, 4..=12),
+    )
+        .prop_map(|(a, b, c, d, e)| [a, b, c, d, e])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn on_random_rows(
+        parts in prop::collection::vec(part(), 1..12),
+        angles in prop::sample::select(vec![("20", "0"), ("19.9", "-21.5"), ("45", "0"), ("30", "30"), ("1e-3", "80")]),
+        decimals in prop::sample::select(vec![
+            Decimals::Places(0), Decimals::Places(3), Decimals::Places(6), Decimals::Places(9), Decimals::Places(12),
+            Decimals::Places(15), Decimals::Places(25), Decimals::Full,
+        ]),
+        model in prop::sample::select(vec![Model::Exact, Model::Paper]),
+        stack in prop::sample::select(STACKS.to_vec()),
+    ) {
+        check(angles.0, angles.1, "0.05", &parts, decimals, model, stack);
+    }
+}
+
+#[test]
+fn only_what_is_asked_for_is_read_and_computed() {
+    let spec = "[pair]\nnormal_pressure_angle = 20\n";
+    let table = "part_id,rack_over_roller,rack_pitch,note\nP1,not read,0.01,a\nP2,,0.02,b\n";
+    let columns = |names: &[&str]| Some(names.iter().map(|name| (*name).to_owned()).collect());
+    let request = Request { columns: columns(&["part_id", "delta_cd_rack_pitch_mm", "note"]), ..Request::default() };
+    let (rows, outcome) = run(spec, table, request);
+    assert_eq!(rows, ["P1,0.013737,a", "P2,0.027475,b"]);
+    assert_eq!((outcome.work.fields, outcome.work.results), (2, 2));
+    // the face width is not needed either: nobody asked about the lead
+    let table = "part_id,rack_lead,rack_pitch\nP1,0.1,0.01\n";
+    let request = Request { columns: columns(&["delta_cd_rack_pitch_mm"]), ..Request::default() };
+    assert_eq!(run(spec, table, request).0, ["0.013737"]);
+}
