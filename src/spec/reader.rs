@@ -181,14 +181,9 @@ impl SectionReader<'_> {
             _ => self.plain_number(name, value)?,
         };
         if !domain.contains(&number) {
-            let unit = unit.symbol;
-            let message = format!(
-                "the {} {} is {}; it must be {}",
-                domain.name,
-                domain.symbol,
-                format!("{} {unit}", number.to_f64()).trim_end(),
-                domain.in_words(unit)
-            );
+            let (written, unit) = (number.to_f64(), unit.after);
+            let bounds = domain.in_words(unit);
+            let message = format!("the {} {} is {written}{unit}; it must be {bounds}", domain.name, domain.symbol);
             self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
             return None;
         }
