@@ -44,7 +44,8 @@ pub(super) struct Across {
     pub(super) half_width: f64,
 }
 
-/// Flank form of both parts, as amounts along Z.
+/// Flank form of both parts, as amounts along Z. Where the pinion's surface stands back it also does so from the rack's
+/// tip plane, by `tip_share` of that.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Form {
     pub(super) rack_crowning: f64,
@@ -53,6 +54,7 @@ pub(super) struct Form {
     pub(super) tip_relief: f64,
     pub(super) relief_start: f64,
     pub(super) tip: f64,
+    pub(super) tip_share: f64,
 }
 
 /// Where on the flanks a contact is.
@@ -399,7 +401,7 @@ impl FlankContact {
         (lo, hi): (Bound, Bound),
     ) -> Generator {
         let y = self.across_line(pose, at);
-        let value = |w: f64| {
+        let both = |w: f64| {
             let across = y.at(w) / self.across.half_width;
             let axial = w / self.half_face;
             let roll = (at.t0 + self.kappa * w - self.start_roll) / (self.tip_roll - self.start_roll);
@@ -410,23 +412,23 @@ impl FlankContact {
             } else {
                 0.0
             };
-            let formed = plane
-                - form.rack_crowning * across * across
-                - form.pinion_crowning * axial * axial
-                - form.profile_slope * roll
-                - relief;
-            formed.min(tip.at(w))
+            let stands_back = form.pinion_crowning * axial * axial + form.profile_slope * roll;
+            let formed = plane - form.rack_crowning * across * across - relief - stands_back;
+            let at_tip = tip.at(w) - form.tip_share * stands_back;
+            (formed.min(at_tip), at_tip)
         };
+        let value = |w: f64| both(w).0;
         let w = golden(lo.w, hi.w.max(lo.w), &value);
         let near = 1e-6 * self.half_face;
-        let on_tip = (tip.at(w) - value(w)).abs() <= 1e-9 * self.half_face;
+        let (demand, at_tip) = both(w);
+        let on_tip = (at_tip - demand).abs() <= 1e-9 * self.half_face;
         let kind = match (w - lo.w < near, hi.w - w < near) {
             (true, _) => lo.kind,
             (_, true) => hi.kind,
             _ if on_tip => ContactKind::RackEdge,
             _ => ContactKind::Point,
         };
-        Generator::Some { demand: value(w), slope: f64::NAN, rate: flank.p_rate, w, kind, on_tip }
+        Generator::Some { demand, slope: f64::NAN, rate: flank.p_rate, w, kind, on_tip }
     }
 
     /// A demand that this pair cannot exceed: at each w the best generator is δ = 0, and where that lies off the

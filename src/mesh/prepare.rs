@@ -243,6 +243,7 @@ impl Mesh {
             tip_relief: rack.tip_relief_mm * per_normal,
             relief_start: rack.tip_relief_start_mm,
             tip: self.pair.rack().addendum_mm,
+            tip_share: 1.0 / (per_normal * per_normal),
         })
     }
 }

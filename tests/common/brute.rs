@@ -13,6 +13,16 @@ pub struct Brute<'a> {
     pub pair: &'a Pair,
     pub rack: &'a RackFlanks,
     pub pinion: &'a PinionFlanks,
+    pub roll: Roll,
+}
+
+/// The rack turned about an axis along X, at Y = 0 and `depth` below its reference plane. Which points of the pinion lie over
+/// its face then depends on the centre distance, for which one is assumed.
+#[derive(Clone, Copy, Default)]
+pub struct Roll {
+    pub angle: f64,
+    pub depth: f64,
+    pub assumed: f64,
 }
 
 fn golden(mut a: f64, mut b: f64, f: &mut dyn FnMut(f64) -> f64, rounds: usize) -> f64 {
@@ -51,19 +61,44 @@ fn maximum(lo: f64, hi: f64, cells: usize, rounds: usize, f: &mut dyn FnMut(f64)
 }
 
 impl Brute<'_> {
-    /// Height of the rack's solid tooth at (x, y), y within the face.
-    fn height(&self, tooth: &RackTooth, centre: f64, x: f64, y: f64) -> f64 {
+    /// What the rack's solid tooth asks of a point of the pinion at (x, y, z), y within the face; `y_rack` is measured in
+    /// the rolled rack. The pinion's surface stands back by `removed`, along the flank's normal.
+    fn demand_of(&self, tooth: &RackTooth, centre: f64, [x, y, z]: [f64; 3], y_rack: f64, removed: f64) -> f64 {
         let rack = self.pair.rack();
         let half = rack.tooth_thickness_mm / 2.0 / trig::cos(rack.helix_angle_rad);
         let tan_n = trig::tan(self.pair.normal_pressure_angle_rad());
+        let sin_n = trig::sin(self.pair.normal_pressure_angle_rad());
+        let (s, c, depth) = (trig::sin(self.roll.angle), trig::cos(self.roll.angle), self.roll.depth);
+        let form = self.rack.form();
+        // a plane z' = level − along·x − across·y' of the rack, where (y', z') is (y, z) turned back about the axis
+        let turned = |level: f64, along: f64, across: f64| {
+            (level + depth - along * x + y * (s - across * c)) / (c + across * s) - depth
+        };
         let plane = |side: f64, flank: rackmesh::deviation::RackFlank| {
             let beta = rack.helix_angle_rad + flank.lead_rad;
-            // distance outward from the flank's own line at Z = 0, in the normal plane
-            let foot = centre + side * half + flank.along_x_mm + y * trig::tan(beta);
-            let out = side * (x - foot) * trig::cos(beta);
-            flank.along_z_mm - out / tan_n
+            // distance outward from the flank's own line at Z = 0, in the normal plane: (x − foot) cos β − y' sin β
+            let foot = centre + side * half + flank.along_x_mm;
+            let per_out = side / tan_n;
+            let along = per_out * trig::cos(beta);
+            let across = -per_out * trig::sin(beta);
+            let height = turned(flank.along_z_mm + along * foot, along, across);
+            let mut removed = removed + form.crowning_mm * (2.0 * y_rack / rack.face_width_mm).powi(2);
+            if form.tip_relief_mm > 0.0 {
+                let share = (height - form.tip_relief_start_mm) / (rack.addendum_mm - form.tip_relief_start_mm);
+                removed += form.tip_relief_mm * share.max(0.0);
+            }
+            height - removed / sin_n
         };
-        plane(1.0, tooth.right).min(plane(-1.0, tooth.left)).min(rack.addendum_mm)
+        let tip = turned(rack.addendum_mm, 0.0, 0.0) - removed * sin_n;
+        plane(1.0, tooth.right).min(plane(-1.0, tooth.left)).min(tip) - z
+    }
+
+    /// Material removed from a pinion flank.
+    fn removed(&self, roll: f64, w: f64) -> f64 {
+        let (p, form) = (self.pair.pinion(), self.pinion.form());
+        let share = (roll - p.start_roll_rad) / (p.tip_roll_rad - p.start_roll_rad);
+        let crown = form.crowning_mm * (2.0 * w / p.face_width_mm).powi(2);
+        crown + form.profile_slope_mm * share
     }
 
     /// A point of a pinion flank, relative to the axis, in rack coordinates. `side` +1 right, −1 left.
@@ -91,7 +126,13 @@ impl Brute<'_> {
         let (b, k) = (p.face_width_mm / 2.0, self.pair.rack().face_width_mm / 2.0);
         let deviation = self.rack.tooth(rack_tooth);
         let along = |radius: f64| {
-            let y = |w: f64| self.point(tooth, side, angle, radius, w)[1];
+            let (s, c) = (trig::sin(self.roll.angle), trig::cos(self.roll.angle));
+            let roll = ((radius / p.base_radius_mm).powi(2) - 1.0).max(0.0).sqrt();
+            let across = |y: f64, z: f64| y * c + s * (self.roll.assumed + z + self.roll.depth);
+            let y = |w: f64| {
+                let [_, y, z] = self.point(tooth, side, angle, radius, w);
+                across(y, z)
+            };
             // y is monotone in w for every geometry tried here; find where it leaves the face
             let (y0, y1) = (y(-b), y(b));
             let edge = |target: f64| {
@@ -127,7 +168,7 @@ impl Brute<'_> {
             }
             let mut demand = |w: f64| {
                 let [x, y, z] = self.point(tooth, side, angle, radius, w);
-                self.height(&deviation, centre, x, y) - z
+                self.demand_of(&deviation, centre, [x, y, z], across(y, z), self.removed(roll, w))
             };
             if rough {
                 maximum(ends.0, ends.1, 6, 0, &mut demand)
