@@ -3,6 +3,7 @@
 //! One file per subcommand. This is the only module that reads files and prints.
 
 mod batch;
+mod budget;
 mod calc;
 mod class;
 mod completions;
@@ -71,6 +72,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("paste", paste),
     subcommand!("class", class),
     subcommand!("simulate", simulate),
+    subcommand!("budget", budget),
     subcommand!("reproduce", reproduce),
     subcommand!("init", init),
     subcommand!("explain", explain),

@@ -5,6 +5,7 @@
 //! module writes. Sums and comparisons are exact: a result equal to a limit in decimal arithmetic is
 //! inside it. Nothing here reads files or prints.
 
+pub mod budget;
 pub mod capability;
 pub mod class;
 pub mod class_mesh;

@@ -71,6 +71,8 @@ codes! {
     BadRule = "bad-rule",
     /// A Monte Carlo simulation that cannot be made.
     NoMonteCarlo = "no-monte-carlo",
+    /// A budget with nothing to distribute.
+    NoBudget = "no-budget",
     /// There is nothing to evaluate.
     NoErrors = "no-errors",
     /// A limit on an error that is not given.

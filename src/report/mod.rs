@@ -10,6 +10,7 @@
 
 #[cfg(feature = "batch")]
 mod batch;
+mod budget;
 mod calculation;
 #[cfg(feature = "batch")]
 mod ci;
@@ -29,6 +30,7 @@ mod uncertainty;
 
 #[cfg(feature = "batch")]
 pub use batch::BatchReport;
+pub use budget::BudgetReport;
 pub use calculation::{Calculation, Computed, ResultUnit};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};

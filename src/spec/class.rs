@@ -68,6 +68,12 @@ impl Spec {
         }
     }
 
+    /// What a grade permits of a kind of error, if the spec says enough for it.
+    #[must_use]
+    pub fn class_of(&self, kind: ErrorKind, grade: u8) -> Option<ErrorClass> {
+        self.class(kind, grade, &(0..0), &mut MissingKeys::default())?.ok()
+    }
+
     /// What `{ class = grade }` of a kind of error comes to; `None` if a key is missing.
     pub(super) fn class(
         &self,

@@ -40,6 +40,8 @@ pub(crate) enum Kind {
     Rule,
     /// The names of two values.
     Pair,
+    /// A tolerance of a budget: fixed, or free with a weight or cost.
+    Tolerance(ErrorKind),
     /// Which teeth: `"all"`, `5`, `"5"`, `"8.."`, `"8..=12"`.
     Teeth,
     /// A table with these keys.
@@ -434,6 +436,28 @@ pub(crate) const BATCH: Section = Section {
     keys: &[key("columns", Kind::Table(&BATCH_COLUMNS), "Columns that are named or measured otherwise.")],
 };
 
+const FRACTION: Domain =
+    Domain { name: "fraction", symbol: "P", lower: Bound::Exclusive(0), upper: Bound::Inclusive(1) };
+
+pub(crate) const BUDGET: Section = Section {
+    name: "budget",
+    doc: "Which tolerances are fixed, which are sought, and how they add up.",
+    keys: &[
+        key("stack", Kind::Word(&["worst", "rss", "simulation"]), "How tolerances add up. Default worst."),
+        key("conforming", Kind::Number(FRACTION), "Fraction of random assemblies that must conform. Default 0.9973."),
+        key(
+            "distribution",
+            Kind::Word(&["uniform", "normal", "triangular"]),
+            "How errors spread within their tolerances. Default uniform.",
+        ),
+        key("rack_over_roller", Kind::Tolerance(ErrorKind::RackOverRoller), "Tolerance of the over-roller error."),
+        key("rack_pitch", Kind::Tolerance(ErrorKind::RackPitch), "Tolerance of the rack's pitch error."),
+        key("rack_lead", Kind::Tolerance(ErrorKind::RackLead), "Tolerance of the rack's lead angle error."),
+        key("pinion_radial", Kind::Tolerance(ErrorKind::PinionRadial), "Tolerance of the pinion's radial error."),
+        key("pinion_pitch", Kind::Tolerance(ErrorKind::PinionPitch), "Tolerance of the pinion's pitch error."),
+    ],
+};
+
 /// The sections in the order in which they are documented.
 pub(crate) const SECTIONS: &[Section] =
-    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, ERRORS, LIMITS, DECISION, BATCH, SIMULATION];
+    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, BATCH, SIMULATION];

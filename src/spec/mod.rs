@@ -6,6 +6,7 @@
 //! result needs, and only then is a key required. Nothing below this module knows TOML.
 
 mod batch;
+mod budget;
 mod class;
 mod deviations;
 mod keys;
@@ -20,6 +21,7 @@ mod template;
 mod uncertainty;
 
 pub use batch::{BatchColumn, BatchSection, Reading};
+pub use budget::{BudgetSection, WrittenTolerance};
 pub use class::ToleranceSection;
 pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
@@ -70,6 +72,8 @@ pub struct Spec {
     pub support: SupportSection,
     /// `[tolerance]`.
     pub tolerance: ToleranceSection,
+    /// `[budget]`.
+    pub budget: BudgetSection,
     /// `[errors]`, in the paper's order.
     pub errors: Vec<(ErrorKind, Located<WrittenError>)>,
     /// The nominal values that `[errors]` gives, with a measured value or alone: then a batch or a pasted block
@@ -234,6 +238,7 @@ impl Spec {
             roll: reader.word("roll"),
             roll_axis_depth: reader.length("roll_axis_depth"),
         });
+        let budget = sections.read(&keys::BUDGET, budget::read);
         let tolerance = sections.read(&keys::TOLERANCE, |reader| ToleranceSection {
             standard: reader.standard("standard"),
             diameter: reader.rack_diameter("diameter"),
@@ -265,6 +270,7 @@ impl Spec {
                 pinion,
                 support,
                 tolerance,
+                budget,
                 errors,
                 nominals,
                 limits,
@@ -369,8 +375,18 @@ fn syntax_error(source: &Arc<Source>, error: &toml::de::Error) -> Diagnostic {
 
 /// Reads one entry of `[errors]`.
 fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<WrittenError>> {
+    let value = reader.table?.get(kind.key())?;
+    let written = read_error_value(reader, kind, value)?;
+    Some(Located { value: written, span: value.span() })
+}
+
+/// Reads the value of an error: a deviation, or a table from which it follows.
+fn read_error_value(
+    reader: &mut SectionReader<'_>,
+    kind: ErrorKind,
+    value: &Spanned<DeValue<'_>>,
+) -> Option<WrittenError> {
     let name = kind.key();
-    let value = reader.table?.get(name)?;
     let is_angle = kind == ErrorKind::RackLead;
     let written = match value.get_ref() {
         DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
@@ -380,7 +396,7 @@ fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located
     if let WrittenError::Angle(angle) = &written {
         reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
     }
-    Some(Located { value: written, span: value.span() })
+    Some(written)
 }
 
 /// The entry of an error that has nothing but a nominal value.

@@ -59,6 +59,18 @@ fn property(key: &Key, section: &str) -> Value {
         Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
         Kind::Error(kind) => error(kind),
         Kind::Word(words) => json!({ "enum": words }),
+        Kind::Tolerance(kind) => {
+            let number = json!({ "type": "number", "exclusiveMinimum": 0 });
+            let free = |name: &str| {
+                json!({
+                    "type": "object",
+                    "additionalProperties": false,
+                    "required": [name],
+                    "properties": { name: number },
+                })
+            };
+            json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
+        }
         Kind::Standard => json!({ "anyOf": [
             { "enum": Standard::ALL.map(Standard::id) },
             { "type": "string" },

@@ -8,7 +8,9 @@ mod axis;
 mod canvas;
 mod curve;
 mod log;
+mod tornado;
 
 pub use canvas::PlotError;
 pub use curve::{CurvePlot, Mark, Series};
 pub use log::{LogPlot, LogSeries};
+pub use tornado::{Bar, TornadoPlot};

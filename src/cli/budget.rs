@@ -1,0 +1,192 @@
+//! `rackmesh budget`: from a ΔCD tolerance to a tolerance for each error.
+
+use std::path::{Path, PathBuf};
+
+use super::eval::ModelArg;
+use super::mesh::write_picture;
+use super::output::{Failure, Output, Status};
+use crate::decision::budget::simulation::{Simulation, Spread};
+use crate::decision::budget::{self, Budget, Request, Rule};
+use crate::decision::class::{ErrorClass, deviation_of};
+use crate::decision::{Limit, LimitTarget};
+use crate::deviation::ErrorValue;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Length;
+use crate::report::plot::{Bar, TornadoPlot};
+use crate::report::{BudgetReport, Format};
+use crate::spec::Spec;
+
+pub(super) const ABOUT: &str = "Allocate a ΔCD tolerance to the errors: which tolerance each may have";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "The spec's [budget] says which tolerances are fixed and which are sought:
+
+  [budget]
+  stack = \"rss\"                      # worst, rss or simulation
+  rack_over_roller = \"10 um\"         # fixed
+  rack_pitch = { class = 7 }         # fixed, by [tolerance]
+  rack_lead = { weight = 2 }         # free: twice the ΔCD of a weight of 1
+  pinion_pitch = \"free\"              # free, weight 1; { cost = 3 } instead makes the sum of costs smallest
+
+Without entries there, all five errors are free.
+
+Examples:
+  rackmesh budget rack.toml
+  rackmesh budget rack.toml --delta-cd 50um --stack worst
+  rackmesh budget rack.toml --stack simulation --conforming 0.999 --plot tornado.svg
+
+Exit status: 0 if the limit can be met, 1 if fixed tolerances break it, 2 if there is no result.")]
+pub(super) struct Args {
+    /// The gear spec (TOML); `-` reads standard input.
+    spec: String,
+    /// The ΔCD to distribute, to either side, in place of limits.center_distance.
+    #[arg(long, value_name = "ΔCD")]
+    delta_cd: Option<Length>,
+    /// How tolerances add up.
+    #[arg(long, value_enum)]
+    stack: Option<StackArg>,
+    /// The fraction of random assemblies that must conform; 0.9973 unless given.
+    #[arg(long, value_name = "FRACTION", value_parser = fraction)]
+    conforming: Option<f64>,
+    /// How errors spread within their tolerances; uniform unless given.
+    #[arg(long, value_enum)]
+    distribution: Option<SpreadArg>,
+    /// The seed of the simulation.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Formulas exact for rigid teeth, or as the paper prints them.
+    #[arg(long, value_enum, default_value_t)]
+    model: ModelArg,
+    /// Draw the tornado plot to this file (.svg or .png).
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Output format.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum StackArg {
+    /// The sum of magnitudes.
+    Worst,
+    /// The root of the sum of squares.
+    Rss,
+    /// A fraction of random assemblies.
+    Simulation,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum SpreadArg {
+    Uniform,
+    Normal,
+    Triangular,
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value <= 1.0 => Ok(value),
+        _ => Err("a fraction above 0 and at most 1 is needed".to_owned()),
+    }
+}
+
+impl Args {
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let spec = super::read_spec(&self.spec)?;
+        let (entries, classes) = spec.budget_entries()?;
+        let request = Request {
+            entries,
+            limit: self.limit(&spec)?,
+            own_limits: spec.own_limits(),
+            rule: self.rule(&spec),
+            model: self.model.into(),
+        };
+        let budget =
+            budget::allocate(&request).map_err(|error| Diagnostic::error(Code::NoBudget, error.to_string()))?;
+        let grades = grades(&spec, &budget);
+        let report = BudgetReport {
+            title: spec.title.as_deref(),
+            budget: &budget,
+            limit: &request.limit,
+            rule: request.rule,
+            model: request.model,
+            classes: &classes,
+            grades: &grades,
+            screen: output.screen(),
+        };
+        if let Some(path) = &self.plot {
+            draw(path, &report)?;
+        }
+        output.report(&report, self.format)?;
+        Ok(if budget.is_feasible() { Status::Pass } else { Status::Fail })
+    }
+
+    fn limit(&self, spec: &Spec) -> Result<Limit, Failure> {
+        if let Some(delta_cd) = &self.delta_cd {
+            return Ok(Limit::symmetric(delta_cd));
+        }
+        let written = spec.limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
+        match written {
+            Some((_, limit)) => Ok(limit.value.clone()),
+            None => Err(Diagnostic::error(Code::NoBudget, "there is no ΔCD to distribute")
+                .help("give --delta-cd, or limits.center_distance in the spec")
+                .into()),
+        }
+    }
+
+    fn rule(&self, spec: &Spec) -> Rule {
+        let section = &spec.budget;
+        let written = section.stack.as_ref().map(|stack| stack.value);
+        let stack = self.stack.unwrap_or(match written {
+            Some("rss") => StackArg::Rss,
+            Some("simulation") => StackArg::Simulation,
+            _ => StackArg::Worst,
+        });
+        match stack {
+            StackArg::Worst => Rule::WorstCase,
+            StackArg::Rss => Rule::Rss,
+            StackArg::Simulation => {
+                let spread = self.distribution.map(|spread| match spread {
+                    SpreadArg::Uniform => Spread::Uniform,
+                    SpreadArg::Normal => Spread::Normal,
+                    SpreadArg::Triangular => Spread::Triangular,
+                });
+                let conforming = self.conforming.or(section.conforming.as_ref().map(|conforming| conforming.value));
+                Rule::Simulation(Simulation {
+                    conforming: conforming.unwrap_or(Simulation::CONFORMING),
+                    spread: spread.or(section.spread()).unwrap_or_default(),
+                    draws: Simulation::DRAWS,
+                    seed: self.seed,
+                })
+            }
+        }
+    }
+}
+
+/// For each free tolerance, the coarsest grade of the spec's standard that stays within it.
+fn grades(spec: &Spec, budget: &Budget) -> Vec<ErrorClass> {
+    let Some(standard) = spec.tolerance.standard.as_ref().map(|standard| standard.value) else { return Vec::new() };
+    if !budget.is_feasible() {
+        return Vec::new();
+    }
+    let free = budget.lines.iter().filter(|line| !line.is_fixed);
+    free.filter_map(|line| {
+        let kind = line.error.kind();
+        let limiting = standard.that_limits(deviation_of(kind))?;
+        let within = |class: &ErrorClass| match (&class.value, line.error.value()) {
+            (ErrorValue::Length(permitted), ErrorValue::Length(tolerance)) => *permitted <= tolerance.abs(),
+            (ErrorValue::Angle(permitted), ErrorValue::Angle(tolerance)) => *permitted <= tolerance.abs(),
+            _ => false,
+        };
+        limiting.grades().rev().filter_map(|grade| spec.class_of(kind, grade)).find(within)
+    })
+    .collect()
+}
+
+/// Writes the tornado plot.
+fn draw(path: &Path, report: &BudgetReport<'_>) -> Result<(), Failure> {
+    let bars = report.bars().into_iter().map(|(label, from_mm, to_mm, pale)| Bar { label, from_mm, to_mm, pale });
+    let limits = [&report.limit.lower, &report.limit.upper].into_iter().flatten().map(Length::mm).collect();
+    let title = report.title.unwrap_or("ΔCD by error").to_owned();
+    let plot = TornadoPlot { title, bars: bars.collect(), limits };
+    write_picture(path, || plot.svg(), || plot.png())
+}

@@ -1,0 +1,313 @@
+//! The report of `budget`: tolerances, sensitivities, and the tornado plot.
+
+use serde_json::{Value, json};
+
+use super::evaluation::class_json;
+use super::number::{millimetres, plain, truncated};
+use super::{Block, Column, Report, Screen, Table};
+use crate::decision::Limit;
+use crate::decision::budget::{Budget, Line, Rule, base_value};
+use crate::decision::class::ErrorClass;
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::formula::{Input, Model};
+use crate::quantity::{Length, LengthUnit};
+
+/// A budget with what it was asked for.
+#[derive(Debug)]
+pub struct BudgetReport<'a> {
+    /// The spec's title.
+    pub title: Option<&'a str>,
+    /// The budget.
+    pub budget: &'a Budget,
+    /// The limit of ΔCD.
+    pub limit: &'a Limit,
+    /// How tolerances add up.
+    pub rule: Rule,
+    /// The formulas' reading.
+    pub model: Model,
+    /// What fixed classes came to.
+    pub classes: &'a [ErrorClass],
+    /// For free tolerances, the coarsest grade that stays within them, if a standard is known.
+    pub grades: &'a [ErrorClass],
+    /// Room for the tornado plot.
+    pub screen: Screen,
+}
+
+/// What an input is called, with its unit.
+fn input_name(kind: ErrorKind, input: Input) -> (String, &'static str) {
+    match input {
+        Input::Error if kind == ErrorKind::RackLead => (kind.to_string(), "mm/°"),
+        Input::Error => (kind.to_string(), "mm/mm"),
+        Input::NormalPressureAngle => ("normal pressure angle α_n".to_owned(), "mm/°"),
+        Input::HelixAngle if kind == ErrorKind::PinionPitch => ("helix angle of the pinion β_p".to_owned(), "mm/°"),
+        Input::HelixAngle => ("helix angle of the rack β_r".to_owned(), "mm/°"),
+        Input::FaceWidth => ("face width of the rack k".to_owned(), "mm/mm"),
+        other => (format!("{other:?}"), "mm/mm"),
+    }
+}
+
+/// The sum of ∂ΔCD/∂input over the errors, as the worst case adds them.
+fn sensitivities(budget: &Budget) -> Vec<(String, &'static str, f64)> {
+    let mut all: Vec<(String, &'static str, f64)> = Vec::new();
+    for line in &budget.lines {
+        for sensitivity in &line.sensitivities {
+            let Some(value) = sensitivity.value else { continue };
+            let (name, unit) = input_name(line.error.kind(), sensitivity.input);
+            match all.iter_mut().find(|(known, _, _)| *known == name) {
+                Some((_, _, sum)) => *sum += value,
+                None => all.push((name, unit, value)),
+            }
+        }
+    }
+    all.retain(|(_, _, value)| *value != 0.0);
+    all
+}
+
+/// The ΔCD that an error may make, from lowest to highest, mm.
+fn swing(line: &Line) -> (f64, f64) {
+    let delta_cd = line.delta_cd.mm();
+    (if line.error.kind().always_acts() { -delta_cd } else { 0.0 }, delta_cd)
+}
+
+impl BudgetReport<'_> {
+    /// The bars of the tornado plot, widest first: name, from, to, whether fixed.
+    #[must_use]
+    pub fn bars(&self) -> Vec<(String, f64, f64, bool)> {
+        let mut lines: Vec<&Line> = self.budget.lines.iter().collect();
+        lines.sort_by(|a, b| (swing(b).1 - swing(b).0).total_cmp(&(swing(a).1 - swing(a).0)));
+        lines
+            .into_iter()
+            .map(|line| (line.error.kind().to_string(), swing(line).0, swing(line).1, line.is_fixed))
+            .collect()
+    }
+
+    /// What the free tolerances add up to, in words.
+    fn sentence(&self) -> String {
+        let budget = self.budget;
+        match (&self.rule, &budget.simulated) {
+            (Rule::Simulation(settings), Some(simulated)) => format!(
+                "{} % of {} random assemblies conform (at least {} % wanted; {} within tolerances; seed {})",
+                plain(percent(simulated.conforming)),
+                settings.draws,
+                plain(percent(settings.conforming)),
+                settings.spread.name(),
+                settings.seed
+            ),
+            (rule, _) => {
+                let (name, value) = match rule {
+                    Rule::Rss => ("RSS", &budget.combined.rss),
+                    _ => ("worst case", &budget.combined.worst_case),
+                };
+                let bound = budget.bound.as_ref().map_or_else(String::new, |bound| plain(bound.mm()));
+                format!("{name} ±{} mm of ±{bound} mm", truncated(value.mm(), 6))
+            }
+        }
+    }
+
+    /// Horizontal bars for a screen.
+    fn tornado(&self) -> Option<String> {
+        const NAME: usize = 17;
+        let width = usize::from(self.screen.width?).checked_sub(NAME + 24).filter(|width| *width >= 10)?.min(80);
+        let bars = self.bars();
+        let low = bars.iter().map(|bar| bar.1).fold(0.0, f64::min);
+        let high = bars.iter().map(|bar| bar.2).fold(0.0, f64::max);
+        if high <= low {
+            return None;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "columns of a screen"
+        )]
+        let column = |mm: f64| ((mm - low) / (high - low) * width as f64).round() as usize;
+        let zero = column(0.0);
+        let lines = bars.iter().map(|(name, from, to, is_fixed)| {
+            let (from_column, to_column) = (column(*from), column(*to).max(column(*from) + 1));
+            let fill = if *is_fixed { '▒' } else { '█' };
+            let bar: String = (0..=width)
+                .map(|at| match at {
+                    at if (from_column..to_column).contains(&at) => fill,
+                    at if at == zero => '│',
+                    _ => ' ',
+                })
+                .collect();
+            let ends = if *from < 0.0 { format!("±{to:.4}") } else { format!("0 … {to:.4}") };
+            format!("{name:<NAME$} {bar} {ends}")
+        });
+        Some(lines.collect::<Vec<_>>().join("\n"))
+    }
+
+    fn tolerance_text(line: &Line) -> String {
+        // cut, not rounded: what is printed meets the limit
+        match line.error.value() {
+            ErrorValue::Length(length) => {
+                format!("±{} µm", truncated(length.abs().in_unit(LengthUnit::Micrometre), 3))
+            }
+            ErrorValue::Angle(angle) => format!("±{}°", truncated(angle.abs().degrees(), 6)),
+        }
+    }
+}
+
+fn percent(fraction: f64) -> f64 {
+    (fraction * 1e6).round() / 1e4
+}
+
+impl Report for BudgetReport<'_> {
+    fn json(&self) -> Value {
+        let budget = self.budget;
+        let feasible = budget.is_feasible();
+        let tolerances: Vec<_> = budget
+            .lines
+            .iter()
+            .map(|line| {
+                let kind = line.error.kind();
+                let class = self.classes.iter().find(|class| class.kind == kind);
+                let value = (feasible || line.is_fixed).then(|| base_value(&line.error));
+                let key = if kind == ErrorKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
+                let of_line = line.sensitivities.iter().map(|sensitivity| {
+                    let (input, unit) = input_name(kind, sensitivity.input);
+                    json!({ "input": input, "unit": unit, "value": sensitivity.value })
+                });
+                json!({
+                    "error": kind.key(),
+                    "fixed": line.is_fixed,
+                    key: value,
+                    "delta_cd_mm": value.map(|_| line.delta_cd.mm()),
+                    "share": line.share,
+                    "at_own_limit": line.at_own_limit,
+                    "class": class.map(class_json),
+                    "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(class_json),
+                    "sensitivities": of_line.collect::<Vec<_>>(),
+                })
+            })
+            .collect();
+        let simulated = budget.simulated.map(|simulated| {
+            json!({
+                "conforming": simulated.conforming,
+                "target": simulated.settings.conforming,
+                "distribution": simulated.settings.spread.name(),
+                "draws": simulated.settings.draws,
+                "seed": simulated.settings.seed,
+            })
+        });
+        let sensitivities: Vec<_> = sensitivities(budget)
+            .into_iter()
+            .map(|(input, unit, value)| json!({ "input": input, "unit": unit, "value": value }))
+            .collect();
+        json!({
+            "title": self.title,
+            "stack": self.rule.name(),
+            "model": self.model.name(),
+            "limit_lower_mm": self.limit.lower.as_ref().map(Length::mm),
+            "limit_upper_mm": self.limit.upper.as_ref().map(Length::mm),
+            "feasible": feasible,
+            "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
+            "tolerances": tolerances,
+            "worst_case_mm": budget.combined.worst_case.mm(),
+            "rss_mm": budget.combined.rss.mm(),
+            "simulation": simulated,
+            "sensitivities": sensitivities,
+        })
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        let header =
+            ["error", "fixed", "tolerance_mm", "tolerance_deg", "delta_cd_mm", "share", "sensitivity", "feasible"];
+        let mut rows = vec![header.map(str::to_owned).to_vec()];
+        let feasible = self.budget.is_feasible();
+        for line in &self.budget.lines {
+            let kind = line.error.kind();
+            let known = feasible || line.is_fixed;
+            let value = if known { plain(base_value(&line.error)) } else { String::new() };
+            let (mm, deg) = if kind == ErrorKind::RackLead { (String::new(), value) } else { (value, String::new()) };
+            let slope = line.sensitivities.iter().find(|sensitivity| sensitivity.input == Input::Error);
+            rows.push(vec![
+                kind.key().to_owned(),
+                line.is_fixed.to_string(),
+                mm,
+                deg,
+                if known { plain(line.delta_cd.mm()) } else { String::new() },
+                plain(line.share),
+                slope.and_then(|slope| slope.value).map(plain).unwrap_or_default(),
+                feasible.to_string(),
+            ]);
+        }
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let budget = self.budget;
+        let feasible = budget.is_feasible();
+        let share = if self.rule == Rule::WorstCase { "share" } else { "share of\nsquares" };
+        let mut columns = vec![
+            Column::text("error"),
+            Column::number("tolerance"),
+            Column::text(""),
+            Column::number(format!("ΔCD {}\n[mm]", self.model)),
+            Column::number(share),
+        ];
+        if !self.grades.is_empty() {
+            columns.push(Column::number("grade\nwithin"));
+        }
+        let rows = budget.lines.iter().map(|line| {
+            let known = feasible || line.is_fixed;
+            let is = match (line.is_fixed, line.at_own_limit) {
+                (true, _) => "fixed",
+                (false, true) => "free, at its own limit",
+                (false, false) => "free",
+            };
+            let (low, high) = swing(line);
+            let delta_cd = millimetres(high);
+            let mut row = vec![
+                line.error.kind().to_string(),
+                if known { Self::tolerance_text(line) } else { "none left".to_owned() },
+                is.to_owned(),
+                match known {
+                    true if low < 0.0 => delta_cd.replacen('+', "±", 1),
+                    true => delta_cd,
+                    false => "-".to_owned(),
+                },
+                format!("{:.0} %", 100.0 * line.share),
+            ];
+            if !self.grades.is_empty() {
+                let grade = self.grades.iter().find(|grade| grade.kind == line.error.kind());
+                row.push(grade.map_or_else(|| "-".to_owned(), |grade| grade.permissible.grade.to_string()));
+            }
+            row
+        });
+        let mut blocks = Vec::new();
+        blocks.extend(self.title.map(|title| Block::Title(title.to_owned())));
+        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
+        if let Some(tornado) = self.tornado() {
+            blocks.push(Block::Drawing(tornado));
+        }
+        let sensitivities = sensitivities(budget);
+        if !sensitivities.is_empty() {
+            let rows = sensitivities
+                .iter()
+                .map(|(name, unit, value)| vec![name.clone(), format!("{value:+.5}"), (*unit).to_owned()]);
+            let columns = vec![Column::text("input"), Column::number("∂ΔCD/∂input"), Column::text("unit")];
+            blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
+        }
+        blocks.extend(self.classes.iter().map(|class| Block::Note(format!("class: {}", class.in_words()))));
+        blocks.extend(self.grades.iter().map(|class| Block::Note(format!("within: {}", class.in_words()))));
+        blocks.push(if feasible {
+            Block::Verdict(crate::decision::Verdict::Pass, self.sentence())
+        } else {
+            let names: Vec<String> = budget
+                .broken_by
+                .iter()
+                .map(|kind| {
+                    let line = budget.lines.iter().find(|line| line.error.kind() == *kind);
+                    let delta_cd = line.map_or_else(String::new, |line| millimetres(line.delta_cd.mm()));
+                    format!("{kind} ({} mm)", delta_cd.trim_start_matches('+'))
+                })
+                .collect();
+            let sentence =
+                format!("the fixed tolerances take more than the limit: {}; {}", names.join(", "), self.sentence());
+            Block::Verdict(crate::decision::Verdict::Fail, sentence)
+        });
+        blocks
+    }
+}

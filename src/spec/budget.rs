@@ -1,0 +1,175 @@
+//! `[budget]`: which tolerances are fixed, which are sought, and how they add up.
+
+use toml::de::DeValue;
+
+use super::reader::SectionReader;
+use super::resolve::MissingKeys;
+use super::{Located, Spec, WrittenError, read_error_value};
+use crate::decision::LimitTarget;
+use crate::decision::budget::simulation::Spread;
+use crate::decision::budget::{Entry, Freedom};
+use crate::decision::class::{ErrorClass, within};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::Rational;
+
+/// `[budget]`.
+#[derive(Debug, Clone, Default)]
+pub struct BudgetSection {
+    /// `worst`, `rss` or `simulation`.
+    pub stack: Option<Located<&'static str>>,
+    /// The fraction of assemblies that must conform.
+    pub conforming: Option<Located<f64>>,
+    /// How errors spread within their tolerances.
+    pub spread: Option<Located<&'static str>>,
+    /// The errors.
+    pub errors: Vec<(ErrorKind, Located<WrittenTolerance>)>,
+}
+
+/// One error of `[budget]`.
+#[derive(Debug, Clone)]
+pub enum WrittenTolerance {
+    /// A given tolerance, or a class.
+    Fixed(WrittenError),
+    /// To be found.
+    Free(Freedom),
+}
+
+impl BudgetSection {
+    /// How errors spread within their tolerances, if that is given.
+    #[must_use]
+    pub fn spread(&self) -> Option<Spread> {
+        self.spread.as_ref().map(|word| match word.value {
+            "normal" => Spread::Normal,
+            "triangular" => Spread::Triangular,
+            _ => Spread::Uniform,
+        })
+    }
+}
+
+/// Reads `[budget]`.
+pub(super) fn read(reader: &mut SectionReader<'_>) -> BudgetSection {
+    BudgetSection {
+        stack: reader.word("stack"),
+        conforming: fraction(reader, "conforming"),
+        spread: reader.word("distribution"),
+        errors: ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, tolerance(reader, kind)?))).collect(),
+    }
+}
+
+fn fraction(reader: &mut SectionReader<'_>, name: &str) -> Option<Located<f64>> {
+    let number = reader.number(name)?;
+    if number.value > 0.0 && number.value <= 1.0 {
+        return Some(number);
+    }
+    let message = format!("`{name}` is {}; it is a fraction, above 0 and at most 1", number.value);
+    reader.report(Diagnostic::error(Code::OutOfDomain, message), number.span, "");
+    None
+}
+
+fn tolerance(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<WrittenTolerance>> {
+    let name = kind.key();
+    let value = reader.table?.get(name)?;
+    let span = value.span();
+    let free = |freedom| Some(Located { value: WrittenTolerance::Free(freedom), span: span.clone() });
+    match value.get_ref() {
+        DeValue::String(text) if text.trim() == "free" => return free(Freedom::Weight(Rational::ONE)),
+        DeValue::Table(table) if table.len() == 1 => {
+            for (key, freedom) in [("weight", Freedom::Weight as fn(Rational) -> Freedom), ("cost", Freedom::Cost)] {
+                if let Some(number) = table.get(key) {
+                    let number = reader.plain_number(key, number)?;
+                    if number <= 0 {
+                        let message = format!("`{key}` is {}; it must be above 0", number.to_f64());
+                        reader.report(Diagnostic::error(Code::OutOfDomain, message), span, "");
+                        return None;
+                    }
+                    return free(freedom(number));
+                }
+            }
+        }
+        _ => {}
+    }
+    // what was measured is no tolerance
+    let is_tolerance = |key: &str| matches!(key, "class" | "f_h_beta" | "length");
+    if let DeValue::Table(table) = value.get_ref()
+        && !table.iter().all(|(key, _)| is_tolerance(key.get_ref()))
+    {
+        let message = format!("`{name}` of a budget is a table that makes no tolerance");
+        let help = "write \"12 um\", { class = 7 }, { weight = 2 }, { cost = 3 } or \"free\"";
+        reader.report(Diagnostic::error(Code::BadErrorEntry, message).help(help), span, "");
+        return None;
+    }
+    let written = read_error_value(reader, kind, value)?;
+    Some(Located { value: WrittenTolerance::Fixed(written), span })
+}
+
+impl Spec {
+    /// The errors of the budget: those in `[budget]`, or all of them, free, if it names none. With them, what
+    /// classes came to.
+    ///
+    /// # Errors
+    /// Diagnostics for gear data that a formula needs, and classes that have no value.
+    pub fn budget_entries(&self) -> Result<(Vec<Entry>, Vec<ErrorClass>), Diagnostics> {
+        if self.budget.errors.is_empty() {
+            let free = |kind| Ok(Entry::Free(self.part_formula(kind, "a budget")?, Freedom::Weight(Rational::ONE)));
+            return Ok((ErrorKind::ALL.into_iter().map(free).collect::<Result<_, Diagnostics>>()?, Vec::new()));
+        }
+        let (mut entries, mut classes) = (Vec::new(), Vec::new());
+        let mut diagnostics = Vec::new();
+        for (kind, written) in &self.budget.errors {
+            let what = format!("the budget of {kind}");
+            let formula = match self.part_formula(*kind, &what) {
+                Ok(formula) => formula,
+                Err(problems) => {
+                    diagnostics.extend(
+                        problems.0.into_iter().filter(|problem| !diagnostics.contains(problem)).collect::<Vec<_>>(),
+                    );
+                    continue;
+                }
+            };
+            let value = match &written.value {
+                WrittenTolerance::Free(freedom) => {
+                    entries.push(Entry::Free(formula, freedom.clone()));
+                    continue;
+                }
+                WrittenTolerance::Fixed(WrittenError::Length(length)) => ErrorValue::Length(length.abs()),
+                WrittenTolerance::Fixed(WrittenError::Angle(angle)) => ErrorValue::Angle(angle.abs()),
+                WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
+                    let mut missing = MissingKeys::default();
+                    let class = self.class(*kind, *grade, &written.span, &mut missing);
+                    diagnostics.extend(missing.diagnostics(&self.source));
+                    match class {
+                        Some(Ok(class)) => {
+                            let value = class.value.clone();
+                            classes.push(class);
+                            value
+                        }
+                        Some(Err(problem)) => {
+                            diagnostics.push(problem);
+                            continue;
+                        }
+                        None => continue,
+                    }
+                }
+                // refused when it was read
+                WrittenTolerance::Fixed(WrittenError::OverRoller { .. }) => continue,
+            };
+            if let Some(error) = formula.of(&value) {
+                entries.push(Entry::Fixed(within(error)));
+            }
+        }
+        if diagnostics.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// The limits of single errors' ΔCD.
+    #[must_use]
+    pub fn own_limits(&self) -> Vec<(ErrorKind, crate::decision::Limit)> {
+        self.limits
+            .iter()
+            .filter_map(|(target, limit)| match target {
+                LimitTarget::Error(kind) => Some((*kind, limit.value.clone())),
+                LimitTarget::CenterDistance => None,
+            })
+            .collect()
+    }
+}
