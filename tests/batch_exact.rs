@@ -207,3 +207,28 @@ fn only_what_is_asked_for_is_read_and_computed() {
     let request = Request { columns: columns(&["delta_cd_rack_pitch_mm"]), ..Request::default() };
     assert_eq!(run(spec, table, request).0, ["0.013737"]);
 }
+
+#[test]
+fn a_guard_band_is_exact_to_the_decimal() {
+    let spec = "[limits]\ncenter_distance = \"±0.05\"\n[errors]\nrack_over_roller = { nominal = 25 }\n";
+    let mut table = "part_id,rack_over_roller\n".to_owned();
+    let values = [
+        ("25.04", "pass"),
+        ("25.0400001", "indeterminate"),
+        ("25.06", "indeterminate"),
+        ("24.94", "indeterminate"),
+        ("24.9399999", "fail"),
+        // no plain number: the exact way
+        ("25.0600000000000000000001", "fail"),
+        ("2506e-2", "indeterminate"),
+    ];
+    for (value, _) in values {
+        let _ = writeln!(table, "{value},{value}");
+    }
+    let request = Request { rule: "guard=10um".parse().unwrap(), ..Request::default() };
+    let (rows, outcome) = run(spec, &table, request);
+    for (row, (value, verdict)) in rows.iter().zip(values) {
+        assert!(row.ends_with(&format!(",{verdict}")), "{value}: {row}");
+    }
+    assert_eq!((outcome.counts.indeterminate, outcome.work.exact), (4, 2));
+}

@@ -21,6 +21,11 @@ fn replay(target: &str, check: fn(&[u8])) {
 }
 
 #[test]
+fn batches() {
+    replay("batch", fuzz::batch::check);
+}
+
+#[test]
 fn specs() {
     replay("spec", fuzz::spec::check);
 }

@@ -6,7 +6,7 @@ use super::plan::{Output, Plan};
 use crate::cmm::name_and_unit;
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, Rational};
+use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, QuantityError, Rational};
 use crate::spec::{Reading, Spec};
 
 /// The unit of a column.
@@ -136,24 +136,17 @@ impl Column {
     /// The exact deviation that a field's text means.
     pub(super) fn exact(&self, text: &str, reading: &Reading, mark: u8) -> Result<ErrorValue, String> {
         let text = text.trim();
-        let mut text = if mark == b',' { text.replacen(',', ".", 1) } else { text.to_owned() };
-        // a number without a unit has that of the column
-        if text.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
-            text.push_str(match self.unit {
-                Unit::Length(unit) => unit.symbol(),
-                Unit::Angle(unit) => unit.symbol(),
-            });
-        }
+        let text = if mark == b',' { text.replacen(',', ".", 1) } else { text.to_owned() };
         match self.unit {
-            Unit::Length(_) => {
-                let value: Length = text.parse().map_err(|error| explained(&error, &text))?;
+            Unit::Length(unit) => {
+                let value: Length = quantity(&text, unit.symbol())?;
                 Ok(ErrorValue::Length(match reading {
                     Reading::Measured(ErrorValue::Length(nominal)) => &value - nominal,
                     _ => value,
                 }))
             }
-            Unit::Angle(_) => {
-                let value: Angle = text.parse().map_err(|error| explained(&error, &text))?;
+            Unit::Angle(unit) => {
+                let value: Angle = quantity(&text, unit.symbol())?;
                 Ok(ErrorValue::Angle(match reading {
                     Reading::Measured(ErrorValue::Angle(nominal)) => &value - nominal,
                     _ => value,
@@ -173,9 +166,15 @@ impl Column {
     }
 }
 
-/// What is wrong with a cell; an empty one is empty, whatever unit was to be appended.
-fn explained(error: &crate::quantity::QuantityError, text: &str) -> String {
-    if text.is_empty() { "the field is empty".to_owned() } else { error.to_string() }
+/// A quantity from a cell; a number without a unit has that of the column.
+fn quantity<Q: std::str::FromStr<Err = QuantityError>>(text: &str, unit: &str) -> Result<Q, String> {
+    if text.is_empty() {
+        return Err("the field is empty".to_owned());
+    }
+    let bare = text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
+    let read: Result<Q, QuantityError> = if bare { [text, unit].concat().parse() } else { text.parse() };
+    // the message shows the text as it was written
+    read.map_err(|error| text.parse::<Q>().err().unwrap_or(error).to_string())
 }
 
 /// The column of an error and its unit; `None` if the table has none.

@@ -9,8 +9,8 @@
 //! |---|---|
 //! | `input`, `chunk`, `split` | bytes to chunks that end with a record, records to fields |
 //! | `layout`, `plan` | which column holds what; what is computed |
-//! | `number`, `buffer`, `write` | decimal text to integers and back |
-//! | `evaluate` | one row: the fast way, and the exact one where that cannot decide |
+//! | `number`, `buffer`, `write`, `rows` | decimal text to integers and back |
+//! | `evaluate`, `results` | one row: the fast way, and the exact one where that cannot decide |
 //! | `run`, `pack` | chunks through all cores, in order |
 //! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
 //!
@@ -54,6 +54,8 @@ mod outcome;
 mod pack;
 mod plan;
 mod request;
+mod results;
+mod rows;
 mod run;
 mod split;
 mod statistics;

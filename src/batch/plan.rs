@@ -9,7 +9,7 @@ use super::input::Header;
 use super::layout::{find_column, find_id};
 use super::number::{Decimals, Places};
 use super::request::{Request, RowFormat};
-use crate::decision::{Limit, LimitTarget, Limits, Stack};
+use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
 use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Fixed, Model, Prepared};
@@ -40,13 +40,65 @@ pub(super) enum Output {
     Copied(String),
 }
 
-/// A limit on the fixed-point results: where it lies, and whether that is the limit itself.
+/// A limit on the fixed-point results.
 #[derive(Debug, Clone)]
 pub(super) struct FixedLimit {
     pub(super) on: Judged,
-    /// The greatest integer that is not above the limit, and the least that is not below it.
+    /// The limit itself.
+    pub(super) nominal: Zone,
+    /// What is in here passes.
+    pub(super) accepted: Zone,
+    /// What is not in here fails; `None` if that is all that does not pass.
+    pub(super) rejected: Option<Zone>,
+}
+
+/// An interval between integers of 1e-15 mm: the greatest that is not above an end, and the least that is not
+/// below it; both are the end itself if it is such an integer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Zone {
     pub(super) lower: Option<(i64, i64)>,
     pub(super) upper: Option<(i64, i64)>,
+}
+
+/// Whether a zone holds a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Holds {
+    Yes,
+    No,
+    /// The bound on the result's error does not decide it.
+    Unsure,
+}
+
+impl Zone {
+    fn new(limit: &Limit, guard: &Length) -> Self {
+        Self {
+            lower: limit.lower.as_ref().map(|end| around(&(end + guard))),
+            upper: limit.upper.as_ref().map(|end| around(&(end - guard))),
+        }
+    }
+
+    /// Whether everything from `lower` to `upper` is inside.
+    #[inline]
+    pub(super) fn holds(&self, lower: Fixed, upper: Fixed) -> Holds {
+        let mut holds = Holds::Yes;
+        if let Some((below, _)) = self.upper
+            && upper.units + upper.bound > below
+        {
+            if upper.units - upper.bound > below {
+                return Holds::No;
+            }
+            holds = Holds::Unsure;
+        }
+        if let Some((_, above)) = self.lower
+            && lower.units - lower.bound < above
+        {
+            if lower.units + lower.bound < above {
+                return Holds::No;
+            }
+            holds = Holds::Unsure;
+        }
+        holds
+    }
 }
 
 /// What a limit is held against.
@@ -92,6 +144,12 @@ impl Plan {
     /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
     /// a column's formula needs, and for names of output columns that there are not.
     pub fn new(spec: &Arc<Spec>, header: &Header, request: Request) -> Result<Self, Diagnostics> {
+        if request.rule.needs_uncertainty() {
+            let message = format!("a batch has no uncertainty of its own for the rule {}", request.rule);
+            return Err(Diagnostic::error(Code::BadRule, message)
+                .help("give the guard band, 1.65 u_c of one part as `rackmesh eval` prints it: --rule guard=VALUE")
+                .into());
+        }
         let mut present = Vec::new();
         let mut diagnostics = Vec::new();
         for kind in ErrorKind::ALL {
@@ -143,7 +201,8 @@ impl Plan {
                 })
             })
             .collect();
-        let JudgedLimits { limits: judged, fixed: fixed_limits, unjudged } = JudgedLimits::new(limits, &index);
+        let JudgedLimits { limits: judged, fixed: fixed_limits, unjudged } =
+            JudgedLimits::new(limits, &request.rule, &index);
         let stack = request.stack;
         let needs = |output: &Output, by: Stack| outputs.contains(output) || (judged_together && stack == by);
         let needs_range = needs(&Output::RangeLower, Stack::Range) || outputs.contains(&Output::RangeUpper);
@@ -348,7 +407,7 @@ struct JudgedLimits {
 }
 
 impl JudgedLimits {
-    fn new(limits: Limits, index: &dyn Fn(ErrorKind) -> Option<usize>) -> Self {
+    fn new(limits: Limits, rule: &Rule, index: &dyn Fn(ErrorKind) -> Option<usize>) -> Self {
         let mut sorted = Self::default();
         for (on, limit) in limits {
             let held = match on {
@@ -356,7 +415,7 @@ impl JudgedLimits {
                 LimitTarget::Error(kind) => index(kind).map(Judged::Source),
             };
             if let Some(held) = held {
-                sorted.fixed.push(FixedLimit::new(held, &limit));
+                sorted.fixed.push(FixedLimit::new(held, &limit, rule));
                 sorted.limits.push((on, limit));
             } else {
                 sorted.unjudged.push(on);
@@ -367,8 +426,15 @@ impl JudgedLimits {
 }
 
 impl FixedLimit {
-    fn new(on: Judged, limit: &Limit) -> Self {
-        Self { on, lower: limit.lower.as_ref().map(around), upper: limit.upper.as_ref().map(around) }
+    fn new(on: Judged, limit: &Limit, rule: &Rule) -> Self {
+        let nominal = Zone::new(limit, &Length::ZERO);
+        match rule {
+            Rule::Guard(guard) if !guard.is_zero() => {
+                Self { on, nominal, accepted: Zone::new(limit, guard), rejected: Some(Zone::new(limit, &-guard)) }
+            }
+            // `Plan::new` refuses the rule that needs an uncertainty
+            Rule::Guard(_) | Rule::Simple | Rule::Iso14253 => Self { on, nominal, accepted: nominal, rejected: None },
+        }
     }
 }
 

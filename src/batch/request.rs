@@ -1,7 +1,7 @@
 //! What is asked of a batch.
 
 use super::number::Decimals;
-use crate::decision::{Stack, Verdict};
+use crate::decision::{Rule, Stack, Verdict};
 use crate::formula::Model;
 
 /// What is asked of a batch.
@@ -11,6 +11,8 @@ pub struct Request {
     pub model: Model,
     /// The combination that the verdict judges.
     pub stack: Stack,
+    /// How a verdict is reached: by the limits, or with a guard band.
+    pub rule: Rule,
     /// Decimals of the numbers written.
     pub decimals: Decimals,
     /// The format of the rows written.

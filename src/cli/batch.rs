@@ -16,6 +16,7 @@ use crate::batch::{
     Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Progress, Request, RowFormat, Rows,
     RunError, Sink, Sinks,
 };
+use crate::decision::Rule;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::report::{self, BatchReport, Format};
 use crate::spec::Spec;
@@ -64,6 +65,9 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    /// Decision rule: simple or guard=VALUE; default the spec's, or simple.
+    #[arg(long, value_name = "RULE")]
+    rule: Option<Rule>,
     /// Write rejected rows here, unchanged and below their header.
     #[arg(long, value_name = "FILE")]
     rejects: Option<String>,
@@ -149,7 +153,7 @@ impl Args {
         let (rows_format, summary_format) = self.formats()?;
         let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
         let first = Input::open(name(files[0]), open(files[0], &stop)?, dialect)?;
-        let plan = Plan::new(&spec, &first.header, self.request(rows_format))?;
+        let plan = Plan::new(&spec, &first.header, self.request(rows_format, &spec))?;
         self.remarks(&plan, &first, output);
 
         let mut rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
@@ -242,10 +246,12 @@ impl Args {
         Ok((rows, summary))
     }
 
-    fn request(&self, format: RowFormat) -> Request {
+    fn request(&self, format: RowFormat, spec: &Spec) -> Request {
+        let of_spec = || spec.rule.as_ref().map(|rule| rule.value.clone());
         Request {
             model: self.model.into(),
             stack: self.stack.into(),
+            rule: self.rule.clone().or_else(of_spec).unwrap_or_default(),
             decimals: self.decimals,
             format,
             columns: self.columns.clone(),
@@ -358,7 +364,8 @@ fn in_words(counts: &Counts) -> String {
         line.push_str(&parts.join(", "));
     }
     if counts.blank_lines > 0 {
-        line.push_str(&format!("; {} blank lines", HumanCount(counts.blank_lines)));
+        let lines = if counts.blank_lines == 1 { "line" } else { "lines" };
+        line.push_str(&format!("; {} blank {lines}", HumanCount(counts.blank_lines)));
     }
     line
 }

@@ -1,0 +1,255 @@
+//! `rackmesh batch` as a process: whatever file a table comes in, what becomes of bad rows, exit statuses.
+
+use std::fmt::Write as _;
+use std::io::{Read as _, Write as _};
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+const SPEC: &str = "tests/specs/batch.toml";
+const TABLE: &str = "part_id,over_roller,dp [µm]\nP1,25.0131,10\nP2,25.0601,-5\nP3,24.98,0\n";
+const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,range_lower_mm,range_upper_mm,worst_case_mm,rss_mm,verdict\n\
+                    P1,0.013100,0.013737,0.013100,0.026837,0.026837,0.018982,pass\n\
+                    P2,0.060100,0.006869,0.060100,0.066969,0.066969,0.060491,fail\n\
+                    P3,-0.020000,0.000000,-0.020000,-0.020000,0.020000,0.020000,pass\n";
+
+fn batch(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
+        .arg("batch")
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut stdin = child.stdin.take().expect("stdin is piped");
+    let input = input.to_vec();
+    // the program may refuse the input before it has read all of it
+    let feeder = std::thread::spawn(move || drop(stdin.write_all(&input)));
+    let output = child.wait_with_output().expect("the program ends");
+    feeder.join().expect("the input is fed");
+    output
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("output is UTF-8")
+}
+
+/// A file of its own for one test.
+fn path(name: &str) -> String {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("batch");
+    std::fs::create_dir_all(&folder).expect("the folder can be made");
+    folder.join(name).to_str().expect("the path is UTF-8").to_owned()
+}
+
+fn utf16(text: &str, big_endian: bool) -> Vec<u8> {
+    let units = std::iter::once(0xfeff).chain(text.encode_utf16());
+    units.flat_map(|unit: u16| if big_endian { unit.to_be_bytes() } else { unit.to_le_bytes() }).collect()
+}
+
+fn latin1(text: &str) -> Vec<u8> {
+    text.chars().map(|c| u8::try_from(u32::from(c)).expect("Latin-1")).collect()
+}
+
+#[test]
+fn whatever_file_a_table_comes_in() {
+    let quoted = TABLE.replace("P1", "\"P1\"").replace("25.0131", "\"25.0131\"");
+    for (what, bytes) in [
+        ("UTF-8", TABLE.as_bytes().to_vec()),
+        ("UTF-8 with a mark", ["\u{feff}", TABLE].concat().into_bytes()),
+        ("UTF-16, little endian", utf16(TABLE, false)),
+        ("UTF-16, big endian", utf16(TABLE, true)),
+        ("UTF-16 without a mark", utf16(TABLE, false)[2..].to_vec()),
+        ("Latin-1", latin1(TABLE)),
+        ("CRLF", TABLE.replace('\n', "\r\n").into_bytes()),
+        ("CR", TABLE.replace('\n', "\r").into_bytes()),
+        ("no final newline", TABLE.trim_end().as_bytes().to_vec()),
+        ("blank lines", TABLE.replace('\n', "\n\n\r\n").into_bytes()),
+        ("quotes", quoted.into_bytes()),
+        ("semicolons", TABLE.replace(',', ";").into_bytes()),
+        ("tabs", TABLE.replace(',', "\t").into_bytes()),
+        ("a stated separator", ["sep=|\r\n", &TABLE.replace(',', "|")].concat().into_bytes()),
+        ("blanks and signs", TABLE.replace("25.0131", " +25.0131 ").into_bytes()),
+        ("units in cells", TABLE.replace("25.0131", "25013.1 um").replace(",10", ",0.01 mm").into_bytes()),
+    ] {
+        let output = batch(&[SPEC], &bytes);
+        assert_eq!(text(&output.stdout), ROWS, "{what}: {}", text(&output.stderr));
+        assert_eq!(output.status.code(), Some(1), "{what}");
+    }
+    let comma = TABLE.replace(',', ";").replace('.', ",");
+    assert_eq!(text(&batch(&[SPEC, "--decimal-comma"], comma.as_bytes()).stdout), ROWS);
+    let output = batch(&[SPEC], comma.as_bytes());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("write a decimal point"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn packed_files_by_name_and_by_their_first_bytes() {
+    let table = path("parts.csv");
+    std::fs::write(&table, TABLE).unwrap();
+    for suffix in ["gz", "zst"] {
+        let packed = path(&format!("rows.csv.{suffix}"));
+        let output = batch(&[SPEC, &table, "-o", &packed], b"");
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+        let bytes = std::fs::read(&packed).unwrap();
+        assert!(!bytes.starts_with(b"part_id"), "{suffix}");
+        // what was packed is a table again: ΔCD as deviations, from standard input
+        let again =
+            batch(&["tests/specs/batch-again.toml", "--columns", "part_id,delta_cd_rack_over_roller_mm"], &bytes);
+        assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+        let rows = "part_id,delta_cd_rack_over_roller_mm\nP1,0.013100\nP2,0.060100\nP3,-0.020000\n";
+        assert_eq!(text(&again.stdout), rows);
+        // cut off in the middle: said, and not taken for the end
+        let cut = batch(&["tests/specs/batch-again.toml"], &bytes[..bytes.len() - 9]);
+        assert_eq!(cut.status.code(), Some(2), "{suffix}");
+        assert!(text(&cut.stderr).contains("cannot read"), "{}", text(&cut.stderr));
+    }
+}
+
+#[test]
+fn bad_rows_are_reported_kept_and_counted() {
+    let rejects = path("rejects.csv");
+    let table = "part_id,over_roller,dp [µm]\nP1,25,0\nP2,abc,0\n\nP3,25\n\"P\n4\",,0\nP5,25,1,2\nP6,25,\"nan\"\nP7,25,0\nP8,\"25,0\n";
+    let output = batch(&[SPEC, "-", "--rejects", &rejects], table.as_bytes());
+    let messages = text(&output.stderr);
+    for line in [
+        "<stdin>:3: error[bad-row]: record 2, column `over_roller`: `abc` is not a length: that is not a decimal number",
+        "<stdin>:5: error[bad-row]: record 3: the row has 2 fields and the header has 3: `P3,25`",
+        "<stdin>:6: error[bad-row]: record 4, column `over_roller`: the field is empty",
+        "<stdin>:8: error[bad-row]: record 5: the row has 4 fields and the header has 3: `P5,25,1,2`",
+        "<stdin>:9: error[bad-row]: record 6, column `dp [µm]`: `nan` is not a length: a finite number is needed",
+        "<stdin>:11: error[bad-row]: record 8: a quote is not closed, so the rest of the table is in one field",
+        "8 rows: 2 pass, 0 fail, 6 rejected; 1 blank line",
+    ] {
+        assert!(messages.lines().any(|message| message == line), "{line}\n{messages}");
+    }
+    assert_eq!(output.status.code(), Some(2));
+    let kept = std::fs::read_to_string(&rejects).unwrap();
+    let expected = "part_id,over_roller,dp [µm]\nP2,abc,0\nP3,25\n\"P\n4\",,0\nP5,25,1,2\nP6,25,\"nan\"\nP8,\"25,0\n";
+    assert_eq!(kept, expected);
+    let strict = batch(&[SPEC, "--strict"], table.as_bytes());
+    assert_eq!(strict.status.code(), Some(2));
+    assert!(text(&strict.stderr).contains("2 rows: 1 pass, 0 fail, 1 rejected"), "{}", text(&strict.stderr));
+    assert_eq!(text(&strict.stdout).lines().count(), 2);
+    // in the code of the table, too
+    batch(&[SPEC, "--rejects", &rejects], &utf16(table, false));
+    assert_eq!(std::fs::read(&rejects).unwrap(), utf16(expected, false));
+}
+
+#[test]
+fn many_bad_rows_are_counted_and_some_shown() {
+    let mut table = TABLE.to_owned();
+    for row in 0..5000 {
+        let _ = writeln!(table, "X{row},?,0");
+    }
+    let output = batch(&[SPEC, "--only-failures", "--columns", "part_id"], table.as_bytes());
+    let messages = text(&output.stderr);
+    assert_eq!(messages.matches("error[bad-row]").count(), 10, "{messages}");
+    assert!(messages.contains("… and 4,990 more rejected rows"), "{messages}");
+    assert!(messages.contains("5,003 rows: 2 pass, 1 fail, 5,000 rejected"), "{messages}");
+    assert_eq!(text(&output.stdout), "part_id\nP2\n");
+}
+
+#[test]
+fn a_field_of_100_mb_is_refused_in_little_memory() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
+        .args(["batch", SPEC])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut stdin = child.stdin.take().expect("stdin is piped");
+    stdin.write_all(TABLE.as_bytes()).unwrap();
+    stdin.write_all(b"P4,\"").unwrap();
+    let megabyte = vec![b'7'; 1 << 20];
+    for _ in 0..100 {
+        stdin.write_all(&megabyte).unwrap();
+    }
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+    stdin.write_all(b"\",0\nP5,25,0\n").unwrap();
+    drop(stdin);
+    let output = child.wait_with_output().expect("the program ends");
+    assert!(text(&output.stderr).contains("the row is longer than 256 KiB"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("5 rows: 3 pass, 1 fail, 1 rejected"), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).ends_with("P5,0.000000,0.000000,0.000000,0.000000,0.000000,0.000000,pass\n"));
+    if let Some(peak) = status.lines().find_map(|line| line.strip_prefix("VmHWM:")) {
+        let kib: u64 = peak.trim().trim_end_matches(" kB").parse().expect("a number");
+        assert!(kib < 16 << 10, "{kib} KiB");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_with_what_is_there() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
+        .args(["batch", SPEC, "--summary", "--format", "json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut stdin = child.stdin.take().expect("stdin is piped");
+    let mut table = "part_id,over_roller,dp\n".to_owned();
+    for row in 0..60_000 {
+        let _ = writeln!(table, "P{row},25.01,0");
+    }
+    stdin.write_all(table.as_bytes()).unwrap();
+    stdin.flush().unwrap();
+    // the pipe stays open: only the signal can end it
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let signal = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(signal.success());
+    let mut summary = String::new();
+    child.stdout.take().expect("stdout is piped").read_to_string(&mut summary).expect("stdout is read");
+    assert_eq!(child.wait().expect("the program ends").code(), Some(0));
+    drop(stdin);
+    let summary: serde_json::Value = serde_json::from_str(&summary).expect("the summary is JSON");
+    assert_eq!(summary["interrupted"], true);
+    let rows = summary["counts"]["rows"].as_u64().expect("a count");
+    assert!(rows > 0 && rows <= 60_000, "{rows}");
+    assert_eq!(summary["counts"]["pass"], rows);
+    assert_eq!(summary["results"][0]["count"], rows);
+}
+
+#[test]
+fn exit_statuses() {
+    let header = "part_id,over_roller,dp\n";
+    for (rows, status) in [("P1,25,0\n", 0), ("P1,25,0\nP2,26,0\n", 1), ("P1,x,0\nP2,26,0\n", 2), ("", 0)] {
+        assert_eq!(batch(&[SPEC], [header, rows].concat().as_bytes()).status.code(), Some(status), "{rows}");
+    }
+    let near = batch(&[SPEC, "--rule", "guard=10um"], [header, "P1,25.045,0\n"].concat().as_bytes());
+    assert_eq!(near.status.code(), Some(3), "{}", text(&near.stderr));
+    assert_eq!(batch(&[SPEC, "no-such-file.csv"], b"").status.code(), Some(2));
+    assert_eq!(batch(&[SPEC], b"").status.code(), Some(2));
+    assert_eq!(batch(&[SPEC], b"a,b\n1,2\n").status.code(), Some(2));
+}
+
+#[test]
+fn several_tables_and_what_pipelines_show() {
+    let (first, second, third) = (path("first.csv"), path("second.csv"), path("third.csv"));
+    std::fs::write(&first, TABLE).unwrap();
+    // other order, other separator, other unit
+    std::fs::write(&second, "dp [mm];part_id;over_roller [in]\n0,01;Q1;1\n0.01;Q2 <&>;1\n").unwrap();
+    std::fs::write(&third, "part_id,other\nR1,1\n").unwrap();
+    let junit = path("parts.xml");
+    let output =
+        batch(&[SPEC, &first, &third, &second, "--format", "jsonl", "--junit", &junit, "--annotations", "github"], b"");
+    assert_eq!(output.status.code(), Some(2));
+    let rows: Vec<serde_json::Value> =
+        text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("a row is JSON")).collect();
+    let of = |row: usize, name: &str| rows[row][name].clone();
+    assert_eq!((of(0, "part_id"), of(0, "rss_mm")), ("P1".into(), 0.018_982.into()));
+    assert_eq!((of(3, "part_id"), of(3, "delta_cd_rack_over_roller_mm")), ("Q2 <&>".into(), 0.4.into()));
+    assert_eq!(of(3, "verdict"), "fail");
+    let messages = text(&output.stderr);
+    assert!(messages.contains("third.csv has no column `over_roller`"), "{messages}");
+    assert!(messages.contains("5 rows: 2 pass, 2 fail, 1 rejected"), "{messages}");
+    assert!(
+        messages.lines().any(|line| line.starts_with("::error file=") && line.contains("line=3,title=part P2::ΔCD"))
+    );
+    assert!(messages.contains(",line=2,title=record 1 rejected::record 1, column `dp [mm]`: `0,01`"), "{messages}");
+    assert!(messages.contains("::notice title=rackmesh batch::5 rows: 2 pass, 2 fail"), "{messages}");
+    let junit = std::fs::read_to_string(&junit).unwrap();
+    assert!(junit.contains("tests=\"4\" failures=\"2\" errors=\"1\""), "{junit}");
+    assert!(junit.contains("name=\"Q2 &lt;&amp;&gt;\""), "{junit}");
+}
