@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::number::{plain, signed};
+use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Table};
 use crate::formula::Model;
 use crate::reproduction::{
@@ -69,11 +69,13 @@ impl Row {
     }
 
     fn mesh_mm(&self) -> Option<f64> {
-        self.simulated.as_ref().ok()?.exact_mm
+        self.simulated.as_ref().ok()?.exact_mm.map(tidy)
     }
 
     fn multibody_mm(&self) -> Option<f64> {
-        self.simulated.as_ref().ok()?.multibody_mm
+        let run = self.simulated.as_ref().ok()?;
+        // a run that stopped has means of what it reached, which are not the row's
+        run.multibody_mm.filter(|_| run.outcome.completed()).map(tidy)
     }
 }
 
