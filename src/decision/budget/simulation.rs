@@ -94,8 +94,8 @@ impl Assembly {
         Self {
             settings: *settings,
             model: request.model,
-            lower_mm: request.limit.lower.as_ref().map_or(f64::NEG_INFINITY, |limit| limit.mm()),
-            upper_mm: request.limit.upper.as_ref().map_or(f64::INFINITY, |limit| limit.mm()),
+            lower_mm: request.limit.lower.as_ref().map_or(f64::NEG_INFINITY, crate::quantity::Length::mm),
+            upper_mm: request.limit.upper.as_ref().map_or(f64::INFINITY, crate::quantity::Length::mm),
             kinds,
             blocks,
         }
