@@ -88,15 +88,17 @@ const fn of_table(table: PaperTable) -> (u8, &'static str, &'static str, &'stati
             "mm",
             "Table 1: the formula counts one pitch error. In the model every pitch of the rack's second part is off, the teeth \
              in contact (contact ratio near 2.4) add their errors up, and the teeth are thicker by Δp/2, so that ΔCD switches \
-             between multiples of half the formula's value; the mean is what is listed.",
+             between multiples of half the formula's value; the mean is what is listed. Elastic teeth share the load, which takes \
+             1 to 2 µm off the exact mesh.",
         ),
         PaperTable::Lead => (
             2,
             "Table 2\nΔβ [deg]",
             "deg",
             "Table 2: flanks touch at the ends of the face width. The rack may roll on its cylindrical joint, which lowers ΔCD \
-             by half a percent; the printed values are 3 to 11 % lower still: an end of the face that carries the whole load \
-             yields more than a line does, or the authors' pinion does not reach the rack's ends.",
+             by half a percent, and the corner that carries the whole load gives way by some µm, which lowers it by 2 to 3 % more. \
+             The printed values for negative Δβ are lower still; a pinion that does not quite reach one end of the rack's face \
+             would explain it.",
         ),
         PaperTable::OverRoller => (
             3,
