@@ -15,6 +15,7 @@ mod long;
 mod man;
 mod measure;
 mod mesh;
+mod monte_carlo;
 mod output;
 mod paste;
 mod reproduce;
@@ -67,6 +68,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("eval", eval),
     subcommand!("calc", calc),
     subcommand!("mesh", mesh),
+    subcommand!("monte-carlo", monte_carlo),
     subcommand!("measure", measure),
     subcommand!("batch", batch),
     subcommand!("paste", paste),

@@ -101,6 +101,12 @@ pub fn beta_cdf(p: f64, a: f64, b: f64) -> f64 {
     }
 }
 
+/// p with [`beta_cdf`] = `share`.
+#[must_use]
+pub fn beta_quantile(share: f64, a: f64, b: f64) -> f64 {
+    rising(0.0, |p| share - beta_cdf(p, a, b)).min(1.0)
+}
+
 /// The largest x at and above `from` at which `missing`, which falls as x rises, is still positive.
 fn rising(from: f64, missing: impl Fn(f64) -> f64) -> f64 {
     let mut step = 1.0;

@@ -157,6 +157,16 @@ impl PinionFlanks {
         Ok(self)
     }
 
+    /// The same pinion moved further off its axis by the components of [`eccentricity_mm`](Self::eccentricity_mm).
+    ///
+    /// # Errors
+    /// [`DeviationError::OutOfDomain`] as for [`PinionFlanks::new`].
+    pub fn with_offset(mut self, (along, across): (f64, f64)) -> Result<Self, DeviationError> {
+        self.eccentricity_mm.0 += length(DeviationQuantity::Eccentricity, along)?;
+        self.eccentricity_mm.1 += length(DeviationQuantity::Eccentricity, across)?;
+        Ok(self)
+    }
+
     /// The same pinion with measured displacements added, one per tooth, as
     /// [`pinion_flanks_from_rows`](super::pinion_flanks_from_rows) gives them.
     ///

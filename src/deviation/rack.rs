@@ -125,6 +125,23 @@ impl RackFlanks {
         Ok(self)
     }
 
+    /// The same rack with displacements of single teeth added to those that it has.
+    ///
+    /// # Errors
+    /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
+    pub fn with_added(mut self, added: &BTreeMap<i64, RackTooth>) -> Result<Self, DeviationError> {
+        let mut measured = std::mem::take(&mut self.measured);
+        for (tooth, added) in added {
+            let known = measured.entry(*tooth).or_default();
+            for (flank, add) in [(&mut known.left, added.left), (&mut known.right, added.right)] {
+                flank.along_x_mm += add.along_x_mm;
+                flank.along_z_mm += add.along_z_mm;
+                flank.lead_rad += add.lead_rad;
+            }
+        }
+        self.with_measured(measured)
+    }
+
     /// The same rack with flank form.
     ///
     /// # Errors

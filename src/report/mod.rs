@@ -22,6 +22,7 @@ mod number;
 mod paste;
 #[cfg(feature = "plot")]
 pub mod plot;
+mod racks;
 mod reproduction;
 mod simulation;
 mod sketch;
@@ -41,6 +42,7 @@ pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "batch")]
 pub(crate) use number::plain;
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
+pub use racks::RacksReport;
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
 pub use table::{Align, Block, Column, Table};

@@ -1,8 +1,10 @@
 //! Every key of the spec, declared once: the reader, the JSON Schema and the suggestions for misspelt
 //! keys all follow this table.
 
+mod scatter;
 mod simulation;
 
+pub(crate) use scatter::SCATTER;
 pub(crate) use simulation::{SIMULATION, YOKE};
 
 use crate::deviation::ErrorKind;
@@ -42,6 +44,14 @@ pub(crate) enum Kind {
     Pair,
     /// A tolerance of a budget: fixed, or free with a weight or cost.
     Tolerance(ErrorKind),
+    /// How a deviation scatters: a standard deviation, a half-width with its distribution, or a class where a
+    /// standard limits it as that kind of error.
+    Spread {
+        /// Whether it is an angle.
+        is_angle: bool,
+        /// The kind of error whose class it may be.
+        class: Option<ErrorKind>,
+    },
     /// Which teeth: `"all"`, `5`, `"5"`, `"8.."`, `"8..=12"`.
     Teeth,
     /// A table with these keys.
@@ -460,4 +470,4 @@ pub(crate) const BUDGET: Section = Section {
 
 /// The sections in the order in which they are documented.
 pub(crate) const SECTIONS: &[Section] =
-    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, BATCH, SIMULATION];
+    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, BATCH, SIMULATION, SCATTER];

@@ -15,6 +15,7 @@ mod mesh;
 mod obtained;
 mod reader;
 mod resolve;
+mod scatter;
 mod schema;
 mod simulation;
 mod template;
@@ -26,6 +27,7 @@ pub use class::ToleranceSection;
 pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use obtained::MeasuredValue;
+pub use scatter::{ScatterSection, WrittenSpread};
 pub use schema::json_schema;
 pub use simulation::SimulationSection;
 pub use template::TEMPLATE;
@@ -85,6 +87,8 @@ pub struct Spec {
     pub batch: BatchSection,
     /// `[simulation]`.
     pub simulation: SimulationSection,
+    /// `[scatter]`.
+    pub scatter: ScatterSection,
     /// `decision.rule`.
     pub rule: Option<Located<Rule>>,
     /// The uncertainties, wherever they stand.
@@ -260,6 +264,7 @@ impl Spec {
         });
         let batch = sections.read(&keys::BATCH, batch::read);
         let simulation = sections.read(&keys::SIMULATION, simulation::read);
+        let scatter = sections.read(&keys::SCATTER, scatter::read);
         let rule = sections.read(&keys::DECISION, |reader| reader.rule("rule"));
         if diagnostics.is_empty() {
             Ok(Self {
@@ -276,6 +281,7 @@ impl Spec {
                 limits,
                 batch,
                 simulation,
+                scatter,
                 rule,
                 uncertainties,
                 correlations,

@@ -56,6 +56,30 @@ fn property(key: &Key, section: &str) -> Value {
             json!({ "anyOf": forms(vec![typed("number", &domain), json!({ "type": "string" })], source) })
         }
         Kind::Rule => json!({ "type": "string", "pattern": r"^\s*(simple|iso14253|guard=.+)\s*$" }),
+        Kind::Spread { is_angle, class } => {
+            let text = if is_angle { json!({ "type": "string" }) } else { length_text() };
+            let amount = json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, text] });
+            let half_width = json!({
+                "type": "object",
+                "additionalProperties": false,
+                "required": ["half_width", "distribution"],
+                "properties": {
+                    "half_width": amount,
+                    "distribution": uncertainty_properties()["distribution"],
+                },
+            });
+            let mut forms = vec![amount, half_width];
+            if class.is_some() {
+                let grade = json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS });
+                forms.push(json!({
+                    "type": "object",
+                    "additionalProperties": false,
+                    "required": ["class"],
+                    "properties": { "class": grade },
+                }));
+            }
+            json!({ "anyOf": forms })
+        }
         Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
         Kind::Error(kind) => error(kind),
         Kind::Word(words) => json!({ "enum": words }),

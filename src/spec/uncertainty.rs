@@ -166,7 +166,7 @@ impl SectionReader<'_> {
         self.uncertainties.push((source, Located { value: uncertainty, span }));
     }
 
-    fn distribution(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Distribution> {
+    pub(super) fn distribution(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Distribution> {
         let all = [Distribution::Normal, Distribution::Rectangular, Distribution::Triangular, Distribution::Arcsine];
         let DeValue::String(text) = value.get_ref() else {
             self.wrong_type("distribution", value, "a word in quotes");

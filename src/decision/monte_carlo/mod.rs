@@ -21,6 +21,7 @@
 
 mod histogram;
 mod part;
+pub mod racks;
 mod random;
 
 pub use part::{PartSimulation, simulate_part};

@@ -1,0 +1,88 @@
+//! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
+
+use super::mesh;
+use super::output::{Failure, Output, Status};
+use crate::decision::monte_carlo::DEFAULT_SEED;
+use crate::decision::monte_carlo::racks::{RackSettings, RacksError, simulate_racks};
+use crate::decision::{LimitTarget, Verdict};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Length;
+use crate::report::{Format, RacksReport};
+
+pub(super) const ABOUT: &str = "Draw racks whose teeth deviate at random, and solve each by the exact mesh";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  rackmesh monte-carlo examples/scatter.toml
+  rackmesh monte-carlo examples/scatter.toml --racks 20000 --format json
+
+Exit status: 0 all racks inside limits.center_distance or none given, 1 some outside, 2 could not solve.")]
+pub(super) struct Args {
+    /// The gear spec (TOML) with a section [scatter]; `-` reads standard input.
+    spec: String,
+    /// How many racks.
+    #[arg(long, default_value_t = 2000, value_name = "N")]
+    racks: usize,
+    /// Seed of the random deviations; the same one gives the same racks at any number of threads.
+    #[arg(long, default_value_t = DEFAULT_SEED, value_name = "SEED")]
+    seed: u64,
+    /// First stroke.
+    #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
+    from: Length,
+    /// Last stroke.
+    #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
+    to: Length,
+    /// Threads; default one per core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Output format; CSV lists every rack.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Args {
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let spec = super::read_spec(&self.spec)?;
+        let (scatter, classes) = spec.scatter()?;
+        let input = spec.mesh(&mesh::measured_tables(&spec, &self.spec)?)?;
+        let settings = RackSettings {
+            seed: self.seed,
+            racks: self.racks,
+            from_mm: self.from.mm(),
+            to_mm: self.to.mm(),
+            threads: self.threads.map(usize::from),
+        };
+        let results = simulate_racks(&input.mesh, &scatter, &settings).map_err(|error| unsolved(&error))?;
+        let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
+        let report = RacksReport {
+            title: spec.title.as_deref(),
+            scatter: &scatter,
+            classes: &classes,
+            settings: &settings,
+            results: &results,
+            limit: limit.map(|(_, limit)| &limit.value),
+            notes: mesh::notes(&input),
+            screen: output.screen(),
+        };
+        output.report(&report, self.format)?;
+        Ok(match report.verdict() {
+            Some(Verdict::Fail) => Status::Fail,
+            _ => Status::Pass,
+        })
+    }
+}
+
+fn unsolved(error: &RacksError) -> Diagnostic {
+    let code = match error {
+        RacksError::Mesh { .. } => Code::NoMesh,
+        RacksError::Count { .. } | RacksError::Stroke { .. } => Code::Usage,
+        _ => Code::NoMonteCarlo,
+    };
+    let diagnostic = Diagnostic::error(code, error.to_string());
+    match error {
+        RacksError::Mesh { .. } => {
+            diagnostic.help("the deviations drawn are too large for these teeth: check the units in [scatter]")
+        }
+        _ => diagnostic,
+    }
+}

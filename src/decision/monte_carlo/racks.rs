@@ -1,0 +1,480 @@
+//! Monte Carlo through the exact mesh: racks and pinions whose teeth deviate at random, and what ΔCD does along the
+//! stroke. Called by `rackmesh monte-carlo`; draws deviations and summarises curves, the mesh solves them.
+//!
+//! # What is drawn
+//! Every tooth by itself. A pitch deviation is the step from one tooth to the next: teeth are placed independently, so that
+//! the difference of neighbours has the standard deviation asked for, or stays within the half-width asked for, and
+//! errors do not add up along the rack. Thickness, lead and over-roller deviations are drawn per tooth. A pinion's runout is twice
+//! its eccentricity, in a random direction.
+//!
+//! # How a curve is followed
+//! At equal steps, [`STEPS_PER_PITCH`] to a pitch. While the flanks are not tilted, ΔCD of a set of carrying flanks is
+//! constant, and what changes the set takes a few hundredths of a pitch; so extremes are met unless a set carries
+//! for less than one step. The tests hold means and extremes against the adaptive curve.
+//!
+//! Rack number i is drawn from a generator of its own: the result does not depend on the number of threads.
+
+use std::collections::BTreeMap;
+use std::f64::consts::{SQRT_2, TAU};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use thiserror::Error;
+
+use super::random::{Random, Ziggurat};
+use crate::decision::statistics::{beta_cdf, beta_quantile};
+use crate::decision::uncertainty::{Distribution, Uncertainty};
+use crate::deviation::{DeviationError, PinionFlank, PinionTooth, RackFlank, RackTooth};
+use crate::mesh::{Mesh, MeshError, Sampler};
+use crate::trig;
+
+/// Strokes solved per rack pitch.
+pub const STEPS_PER_PITCH: f64 = 32.0;
+/// Teeth beyond both ends of the stroke that get deviations: more than any path of contact reaches.
+const MARGIN: i64 = 12;
+/// Confidence of intervals of quantiles and shares.
+pub const CONFIDENCE: f64 = 0.95;
+/// The most racks that are drawn.
+pub const MOST_RACKS: usize = 10_000_000;
+/// The most strokes per rack.
+const MOST_STROKES: f64 = 1e6;
+
+/// How the teeth deviate: the spread of each kind of deviation, mm and rad.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Scatter {
+    /// Single pitch deviation of the rack, along X.
+    pub rack_pitch: Option<Uncertainty>,
+    /// Normal tooth thickness of the rack.
+    pub rack_thickness: Option<Uncertainty>,
+    /// Lead deviation of each rack tooth, rad.
+    pub rack_lead: Option<Uncertainty>,
+    /// Pitch-line shift of each rack tooth, along Z.
+    pub rack_over_roller: Option<Uncertainty>,
+    /// Single pitch deviation of the pinion, an arc at the reference circle.
+    pub pinion_pitch: Option<Uncertainty>,
+    /// Transverse tooth thickness of the pinion, an arc at the reference circle.
+    pub pinion_thickness: Option<Uncertainty>,
+    /// Runout of the pinion, twice its eccentricity.
+    pub pinion_runout: Option<Uncertainty>,
+}
+
+impl Scatter {
+    /// Whether nothing scatters.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// What to draw and solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RackSettings {
+    /// The seed; the same one gives the same result.
+    pub seed: u64,
+    /// How many racks.
+    pub racks: usize,
+    /// First stroke, mm.
+    pub from_mm: f64,
+    /// Last stroke, mm.
+    pub to_mm: f64,
+    /// Threads; `None` for one per core. Does not change the result.
+    pub threads: Option<usize>,
+}
+
+/// ΔCD of one rack along the stroke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RackResult {
+    /// Mean, mm.
+    pub mean_mm: f64,
+    /// Smallest, mm.
+    pub min_mm: f64,
+    /// Largest, mm.
+    pub max_mm: f64,
+}
+
+impl RackResult {
+    /// Largest less smallest ΔCD, mm.
+    #[must_use]
+    pub fn peak_to_peak_mm(&self) -> f64 {
+        self.max_mm - self.min_mm
+    }
+}
+
+/// Why there is no result.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RacksError {
+    /// Nothing scatters.
+    #[error("nothing scatters, so every rack is the same")]
+    NothingScatters,
+    /// Too few or too many racks.
+    #[error("{racks} racks: from 1 to {MOST_RACKS} can be drawn")]
+    Count {
+        /// How many were asked for.
+        racks: usize,
+    },
+    /// A stroke that is no range, or too long.
+    #[error("strokes {from_mm} .. {to_mm} mm are not a range, or have more than a million steps")]
+    Stroke {
+        /// Its start.
+        from_mm: f64,
+        /// Its end.
+        to_mm: f64,
+    },
+    /// A drawn rack that cannot be solved.
+    #[error("rack {rack}: {error}")]
+    Mesh {
+        /// Which one, from 0.
+        rack: usize,
+        /// Why.
+        error: MeshError,
+    },
+    /// A drawn deviation that cannot be applied.
+    #[error("rack {rack}: {error}")]
+    Deviation {
+        /// Which one, from 0.
+        rack: usize,
+        /// Why.
+        error: DeviationError,
+    },
+}
+
+/// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. One result per rack, in order.
+///
+/// # Errors
+/// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such rack.
+pub fn simulate_racks(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -> Result<Vec<RackResult>, RacksError> {
+    if scatter.is_empty() {
+        return Err(RacksError::NothingScatters);
+    }
+    let racks = settings.racks;
+    if racks == 0 || racks > MOST_RACKS {
+        return Err(RacksError::Count { racks });
+    }
+    let strokes = Strokes::new(base, settings)?;
+    let ziggurat = Ziggurat::new();
+    let draw = Draw { base, scatter, settings, strokes: &strokes, ziggurat: &ziggurat };
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = settings.threads.unwrap_or_else(cores).clamp(1, racks);
+    let next = AtomicUsize::new(0);
+    let worker = || {
+        let mut mine = Vec::new();
+        loop {
+            let rack = next.fetch_add(1, Ordering::Relaxed);
+            if rack >= racks {
+                return mine;
+            }
+            let result = draw.rack(rack);
+            // nothing after the first failure is reported; racks before it are already being solved
+            if result.is_err() {
+                next.store(racks, Ordering::Relaxed);
+            }
+            mine.push((rack, result));
+        }
+    };
+    let mut solved: Vec<_> = std::thread::scope(|scope| {
+        let handles: Vec<_> = (1..threads).map(|_| scope.spawn(worker)).collect();
+        let mut solved = worker();
+        for handle in handles {
+            match handle.join() {
+                Ok(part) => solved.extend(part),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        solved
+    });
+    solved.sort_unstable_by_key(|(rack, _)| *rack);
+    solved.into_iter().map(|(_, result)| result).collect()
+}
+
+struct Strokes {
+    from: f64,
+    step: f64,
+    count: u32,
+    teeth: std::ops::RangeInclusive<i64>,
+}
+
+impl Strokes {
+    fn new(base: &Mesh, settings: &RackSettings) -> Result<Self, RacksError> {
+        let RackSettings { from_mm, to_mm, .. } = *settings;
+        let pitch = base.pair().rack().pitch_mm;
+        let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil();
+        if !(to_mm > from_mm && steps <= MOST_STROKES && from_mm.abs() <= 1e9) {
+            return Err(RacksError::Stroke { from_mm, to_mm });
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most a million, and 1e12 teeth
+        Ok(Self {
+            from: from_mm,
+            step: (to_mm - from_mm) / steps.max(1.0),
+            count: steps.max(1.0) as u32,
+            teeth: (from_mm / pitch).floor() as i64 - MARGIN..=(to_mm / pitch).ceil() as i64 + MARGIN,
+        })
+    }
+}
+
+/// The spread of a tooth's place such that the difference of two is spread as asked for.
+fn place_of(pitch: &Uncertainty) -> Uncertainty {
+    let share = if pitch.distribution == Distribution::Normal { SQRT_2 } else { 2.0 };
+    Uncertainty { standard: pitch.standard / share, ..*pitch }
+}
+
+struct Draw<'a> {
+    base: &'a Mesh,
+    scatter: &'a Scatter,
+    settings: &'a RackSettings,
+    strokes: &'a Strokes,
+    ziggurat: &'a Ziggurat,
+}
+
+impl Draw<'_> {
+    fn value(&self, spread: &Uncertainty, random: &mut Random) -> f64 {
+        let half = spread.standard * spread.distribution.half_width();
+        match spread.distribution {
+            Distribution::Normal => spread.standard * random.normal(self.ziggurat),
+            Distribution::Rectangular => half * (2.0 * random.uniform() - 1.0),
+            Distribution::Triangular => half * random.triangular(),
+            Distribution::Arcsine => half * random.arcsine(),
+        }
+    }
+
+    fn mesh(&self, random: &mut Random) -> Result<Result<Mesh, MeshError>, DeviationError> {
+        let Scatter { rack_pitch, rack_thickness, rack_lead, rack_over_roller, .. } = self.scatter;
+        let pair = self.base.pair();
+        let half_to_x = 0.5 / trig::cos(pair.rack().helix_angle_rad);
+        let mut draw = |spread: &Option<Uncertainty>| spread.as_ref().map_or(0.0, |spread| self.value(spread, random));
+        let mut drawn = BTreeMap::new();
+        let place = rack_pitch.as_ref().map(place_of);
+        for tooth in self.strokes.teeth.clone() {
+            let (place, thickness) = (draw(&place), draw(rack_thickness) * half_to_x);
+            let (lead_rad, along_z_mm) = (draw(rack_lead), draw(rack_over_roller));
+            let flank = |along_x_mm| RackFlank { along_x_mm, along_z_mm, lead_rad };
+            drawn.insert(tooth, RackTooth { left: flank(place - thickness), right: flank(place + thickness) });
+        }
+        let rack = self.base.rack().clone().with_added(&drawn)?;
+        let mut pinion = self.base.pinion().clone();
+        if self.scatter.pinion_pitch.is_some() || self.scatter.pinion_thickness.is_some() {
+            let place = self.scatter.pinion_pitch.as_ref().map(place_of);
+            let teeth: Vec<_> = (0..pair.pinion().teeth)
+                .map(|_| {
+                    let place = place.map_or(0.0, |place| self.value(&place, random));
+                    let half = self.scatter.pinion_thickness.map_or(0.0, |spread| 0.5 * self.value(&spread, random));
+                    let flank = |arc_mm| PinionFlank { arc_mm, lead_rad: 0.0 };
+                    PinionTooth { left: flank(place - half), right: flank(place + half) }
+                })
+                .collect();
+            pinion = pinion.with_measured(&teeth)?;
+        }
+        if let Some(runout) = self.scatter.pinion_runout {
+            let (along, across) = if runout.distribution == Distribution::Normal {
+                (0.5 * self.value(&runout, random), 0.5 * self.value(&runout, random))
+            } else {
+                let amount = 0.5 * self.value(&runout, random).abs();
+                let (sin, cos) = trig::sin_cos(TAU * random.uniform());
+                (amount * cos, amount * sin)
+            };
+            pinion = pinion.with_offset((along, across))?;
+        }
+        Ok(Mesh::new(*pair, rack, pinion, self.base.support()))
+    }
+
+    fn rack(&self, rack: usize) -> Result<RackResult, RacksError> {
+        let mut random = Random::of_block(self.settings.seed, rack as u64);
+        let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?;
+        let solve = |mesh: &Mesh| -> Result<RackResult, MeshError> {
+            let Strokes { from, step, count, .. } = *self.strokes;
+            let mut sampler = Sampler::new(mesh);
+            let (mut sum, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+            for i in 0..=count {
+                let delta_cd = sampler.at(from + step * f64::from(i))?.delta_cd_mm;
+                sum += if i == 0 || i == count { 0.5 * delta_cd } else { delta_cd };
+                (min, max) = (min.min(delta_cd), max.max(delta_cd));
+            }
+            Ok(RackResult { mean_mm: sum / f64::from(count), min_mm: min, max_mm: max })
+        };
+        mesh.and_then(|mesh| solve(&mesh)).map_err(|error| RacksError::Mesh { rack, error })
+    }
+}
+
+/// A quantile with its distribution-free confidence interval from order statistics.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantile {
+    /// The share of racks at or below.
+    pub share: f64,
+    /// The estimate.
+    pub value: f64,
+    /// Lower end of the 95 % confidence interval; `None` if there are too few racks for one.
+    pub lower: Option<f64>,
+    /// Upper end.
+    pub upper: Option<f64>,
+}
+
+/// Quantiles of values; at least one is needed.
+///
+/// The interval's ends are the order statistics X_(l) and X_(u) with P(B < l) ≤ 2.5 % and P(B ≥ u) ≤ 2.5 % for a binomial B(n, p):
+/// it holds whatever the distribution (David and Nagaraja, *Order Statistics*, 7.1).
+#[must_use]
+pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let tail = 0.5 * (1.0 - CONFIDENCE);
+    #[allow(clippy::cast_precision_loss)]
+    let n = sorted.len() as f64;
+    // P(B ≤ k)
+    let cdf = |k: f64, p: f64| {
+        if k < 0.0 {
+            0.0
+        } else if k >= n {
+            1.0
+        } else {
+            1.0 - beta_cdf(p, k + 1.0, n - k)
+        }
+    };
+    shares
+        .iter()
+        .filter(|_| !sorted.is_empty())
+        .map(|&p| {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
+            let first = |holds: &dyn Fn(f64) -> bool| {
+                let (mut low, mut high) = (0, sorted.len() + 1);
+                while low < high {
+                    let middle = usize::midpoint(low, high);
+                    if holds(middle as f64) { high = middle } else { low = middle + 1 }
+                }
+                low
+            };
+            // the smallest count that is exceeded rarely, and the largest that is rarely fallen short of
+            let upper = first(&|k| 1.0 - cdf(k - 1.0, p) <= tail);
+            let lower = first(&|k| cdf(k - 1.0, p) > tail).saturating_sub(1);
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let rank = ((n * p).ceil().max(1.0) as usize).min(sorted.len());
+            let at = |rank: usize| rank.checked_sub(1).and_then(|index| sorted.get(index)).copied();
+            Quantile { share: p, value: sorted[rank - 1], lower: at(lower), upper: at(upper) }
+        })
+        .collect()
+}
+
+/// A share of `inside` out of `of` with its 95 % confidence interval (Clopper and Pearson).
+#[must_use]
+pub fn share(inside: usize, of: usize) -> (f64, f64, f64) {
+    let tail = 0.5 * (1.0 - CONFIDENCE);
+    #[allow(clippy::cast_precision_loss)]
+    let (x, n) = (inside as f64, of as f64);
+    let lower = if inside == 0 { 0.0 } else { beta_quantile(tail, x, n - x + 1.0) };
+    let upper = if inside == of { 1.0 } else { beta_quantile(1.0 - tail, x + 1.0, n - x) };
+    (x / n, lower, upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::{PinionFlanks, RackFlanks};
+    use crate::gear::{Pair, PairData, PinionData, RackData};
+    use crate::mesh::Support;
+
+    fn base() -> Mesh {
+        let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
+        let pair = Pair::new(&PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: radians(19.9),
+            rack: RackData { helix_angle_rad: 0.0, face_width_mm: 19.7, addendum_mm: 1.7, tooth_thickness_mm: None },
+            pinion: PinionData {
+                teeth: 8,
+                helix_angle_rad: radians(21.0),
+                profile_shift: 0.3,
+                tip_diameter_mm: 19.738,
+                root_form_diameter_mm: None,
+                face_width_mm: 30.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        })
+        .unwrap();
+        Mesh::nominal(pair).unwrap()
+    }
+
+    fn settings(racks: usize) -> RackSettings {
+        RackSettings { seed: 1, racks, from_mm: 0.0, to_mm: 50.0, threads: None }
+    }
+
+    fn all() -> Scatter {
+        Scatter {
+            rack_pitch: Some(Uncertainty::standard(0.004)),
+            rack_thickness: Some(Uncertainty::half_width(0.005, Distribution::Rectangular)),
+            pinion_pitch: Some(Uncertainty::standard(0.003)),
+            pinion_runout: Some(Uncertainty::half_width(0.01, Distribution::Rectangular)),
+            ..Scatter::default()
+        }
+    }
+
+    #[test]
+    fn equal_steps_meet_the_extremes_and_the_mean_of_the_adaptive_curve() {
+        let base = base();
+        let (scatter, settings) = (all(), settings(12));
+        let strokes = Strokes::new(&base, &settings).unwrap();
+        let ziggurat = Ziggurat::new();
+        let draw = Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+        for rack in 0..settings.racks {
+            let mesh = draw.mesh(&mut Random::of_block(1, rack as u64)).unwrap().unwrap();
+            let exact = mesh.curve(0.0, 50.0, 1e-6).unwrap().summary(&mesh).unwrap();
+            let sampled = draw.rack(rack).unwrap();
+            assert!((exact.mean_mm - sampled.mean_mm).abs() < 1e-4, "{rack}: {} {}", exact.mean_mm, sampled.mean_mm);
+            for (exact, sampled) in [(exact.min_mm, sampled.min_mm), (exact.max_mm, sampled.max_mm)] {
+                assert!((exact - sampled).abs() < 3e-4, "{rack}: {exact} {sampled}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_bits_at_any_number_of_threads() {
+        let (base, scatter) = (base(), all());
+        let with = |threads| simulate_racks(&base, &scatter, &RackSettings { threads, ..settings(20) }).unwrap();
+        let one = with(Some(1));
+        assert_eq!(one, with(Some(3)));
+        assert_eq!(one, with(None));
+        assert_eq!(one[..5], simulate_racks(&base, &scatter, &settings(5)).unwrap());
+    }
+
+    #[test]
+    fn of_teeth_that_sit_high_and_low_the_high_ones_carry() {
+        // so the mean lies above 0, and below the standard deviation: two or three teeth share the contact
+        let base = base();
+        let scatter = Scatter { rack_over_roller: Some(Uncertainty::standard(0.003)), ..Scatter::default() };
+        let results = simulate_racks(&base, &scatter, &settings(40)).unwrap();
+        let mean = results.iter().map(|result| result.mean_mm).sum::<f64>() / 40.0;
+        assert!(mean > 0.0 && mean < 0.003, "{mean}");
+        assert!(results.iter().all(|result| result.min_mm <= result.mean_mm && result.mean_mm <= result.max_mm));
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_says_why() {
+        let base = base();
+        let run = |scatter: &Scatter, settings: &RackSettings| simulate_racks(&base, scatter, settings).unwrap_err();
+        assert_eq!(run(&Scatter::default(), &settings(1)), RacksError::NothingScatters);
+        assert_eq!(run(&all(), &settings(0)), RacksError::Count { racks: 0 });
+        let empty = RackSettings { to_mm: 0.0, ..settings(1) };
+        assert!(matches!(run(&all(), &empty), RacksError::Stroke { .. }));
+        let huge = Scatter { rack_pitch: Some(Uncertainty::standard(50.0)), ..Scatter::default() };
+        assert!(matches!(run(&huge, &settings(3)), RacksError::Mesh { .. }));
+    }
+
+    #[test]
+    fn intervals_of_quantiles_are_the_order_statistics_of_the_tables() {
+        // n = 10, median: X_(2) to X_(9), with 97.9 % confidence
+        let values: Vec<f64> = (1..=10).map(f64::from).collect();
+        let [median, high]: [Quantile; 2] = quantiles(&values, &[0.5, 0.99]).try_into().unwrap();
+        assert_eq!((median.value, median.lower, median.upper), (5.0, Some(2.0), Some(9.0)));
+        assert_eq!((high.value, high.upper), (10.0, None));
+        // n = 100, median: X_(40) to X_(61)
+        let values: Vec<f64> = (1..=100).map(f64::from).collect();
+        let median = quantiles(&values, &[0.5])[0];
+        assert_eq!((median.lower, median.upper), (Some(40.0), Some(61.0)));
+    }
+
+    #[test]
+    fn shares_have_the_interval_of_clopper_and_pearson() {
+        // none of 10: 0 to 1 − 0.025^(1/10) = 0.3085
+        let (value, lower, upper) = share(0, 10);
+        assert_eq!((value, lower), (0.0, 0.0));
+        assert!((upper - 0.308_5).abs() < 5e-5, "{upper}");
+        let (_, lower, upper) = share(5, 10);
+        assert!((lower - 0.187_1).abs() < 5e-5 && (upper - 0.812_9).abs() < 5e-5, "{lower} {upper}");
+    }
+}

@@ -1,0 +1,34 @@
+//! The keys of `[scatter]`.
+
+use super::{Key, Kind, Section, key};
+use crate::deviation::ErrorKind;
+
+const fn length(name: &'static str, class: Option<ErrorKind>, doc: &'static str) -> Key {
+    key(name, Kind::Spread { is_angle: false, class }, doc)
+}
+
+pub(crate) const SCATTER: Section = Section {
+    name: "scatter",
+    doc: "How the teeth deviate at random: standard deviations, half-widths with their distribution, or classes.",
+    keys: &[
+        length("rack_pitch", Some(ErrorKind::RackPitch), "Single pitch deviation of the rack, along its axis."),
+        length("rack_thickness", None, "Normal tooth thickness of the rack."),
+        key(
+            "rack_lead",
+            Kind::Spread { is_angle: true, class: Some(ErrorKind::RackLead) },
+            "Lead deviation of each rack tooth.",
+        ),
+        length(
+            "rack_over_roller",
+            Some(ErrorKind::RackOverRoller),
+            "Pitch-line shift of each rack tooth; a class means the runout F_r from one end to the other.",
+        ),
+        length("pinion_pitch", Some(ErrorKind::PinionPitch), "Single pitch deviation of the pinion, an arc."),
+        length("pinion_thickness", None, "Transverse tooth thickness of the pinion, an arc."),
+        length(
+            "pinion_runout",
+            Some(ErrorKind::PinionRadial),
+            "Runout of the pinion, twice its eccentricity, in a random direction.",
+        ),
+    ],
+};

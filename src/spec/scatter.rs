@@ -1,0 +1,151 @@
+//! `[scatter]` as written, and the random deviations that it means.
+
+use toml::de::DeValue;
+
+use super::keys::{self, Kind};
+use super::reader::{SectionReader, similar};
+use super::resolve::MissingKeys;
+use super::{Located, Spec};
+use crate::decision::class::ErrorClass;
+use crate::decision::monte_carlo::racks::Scatter;
+use crate::decision::uncertainty::{Distribution, Uncertainty};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+
+/// A spread as written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WrittenSpread {
+    /// A standard deviation or a half-width, mm or degrees.
+    Spread(Uncertainty),
+    /// A class of `[tolerance]`.
+    Class(u8),
+}
+
+/// `[scatter]`: one entry per kind of deviation.
+pub type ScatterSection = Vec<(&'static str, Located<WrittenSpread>)>;
+
+const HELP: &str = "write a standard deviation (\"4 um\"), { half_width = \"6 um\", distribution = \"rectangular\" }, or \
+                    { class = 7 }";
+
+/// Reads `[scatter]`.
+pub(super) fn read(reader: &mut SectionReader<'_>) -> ScatterSection {
+    keys::SCATTER.keys.iter().filter_map(|key| Some((key.name, spread(reader, key.name, key.kind)?))).collect()
+}
+
+fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Option<Located<WrittenSpread>> {
+    let Kind::Spread { is_angle, class } = kind else { return None };
+    let value = reader.table?.get(name)?;
+    let span = value.span();
+    let located = |value| Some(Located { value, span: span.clone() });
+    let number = |reader: &mut SectionReader<'_>, name: &str, value| {
+        let number =
+            if is_angle { reader.angle_value(name, value)?.degrees() } else { reader.length_value(name, value)?.mm() };
+        if number > 0.0 {
+            return Some(number);
+        }
+        let diagnostic = Diagnostic::error(Code::OutOfDomain, format!("`{name}` is {number}; it must be above 0"));
+        reader.report(diagnostic.help(HELP), span.clone(), "");
+        None
+    };
+    let DeValue::Table(table) = value.get_ref() else {
+        return located(WrittenSpread::Spread(Uncertainty::standard(number(reader, name, value)?)));
+    };
+    let known = ["class", "half_width", "distribution"];
+    for (key, _) in table {
+        let key_name = key.get_ref().as_ref();
+        if !known.contains(&key_name) {
+            let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{key_name}`"));
+            let help = similar(key_name, known.into_iter())
+                .map_or_else(|| HELP.to_owned(), |similar| format!("did you mean `{similar}`?"));
+            reader.report(diagnostic.help(help), key.span(), "unknown key");
+            return None;
+        }
+    }
+    let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
+    match (table.get("class"), table.get("half_width"), table.get("distribution")) {
+        (Some(grade), None, None) => {
+            if class.is_none() {
+                let message = format!("`{name}` has no class: no standard limits it");
+                reader.report(bad(message), span.clone(), "");
+                return None;
+            }
+            located(WrittenSpread::Class(reader.class_value(grade)?))
+        }
+        (None, Some(half_width), Some(distribution)) => {
+            let distribution = reader.distribution(distribution)?;
+            let half_width = number(reader, "half_width", half_width)?;
+            located(WrittenSpread::Spread(Uncertainty::half_width(half_width, distribution)))
+        }
+        _ => {
+            reader.report(bad(format!("`{name}` is a table that makes no spread")), span.clone(), "");
+            None
+        }
+    }
+}
+
+impl Spec {
+    /// The random deviations of the teeth, in mm and rad, and what classes came to.
+    ///
+    /// Within a class every value is taken to be as probable as any other.
+    ///
+    /// # Errors
+    /// A diagnostic if nothing scatters, a key is missing, or a class has no value.
+    pub fn scatter(&self) -> Result<(Scatter, Vec<ErrorClass>), Diagnostics> {
+        if self.scatter.is_empty() {
+            let diagnostic = Diagnostic::error(Code::MissingKey, "`[scatter]` is missing or empty: nothing is random")
+                .help("add a section such as\n[scatter]\nrack_pitch = \"4 um\"          # standard deviation\nrack_thickness = { half_width = \"6 um\", distribution = \"rectangular\" }");
+            return Err(diagnostic.into());
+        }
+        let mut missing = MissingKeys::default();
+        let mut diagnostics = Vec::new();
+        let mut classes = Vec::new();
+        let mut scatter = Scatter::default();
+        for (name, written) in &self.scatter {
+            let key = keys::SCATTER.keys.iter().find(|key| key.name == *name);
+            let Some(Kind::Spread { is_angle, class }) = key.map(|key| key.kind) else { continue };
+            let spread = match (written.value, class) {
+                (WrittenSpread::Spread(spread), _) => Some(spread),
+                (WrittenSpread::Class(grade), Some(kind)) => {
+                    match self.class(kind, grade, &written.span, &mut missing) {
+                        Some(Ok(class)) => {
+                            let spread = within_class(&class);
+                            classes.push(class);
+                            Some(spread)
+                        }
+                        Some(Err(diagnostic)) => {
+                            diagnostics.push(diagnostic);
+                            None
+                        }
+                        None => None,
+                    }
+                }
+                (WrittenSpread::Class(_), None) => None,
+            };
+            let radians = std::f64::consts::PI / 180.0;
+            let scale = if is_angle { radians } else { 1.0 };
+            let spread = spread.map(|spread| Uncertainty { standard: spread.standard * scale, ..spread });
+            match *name {
+                "rack_pitch" => scatter.rack_pitch = spread,
+                "rack_thickness" => scatter.rack_thickness = spread,
+                "rack_lead" => scatter.rack_lead = spread,
+                "rack_over_roller" => scatter.rack_over_roller = spread,
+                "pinion_pitch" => scatter.pinion_pitch = spread,
+                "pinion_thickness" => scatter.pinion_thickness = spread,
+                _ => scatter.pinion_runout = spread,
+            }
+        }
+        diagnostics.extend(missing.diagnostics(&self.source));
+        if diagnostics.is_empty() { Ok((scatter, classes)) } else { Err(Diagnostics(diagnostics)) }
+    }
+}
+
+/// The values that a class leaves, all alike: within plus and minus what it permits; of a runout, which is the range of
+/// all teeth together, half of it either way for the rack's teeth.
+fn within_class(class: &ErrorClass) -> Uncertainty {
+    let permitted = match &class.value {
+        ErrorValue::Length(length) => length.mm(),
+        ErrorValue::Angle(angle) => angle.degrees(),
+    };
+    let half_width = if class.kind == ErrorKind::RackOverRoller { 0.5 * permitted } else { permitted };
+    Uncertainty::half_width(half_width.abs(), Distribution::Rectangular)
+}
