@@ -366,9 +366,7 @@ pub fn share(inside: usize, of: usize) -> (f64, f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deviation::{PinionFlanks, RackFlanks};
     use crate::gear::{Pair, PairData, PinionData, RackData};
-    use crate::mesh::Support;
 
     fn base() -> Mesh {
         let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
