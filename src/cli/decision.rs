@@ -3,8 +3,10 @@
 use super::output::Failure;
 use crate::decision::monte_carlo::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, PartSimulation, Settings};
 use crate::decision::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyError};
-use crate::decision::{Limits, Rule};
+use crate::decision::{Evaluation, Limits, Rule};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::PartError;
+use crate::report::UncertaintyPart;
 use crate::spec::Spec;
 
 #[derive(Debug, Clone, clap::Args)]
@@ -25,9 +27,9 @@ pub(super) struct DecisionArgs {
 }
 
 /// What is known of a part's uncertainty.
-pub(super) struct Known {
-    pub(super) propagation: Propagation,
-    pub(super) simulation: Option<PartSimulation>,
+struct Known {
+    propagation: Propagation,
+    simulation: Option<PartSimulation>,
 }
 
 /// A number of draws as people write it: `1000000`, `1_000_000`, `1e6`.
@@ -67,8 +69,36 @@ impl DecisionArgs {
         Ok(Some(Settings { seed: self.seed, draws, digits: self.digits, threads: None }))
     }
 
+    /// Judges an evaluation again by the rule, with what is known of its uncertainty; `None` if nothing is.
+    pub(super) fn judge(
+        &self,
+        spec: &Spec,
+        errors: &[PartError],
+        evaluation: &mut Evaluation,
+    ) -> Result<Option<UncertaintyPart>, Failure> {
+        let over_pin = spec.over_pin();
+        let part = Part { errors, over_pin: over_pin.as_ref(), model: evaluation.model, stack: evaluation.stack };
+        let known = self.known(&part, spec, &spec.limits())?;
+        let rule = self.rule(spec);
+        if known.is_some() || rule != Rule::Simple {
+            let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
+            evaluation
+                .decide_by(
+                    &rule,
+                    known.as_ref().map(|known| &known.propagation),
+                    simulated.map(|simulation| simulation.outcome.inside.as_slice()),
+                )
+                .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        }
+        Ok(known.map(|known| UncertaintyPart {
+            propagation: known.propagation,
+            simulation: known.simulation,
+            taken_as_exact: spec.taken_as_exact(),
+        }))
+    }
+
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    pub(super) fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<Known>, Failure> {
+    fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<Known>, Failure> {
         let settings = self.settings()?;
         let uncertainties = spec.uncertainties()?;
         if uncertainties.is_empty() {

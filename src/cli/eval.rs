@@ -5,10 +5,10 @@ use clap::ValueEnum;
 use super::decision::DecisionArgs;
 use super::mesh;
 use super::output::{Failure, Output, Status};
-use crate::decision::{self, LimitTarget, Rule, Stack, Verdict};
+use crate::decision::{self, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
-use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
+use crate::report::{EvaluationReport, Format, MeshPart};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged against the limits";
@@ -91,34 +91,17 @@ impl Args {
         };
         let spec = super::read_spec(&path)?;
         let errors = spec.part_errors()?;
-        let (model, stack, limits) = (self.model.into(), self.stack.into(), spec.limits());
-        let mut evaluation =
-            decision::evaluate(&errors, &limits, model, stack).map_err(|failure| spec.explain_failure(&failure))?;
-        let over_pin = spec.over_pin();
-        let known = self.decision.known(&spec.part(&errors, over_pin.as_ref(), model, stack), &spec, &limits)?;
-        let rule = self.decision.rule(&spec);
-        if known.is_some() || rule != Rule::Simple {
-            let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
-            evaluation
-                .decide_by(
-                    &rule,
-                    known.as_ref().map(|known| &known.propagation),
-                    simulated.map(|simulation| simulation.outcome.inside.as_slice()),
-                )
-                .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
-        }
+        let mut evaluation = decision::evaluate(&errors, &spec.limits(), self.model.into(), self.stack.into())
+            .map_err(|failure| spec.explain_failure(&failure))?;
+        let uncertainty = self.decision.judge(&spec, &errors, &mut evaluation)?;
         for target in evaluation.unjudged() {
             output.diagnostic(&unjudged(&spec, target));
         }
         let rack_is_helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
         let mut report =
             EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical).with_classes(spec.classes()?);
-        report.rule = rule;
-        report.uncertainty = known.map(|known| UncertaintyPart {
-            propagation: known.propagation,
-            simulation: known.simulation,
-            taken_as_exact: spec.taken_as_exact(),
-        });
+        report.rule = self.decision.rule(&spec);
+        report.uncertainty = uncertainty;
         if self.mesh {
             report.mesh = Some(mesh_part(&spec, &path)?);
         }

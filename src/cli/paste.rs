@@ -2,6 +2,7 @@
 
 use std::io::{BufRead as _, IsTerminal as _, Read as _};
 
+use super::decision::DecisionArgs;
 use super::eval::{ModelArg, StackArg};
 use super::mesh;
 use super::output::{Failure, Output, Status};
@@ -10,7 +11,9 @@ use crate::cmm::paste::{Field, Orientation, Pasted, PastedPart, Understood, Want
 use crate::decision::{self, Evaluation, LimitTarget, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::report::{EvaluationReport, Format, MeshReport, PartRow, PartsReport, SpacesReport, Together};
+use crate::report::{
+    EvaluationReport, Format, MeshReport, PartRow, PartsReport, SpacesReport, Together, UncertaintyPart,
+};
 use crate::spec::{MeasuredTables, Spec};
 
 pub(super) const ABOUT: &str =
@@ -27,7 +30,7 @@ Examples:
   rackmesh paste rack.toml --decimal comma --format csv < values.txt
   rackmesh paste examples/mesh.toml --mesh < spaces.txt
 
-Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge.")]
+Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate by the rule.")]
 pub(super) struct Args {
     /// The gear spec (TOML).
     spec: String,
@@ -51,6 +54,8 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    #[command(flatten)]
+    decision: DecisionArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -132,11 +137,17 @@ impl Args {
         }
     }
 
-    fn evaluate(&self, spec: &Spec, errors: &[(ErrorKind, ErrorValue)]) -> Result<Evaluation, Failure> {
+    fn evaluate(
+        &self,
+        spec: &Spec,
+        errors: &[(ErrorKind, ErrorValue)],
+    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
         let spec = spec.with_errors(errors);
         let errors = spec.part_errors()?;
-        Ok(decision::evaluate(&errors, &spec.limits(), self.model.into(), self.stack.into())
-            .map_err(|failure| spec.explain_failure(&failure))?)
+        let mut evaluation = decision::evaluate(&errors, &spec.limits(), self.model.into(), self.stack.into())
+            .map_err(|failure| spec.explain_failure(&failure))?;
+        let uncertainty = self.decision.judge(&spec, &errors, &mut evaluation)?;
+        Ok((evaluation, uncertainty))
     }
 
     fn parts(&self, spec: &Spec, parts: &[PastedPart], output: &mut Output) -> Result<Status, Failure> {
@@ -151,20 +162,25 @@ impl Args {
             for problem in &part.problems {
                 output.diagnostic(problem);
             }
-            let evaluation = if part.problems.is_empty() { Some(self.evaluate(spec, &part.errors)?) } else { None };
+            let judged = if part.problems.is_empty() { Some(self.evaluate(spec, &part.errors)?) } else { None };
+            let (evaluation, uncertainty) =
+                judged.map_or((None, None), |(evaluation, known)| (Some(evaluation), known));
             let name = part.id.clone().unwrap_or_else(|| (index + 1).to_string());
-            rows.push(PartRow { name, line: part.line, evaluation });
+            rows.push(PartRow { name, line: part.line, evaluation, uncertainty });
         }
         for target in unjudged(&rows) {
             output.diagnostic(&super::eval::unjudged(spec, target));
         }
         let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| severity(*status));
         let helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
-        match rows.as_slice() {
-            [PartRow { evaluation: Some(evaluation), name, .. }] => {
+        match rows.as_mut_slice() {
+            [PartRow { evaluation: Some(evaluation), name, uncertainty, .. }] => {
                 let title = parts[0].id.as_ref().map(|_| format!("part {name}"));
                 let title = title.as_deref().or(spec.title.as_deref());
-                output.report(&EvaluationReport::new(title, evaluation, helical), self.format)?;
+                let mut report = EvaluationReport::new(title, evaluation, helical);
+                report.rule = self.decision.rule(spec);
+                report.uncertainty = uncertainty.take();
+                output.report(&report, self.format)?;
             }
             [_] => {}
             _ => output.report(&PartsReport { title: spec.title.as_deref(), rows: &rows }, self.format)?,

@@ -3,7 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use super::number::{millimetres, plain, signed};
-use super::{Block, Column, Report, Table};
+use super::uncertainty::micrometres;
+use super::{Block, Column, Report, Table, UncertaintyPart};
 use crate::decision::{Evaluation, Limit, MeasuredPart, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::formula_text;
@@ -18,6 +19,8 @@ pub struct PartRow {
     pub line: usize,
     /// What was computed; `None` if its values cannot be read.
     pub evaluation: Option<Evaluation>,
+    /// The uncertainty of its results, where uncertainties are given.
+    pub uncertainty: Option<UncertaintyPart>,
 }
 
 /// Several parts, one row each.
@@ -36,6 +39,10 @@ impl PartsReport<'_> {
             evaluations.any(|evaluation| evaluation.contributions.iter().any(|c| c.kind == *kind))
         };
         ErrorKind::ALL.into_iter().filter(present).collect()
+    }
+
+    fn is_uncertain(&self) -> bool {
+        self.rows.iter().any(|row| row.uncertainty.is_some())
     }
 
     fn count(&self, verdict: Verdict) -> usize {
@@ -71,6 +78,9 @@ impl Report for PartsReport<'_> {
                 part.insert("rss_mm".to_owned(), combined.map(|c| c.rss.mm()).into());
                 let verdict = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name);
                 part.insert("verdict".to_owned(), verdict.into());
+                if let Some(uncertainty) = &row.uncertainty {
+                    part.insert("uncertainty".to_owned(), uncertainty.json());
+                }
                 Value::Object(part)
             })
             .collect();
@@ -83,6 +93,10 @@ impl Report for PartsReport<'_> {
         header.extend(kinds.iter().map(|kind| format!("delta_cd_{}_mm", kind.key())));
         let fixed = ["range_lower_mm", "range_upper_mm", "worst_case_mm", "rss_mm", "verdict"];
         header.extend(fixed.map(str::to_owned));
+        let uncertain = self.is_uncertain();
+        if uncertain {
+            header.extend(["standard_uncertainty_mm", "expanded_uncertainty_mm"].map(str::to_owned));
+        }
         let width = header.len();
         let mut rows = vec![header];
         for part in self.rows {
@@ -93,6 +107,10 @@ impl Report for PartsReport<'_> {
                 let combined = &evaluation.combined;
                 row.extend([&combined.range_lower, &combined.range_upper, &combined.worst_case, &combined.rss].map(mm));
                 row.push(evaluation.verdict.map(Verdict::name).unwrap_or_default().to_owned());
+            }
+            if let Some(part) = &part.uncertainty {
+                let upper = &part.propagation.upper;
+                row.extend([plain(upper.standard_mm), plain(upper.expanded_mm())]);
             }
             row.resize(width, String::new());
             rows.push(row);
@@ -107,6 +125,9 @@ impl Report for PartsReport<'_> {
         let mut columns = vec![Column::text("part")];
         columns.extend(kinds.iter().map(|kind| Column::number(format!("{}\n[mm]", kind.name()))));
         columns.extend([Column::number("ΔCD from\n[mm]"), Column::number("to\n[mm]")]);
+        if self.is_uncertain() {
+            columns.push(Column::number("U of it\n[µm]"));
+        }
         if judged {
             columns.push(Column::text("verdict"));
         }
@@ -118,6 +139,10 @@ impl Report for PartsReport<'_> {
                 row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map_or_else(|| "-".to_owned(), mm)));
                 let (from, to) = evaluation.combined.interval(evaluation.stack);
                 row.extend([mm(&from), mm(&to)]);
+                if self.is_uncertain() {
+                    let of = |part: &UncertaintyPart| micrometres(part.propagation.upper.expanded_mm());
+                    row.push(part.uncertainty.as_ref().map_or_else(|| "-".to_owned(), of));
+                }
                 if judged {
                     row.push(evaluation.verdict.map_or("open", Verdict::name).to_owned());
                 }
@@ -141,14 +166,23 @@ impl Report for PartsReport<'_> {
         let unread = self.rows.iter().filter(|row| row.evaluation.is_none()).count();
         if judged {
             let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
+            let open = self.count(Verdict::Indeterminate);
             let sentence = format!(
                 "{pass} of {} parts are within the limits{}",
                 self.rows.len(),
-                if unread == 0 { String::new() } else { format!(", {unread} could not be read") }
+                match (open, unread) {
+                    (0, 0) => String::new(),
+                    (0, unread) => format!(", {unread} could not be read"),
+                    (open, 0) => format!(", {open} indeterminate"),
+                    (open, unread) => format!(", {open} indeterminate, {unread} could not be read"),
+                }
             );
-            if fail > 0 || pass == self.rows.len() {
-                let verdict = if fail > 0 { Verdict::Fail } else { Verdict::Pass };
-                blocks.push(Block::Verdict(verdict, sentence));
+            if fail > 0 {
+                blocks.push(Block::Verdict(Verdict::Fail, sentence));
+            } else if pass == self.rows.len() {
+                blocks.push(Block::Verdict(Verdict::Pass, sentence));
+            } else if unread == 0 && pass + open == self.rows.len() {
+                blocks.push(Block::Verdict(Verdict::Indeterminate, sentence));
             } else {
                 blocks.push(Block::Note(sentence));
             }

@@ -22,7 +22,7 @@ pub struct UncertaintyPart {
 }
 
 /// A length of an uncertainty in µm for people: two decimals, more for small ones.
-fn micrometres(mm: f64) -> String {
+pub(super) fn micrometres(mm: f64) -> String {
     let um = 1000.0 * mm;
     if um == 0.0 {
         "exact".to_owned()

@@ -408,7 +408,8 @@ fn read_error_value(
 /// The entry of an error that has nothing but a nominal value.
 fn only_nominal<'t>(table: &'t DeTable<'_>, kind: ErrorKind) -> Option<&'t DeTable<'t>> {
     let entry = table.get(kind.key())?.get_ref().as_table()?;
-    (entry.len() == 1 && entry.contains_key("nominal")).then_some(entry)
+    let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
+    (entry.len() == 1 + uncertain && entry.contains_key("nominal")).then_some(entry)
 }
 
 /// The nominal value in an entry of `[errors]`. A value that cannot be read is reported here if it stands alone, and
@@ -424,6 +425,10 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Locat
     };
     if only_nominal(table, kind).is_none() {
         reader.diagnostics.truncate(known);
+    } else {
+        // the uncertainty of the measured values to come
+        let source = uncertain::Source::Error(kind);
+        reader.note_uncertainty(kind.key(), entry, value.span(), source, source.is_angle(), 1.0);
     }
     Some(Located { value: nominal?, span: value.span() })
 }
