@@ -64,7 +64,7 @@ fn cases() -> [Case; 3] {
         Case {
             name: "lead",
             title: "lead angle error Δβ = 0.25°",
-            kinds: vec![RackDeviationKind::Lead(0.25_f64.to_radians())],
+            kinds: vec![RackDeviationKind::Lead(0.25 * std::f64::consts::PI / 180.0)],
             formula: || {
                 let (alpha, width): (Angle, Length) = (PRESSURE_ANGLE.parse()?, FACE_WIDTH.parse()?);
                 Ok(RackLead::new(&alpha, &Angle::ZERO, &width)?.delta_cd(&"0.25".parse()?, Model::Exact)?.mm())
@@ -92,7 +92,8 @@ fn timed<T>(mut run: impl FnMut() -> T) -> (f64, T) {
 fn error_mm(mesh: &Mesh, curve: impl Iterator<Item = (f64, f64)>) -> Result<f64, Box<dyn Error>> {
     let (mut sum, mut count) = (0.0, 0.0);
     for (stroke, delta_cd) in curve.filter(|(stroke, _)| (WINDOW.0..=WINDOW.1).contains(stroke)) {
-        sum += (delta_cd - mesh.at(stroke)?.delta_cd_mm).powi(2);
+        let difference = delta_cd - mesh.at(stroke)?.delta_cd_mm;
+        sum += difference * difference;
         count += 1.0;
     }
     Ok(f64::sqrt(sum / count))
@@ -114,11 +115,11 @@ fn interpolated(points: &[(f64, f64)], stroke: f64) -> f64 {
 fn simulated(
     mesh: &Mesh,
     pair: Pair,
-    parameters: Parameters,
+    parameters: &Parameters,
     run: fn(&Scene) -> Outcome,
 ) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
     let (time, outcome) =
-        timed(|| Scene::new(pair, mesh.rack().clone(), mesh.pinion().clone(), parameters).map(|scene| run(&scene)));
+        timed(|| Scene::new(pair, mesh.rack().clone(), mesh.pinion().clone(), *parameters).map(|scene| run(&scene)));
     let outcome = outcome?;
     if !outcome.completed() {
         eprintln!("not completed: {:?}", outcome.end);
@@ -138,12 +139,11 @@ fn measure(case: &Case) -> Result<Vec<Row>, Box<dyn Error>> {
     let delta_cd = delta_cd?;
     let error = error_mm(&mesh, strokes().map(|stroke| (stroke, delta_cd)))?;
     rows.push(Row { model: "formula", setting: "exact model".to_owned(), time_s, error_mm: error });
-    for exponent in [2, 3, 4, 5, 6, 7, 8] {
-        let tolerance = 10_f64.powi(-exponent);
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
         let (time_s, curve) = timed(|| mesh.curve(0.0, STROKE_MM, tolerance));
         let points: Vec<_> = curve?.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
         let error = error_mm(&mesh, strokes().map(|stroke| (stroke, interpolated(&points, stroke))))?;
-        rows.push(Row { model: "exact mesh", setting: format!("tolerance 1e-{exponent}"), time_s, error_mm: error });
+        rows.push(Row { model: "exact mesh", setting: format!("tolerance {tolerance:e}"), time_s, error_mm: error });
     }
     let spheres = [6, 12, 24, 48, 96].map(|profile| {
         let grid = SphereGrid { profile_nodes: profile, width_nodes: 2 * profile, ..SphereGrid::default() };
@@ -152,27 +152,26 @@ fn measure(case: &Case) -> Result<Vec<Row>, Box<dyn Error>> {
     let strips = [16, 64, 256].map(|strips| (format!("{strips} strips"), ContactModel::Analytic(StripGrid { strips })));
     let quasi_static = |scene: &Scene| scene.quasi_static(&mut |_| ControlFlow::Continue(()));
     let dynamic = |scene: &Scene| scene.dynamic(&mut |_| ControlFlow::Continue(()));
-    let models: [(&[(String, ContactModel)], [&'static str; 2]); 2] = [
-        (&spheres, ["equilibrium, spheres", "in time, spheres"]),
-        (&strips, ["equilibrium, exact surfaces", "in time, exact surfaces"]),
+    let models = [
+        (&spheres[..], ["equilibrium (spheres)", "in time (spheres)"]),
+        (&strips[..], ["equilibrium (exact surfaces)", "in time (exact surfaces)"]),
     ];
     for (settings, names) in models {
         for (model, run) in names.into_iter().zip([quasi_static as fn(&Scene) -> Outcome, dynamic]) {
             for (setting, contact) in settings {
                 let parameters = Parameters { contact: *contact, stroke_mm: STROKE_MM, ..Parameters::default() };
-                if let Some((time_s, error_mm)) = simulated(&mesh, pair, parameters, run)? {
+                if let Some((time_s, error_mm)) = simulated(&mesh, pair, &parameters, run)? {
                     rows.push(Row { model, setting: setting.clone(), time_s, error_mm });
                 }
             }
         }
     }
     // the tolerance of the steps in time, where the spheres are fine enough to show it
-    for exponent in [3, 4, 6] {
-        let parameters =
-            Parameters { tolerance_mm: 10_f64.powi(-exponent), stroke_mm: STROKE_MM, ..Parameters::default() };
-        if let Some((time_s, error_mm)) = simulated(&mesh, pair, parameters, dynamic)? {
-            let setting = format!("default spheres, tolerance 1e-{exponent}");
-            rows.push(Row { model: "in time, tolerance", setting, time_s, error_mm });
+    for tolerance_mm in [1e-3, 1e-4, 1e-6] {
+        let parameters = Parameters { tolerance_mm, stroke_mm: STROKE_MM, ..Parameters::default() };
+        if let Some((time_s, error_mm)) = simulated(&mesh, pair, &parameters, dynamic)? {
+            let setting = format!("default spheres; tolerance {tolerance_mm:e}");
+            rows.push(Row { model: "in time (tolerance)", setting, time_s, error_mm });
         }
     }
     Ok(rows)

@@ -116,7 +116,7 @@ impl Drawing for LogPlot {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(SeriesLabelPosition::LowerLeft)
             .background_style(WHITE.mix(0.85))
             .border_style(GRID)
             .label_font((FAMILY, 17).into_font().color(&INK))
