@@ -52,6 +52,17 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[limits]\ncenter_distance = {}",
         "[limits]\ncenter_distance = \"0.05\"",
         "[limits]\npinion_tip = \"±0.05\"",
+        "[errors]\nrack_pitch = { class = 13 }",
+        "[errors]\nrack_pitch = { class = 7.5 }",
+        "[errors]\nrack_pitch = { class = 7, measured = 3 }",
+        "[tolerance]\ndiameter = 0",
+        "[tolerance]\ndiameter = \"rack\"",
+        "[tolerance]\nstandard = 1328",
+        "[budget]\nconforming = 1.5",
+        "[budget]\nstack = \"range\"",
+        "[budget]\nrack_pitch = { weight = 0 }",
+        "[budget]\nrack_pitch = { weight = 1, cost = 1 }",
+        "[budget]\nrack_pitch = \"fre\"",
     ] {
         assert!(!valid(text), "the schema accepts {text}");
         assert!(Spec::parse("test", text).is_err(), "the reader accepts {text}");

@@ -8,7 +8,7 @@ use crate::decision::grade::{self, GradeSearch};
 use crate::decision::{Term, grade::Obtained};
 use crate::deviation::{ErrorKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::Model;
+use crate::formula::{Model, domain};
 use crate::gear::Pair;
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
@@ -191,6 +191,12 @@ impl Args {
             helix_angle: wheel.helix_angle.clone(),
             face_width: wheel.face_width.clone(),
         };
+        let pressure_angle =
+            meshing.pressure_angle.as_ref().map(|angle| domain::NORMAL_PRESSURE_ANGLE.check_angle(angle));
+        let helix_angle = meshing.helix_angle.as_ref().map(|angle| domain::RACK_HELIX_ANGLE.check_angle(angle));
+        for checked in [pressure_angle, helix_angle].into_iter().flatten() {
+            checked.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+        }
         Ok(Sized { part, wheel, diameter_source, meshing })
     }
 
