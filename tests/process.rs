@@ -166,9 +166,20 @@ fn manual_pages_and_completions_come_for_every_subcommand() {
 
 #[test]
 fn every_subcommands_help_shows_an_example() {
-    for command in
-        ["eval", "calc", "mesh", "measure", "paste", "reproduce", "init", "explain", "schema", "completions", "man"]
-    {
+    for command in [
+        "eval",
+        "calc",
+        "mesh",
+        "measure",
+        "paste",
+        "report",
+        "reproduce",
+        "init",
+        "explain",
+        "schema",
+        "completions",
+        "man",
+    ] {
         let help = with_input(&[command, "--help"], b"");
         assert!(text(&help.stdout).contains(&format!("  rackmesh {command}")), "{command}");
     }
@@ -208,4 +219,62 @@ fn a_long_list_of_strokes_comes_in_order_and_whole() {
     child.stdout.take().expect("stdout is piped").read_exact(&mut start).expect("there is a header");
     assert_eq!(&start, b"stroke_mm");
     assert_eq!(child.wait().expect("the program ends").code(), Some(0));
+}
+
+#[test]
+fn a_report_is_one_page_with_everything() {
+    let folder = Folder::new("report");
+    let page = folder.path("page.html");
+    std::fs::write(
+        folder.path("lot.csv"),
+        "part_id,rack_over_roller,rack_pitch [um]\nP1,25.01,3\nP<2>,25.09,1\nP3,x,2\n",
+    )
+    .expect("the table can be written");
+    let output = with_input(&["report", "examples/steering.toml", &folder.path("lot.csv"), "-o", &page], b"");
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("`rack_over_roller`"), "{}", text(&output.stderr));
+    let html = std::fs::read_to_string(&page).expect("the page is there");
+    for part in [
+        "<h1>steering gear, part 0417</h1>",
+        "class=\"verdict fail\"",
+        "Histogram",
+        "Run chart",
+        "P&lt;2&gt;",
+        "SHA-256",
+        "not read: ",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+    for never in ["<script", "http://", "https://", "P<2>", "NaN"] {
+        assert!(!html.contains(never), "{never}");
+    }
+    assert_eq!(html.matches("<table>").count(), html.matches("<caption>").count());
+    // the same page again, byte for byte
+    let again = with_input(&["report", "examples/steering.toml", &folder.path("lot.csv")], b"");
+    assert_eq!(again.stdout, html.as_bytes());
+}
+
+#[test]
+fn a_workbook_and_statistics_software_get_the_results_of_a_batch() {
+    let folder = Folder::new("office");
+    let rows = text(&with_input(&["batch", "examples/steering.toml", "examples/lot.dfq"], b"").stdout).to_owned();
+    assert!(rows.contains("P-0001,0.013000,"), "{rows}");
+    for file in ["results.xlsx", "results.dfq"] {
+        let output =
+            with_input(&["batch", "examples/steering.toml", "examples/lot.dfq", "-o", &folder.path(file)], b"");
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    }
+    let back = std::fs::read(folder.path("results.dfq")).expect("the file is there");
+    assert!(back.starts_with(b"K0100 "), "{}", text(&back));
+}
+
+#[test]
+fn a_typed_block_and_a_piped_one() {
+    let output =
+        with_input(&["paste", "examples/steering.toml", "--as", "rack_over_roller", "--format", "csv"], b"25,013\n");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("0.013"), "{}", text(&output.stdout));
+    // Latin-1, as a clipboard of an old program has it
+    let output = with_input(&["paste", "examples/steering.toml", "--format", "csv"], b"dp [\xb5m]\n12,5\n");
+    assert!(text(&output.stdout).contains("0.0125"), "{}", text(&output.stdout));
 }

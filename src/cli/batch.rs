@@ -9,9 +9,9 @@ use clap::ValueEnum;
 use indicatif::HumanCount;
 
 use super::eval::{ModelArg, StackArg};
-use super::long;
 use super::output::{Failure, Output, Status};
 use super::stream::Stdin;
+use super::{long, office};
 use crate::batch::{
     Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Progress, Request, RowFormat, Rows,
     RunError, Sink, Sinks,
@@ -36,9 +36,12 @@ could not be judged, 3 a verdict is indeterminate.")]
 pub(super) struct Args {
     /// The gear spec (TOML).
     spec: String,
-    /// Tables with a header and a row per part, gzip and zstd included; `-` or none reads standard input.
+    /// Tables with a header and a row per part, gzip and zstd included; Excel workbooks (.xlsx) and Q-DAS files (.dfq, .dfd
+    /// with .dfx); `-` or none reads standard input.
     files: Vec<String>,
-    /// Write the rows (or the summary) here; `.tsv` and `.jsonl` name a format, `.gz` and `.zst` pack.
+    #[command(flatten)]
+    place: office::Place,
+    /// Write the rows (or the summary) here; `.tsv`, `.jsonl`, `.xlsx` and `.dfq` name a format, `.gz` and `.zst` pack.
     #[arg(long, short)]
     output: Option<String>,
     /// The format of rows (csv, tsv, jsonl) or of a summary (table, markdown, json, csv).
@@ -152,12 +155,14 @@ impl Args {
         }
         let (rows_format, summary_format) = self.formats()?;
         let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
-        let first = Input::open(name(files[0]), open(files[0], &stop)?, dialect)?;
+        let (first, spec) = self.table(files[0], &spec, &stop, dialect, Some(output))?;
         let plan = Plan::new(&spec, &first.header, self.request(rows_format, &spec))?;
         self.remarks(&plan, &first, output);
 
+        let collected = office::Collected::default();
         let mut rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
             (_, true) => None,
+            (Some(path), false) if office::is_office(path) => Some(Box::new(collected.clone())),
             (Some(path), false) => Some(Box::new(File::create(path).map_err(|error| unwritable(path, &error))?)),
             (None, false) => Some(Box::new(super::stream::Stdout)),
         };
@@ -176,9 +181,7 @@ impl Args {
         for file in &files {
             let input = match first.take() {
                 Some(input) => Ok(input),
-                None => open(file, &stop)
-                    .map_err(failures)
-                    .and_then(|bytes| Input::open(name(file), bytes, dialect).map_err(|diagnostic| vec![diagnostic])),
+                None => self.table(file, &spec, &stop, dialect, None).map_err(failures).map(|(input, _)| input),
             };
             let layout = input.and_then(|input| {
                 let layout = Layout::new(&plan, &input.header).map_err(|diagnostics| diagnostics.0)?;
@@ -204,11 +207,36 @@ impl Args {
         let (outcome, written) = batch.finish();
         written?;
         drop(rows);
+        if let Some(path) = self.output.as_deref().filter(|path| !self.summary && office::is_office(path)) {
+            office::write_rows(path, &collected.rows()?, &spec)?;
+        }
         for diagnostic in &failed {
             output.diagnostic(diagnostic);
         }
         self.report(&spec, &plan, &outcome, summary_format, output)?;
         Ok(status(&plan, &outcome, !failed.is_empty()))
+    }
+
+    /// A table, whatever file it is in, and the spec with what the file says where it is silent; that is said where there
+    /// is an `output`.
+    fn table(
+        &self,
+        file: &str,
+        spec: &Arc<Spec>,
+        stop: &Arc<AtomicBool>,
+        dialect: Dialect,
+        output: Option<&mut Output>,
+    ) -> Result<(Input, Arc<Spec>), Failure> {
+        let Some(found) = office::open(file, spec, &self.place)? else {
+            return Ok((Input::open(name(file), open(file, stop)?, dialect)?, Arc::clone(spec)));
+        };
+        let (completed, notes) = found.completed(spec, self.model.into());
+        if let Some(output) = output {
+            for note in notes {
+                output.remark(&note);
+            }
+        }
+        Ok((found.input(file), Arc::new(completed)))
     }
 
     /// The format of the rows, and of a summary.
@@ -371,7 +399,7 @@ fn in_words(counts: &Counts) -> String {
 }
 
 /// The exit status: a rejected row weighs more than a failed part, and that more than an open verdict.
-fn status(plan: &Plan, outcome: &Outcome, unread: bool) -> Status {
+pub(super) fn status(plan: &Plan, outcome: &Outcome, unread: bool) -> Status {
     let counts = &outcome.counts;
     if counts.rejected > 0 || unread {
         Status::Undecided
@@ -399,7 +427,7 @@ fn failures(failure: Failure) -> Vec<Diagnostic> {
     }
 }
 
-fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
+pub(super) fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
     if path == "-" {
         return Ok(Box::new(Stdin::new(Arc::clone(stop))));
     }

@@ -5,10 +5,10 @@ use clap::ValueEnum;
 use super::decision::DecisionArgs;
 use super::mesh;
 use super::output::{Failure, Output, Status};
-use crate::decision::{self, LimitTarget, Stack, Verdict};
+use crate::decision::{self, Evaluation, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
-use crate::report::{EvaluationReport, Format, MeshPart};
+use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged against the limits";
@@ -90,10 +90,7 @@ impl Args {
             })?,
         };
         let spec = super::read_spec(&path)?;
-        let errors = spec.part_errors()?;
-        let mut evaluation = decision::evaluate(&errors, &spec.limits(), self.model.into(), self.stack.into())
-            .map_err(|failure| spec.explain_failure(&failure))?;
-        let uncertainty = self.decision.judge(&spec, &errors, &mut evaluation)?;
+        let (evaluation, uncertainty) = judged(&spec, &self.decision, self.model.into(), self.stack.into())?;
         for target in evaluation.unjudged() {
             output.diagnostic(&unjudged(&spec, target));
         }
@@ -106,13 +103,32 @@ impl Args {
             report.mesh = Some(mesh_part(&spec, &path)?);
         }
         output.report(&report, self.format)?;
-        Ok(match evaluation.verdict {
-            Some(Verdict::Fail) => Status::Fail,
-            Some(Verdict::Pass) => Status::Pass,
-            Some(Verdict::Indeterminate) => Status::Indeterminate,
-            None if evaluation.limits.is_empty() => Status::Pass,
-            None => Status::Undecided,
-        })
+        Ok(status(&evaluation))
+    }
+}
+
+/// Evaluates the spec's errors and decides by its rule, with what is known of their uncertainty.
+pub(super) fn judged(
+    spec: &Spec,
+    decision: &DecisionArgs,
+    model: Model,
+    stack: Stack,
+) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
+    let errors = spec.part_errors()?;
+    let mut evaluation =
+        decision::evaluate(&errors, &spec.limits(), model, stack).map_err(|failure| spec.explain_failure(&failure))?;
+    let uncertainty = decision.judge(spec, &errors, &mut evaluation)?;
+    Ok((evaluation, uncertainty))
+}
+
+/// How a command ends that evaluated one part.
+pub(super) fn status(evaluation: &Evaluation) -> Status {
+    match evaluation.verdict {
+        Some(Verdict::Fail) => Status::Fail,
+        Some(Verdict::Pass) => Status::Pass,
+        Some(Verdict::Indeterminate) => Status::Indeterminate,
+        None if evaluation.limits.is_empty() => Status::Pass,
+        None => Status::Undecided,
     }
 }
 

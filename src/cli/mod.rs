@@ -16,8 +16,10 @@ mod man;
 mod measure;
 mod mesh;
 mod monte_carlo;
+mod office;
 mod output;
 mod paste;
+mod report;
 mod reproduce;
 mod schema;
 mod simulate;
@@ -72,6 +74,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("measure", measure),
     subcommand!("batch", batch),
     subcommand!("paste", paste),
+    subcommand!("report", report),
     subcommand!("class", class),
     subcommand!("simulate", simulate),
     subcommand!("budget", budget),

@@ -22,6 +22,18 @@ pub(super) enum Status {
     Indeterminate,
 }
 
+impl Status {
+    /// Of several, the one that counts most: what could not be judged, then what failed.
+    pub(super) fn severity(self) -> u8 {
+        match self {
+            Self::Pass => 0,
+            Self::Indeterminate => 1,
+            Self::Fail => 2,
+            Self::Undecided => 3,
+        }
+    }
+}
+
 impl From<Status> for ExitCode {
     fn from(status: Status) -> Self {
         match status {

@@ -3,18 +3,18 @@
 use std::io::{BufRead as _, IsTerminal as _, Read as _};
 
 use super::decision::DecisionArgs;
-use super::eval::{ModelArg, StackArg};
-use super::mesh;
+use super::eval::{self, ModelArg, StackArg};
 use super::output::{Failure, Output, Status};
+use super::{mesh, office};
 use crate::cmm::DecimalMark;
 use crate::cmm::paste::{Field, Orientation, Pasted, PastedPart, Understood, Want, understand};
-use crate::decision::{self, Evaluation, LimitTarget, Verdict};
+use crate::decision::{Evaluation, LimitTarget, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::{
-    EvaluationReport, Format, MeshReport, PartRow, PartsReport, SpacesReport, Together, UncertaintyPart,
+    EvaluationReport, Format, MeshReport, PartRow, PartsReport, Report, SpacesReport, Together, UncertaintyPart,
 };
-use crate::spec::{MeasuredTables, Spec};
+use crate::spec::{BatchColumn, Located, MeasuredTables, Reading, Spec};
 
 pub(super) const ABOUT: &str =
     "Evaluate a pasted block of measured values: cells of a spreadsheet, a CMM report, a mail";
@@ -34,8 +34,14 @@ Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 
 pub(super) struct Args {
     /// The gear spec (TOML).
     spec: String,
-    /// A file with the block; standard input unless given.
+    /// A file with the block, an Excel workbook (.xlsx) or a Q-DAS file (.dfq, .dfd with .dfx); standard input unless
+    /// given.
     file: Option<String>,
+    #[command(flatten)]
+    place: office::Place,
+    /// Write the results to this file as well: .xlsx, .dfq, .csv, .json, .md or .txt.
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<String>,
     /// What the columns hold, in their order, if the block has no header or its names do not count.
     #[arg(long = "as", value_delimiter = ',', value_name = "NAME,…")]
     fields: Vec<Field>,
@@ -98,17 +104,35 @@ fn read_block(file: Option<&str>, output: &mut Output) -> Result<String, Failure
 
 /// What the spec expects of a block.
 fn want(spec: &Spec) -> Want {
-    let mut written: Vec<(usize, ErrorKind)> =
-        spec.errors.iter().map(|(kind, error)| (error.span.start, *kind)).collect();
-    for (kind, nominal) in &spec.nominals {
-        if written.iter().all(|(_, known)| known != kind) {
-            written.push((nominal.span.start, *kind));
-        }
+    let columns = spec.batch.columns.iter().map(|(kind, column)| (column.span.start, *kind));
+    let errors = spec.errors.iter().map(|(kind, error)| (error.span.start, *kind));
+    let nominals = spec.nominals.iter().map(|(kind, nominal)| (nominal.span.start, *kind));
+    let mut expected: Vec<ErrorKind> = Vec::new();
+    for written in [columns.collect::<Vec<_>>(), errors.chain(nominals).collect()] {
+        let mut written = written;
+        written.sort_unstable();
+        expected.extend(written.into_iter().map(|(_, kind)| kind));
     }
-    written.sort_unstable();
+    let mut seen = Vec::new();
+    expected.retain(|kind| {
+        !seen.contains(kind) && {
+            seen.push(*kind);
+            true
+        }
+    });
+    let measured = |kind: ErrorKind| match spec.reading(kind) {
+        Ok(Reading::Measured(nominal)) => Some((kind, nominal)),
+        // a nominal value that cannot be computed is asked for once the block has such a column
+        Ok(Reading::Deviation) | Err(_) => None,
+    };
+    let unit = |(kind, column): &(ErrorKind, Located<BatchColumn>)| {
+        column.value.unit.as_ref().map(|unit| (Field::Error(*kind), unit.value.to_owned()))
+    };
     Want {
-        expected: written.into_iter().map(|(_, kind)| kind).collect(),
-        nominals: spec.nominals.iter().map(|(kind, nominal)| (*kind, nominal.value.clone())).collect(),
+        expected,
+        own: spec.column_names(),
+        nominals: ErrorKind::ALL.into_iter().filter_map(measured).collect(),
+        units: spec.batch.columns.iter().filter_map(unit).collect(),
         module: spec.pair.normal_module.as_ref().map(|module| module.value.clone()),
         ..Want::default()
     }
@@ -116,11 +140,29 @@ fn want(spec: &Spec) -> Want {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec)?;
-        let text = read_block(self.file.as_deref(), output)?;
-        let want = Want { fields: self.fields.clone(), decimal: self.decimal, orientation: self.parts, ..want(&spec) };
-        let Understood { pasted, account } =
-            understand(self.file.as_deref().filter(|file| *file != "-").unwrap_or("<block>"), &text, &want)?;
+        let mut spec = super::read_spec(&self.spec)?;
+        let office = match self.file.as_deref() {
+            Some(path) => office::open(path, &spec, &self.place)?,
+            None => None,
+        };
+        let mut decimal = self.decimal;
+        let (name, text) = if let Some(office) = office {
+            let (completed, notes) = office.completed(&spec, self.model.into());
+            for note in notes {
+                output.remark(&note);
+            }
+            spec = completed;
+            let sheet = office.sheet(self.file.as_deref().unwrap_or_default())?;
+            // numbers come out of such files with points
+            decimal = Some(DecimalMark::Point);
+            (sheet.name.clone(), sheet.tabbed())
+        } else {
+            let name = self.file.clone().filter(|file| file != "-").unwrap_or_else(|| "<block>".to_owned());
+            (name, read_block(self.file.as_deref(), output)?)
+        };
+        let want = Want { fields: self.fields.clone(), decimal, orientation: self.parts, ..want(&spec) };
+        let Understood { pasted, mut account } = understand(&name, &text, &want)?;
+        account.file = (decimal.is_some() && self.decimal.is_none()).then_some(name);
         output.remark(&account.to_string());
         match pasted {
             Pasted::Parts(parts) => {
@@ -137,17 +179,20 @@ impl Args {
         }
     }
 
+    /// Prints a report, and writes it to the file that was asked for.
+    fn report(&self, report: &dyn Report, spec: &Spec, output: &mut Output) -> Result<(), Failure> {
+        if let Some(path) = &self.output {
+            office::write(path, report, spec)?;
+        }
+        output.report(report, self.format)
+    }
+
     fn evaluate(
         &self,
         spec: &Spec,
         errors: &[(ErrorKind, ErrorValue)],
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        let spec = spec.with_errors(errors);
-        let errors = spec.part_errors()?;
-        let mut evaluation = decision::evaluate(&errors, &spec.limits(), self.model.into(), self.stack.into())
-            .map_err(|failure| spec.explain_failure(&failure))?;
-        let uncertainty = self.decision.judge(&spec, &errors, &mut evaluation)?;
-        Ok((evaluation, uncertainty))
+        eval::judged(&spec.with_errors(errors), &self.decision, self.model.into(), self.stack.into())
     }
 
     fn parts(&self, spec: &Spec, parts: &[PastedPart], output: &mut Output) -> Result<Status, Failure> {
@@ -169,9 +214,9 @@ impl Args {
             rows.push(PartRow { name, line: part.line, evaluation, uncertainty });
         }
         for target in unjudged(&rows) {
-            output.diagnostic(&super::eval::unjudged(spec, target));
+            output.diagnostic(&eval::unjudged(spec, target));
         }
-        let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| severity(*status));
+        let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| status.severity());
         let helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
         match rows.as_mut_slice() {
             [PartRow { evaluation: Some(evaluation), name, uncertainty, .. }] => {
@@ -180,10 +225,10 @@ impl Args {
                 let mut report = EvaluationReport::new(title, evaluation, helical);
                 report.rule = self.decision.rule(spec);
                 report.uncertainty = uncertainty.take();
-                output.report(&report, self.format)?;
+                self.report(&report, spec, output)?;
             }
             [_] => {}
-            _ => output.report(&PartsReport { title: spec.title.as_deref(), rows: &rows }, self.format)?,
+            _ => self.report(&PartsReport { title: spec.title.as_deref(), rows: &rows }, spec, output)?,
         }
         Ok(status.unwrap_or(Status::Undecided))
     }
@@ -196,17 +241,17 @@ impl Args {
         let report = SpacesReport { title: spec.title.as_deref(), measured: &measured, limit };
         let by_formula = report.verdict();
         if !self.mesh {
-            output.report(&report, self.format)?;
+            self.report(&report, spec, output)?;
             return Ok(status(by_formula));
         }
-        let spec = spec.measured_only(is_rack);
-        let mut all = mesh::measured_tables(&spec, &self.spec)?;
+        let only = spec.measured_only(is_rack);
+        let mut all = mesh::measured_tables(&only, &self.spec)?;
         if is_rack {
             all.rack = tables.rack;
         } else {
             all.pinion = tables.pinion;
         }
-        let input = spec.mesh(&all)?;
+        let input = only.mesh(&all)?;
         let curve = input.mesh.curve(0.0, 50.0, 1e-6).map_err(|error| mesh::unsolved(&error))?;
         let prediction = mesh::prediction(&input);
         let solved = MeshReport {
@@ -220,7 +265,7 @@ impl Args {
             screen: output.screen(),
         };
         let verdict = solved.verdict();
-        output.report(&Together { formula: &report, mesh: &solved }, self.format)?;
+        self.report(&Together { formula: &report, mesh: &solved }, spec, output)?;
         Ok(status(verdict))
     }
 }
@@ -234,21 +279,7 @@ fn status(verdict: Option<Verdict>) -> Status {
 }
 
 fn part_status(evaluation: Option<&Evaluation>) -> Status {
-    match evaluation {
-        Some(evaluation) if evaluation.verdict.is_none() && !evaluation.limits.is_empty() => Status::Undecided,
-        Some(evaluation) => status(evaluation.verdict),
-        None => Status::Undecided,
-    }
-}
-
-/// A part that could not be judged counts most.
-fn severity(status: Status) -> u8 {
-    match status {
-        Status::Pass => 0,
-        Status::Indeterminate => 1,
-        Status::Fail => 2,
-        Status::Undecided => 3,
-    }
+    evaluation.map_or(Status::Undecided, eval::status)
 }
 
 fn unjudged(rows: &[PartRow]) -> Vec<LimitTarget> {

@@ -14,11 +14,16 @@
 //! either is refused. Other columns are passed over.
 
 pub mod paste;
+pub mod qdas;
+mod sheet;
 mod table;
 mod teeth;
 mod text;
 mod written;
+#[cfg(feature = "xlsx")]
+pub mod xlsx;
 
+pub use sheet::Sheet;
 #[cfg(feature = "batch")]
 pub(crate) use table::name_and_unit;
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, pinion_teeth, rack_spaces};

@@ -16,18 +16,24 @@ mod calculation;
 mod ci;
 mod class;
 mod evaluation;
+#[cfg(feature = "html")]
+pub mod html;
 mod mesh;
 pub mod mesh_points;
 mod number;
 mod paste;
 #[cfg(feature = "plot")]
 pub mod plot;
+#[cfg(feature = "cmm")]
+mod qdas;
 mod racks;
 mod reproduction;
 mod simulation;
 mod sketch;
 mod table;
 mod uncertainty;
+#[cfg(feature = "xlsx")]
+pub mod xlsx;
 
 #[cfg(feature = "batch")]
 pub use batch::BatchReport;
@@ -42,6 +48,8 @@ pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "batch")]
 pub(crate) use number::plain;
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
+#[cfg(feature = "cmm")]
+pub use qdas::qdas;
 pub use racks::RacksReport;
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;

@@ -13,6 +13,7 @@ mod keys;
 mod measured;
 mod mesh;
 mod obtained;
+mod qdas;
 mod reader;
 mod resolve;
 mod scatter;

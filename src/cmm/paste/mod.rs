@@ -12,7 +12,8 @@ mod names;
 mod read;
 
 pub use grid::Separator;
-pub use names::{Field, Holds};
+pub(super) use names::heading_fields;
+pub use names::{Field, Holds, is_value_heading};
 
 use std::fmt;
 use std::sync::Arc;
@@ -83,6 +84,8 @@ pub enum Pasted {
 /// How a block was understood.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Account {
+    /// The sheet or file that is no pasted text, if it was one.
+    pub file: Option<String>,
     /// What stands between cells.
     pub separator: Separator,
     /// The decimal mark; `None` if no number has decimals.
@@ -107,8 +110,12 @@ pub struct Account {
 
 impl fmt::Display for Account {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "read as {}", self.separator.name())?;
+        match &self.file {
+            Some(file) => write!(f, "read from {file}")?,
+            None => write!(f, "read as {}", self.separator.name())?,
+        }
         match (self.decimal, &self.settled_by) {
+            _ if self.file.is_some() => {}
             (None, _) => f.write_str(", no decimals")?,
             (Some(mark), None) => write!(f, ", {}", mark.name())?,
             (Some(mark), Some(by)) => write!(f, ", {} ({by})", mark.name())?,
@@ -319,6 +326,7 @@ fn readings(
             }
         };
         let account = Account {
+            file: None,
             separator,
             decimal: has_decimals.then_some(mark),
             settled_by,

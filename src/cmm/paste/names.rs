@@ -283,6 +283,17 @@ pub(super) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     Some(Heading { fields, holds, unit, german })
 }
 
+/// Whether a heading names measured values. `own` are names that the spec gives to its columns.
+#[must_use]
+pub fn is_value_heading(text: &str, own: &[(String, Field)]) -> bool {
+    heading(text, own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
+}
+
+/// The fields that a heading can mean; none if it is not known.
+pub(in crate::cmm) fn heading_fields(text: &str, own: &[(String, Field)]) -> Vec<Field> {
+    heading(text, own).map_or_else(Vec::new, |heading| heading.fields)
+}
+
 /// The fields that a name leaves when it also says which part, or which flank.
 fn of_part(fields: &[Field], (rack, pinion): (bool, bool), (left, right): (bool, bool)) -> Option<Vec<Field>> {
     if left || right {

@@ -1,0 +1,68 @@
+//! Writes results as Q-DAS ASCII, for the statistics software that the measured values came from.
+
+use super::PartDefinition;
+
+/// A characteristic to write.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Column {
+    /// K2001
+    pub number: String,
+    /// K2002
+    pub name: String,
+    /// K2142
+    pub unit: String,
+    /// K2101
+    pub nominal: Option<f64>,
+    /// K2110
+    pub lower: Option<f64>,
+    /// K2111
+    pub upper: Option<f64>,
+}
+
+/// A `.dfq` file: definitions, then a line of values per row with its part's name. A value that is `None` or not
+/// finite is written as empty, with attribute 255. Latin-1, as the format's readers expect; characters beyond it become `?`.
+#[must_use]
+pub fn write<'r>(
+    part: &PartDefinition,
+    columns: &[Column],
+    rows: impl IntoIterator<Item = (&'r str, Vec<Option<f64>>)>,
+) -> Vec<u8> {
+    const DECIMALS: usize = 9;
+    let mut out = String::new();
+    let mut line = |key: &str, text: &str| {
+        // a line break would start a line of its own
+        let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        out.push_str(&format!("{key} {text}\r\n"));
+    };
+    line("K0100", &columns.len().to_string());
+    line("K1001/1", &part.number);
+    line("K1002/1", &part.name);
+    for (index, column) in columns.iter().enumerate() {
+        let mut field = |key: &str, text: &str| line(&format!("{key}/{}", index + 1), text);
+        field("K2001", &column.number);
+        field("K2002", &column.name);
+        field("K2022", &DECIMALS.to_string());
+        for (key, value) in [("K2101", column.nominal), ("K2110", column.lower), ("K2111", column.upper)] {
+            if let Some(value) = value {
+                field(key, &value.to_string());
+            }
+        }
+        field("K2120", if column.lower.is_some() { "1" } else { "0" });
+        field("K2121", if column.upper.is_some() { "1" } else { "0" });
+        field("K2142", &column.unit);
+    }
+    for (name, values) in rows {
+        let values: Vec<_> = values
+            .iter()
+            .map(|value| match value.filter(|value| value.is_finite()) {
+                Some(value) => format!("{value}\u{14}0"),
+                None => "\u{14}255".to_owned(),
+            })
+            .collect();
+        out.push_str(&values.join("\u{f}"));
+        out.push_str("\r\n");
+        let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        out.push_str(&format!("K0014/0 {name}\r\n"));
+    }
+    out.chars().map(|c| u8::try_from(u32::from(c)).unwrap_or(b'?')).collect()
+}

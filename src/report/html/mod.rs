@@ -1,0 +1,246 @@
+//! Reports as one page that needs nothing else: no network, no script, no font.
+//!
+//! The command line fills a [`Page`] with the blocks of other reports and with charts; [`Page::html`] writes it. Colours follow the
+//! reader's light or dark setting, and print is always light. All text goes through [`escape`].
+
+mod chart;
+
+pub use chart::Chart;
+
+use std::borrow::Cow;
+
+use sha2::{Digest as _, Sha256};
+
+use super::{Align, Block, Table};
+use crate::decision::Verdict;
+
+/// A part of a page.
+#[derive(Debug, Default)]
+pub struct Section {
+    /// Its heading.
+    pub heading: String,
+    /// Pictures at its start.
+    pub charts: Vec<Chart>,
+    /// Pictures below them, side by side where there is room.
+    pub small_charts: Vec<Chart>,
+    /// Tables, remarks, verdicts.
+    pub blocks: Vec<Block>,
+    /// Text as it stands in a file.
+    pub source: Option<String>,
+}
+
+/// Something that the page was made from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InputFile {
+    /// As it was named.
+    pub name: String,
+    /// Its size.
+    pub bytes: u64,
+    /// SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+impl InputFile {
+    /// Counts and hashes all bytes of a reader.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn of(name: &str, mut bytes: impl std::io::Read) -> std::io::Result<Self> {
+        let mut hash = Sha256::new();
+        let mut buffer = vec![0; 1 << 16];
+        let mut total = 0;
+        loop {
+            let count = bytes.read(&mut buffer)?;
+            if count == 0 {
+                break;
+            }
+            hash.update(&buffer[..count]);
+            total += count as u64;
+        }
+        let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().concat();
+        Ok(Self { name: name.to_owned(), bytes: total, sha256 })
+    }
+}
+
+/// A page.
+#[derive(Debug, Default)]
+pub struct Page {
+    /// Its title.
+    pub title: String,
+    /// The verdicts that count, above everything else.
+    pub verdicts: Vec<(Verdict, String)>,
+    /// Its parts.
+    pub sections: Vec<Section>,
+    /// What it was made from.
+    pub inputs: Vec<InputFile>,
+}
+
+/// Text that cannot be taken for markup, in an element or in an attribute.
+#[must_use]
+pub fn escape(text: &str) -> Cow<'_, str> {
+    if !text.contains(['&', '<', '>', '"', '\'']) {
+        return text.into();
+    }
+    let mut out = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c => out.push(c),
+        }
+    }
+    out.into()
+}
+
+impl Page {
+    /// The page.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let title = escape(&self.title);
+        let mut out = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"generator\" content=\"rackmesh {version}\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
+             <title>{title}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n\
+             <p class=\"soft\">Predicted movement of the operating centre distance (ΔCD) of a rack and pinion; rackmesh {version}</p>\n",
+            version = env!("CARGO_PKG_VERSION"),
+            style = include_str!("style.css"),
+        );
+        for (verdict, sentence) in &self.verdicts {
+            out += &verdict_html(*verdict, sentence);
+        }
+        for (index, section) in self.sections.iter().enumerate() {
+            out += &format!(
+                "<section aria-labelledby=\"s{index}\">\n<h2 id=\"s{index}\">{}</h2>\n",
+                escape(&section.heading)
+            );
+            for chart in &section.charts {
+                out += &chart.html();
+            }
+            if !section.small_charts.is_empty() {
+                let charts: String = section.small_charts.iter().map(Chart::html).collect();
+                out += &format!("<div class=\"small\">\n{charts}</div>\n");
+            }
+            for block in &section.blocks {
+                out += &block_html(block);
+            }
+            if let Some(source) = &section.source {
+                out += &format!("<pre tabindex=\"0\">{}</pre>\n", escape(source));
+            }
+            out += "</section>\n";
+        }
+        out += &self.inputs_html();
+        out += "</main>\n</body>\n</html>\n";
+        out
+    }
+
+    fn inputs_html(&self) -> String {
+        let rows = self.inputs.iter().map(|input| {
+            format!(
+                "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td><code>{}</code></td></tr>\n",
+                escape(&input.name),
+                input.bytes,
+                escape(&input.sha256)
+            )
+        });
+        format!(
+            "<section aria-labelledby=\"inputs\">\n<h2 id=\"inputs\">Inputs</h2>\n<p class=\"note\">Made by rackmesh {} from:</p>\n\
+             <div class=\"scroll\" role=\"region\" aria-label=\"inputs\" tabindex=\"0\"><table>\n<caption>Files and their hashes</caption>\n\
+             <thead><tr><th scope=\"col\">file</th><th scope=\"col\" class=\"n\">bytes</th><th scope=\"col\">SHA-256</th></tr></thead>\n\
+             <tbody>\n{}</tbody>\n</table></div>\n</section>\n",
+            env!("CARGO_PKG_VERSION"),
+            rows.collect::<String>()
+        )
+    }
+}
+
+fn verdict_html(verdict: Verdict, sentence: &str) -> String {
+    let name = verdict.name();
+    format!("<p class=\"verdict {name}\"><b>{}</b>{}</p>\n", name.to_uppercase(), escape(sentence))
+}
+
+fn block_html(block: &Block) -> String {
+    match block {
+        // the section's heading says it
+        Block::Title(_) => String::new(),
+        Block::Table(table) => table_html(table),
+        Block::Drawing(lines) => format!("<pre>{}</pre>\n", escape(lines)),
+        Block::Note(note) => format!("<p class=\"note\">{}</p>\n", escape(note)),
+        Block::Verdict(verdict, sentence) => verdict_html(*verdict, sentence),
+    }
+}
+
+/// A table; what its first column is called names it.
+fn table_html(table: &Table) -> String {
+    let class = |align: Align| if align == Align::Right { " class=\"n\"" } else { "" };
+    let heading = |text: &str| escape(&text.replace('\n', " ")).into_owned();
+    let name = table.columns.first().map_or_else(String::new, |column| heading(&column.heading));
+    let mut out = format!(
+        "<div class=\"scroll\" role=\"region\" aria-label=\"{name}\" tabindex=\"0\"><table>\n<caption>{name}</caption>\n<thead><tr>"
+    );
+    for column in &table.columns {
+        out += &format!("<th scope=\"col\"{}>{}</th>", class(column.align), heading(&column.heading));
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    for row in &table.rows {
+        out += "<tr>";
+        for (index, (cell, column)) in row.iter().zip(&table.columns).enumerate() {
+            let (class, cell) = (class(column.align), escape(cell));
+            out += &if index == 0 {
+                format!("<th scope=\"row\"{class}>{cell}</th>")
+            } else {
+                format!("<td{class}>{cell}</td>")
+            };
+        }
+        out += "</tr>\n";
+    }
+    out + "</tbody>\n</table></div>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Column;
+
+    #[test]
+    fn text_never_becomes_markup() {
+        let evil = "<script>alert('x')</script> \" & ]]>";
+        let table = Table {
+            columns: vec![Column::text(evil), Column::number("n")],
+            rows: vec![vec![evil.to_owned(), "1".to_owned()]],
+        };
+        let page = Page {
+            title: evil.to_owned(),
+            verdicts: vec![(Verdict::Fail, evil.to_owned())],
+            sections: vec![Section {
+                heading: evil.to_owned(),
+                charts: vec![Chart {
+                    caption: evil.to_owned(),
+                    axes: (evil.to_owned(), evil.to_owned()),
+                    lines: vec![vec![(0.0, 0.0), (1.0, 1.0)]],
+                    ..Chart::default()
+                }],
+                small_charts: Vec::new(),
+                blocks: vec![Block::Table(table), Block::Note(evil.to_owned()), Block::Drawing(evil.to_owned())],
+                source: Some(evil.to_owned()),
+            }],
+            inputs: vec![InputFile { name: evil.to_owned(), bytes: 1, sha256: evil.to_owned() }],
+        };
+        let html = page.html();
+        assert!(!html.contains("<script") && !html.contains("alert('"), "{html}");
+        assert_eq!(html.matches("<caption>").count(), html.matches("<table>").count());
+        assert!(html.contains("<th scope=\"col\" class=\"n\">n</th>"));
+    }
+
+    #[test]
+    fn hashes_are_those_of_the_standard() {
+        // FIPS 180-4, the example of one block
+        let input = InputFile::of("abc", b"abc".as_slice()).expect("memory is readable");
+        assert_eq!(input.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        assert_eq!(input.bytes, 3);
+    }
+}

@@ -1,0 +1,46 @@
+//! Rows of a report as a Q-DAS file: lengths become characteristics, for the statistics software that the values came from.
+
+use crate::cmm::qdas::{Column, PartDefinition, write};
+use crate::decision::{LimitTarget, Limits};
+use crate::quantity::Length;
+
+/// A `.dfq` of rows with a header: the columns in mm and degrees, with the limits that hold for them, a row per part named by
+/// its `part_id` (or its first column).
+#[must_use]
+pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
+    let Some((header, rows)) = rows.split_first() else { return Vec::new() };
+    let id = header.iter().position(|name| name == "part_id").unwrap_or(0);
+    let indices: Vec<(usize, &str, &str)> = header
+        .iter()
+        .enumerate()
+        .filter_map(|(index, name)| {
+            let (stem, unit) = name.rsplit_once('_').filter(|(_, unit)| matches!(*unit, "mm" | "deg"))?;
+            Some((index, stem, unit))
+        })
+        .collect();
+    let columns: Vec<Column> = indices
+        .iter()
+        .map(|(index, stem, unit)| {
+            let limited = |target: &LimitTarget| match target {
+                LimitTarget::CenterDistance => *stem == "range_lower" || *stem == "range_upper",
+                LimitTarget::Error(kind) => stem.strip_prefix("delta_cd_") == Some(kind.key()),
+            };
+            let limit = limits.iter().find(|(target, _)| limited(target)).map(|(_, limit)| limit);
+            let end = |end: fn(&crate::decision::Limit) -> Option<&Length>| limit.and_then(end).map(Length::mm);
+            Column {
+                number: header[*index].clone(),
+                name: stem.replace('_', " ").replace("delta cd", "Delta CD"),
+                unit: (*unit).to_owned(),
+                nominal: None,
+                lower: end(|limit| limit.lower.as_ref()),
+                upper: end(|limit| limit.upper.as_ref()),
+            }
+        })
+        .collect();
+    let part = PartDefinition { number: title.to_owned(), name: "rackmesh".to_owned() };
+    let rows = rows.iter().map(|row| {
+        let values = indices.iter().map(|(index, ..)| row.get(*index).and_then(|cell| cell.parse::<f64>().ok()));
+        (row.get(id).map_or("", String::as_str), values.collect())
+    });
+    write(&part, &columns, rows)
+}
