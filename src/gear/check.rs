@@ -47,6 +47,17 @@ pub enum GeometryWarning {
         /// 0.2 m_n, mm.
         limit_mm: f64,
     },
+    /// Flanks so steep that the centre distance amplifies every displacement of theirs.
+    #[error(
+        "sensitive: at a normal pressure angle of {normal_pressure_angle_deg}° the centre distance moves {gain} times as far as \
+         a flank does (1 / (2 tan α_n))"
+    )]
+    Sensitive {
+        /// Normal pressure angle α_n, degrees.
+        normal_pressure_angle_deg: f64,
+        /// 1 / (2 tan α_n).
+        gain: f64,
+    },
     /// A flank pair leaves contact before the next one enters it.
     #[error("contact ratio {total} is below 1 (transverse {transverse}, overlap {overlap})")]
     LowContactRatio {
@@ -62,7 +73,17 @@ pub enum GeometryWarning {
 /// Below this share of m_n the tip's case would be hardened through (usual workshop rule).
 const THIN_TIP: f64 = 0.2;
 
+/// Gains above this deserve a warning: 1.4 is usual, 2.9 that of the steepest flanks in use (10°).
+const SENSITIVE: f64 = 3.0;
+
 impl Pair {
+    /// How far the centre distance moves when one flank of every tooth moves along the reference plane by 1: the condition
+    /// number of the exact mesh by its flanks, 1 / (2 tan α_n).
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        0.5 / trig::tan(self.normal_pressure_angle_rad())
+    }
+
     /// Smallest profile shift at which a rack cutter with this rack's addendum leaves no undercut:
     /// x = (h_a − r sin² α_t) / m_n.
     #[must_use]
@@ -130,6 +151,11 @@ impl Pair {
                 contact_diameter_mm: 2.0 * p.base_radius_mm * (1.0 + roll * roll).sqrt(),
                 root_form_diameter_mm: 2.0 * p.root_form_radius_mm,
             });
+        }
+        let gain = self.gain();
+        if gain > SENSITIVE {
+            let normal_pressure_angle_deg = self.normal_pressure_angle_rad().to_degrees();
+            found.push(GeometryWarning::Sensitive { normal_pressure_angle_deg, gain });
         }
         // the helix angle at the tip circle: tan β_a = (r_a / r) tan β_p
         let tan_tip = p.tip_radius_mm / p.reference_radius_mm * trig::tan(p.helix_angle_rad);

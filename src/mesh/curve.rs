@@ -25,6 +25,8 @@ pub struct Curve {
     pub kinks: Vec<Kink>,
     /// The promised tolerance, mm.
     pub tolerance_mm: f64,
+    /// Strokes solved to find them.
+    pub solved: usize,
     /// Whether the tolerance holds everywhere; `false` if refining was given up at [`Mesh::curve`]'s limit of points, or
     /// at a stroke whose own residual is larger than the tolerance.
     pub resolved: bool,
@@ -73,7 +75,13 @@ impl Mesh {
             sampler: Sampler::new(self),
             tolerance: tolerance_mm,
             pitch,
-            curve: Curve { points: vec![first[0]], kinks: Vec::new(), tolerance_mm, resolved: true },
+            curve: Curve {
+                points: vec![first[0]],
+                kinks: Vec::new(),
+                tolerance_mm,
+                solved: strokes.len(),
+                resolved: true,
+            },
             budget: 64 * strokes.len() + 200_000,
         };
         for ends in first.windows(2) {
@@ -115,6 +123,7 @@ impl Refiner<'_> {
             return Ok(());
         }
         self.budget -= 1;
+        self.curve.solved += 1;
         let m = self.sampler.at(middle)?;
         // where a solve says that its own error is larger, halving resolves nothing
         if m.residual_mm.abs() > self.tolerance {

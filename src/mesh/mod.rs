@@ -26,7 +26,7 @@ mod summary;
 pub use contact::ContactKind;
 pub use curve::{Curve, Kink};
 pub use measure::{PinionReading, RackReading};
-pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint};
+pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, Work};
 pub use prepare::{Mesh, Support};
 pub use solve::Sampler;
 pub use summary::Summary;

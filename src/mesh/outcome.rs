@@ -78,6 +78,21 @@ impl MeshPoint {
     }
 }
 
+/// What a sampler has done since it was made: how much work an answer took, not how long.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Strokes solved, or found to have no solution.
+    pub strokes: u64,
+    /// Rotations of the pinion tried, over all rolls of the rack.
+    pub rotations: u64,
+    /// Flank pairs whose constants were made.
+    pub prepared: u64,
+    /// Flank pairs in reach at some rotation, each time they were.
+    pub in_reach: u64,
+    /// Of those, the ones that could be the highest and were searched.
+    pub searched: u64,
+}
+
 /// Why there is no mesh at a stroke, or none at all.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -4,7 +4,7 @@
 use super::contact::{ContactKind, Hint, Pose, PoseRates, Touch};
 use super::prepare::{Prepared, Roll};
 use super::roll::Valleys;
-use super::{Carrier, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support};
+use super::{Carrier, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support, Work};
 use crate::trig;
 
 /// Solves one stroke after the other, each starting from the last one's solution.
@@ -23,6 +23,7 @@ pub struct Sampler<'a> {
     /// For a rack that rolls: how the last solution changes with the roll, and what is known of its rolls.
     pub(super) rolling: Rolling,
     pub(super) valleys: Valleys,
+    work: Work,
 }
 
 /// How a solution changes with the rack's roll.
@@ -108,6 +109,9 @@ struct Demand {
 /// Rotations tried at most; Newton needs two or three, a bisection of the whole range 60.
 const MAX_ITERATIONS: u32 = 120;
 
+/// Rotations after which the bracket is only halved: what is left of [`MAX_ITERATIONS`] takes it down to rounding.
+const PATIENCE: u32 = 50;
+
 /// Both sides agree if their demands differ by less than this share of r_a; rounding leaves 1e-15 of it.
 const AGREEMENT: f64 = 1e-14;
 
@@ -139,6 +143,7 @@ impl<'a> Sampler<'a> {
             carried: [0; 2],
             rolling: Rolling::default(),
             valleys: Valleys::default(),
+            work: Work::default(),
         }
     }
 
@@ -147,10 +152,17 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// [`MeshError`] says why there is no mesh here.
     pub fn at(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
+        self.work.strokes += 1;
         match self.mesh.support() {
             Support::Fixed => self.solve(stroke_mm),
             Support::FreeRoll { axis_depth_mm } => self.solve_rolling(stroke_mm, axis_depth_mm),
         }
+    }
+
+    /// What was done so far.
+    #[must_use]
+    pub const fn work(&self) -> Work {
+        self.work
     }
 
     /// Rolls the rack: flank pairs are prepared anew when they are next asked.
@@ -170,13 +182,12 @@ impl<'a> Sampler<'a> {
         if let Some(slot) = slot.as_mut()
             && slot.roll != roll.angle
         {
+            self.work.prepared += 1;
             (slot.prepared, slot.roll) = (mesh.prepare(side, tooth, &roll), roll.angle);
         }
-        slot.get_or_insert_with(|| Slot {
-            tooth,
-            roll: roll.angle,
-            prepared: mesh.prepare(side, tooth, &roll),
-            seen: None,
+        slot.get_or_insert_with(|| {
+            self.work.prepared += 1;
+            Slot { tooth, roll: roll.angle, prepared: mesh.prepare(side, tooth, &roll), seen: None }
         })
     }
 
@@ -197,6 +208,7 @@ impl<'a> Sampler<'a> {
         let mut before: Option<(f64, f64)> = None;
         let (right, left, step, ending) = loop {
             iterations += 1;
+            self.work.rotations += 1;
             let right = self.demand(FlankSide::Right, &position, offset, stroke_mm)?;
             let left = self.demand(FlankSide::Left, &position, offset, stroke_mm)?;
             let excess = right.value - left.value;
@@ -226,10 +238,10 @@ impl<'a> Sampler<'a> {
             }
             let mut next = offset + step;
             // Newton's step, unless it leaves the bracket or has been given its chance
-            if next <= low || next >= high || iterations % 8 == 0 {
+            if next <= low || next >= high || iterations % 8 == 0 || iterations > PATIENCE {
                 next = 0.5 * (low + high);
             }
-            if next == offset || high - low <= f64::EPSILON * offset.abs().max(1e-300) {
+            if next == offset || high - low <= f64::EPSILON * offset.abs().max(1e-4 * angular_pitch) {
                 break (right, left, 0.0, Ending::BracketExhausted);
             }
             offset = next;
@@ -355,6 +367,7 @@ impl<'a> Sampler<'a> {
             let tooth = position.tooth + n;
             #[allow(clippy::cast_precision_loss)] // a few teeth
             let place = position.place + n as f64 * pitch;
+            self.work.in_reach += 1;
             let Slot { prepared, seen, .. } = self.slot(side, tooth);
             if !prepared.in_order {
                 return Err(MeshError::RackToothOrder { stroke_mm, tooth });
@@ -402,6 +415,7 @@ impl<'a> Sampler<'a> {
                 drift: drift(touch.spot.delta, touch.is_carried()),
                 spread: touch.spread,
             });
+            self.work.searched += 1;
             if let Some(touch) = touch
                 && best.is_none_or(|best| touch.demand > best.value + tie)
             {

@@ -30,14 +30,21 @@ impl Random {
 
 /// A pair that meshes: any hand and shaft angle, no undercut worth mentioning, contact ratio above 1.05.
 pub fn pair(random: &mut Random) -> Pair {
+    pair_with(random, |random| {
+        let helix = |random: &mut Random| {
+            if random.chance(0.15) { 0.0 } else { random.range(-45.0, 45.0_f64).to_radians() }
+        };
+        (helix(random), helix(random))
+    })
+}
+
+/// The same with helix angles of rack and pinion of one's choice.
+pub fn pair_with(random: &mut Random, mut helices: impl FnMut(&mut Random) -> (f64, f64)) -> Pair {
     loop {
         let m = random.range(1.0, 4.0);
         let alpha = random.range(14.5, 25.0_f64).to_radians();
         let teeth = random.int(5, 60) as u32;
-        let helix = |random: &mut Random| {
-            if random.chance(0.15) { 0.0 } else { random.range(-45.0, 45.0_f64).to_radians() }
-        };
-        let (beta_r, beta_p) = (helix(random), helix(random));
+        let (beta_r, beta_p) = helices(random);
         let x = random.range(-0.3, 0.8);
         let r = m * f64::from(teeth) / 2.0 / beta_p.cos();
         let tan_t = alpha.tan() / beta_p.cos();
@@ -75,6 +82,10 @@ pub fn pair(random: &mut Random) -> Pair {
 }
 
 pub fn rack(random: &mut Random, pair: &Pair, leads: bool) -> RackFlanks {
+    RackFlanks::new(pair, &rack_list(random, leads)).unwrap()
+}
+
+pub fn rack_list(random: &mut Random, leads: bool) -> Vec<RackDeviation> {
     let mut list = Vec::new();
     for _ in 0..random.int(0, 6) {
         let first = random.int(-4, 8);
@@ -99,11 +110,23 @@ pub fn rack(random: &mut Random, pair: &Pair, leads: bool) -> RackFlanks {
         let lead = random.range(-1.0, 1.0_f64).to_radians() * 0.5;
         list.push(RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Lead(lead) });
     }
-    RackFlanks::new(pair, &list).unwrap()
+    list
 }
 
 pub fn pinion(random: &mut Random, pair: &Pair, leads: bool) -> PinionFlanks {
     let z = i64::from(pair.pinion().teeth);
+    let list = pinion_list(random, z, leads);
+    let flanks = PinionFlanks::new(pair, &list).unwrap();
+    if random.chance(0.4) {
+        let tooth = random.int(0, z - 1);
+        let amount_mm = random.range(-0.1, 0.1);
+        flanks.with_eccentricity(&[Eccentricity { amount_mm, tooth }]).unwrap()
+    } else {
+        flanks
+    }
+}
+
+pub fn pinion_list(random: &mut Random, z: i64, leads: bool) -> Vec<PinionDeviation> {
     let mut list = Vec::new();
     for _ in 0..random.int(0, 6) {
         let teeth = ToothRange::single(random.int(0, z - 1)).unwrap();
@@ -118,12 +141,5 @@ pub fn pinion(random: &mut Random, pair: &Pair, leads: bool) -> PinionFlanks {
         };
         list.push(PinionDeviation { teeth, kind });
     }
-    let flanks = PinionFlanks::new(pair, &list).unwrap();
-    if random.chance(0.4) {
-        let tooth = random.int(0, z - 1);
-        let amount_mm = random.range(-0.1, 0.1);
-        flanks.with_eccentricity(&[Eccentricity { amount_mm, tooth }]).unwrap()
-    } else {
-        flanks
-    }
+    list
 }

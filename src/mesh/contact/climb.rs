@@ -89,6 +89,12 @@ impl FlankContact {
                 above = Some(sample);
                 run = run.min(0) - 1;
             } else {
+                // at an end of the flank that still leads outward: the end is a vertex, which moves with the flank
+                if slope > 0.0 {
+                    below = Some(sample);
+                } else if slope < 0.0 {
+                    above = Some(sample);
+                }
                 break;
             }
             let (a, b) = (below.map_or(lo, |s| s.x), above.map_or(hi, |s| s.x));
