@@ -1,14 +1,18 @@
-//! Draws per second of the Monte Carlo simulation: all five errors, on one thread and on all.
+//! Draws per second of the Monte Carlo simulation on the formulas (all five errors), and racks per second through the exact
+//! mesh, on one thread and on all.
 #![allow(missing_docs)]
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use rackmesh::decision::monte_carlo::racks::{RackSettings, Scatter, simulate_racks};
 use rackmesh::decision::monte_carlo::{Settings, simulate_part};
 use rackmesh::decision::uncertainty::{Part, Source, Uncertainties, Uncertainty};
 use rackmesh::decision::{Limit, LimitTarget, Stack};
 use rackmesh::deviation::ErrorKind;
 use rackmesh::formula::{Model, PartError, PinionPitch, RackLead, RackPitch};
+use rackmesh::gear::{Pair, PairData, PinionData, RackData};
+use rackmesh::mesh::Mesh;
 use rackmesh::quantity::{Angle, Length};
 
 fn angle(text: &str) -> Angle {
@@ -55,5 +59,44 @@ fn draws(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, draws);
+/// Racks of a steering pair (m_n = 2, z = 8, β_p = 21°) over 50 mm of stroke, flanks not tilted.
+fn racks(c: &mut Criterion) {
+    const RACKS: usize = 1000;
+    let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
+    let pair = Pair::new(&PairData {
+        normal_module_mm: 2.0,
+        normal_pressure_angle_rad: radians(19.9),
+        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 19.7, addendum_mm: 1.7, tooth_thickness_mm: None },
+        pinion: PinionData {
+            teeth: 8,
+            helix_angle_rad: radians(21.0),
+            profile_shift: 0.3,
+            tip_diameter_mm: 19.738,
+            root_form_diameter_mm: None,
+            face_width_mm: 30.0,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    });
+    let base = Mesh::nominal(pair.expect("a valid pair")).expect("teeth in order");
+    let plain = Scatter {
+        rack_pitch: Some(Uncertainty::standard(0.004)),
+        rack_thickness: Some(Uncertainty::standard(0.003)),
+        pinion_pitch: Some(Uncertainty::standard(0.003)),
+        ..Scatter::default()
+    };
+    let runout = Scatter { pinion_runout: Some(Uncertainty::standard(0.005)), ..plain };
+    let mut group = c.benchmark_group("random racks over 50 mm");
+    group.throughput(Throughput::Elements(RACKS as u64)).sample_size(10);
+    for (name, scatter) in [("pitch and thickness", plain), ("with runout", runout)] {
+        for (cores, threads) in [("one thread", Some(1)), ("all cores", None)] {
+            let settings = RackSettings { seed: 1, racks: RACKS, from_mm: 0.0, to_mm: 50.0, threads };
+            group.bench_function(format!("{name}, {cores}"), |b| {
+                b.iter(|| simulate_racks(black_box(&base), &scatter, &settings).expect("a result"));
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, draws, racks);
 criterion_main!(benches);

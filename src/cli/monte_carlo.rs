@@ -62,7 +62,6 @@ impl Args {
             results: &results,
             limit: limit.map(|(_, limit)| &limit.value),
             notes: mesh::notes(&input),
-            screen: output.screen(),
         };
         output.report(&report, self.format)?;
         Ok(match report.verdict() {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, tidy};
-use super::{Block, Column, Report, Screen, Table};
+use super::{Block, Column, Report, Table};
 use crate::decision::class::ErrorClass;
 use crate::decision::monte_carlo::racks::{
     Quantile, RackResult, RackSettings, STEPS_PER_PITCH, Scatter, quantiles, share,
@@ -34,8 +34,6 @@ pub struct RacksReport<'a> {
     pub limit: Option<&'a Limit>,
     /// Remarks.
     pub notes: Vec<String>,
-    /// Where it is shown.
-    pub screen: Screen,
 }
 
 /// A bin of a histogram: from, to, count.

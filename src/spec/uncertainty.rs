@@ -11,12 +11,11 @@ use toml::de::{DeTable, DeValue};
 use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
 use super::{Located, Spec};
-use crate::decision::uncertainty::{Distribution, Part, Source, Uncertainties, Uncertainty, UncertaintyError};
-use crate::decision::{Rule, Stack};
+use crate::decision::Rule;
+use crate::decision::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
 use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Model, PartError};
 
 /// Every source that a spec can name.
 const SOURCES: [Source; 13] = [
@@ -293,18 +292,6 @@ impl Spec {
         })
     }
 
-    /// The part that the spec's uncertainties are about.
-    #[must_use]
-    pub fn part<'a>(
-        &self,
-        errors: &'a [PartError],
-        over_pin: Option<&'a OverPin>,
-        model: Model,
-        stack: Stack,
-    ) -> Part<'a> {
-        Part { errors, over_pin, model, stack }
-    }
-
     /// The uncertainties of the values that ΔCD of the given errors follows from.
     ///
     /// # Errors
@@ -356,5 +343,64 @@ impl Spec {
         let measured =
             self.errors.iter().filter(|(_, written)| !matches!(written.value, super::WrittenError::Class(_)));
         measured.map(|(kind, _)| *kind).filter(|kind| !has(*kind)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn standard(entry: &str, source: Source) -> Uncertainty {
+        let text = format!(
+            "[pair]\nnormal_module = 2\nnormal_pressure_angle = {{ value = 20, u = 0.01 }}\n[rack]\ndatum = 22\n\
+             face_width = {{ value = 20, half_width = 0.3, distribution = \"rectangular\" }}\n[errors]\n{entry}\n"
+        );
+        let spec = Spec::parse("test", &text).expect(&text);
+        *spec.uncertainties().expect("they are consistent").of(source).expect(entry)
+    }
+
+    #[test]
+    fn every_way_to_write_an_uncertainty() {
+        let pitch = Source::Error(ErrorKind::RackPitch);
+        for (entry, expected) in [
+            ("rack_pitch = { value = 0.01, u = \"0.8 um\" }", 0.0008),
+            ("rack_pitch = { measured = 6.3, nominal = 6.29, U = \"1.6 um\", k = 2 }", 0.0008),
+            ("rack_pitch = { value = 0.01, half_width = 0.003, distribution = \"arcsine\" }", 0.003 / 2.0_f64.sqrt()),
+            ("rack_pitch = { value = 0.01, half_width = 0.003, distribution = \"normal\" }", 0.0015),
+        ] {
+            assert!((standard(entry, pitch).standard - expected).abs() < 1e-15, "{entry}");
+        }
+        assert_eq!(standard("rack_pitch = { value = 0.01, u = 0.001, dof = 9 }", pitch).dof, 9.0);
+        let lead = Source::Error(ErrorKind::RackLead);
+        // Δβ = atan(f/L): u(Δβ) = u(f) L/(L² + f²)
+        let slope = standard("rack_lead = { f_h_beta = \"8 um\", length = 20, u = \"1 um\" }", lead).standard;
+        let expected = 0.001 * 20.0 / (400.0 + 0.008 * 0.008) * 180.0 / std::f64::consts::PI;
+        assert!((slope / expected - 1.0).abs() < 1e-12);
+        let angle = standard("rack_lead = { value = \"1 arcmin\", u = \"6 arcsec\" }", lead).standard;
+        assert!((angle - 6.0 / 3600.0).abs() < 1e-15);
+        // sizes of the gear, and the roller
+        let face = standard("rack_lead = 0.01", Source::FaceWidth);
+        assert!((face.standard - 0.3 / 3.0_f64.sqrt()).abs() < 1e-15);
+        let over_roller = "rack_over_roller = { measured = 25.5, roller = { value = 4, u = \"0.5 um\" }, u = 0.001 }";
+        assert_eq!(standard(over_roller, Source::Roller).standard, 0.0005);
+        assert_eq!(standard(over_roller, Source::Error(ErrorKind::RackOverRoller)).standard, 0.001);
+    }
+
+    #[test]
+    fn only_what_a_result_follows_from_counts() {
+        let text =
+            "[rack]\nface_width = { value = 20, u = 0.1 }\n[errors]\npinion_radial = { value = 0.01, u = 0.001 }\n";
+        let spec = Spec::parse("test", text).unwrap();
+        let sources: Vec<_> = spec.uncertainties().unwrap().inputs().iter().map(|(source, _)| *source).collect();
+        assert_eq!(sources, [Source::Error(ErrorKind::PinionRadial)]);
+        assert!(spec.taken_as_exact().is_empty());
+    }
+
+    #[test]
+    fn correlations_need_two_uncertain_values() {
+        let text = "[errors]\npinion_radial = { value = 0.01, u = 0.001 }\nrack_over_roller = 0.02\n\
+                    [[correlation]]\nbetween = [\"pinion_radial\", \"rack_over_roller\"]\ncoefficient = 0.5\n";
+        let problem = Spec::parse("test", text).unwrap().uncertainties().unwrap_err().to_string();
+        assert!(problem.contains("errors.rack_over_roller is correlated but has no uncertainty"), "{problem}");
     }
 }
