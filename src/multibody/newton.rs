@@ -45,7 +45,7 @@ const SMALLEST: f64 = 2e-14;
 
 /// Gaussian elimination of n ≤ 3 equations with pivots on the diagonal; `None` if one is not positive.
 #[allow(clippy::needless_range_loop)] // matrices read as in the books
-fn solve(mut k: [[f64; 3]; 3], mut r: [f64; 3], n: usize) -> Option<[f64; 3]> {
+pub(super) fn solve(mut k: [[f64; 3]; 3], mut r: [f64; 3], n: usize) -> Option<[f64; 3]> {
     for i in 0..n {
         if k[i][i] <= 0.0 || !k[i][i].is_finite() {
             return None;

@@ -153,6 +153,9 @@ pub struct Parameters {
     pub tolerance_mm: f64,
     /// Travel from one sample to the next, mm; default 0.1. The last one is at the end of the stroke.
     pub spacing_mm: f64,
+    /// Largest drift of the energy in a run without damping and friction, as a share of the energy exchanged; default
+    /// 1e-6. It bounds the implicit scheme's steps; 1 leaves it out.
+    pub energy_tolerance: f64,
     /// Most steps of a dynamic run, rejected ones included; default 1 000 000.
     pub max_steps: u64,
 }
@@ -177,6 +180,7 @@ impl Default for Parameters {
             masses: Masses::default(),
             integrator: Integrator::default(),
             tolerance_mm: 2e-5,
+            energy_tolerance: 1e-6,
             spacing_mm: 0.1,
             max_steps: 1_000_000,
         }
@@ -237,6 +241,7 @@ impl Parameters {
             within(name, value.unwrap_or(0.0), 0.0, 1e9)?;
         }
         within(Name::Tolerance, self.tolerance_mm, 1e-12, 1.0)?;
+        within(Name::EnergyTolerance, self.energy_tolerance, 1e-12, 1.0)?;
         within(Name::Spacing, self.spacing_mm, self.stroke_mm * 1e-7, f64::MAX)?;
         #[allow(clippy::cast_precision_loss)] // a bound, not a count
         within(Name::MaxSteps, self.max_steps as f64, 1.0, 1e12)

@@ -10,8 +10,8 @@ use super::outcome::{Counters, Outcome, RunEnd, Sample, Watch, steady};
 use super::state::{Coordinates, Forces};
 use super::{Scene, SimulationError};
 
-/// Unbalanced force over the closing force: 1e-9 of it moves a contact by far less than a picometre.
-const BALANCE: f64 = 1e-9;
+/// Unbalanced force over the closing force: it moves a contact by less than 1e-6 of its penetration.
+const BALANCE: f64 = 1e-6;
 /// Iterations per stroke; a warm start needs three.
 const ITERATIONS: u32 = 200;
 

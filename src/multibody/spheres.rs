@@ -26,6 +26,12 @@
 //! ends. A row whose line lies beyond the tip, τ_a < τ_*, has at its lowest node H ≥ L + |N_t| (r_b τ_a − R cos β_b)
 //! (1 − cos δ), and 1 − cos δ ≥ (1 − cos 1) min(δ², 1).
 //!
+//! Rows whose line lies before the profile's start meet the rack above its tip, if at all. A sphere with the lowest point D
+//! < 0 touches only if the foot of its centre lies less than m = √(|D| (|D| + 2R)) beyond the patch. That foot
+//! is not lower than the flank's point itself, less R (|N_t| − cos β_b) if that is positive, as long as ν ≤ γ ≤ π − ν; and
+//! from its height at the start, z_s, the flank falls by at most r_b cos γ_s (τ² − τ_0²)/2. So spheres below the τ at
+//! which that reaches the tip's height plus m are clear, with |D| bounded as above; from there H grows.
+//!
 //! A pinion point at the polar angle χ from straight down lies at Z ≥ a − e − r_a cos χ, e the eccentricity, and
 //! no point of the rack is higher than its tip edge; a sphere whose flank point lies 2 R_0 higher than that is clear,
 //! because its centre is within R_0 of that point.
@@ -132,6 +138,7 @@ pub(super) fn touch(
     let range = if reach.cull { row_range(template, placed, reach.polar) } else { 0..rows.len() };
     // what may be taken for plane and level, which most contacts are
     let plain = !reach.rolls && matches!(pair.patch, Patch::Plane);
+    let tip = Tip { template, pair, top: pose.at.center_distance + placed.eccentric.1, nu: placed.nu, length };
     for row in &rows[range] {
         if reach.cull && bound.clears(row.w) {
             continue;
@@ -145,7 +152,10 @@ pub(super) fn touch(
         };
         let (shift, nodes) = &template.phases[row.phase];
         let crossing = line + template.kappa * row.w;
-        let (from, to) = if reach.cull && crossing >= template.start_roll - EARLY {
+        let (from, to) = if plain && reach.cull && crossing < template.start_roll && crossing >= -EARLY {
+            let Some(floor) = tip.floor(&bound, row.w, crossing, (sin, cos)) else { continue };
+            climb(nodes, &plane, (floor - template.start_roll) * template.per_step, *shift, bound.stop, load)
+        } else if reach.cull && crossing >= template.start_roll - EARLY {
             walk(nodes, &plane, (crossing - template.start_roll) * template.per_step, *shift, bound.stop, load)
         } else {
             load.work.counters.spheres_tested += nodes.len() as u64;
@@ -213,6 +223,52 @@ fn walk(nodes: &[Node], plane: &Plane, crossing: f64, shift: f64, stop: f64, loa
     }
     load.work.counters.spheres_tested += (to - from + 2) as u64;
     (from, to)
+}
+
+/// Stations from a height on that may touch; the contact line lies before them all.
+fn climb(nodes: &[Node], plane: &Plane, floor: f64, shift: f64, stop: f64, load: &mut Load<'_>) -> (usize, usize) {
+    // the last station not above the floor, or one before it
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // not negative, and clamped
+    let from = if floor < shift { 0 } else { ((floor - shift) as usize).min(nodes.len() - 1) };
+    let mut to = from;
+    while to < nodes.len() && plane.depth(&nodes[to]) < stop {
+        to += 1;
+    }
+    load.work.counters.spheres_tested += (to - from + 1) as u64;
+    (from, to)
+}
+
+/// What the rack's tip leaves of a row whose contact line lies before the profile's start.
+struct Tip<'a> {
+    template: &'a Template,
+    pair: &'a FlankPair,
+    /// Height of the tooth system's axis over the rack's reference plane.
+    top: f64,
+    nu: f64,
+    length: f64,
+}
+
+impl Tip<'_> {
+    /// A roll angle below which no sphere of a row touches; `None` if none at all does.
+    fn floor(&self, bound: &Bound, w: f64, crossing: f64, (sin, cos): (f64, f64)) -> Option<f64> {
+        let t = self.template;
+        let start = t.start_roll;
+        if self.nu + (t.tip_roll - crossing) > std::f64::consts::PI - self.nu {
+            return Some(start);
+        }
+        let (sin, cos) = (sin * t.cos_start + cos * t.sin_start, cos * t.cos_start - sin * t.sin_start);
+        let early = crossing.min(0.0);
+        let deepest = (bound.stop - bound.level - bound.slope * w - bound.early * early * early * early).max(0.0);
+        let margin = (deepest * (deepest + 2.0 * t.widest)).sqrt() + SLACK;
+        let misfit = t.widest * (self.length - t.cos_base).max(0.0);
+        let height = self.top - t.base_radius * (cos + start * sin) - misfit - self.pair.bounds.tip - margin;
+        if height <= 0.0 {
+            return Some(start);
+        }
+        let floor = (start * start + 2.0 * height / (t.base_radius * cos)).sqrt();
+        // no number if even the end of the profile rises
+        (cos > 0.0 && floor <= t.tip_roll).then_some(floor)
+    }
 }
 
 /// Rows that reach down to the rack's tip.

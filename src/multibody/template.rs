@@ -63,6 +63,10 @@ pub(super) struct Template {
     pub(super) tip_roll: f64,
     pub(super) half_face: f64,
     pub(super) step: f64,
+    /// Sine and cosine of τ_0, and the largest radius.
+    pub(super) sin_start: f64,
+    pub(super) cos_start: f64,
+    pub(super) widest: f64,
     /// Its inverse.
     pub(super) per_step: f64,
     /// r_b τ_a − R cos β_b at the tip.
@@ -105,6 +109,9 @@ impl Template {
             tip_roll: p.tip_roll_rad,
             half_face: 0.5 * p.face_width_mm,
             step: p.tip_roll_rad - p.start_roll_rad,
+            sin_start: trig::sin(p.start_roll_rad),
+            cos_start: trig::cos(p.start_roll_rad),
+            widest: 0.0,
             per_step: 0.0,
             last_reach: 0.0,
             phases: Vec::new(),
@@ -128,6 +135,7 @@ impl Template {
         let intervals = grid.profile_nodes - 1;
         self.step = (self.tip_roll - self.start_roll) / f64::from(intervals);
         self.per_step = 1.0 / self.step;
+        self.widest = grid.radius_mm;
         let per_square = radius_factor(self.base_radius, self.cos_base, self.tip_roll);
         let last_radius = grid.radius_mm.min(per_square * self.tip_roll * self.tip_roll);
         self.last_reach = self.base_radius * self.tip_roll - last_radius * self.cos_base;
