@@ -6,6 +6,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::paper;
+use common::random::{self, Random};
 use rackmesh::deviation::*;
 use rackmesh::multibody::*;
 
@@ -57,4 +58,365 @@ fn a_run_that_is_told_to_stop_keeps_what_it_has() {
     let whole = scene.quasi_static(&mut go_on);
     assert_eq!(whole.samples.len(), 11);
     assert_eq!(outcome.samples[..], whole.samples[..4]);
+}
+
+fn same(a: &Outcome, b: &Outcome) {
+    assert_eq!(a.end, b.end);
+    assert_eq!(a.samples.len(), b.samples.len());
+    for (a, b) in a.samples.iter().zip(&b.samples) {
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
+}
+
+#[test]
+fn culling_changes_no_bit_and_saves_most_of_the_work() {
+    let short = Parameters { start_mm: 18.0, stroke_mm: 14.0, spacing_mm: 0.5, ..Parameters::default() };
+    let roll = Support::FreeRoll { axis_depth_mm: 8.0 };
+    for contact in [ContactModel::default(), ContactModel::Analytic(StripGrid { strips: 64 })] {
+        for support in [Support::Fixed, roll] {
+            for kind in [
+                RackDeviationKind::OverRoller(-0.05),
+                RackDeviationKind::Pitch(0.03),
+                RackDeviationKind::Lead(0.005),
+                RackDeviationKind::Thickness(-0.1),
+            ] {
+                let parameters = Parameters { contact, support, ..short };
+                let culled = paper::scene(Some(kind), parameters).quasi_static(&mut go_on);
+                let whole = paper::scene(Some(kind), Parameters { cull: false, ..parameters }).quasi_static(&mut go_on);
+                same(&culled, &whole);
+                assert!(5 * culled.counters.spheres_tested < whole.counters.spheres_tested, "{:?}", culled.counters);
+            }
+        }
+    }
+    // any pair: every hand, helix, shaft angle and start of the involute, with deviations of every kind
+    let mut random = Random(7);
+    for case in 0..24 {
+        let pair = random::pair(&mut random);
+        let (rack, pinion) = (random::rack(&mut random, &pair, true), random::pinion(&mut random, &pair, true));
+        let contact = if case % 3 == 0 {
+            ContactModel::Analytic(StripGrid { strips: 48 })
+        } else {
+            ContactModel::Spheres(SphereGrid { profile_nodes: 24, width_nodes: 24, ..SphereGrid::default() })
+        };
+        let stroke_mm = 2.0 * pair.rack().pitch_mm;
+        let parameters = Parameters { contact, stroke_mm, spacing_mm: 0.07 * stroke_mm, ..Parameters::default() };
+        let run = |cull| {
+            Scene::new(pair, rack.clone(), pinion.clone(), Parameters { cull, ..parameters })
+                .unwrap()
+                .quasi_static(&mut go_on)
+        };
+        same(&run(true), &run(false));
+    }
+}
+
+#[test]
+fn tangents_agree_with_finite_differences() {
+    let mut random = Random(11);
+    let mut touched = 0;
+    for case in 0..60 {
+        let pair = random::pair(&mut random);
+        let mut rack = random::rack(&mut random, &pair, true);
+        let pinion = random::pinion(&mut random, &pair, true);
+        let analytic = case % 2 == 0;
+        if !analytic && case % 3 == 0 {
+            let crowned = RackForm { crowning_mm: 0.01, ..RackForm::default() };
+            rack = rack.with_form(&pair, crowned).unwrap();
+        }
+        let contact = if analytic {
+            ContactModel::Analytic(StripGrid { strips: 40 })
+        } else {
+            ContactModel::Spheres(SphereGrid { profile_nodes: 40, width_nodes: 40, ..SphereGrid::default() })
+        };
+        let support = if case % 4 < 2 { Support::FreeRoll { axis_depth_mm: 8.0 } } else { Support::Fixed };
+        let parameters = Parameters {
+            contact,
+            support,
+            stiffness_exponent: 2.5,
+            indentation_exponent: 2.5,
+            damping: 1e5,
+            friction: if case % 5 == 0 { 0.1 } else { 0.0 },
+            friction_speed_mm_per_s: 5.0,
+            ..Parameters::default()
+        };
+        let stroke = random.range(-2.0, 2.0) * pair.rack().pitch_mm;
+        let Ok(rigid) = rackmesh::mesh::Mesh::new(pair, rack.clone(), pinion.clone(), rackmesh::mesh::Support::Fixed)
+            .unwrap()
+            .at(stroke)
+        else {
+            continue;
+        };
+        let scene =
+            Scene::new(pair, rack, pinion, Parameters { start_mm: stroke, stroke_mm: 1.0, ..parameters }).unwrap();
+        let rolls = scene.rolls();
+        let at = Coordinates {
+            pinion_angle: rigid.pinion_angle_rad + random.range(-1e-3, 1e-3),
+            center_distance: rigid.center_distance_mm - 0.02,
+            roll: if rolls { random.range(-1e-3, 1e-3) } else { 0.0 },
+            stroke,
+        };
+        let rates =
+            Coordinates { pinion_angle: 0.3, center_distance: -2.0, roll: if rolls { 0.1 } else { 0.0 }, stroke: 20.0 };
+        let here = scene.forces(&at, &rates);
+        assert!(here.contacts > 0);
+        touched += here.contacts;
+        let unknowns = if rolls { 3 } else { 2 };
+        let scale = [pair.pinion().reference_radius_mm, 1.0, 10.0];
+        let size = (0..unknowns).map(|i| here.stiffness[i][i].abs() / scale[i] / scale[i]).fold(0.0, f64::max);
+        let rate_size = (0..unknowns).map(|i| here.damping[i][i].abs() / scale[i] / scale[i]).fold(0.0, f64::max);
+        for j in 0..unknowns {
+            let moved = |at: &Coordinates, by: f64| {
+                let mut moved = *at;
+                match j {
+                    0 => moved.pinion_angle += by,
+                    1 => moved.center_distance += by,
+                    _ => moved.roll += by,
+                }
+                moved
+            };
+            let h = 1e-7 / scale[j];
+            let (up, down) = (scene.forces(&moved(&at, h), &rates), scene.forces(&moved(&at, -h), &rates));
+            let v = 1e-4 / scale[j];
+            let (fast, slow) = (scene.forces(&at, &moved(&rates, v)), scene.forces(&at, &moved(&rates, -v)));
+            for i in 0..unknowns {
+                let by_place = -(up.generalized[i] - down.generalized[i]) / (2.0 * h);
+                let by_rate = -(fast.generalized[i] - slow.generalized[i]) / (2.0 * v);
+                let error = (here.stiffness[i][j] - by_place).abs() / scale[i] / scale[j] / size;
+                // documented: form and the turning of the direction of sliding are left out of the tangent
+                let allowed = if parameters.friction > 0.0 { 0.05 } else { 2e-4 };
+                assert!(error < allowed, "case {case} stiffness {i}{j}: {} {by_place}", here.stiffness[i][j]);
+                let error = (here.damping[i][j] - by_rate).abs() / scale[i] / scale[j] / rate_size;
+                let allowed = if parameters.friction > 0.0 { 1e-3 } else { 1e-5 };
+                assert!(error < allowed, "case {case} damping {i}{j}: {} {by_rate}", here.damping[i][j]);
+            }
+        }
+    }
+    assert!(touched > 1000);
+}
+
+/// The elastic contact forces at a sample.
+fn forces_at(scene: &Scene, sample: &Sample) -> Forces {
+    let at = Coordinates {
+        pinion_angle: sample.pinion_angle_rad,
+        center_distance: sample.center_distance_mm,
+        roll: sample.roll_rad,
+        stroke: sample.stroke_mm,
+    };
+    scene.forces(&at, &Coordinates::default())
+}
+
+/// Largest difference of ΔCD between two runs over the same strokes, after the start.
+fn apart(a: &Outcome, b: &Outcome, from_mm: f64) -> f64 {
+    assert_eq!(a.samples.len(), b.samples.len());
+    let pairs = a.samples.iter().zip(&b.samples).filter(|(a, _)| a.stroke_mm >= from_mm);
+    pairs.map(|(a, b)| (a.delta_cd_mm - b.delta_cd_mm).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_slow_motion_follows_the_equilibria_without_ripple() {
+    for parameters in [Parameters::default(), analytic()] {
+        let scene = paper::scene(Some(RackDeviationKind::OverRoller(0.02)), parameters);
+        let (moving, still) = (scene.dynamic(&mut go_on), scene.quasi_static(&mut go_on));
+        assert_eq!(moving.end, RunEnd::Completed);
+        assert!(apart(&moving, &still, 0.0) < 5e-5);
+        for part in [moving.nominal.unwrap(), moving.deviating.unwrap()] {
+            assert!(part.ripple_mm < 5e-5, "{part:?}");
+        }
+        assert!((moving.rigid_difference_mm().unwrap() - 0.02).abs() < 2e-4);
+        // at rest the contact carries the preload, half on each side, along both normals
+        let rest = &moving.samples[0];
+        let forces = forces_at(&scene, rest);
+        assert!((forces.generalized[1] - 500.0).abs() < 1e-3 && forces.generalized[0].abs() < 1e-2, "{forces:?}");
+        let side = 250.0 / 19.9_f64.to_radians().sin();
+        for force in [rest.normal_force_right_n, rest.normal_force_left_n] {
+            // a few parts in a thousand stand on edges, whose normals differ
+            assert!((force - side).abs() < 5e-3 * side, "{force} {side}");
+        }
+        let energy = moving.energy.unwrap();
+        assert!((energy.impulse - energy.momentum).abs() < 1e-6 * 500.0 * 2.5, "{energy:?}");
+        assert!(energy.dissipated > 0.0);
+        // the ramp takes its travel at half the speed
+        assert!((moving.samples.last().unwrap().time_s - (49.0 / 20.0 + 0.1)).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn without_losses_energy_is_kept() {
+    let parameters = Parameters { damping: 0.0, stroke_mm: 20.0, start_mm: 15.0, ..Parameters::default() };
+    let lines = Parameters { contact: ContactModel::Analytic(StripGrid::default()), stiffness: 1e7, ..parameters };
+    for parameters in [parameters, lines] {
+        for kind in [RackDeviationKind::OverRoller(0.02), RackDeviationKind::Lead(0.004)] {
+            let outcome = paper::scene(Some(kind), parameters).dynamic(&mut go_on);
+            assert_eq!(outcome.end, RunEnd::Completed);
+            let energy = outcome.energy.unwrap();
+            assert_eq!(energy.dissipated, 0.0);
+            assert!(energy.drift.abs() < 1e-6 * energy.exchanged, "{kind:?} {energy:?}");
+        }
+    }
+}
+
+#[test]
+fn the_rigid_limit_is_the_exact_mesh() {
+    let worst = |parameters: Parameters, rigid: bool| {
+        let scene = paper::scene(Some(RackDeviationKind::Lead(0.004)), parameters);
+        let outcome = scene.quasi_static(&mut go_on);
+        assert_eq!(outcome.end, RunEnd::Completed);
+        let off = |sample: &Sample| {
+            let exact = scene.mesh().at(sample.stroke_mm).unwrap().delta_cd_mm;
+            (sample.delta_cd_mm + if rigid { sample.indentation_mm } else { 0.0 } - exact).abs()
+        };
+        outcome.samples.iter().map(off).fold(0.0, f64::max)
+    };
+    let at = |preload_n: f64, contact: ContactModel| Parameters {
+        preload_n,
+        contact,
+        stiffness: 1e9,
+        start_mm: 30.0,
+        stroke_mm: 6.3,
+        ..Parameters::default()
+    };
+    // preload: the indentation falls with its power 1/(a + 1) at a corner
+    let lines = |strips| ContactModel::Analytic(StripGrid { strips });
+    let (heavy, light) = (worst(at(500.0, lines(4000)), false), worst(at(5.0, lines(4000)), false));
+    assert!(light < 0.3 * heavy && light < 1e-3, "{heavy} {light}");
+    // distance of strips: the corner lies up to half a strip beyond the last one; first order
+    let (coarse, fine) = (worst(at(5.0, lines(100)), true), worst(at(5.0, lines(400)), true));
+    assert!(fine < 0.4 * coarse && fine < 1e-3, "{coarse} {fine}");
+    // spheres over the profile where nothing leads: second order
+    let nominal = |profile_nodes| {
+        let grid = SphereGrid { profile_nodes, width_nodes: 24, ..SphereGrid::default() };
+        let contact = ContactModel::Spheres(grid);
+        let scene = paper::scene(None, Parameters { stiffness: 1e9, ..at(0.5, contact) });
+        let outcome = scene.quasi_static(&mut go_on);
+        outcome.samples.iter().map(|s| (s.delta_cd_mm + s.indentation_mm).abs()).sum::<f64>()
+            / outcome.samples.len() as f64
+    };
+    let (coarse, fine) = (nominal(16), nominal(64));
+    assert!(fine < coarse / 8.0 && fine < 2e-5, "{coarse} {fine}");
+}
+
+#[test]
+fn a_yoke_carries_what_the_mesh_pushes() {
+    let yoke = Yoke { preload_n: 500.0, rate_n_per_mm: 200.0, clearance_mm: 0.01, ..Yoke::default() };
+    let parameters = Parameters { support: Support::Yoke(yoke), stroke_mm: 40.0, ..Parameters::default() };
+    let scene = paper::scene(Some(RackDeviationKind::OverRoller(0.02)), parameters);
+    for outcome in [scene.quasi_static(&mut go_on), scene.dynamic(&mut go_on)] {
+        assert_eq!(outcome.end, RunEnd::Completed);
+        for sample in &outcome.samples {
+            let held = sample.yoke.unwrap();
+            assert_eq!(held.travel_mm, sample.delta_cd_mm);
+            let up = forces_at(&scene, sample).generalized[1];
+            assert!((up - held.force_n - held.bush_force_n).abs() < 2e-3 * up, "{up} {sample:?}");
+            let stop = (held.travel_mm - 0.01).max(0.0) * yoke.stop_n_per_mm;
+            assert!((held.force_n - (500.0 + 200.0 * held.travel_mm + stop)).abs() < 1e-9);
+        }
+        // behind the odd teeth the yoke is on its stop
+        assert!(outcome.samples.last().unwrap().yoke.unwrap().force_n > 1000.0);
+        assert!((outcome.rigid_difference_mm().unwrap() - 0.02).abs() < 2e-4);
+    }
+}
+
+#[test]
+fn a_rack_that_may_roll_rolls_as_in_the_exact_mesh() {
+    use rackmesh::mesh;
+    let parameters =
+        Parameters { support: Support::FreeRoll { axis_depth_mm: 8.0 }, start_mm: 30.0, stroke_mm: 6.0, ..analytic() };
+    let scene = paper::scene(Some(RackDeviationKind::Lead(0.25_f64.to_radians())), parameters);
+    assert!(scene.rolls());
+    let exact = mesh::Mesh::new(
+        *scene.mesh().pair(),
+        scene.mesh().rack().clone(),
+        scene.mesh().pinion().clone(),
+        mesh::Support::FreeRoll { axis_depth_mm: 8.0 },
+    )
+    .unwrap();
+    let outcome = scene.quasi_static(&mut go_on);
+    assert_eq!(outcome.end, RunEnd::Completed);
+    let mean =
+        outcome.samples.iter().map(|s| s.delta_cd_mm + s.indentation_mm).sum::<f64>() / outcome.samples.len() as f64;
+    let strokes: Vec<f64> = outcome.samples.iter().map(|s| s.stroke_mm).collect();
+    let rigid: Vec<f64> = exact.sample(&strokes).into_iter().map(|p| p.unwrap().delta_cd_mm).collect();
+    let rigid = rigid.iter().sum::<f64>() / rigid.len() as f64;
+    assert!((mean - rigid).abs() < 0.02 * rigid, "{mean} {rigid}");
+}
+
+#[test]
+fn whatever_is_asked_ends_right_or_says_what_to_change() {
+    let mut random = Random(5);
+    let (mut completed, mut failed) = (0, 0);
+    for case in 0..100 {
+        let power = |random: &mut Random, low: f64, high: f64| 10_f64.powf(random.range(low, high));
+        let contact = if random.chance(0.3) {
+            ContactModel::Analytic(StripGrid { strips: power(&mut random, 0.5, 3.0) as u32 })
+        } else {
+            ContactModel::Spheres(SphereGrid {
+                profile_nodes: power(&mut random, 0.5, 2.5) as u32,
+                width_nodes: power(&mut random, 0.5, 2.0) as u32,
+                ..SphereGrid::default()
+            })
+        };
+        let some = |random: &mut Random, value: f64| random.chance(0.3).then_some(value);
+        let parameters = Parameters {
+            contact,
+            stroke_mm: 2.0,
+            start_mm: random.range(-5.0, 30.0),
+            stiffness: power(&mut random, 3.0, 9.0),
+            stiffness_exponent: random.range(1.0, 2.5),
+            damping: if random.chance(0.3) { 0.0 } else { power(&mut random, 0.0, 8.0) },
+            damping_exponent: random.range(1.0, 2.5),
+            indentation_exponent: random.range(1.0, 2.5),
+            friction: if random.chance(0.5) { 0.0 } else { random.range(0.0, 0.3) },
+            speed_mm_per_s: power(&mut random, -1.0, 3.0),
+            preload_n: power(&mut random, -1.0, 4.0),
+            energy_tolerance: 1.0,
+            max_steps: 20_000,
+            masses: Masses {
+                pinion_kg: some(&mut random, 0.0),
+                pinion_kg_mm2: some(&mut random, 0.0),
+                ..Masses::default()
+            },
+            ..Parameters::default()
+        };
+        let (pair, kind) = (paper::pair(), RackDeviationKind::Pitch(0.02));
+        let rack = RackFlanks::new(&pair, &[RackDeviation { teeth: "4..".parse().unwrap(), kind }]).unwrap();
+        let scene = match Scene::new(pair, rack, PinionFlanks::nominal(&pair), parameters) {
+            Ok(scene) => scene,
+            Err(error) => {
+                assert!(
+                    matches!(error, SimulationError::TooCoarse { .. } | SimulationError::OutOfDomain { .. }),
+                    "{error}"
+                );
+                failed += 1;
+                continue;
+            }
+        };
+        for outcome in [scene.quasi_static(&mut go_on), scene.dynamic(&mut go_on)] {
+            for sample in &outcome.samples {
+                let numbers =
+                    [sample.delta_cd_mm, sample.pinion_angle_rad, sample.indentation_mm, sample.penetration_mm];
+                assert!(numbers.iter().all(|value| value.is_finite()), "case {case}: {sample:?}");
+                // where both sides carry, and the contact is stiff, it is the exact mesh
+                let exact = scene.mesh().at(sample.stroke_mm).unwrap().delta_cd_mm;
+                let both = sample.normal_force_left_n > 0.0 && sample.normal_force_right_n > 0.0;
+                let off = sample.delta_cd_mm + sample.indentation_mm - exact;
+                if both && outcome.energy.is_none() && sample.indentation_mm < 5e-3 {
+                    assert!(
+                        off.abs() < 5e-3 + 3.0 * scene.resolution_mm(),
+                        "case {case}: {off} {sample:?} {parameters:?}"
+                    );
+                }
+            }
+            match outcome.end {
+                RunEnd::Completed => completed += 1,
+                RunEnd::Failed(error) => {
+                    failed += 1;
+                    let words = error.to_string();
+                    assert!(["lower", "raise", "loosen", "refine"].iter().any(|word| words.contains(word)), "{words}");
+                    println!("case {case}: {words}\n   {parameters:?}");
+                }
+                RunEnd::Interrupted => unreachable!(),
+            }
+        }
+    }
+    println!("{completed} completed, {failed} failed");
+    assert!(completed > 100, "{completed} completed, {failed} failed");
 }

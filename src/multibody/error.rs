@@ -130,6 +130,17 @@ pub enum SimulationError {
     /// The rigid mesh, from which every run starts, has no solution.
     #[error("no start position: {0}")]
     Mesh(#[from] MeshError),
+    /// So few spheres, rows or strips that contacts fall between them.
+    #[error(
+        "contacts may sink by {resolution_mm} mm between two spheres or strips, more than {limit_mm} mm; \
+         raise the number of spheres over profile and width, or of strips"
+    )]
+    TooCoarse {
+        /// How far they may sink.
+        resolution_mm: f64,
+        /// The largest depth allowed: 0.005 of the normal module.
+        limit_mm: f64,
+    },
     /// Newton's method found no equilibrium at a stroke.
     #[error(
         "stroke {stroke_mm} mm: no equilibrium within {iterations} iterations, {residual_n} N are left; \

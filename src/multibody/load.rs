@@ -13,6 +13,8 @@ pub(super) struct Element {
     pub(super) hessian: [[f64; 4]; 4],
     /// Share of a whole element.
     pub(super) weight: f64,
+    /// Its derivatives, where it changes: the energy of an element that is cut off pushes back too.
+    pub(super) fading: Option<[f64; 4]>,
 }
 
 /// An element over the face of a plane flank of a rack that is not rolled: most of them.
@@ -109,7 +111,7 @@ fn dot3(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 impl Load<'_> {
     /// Adds an element with a negative gap. `sliding` is asked for only with friction.
     pub(super) fn add(&mut self, right: bool, tooth: i64, element: &Element, sliding: impl FnOnce() -> Sliding) {
-        let Element { gap, gradient: g, hessian, weight } = element;
+        let Element { gap, gradient: g, hessian, weight, fading } = element;
         let v = &self.rates;
         let depth = -gap;
         let rate = -(g[0] * v[0] + g[1] * v[1] + g[2] * v[2] + g[3] * v[3]);
@@ -128,6 +130,16 @@ impl Load<'_> {
             for j in 0..3 {
                 sum.stiffness[i][j] += g[i] * by_q[j] - f * hessian[i][j];
                 sum.damping[i][j] += by_rate * g[i] * g[j];
+            }
+        }
+        if let Some(w) = fading {
+            for (sum, w) in sum.generalized.iter_mut().zip(w) {
+                *sum -= force.energy * w;
+            }
+            for i in 0..3 {
+                for j in 0..3 {
+                    sum.stiffness[i][j] -= force.value * g[i] * w[j] + force.elastic * w[i] * g[j];
+                }
             }
         }
         self.note(right, tooth, *gap, (g[0], g[1]), f * g[3].abs(), f, *weight, &force, rate);

@@ -25,6 +25,7 @@
 //!
 //! Units: mm, N, s and rad throughout; masses are given in kg.
 
+mod bound;
 mod closest;
 mod compare;
 mod drive;

@@ -40,6 +40,10 @@ pub(super) struct Solution<T> {
     pub(super) converged: bool,
 }
 
+/// How often an unstable balance is left, and how far, as a share of the longest step.
+const NUDGES: u32 = 3;
+const NUDGE: f64 = 0.05;
+
 /// Steps below this are rounding, mm.
 const SMALLEST: f64 = 2e-14;
 
@@ -67,6 +71,63 @@ pub(super) fn solve(mut k: [[f64; 3]; 3], mut r: [f64; 3], n: usize) -> Option<[
     Some(r)
 }
 
+/// Eigenvalues and orthonormal eigenvectors of the symmetric part of the leading n × n block: Jacobi's rotations.
+#[allow(clippy::needless_range_loop)] // matrices read as in the books
+fn eigen(k: &[[f64; 3]; 3], n: usize) -> ([f64; 3], [[f64; 3]; 3]) {
+    let mut a: [[f64; 3]; 3] =
+        std::array::from_fn(|i| std::array::from_fn(|j| if i < n && j < n { 0.5 * (k[i][j] + k[j][i]) } else { 0.0 }));
+    let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for _ in 0..12 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
+            let t =
+                if theta.abs() < 1e150 { theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt()) } else { 0.0 };
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            for row in &mut a {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+            for j in 0..3 {
+                (a[p][j], a[q][j]) = (c * a[p][j] - s * a[q][j], s * a[p][j] + c * a[q][j]);
+            }
+            for row in &mut v {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+        }
+    }
+    ([a[0][0], a[1][1], a[2][2]], std::array::from_fn(|i| std::array::from_fn(|j| v[j][i])))
+}
+
+/// The step of a tangent that is not positive: each principal direction by the size of its stiffness, or by `floor`.
+#[allow(clippy::needless_range_loop)] // matrices read as in the books
+fn downhill(k: &[[f64; 3]; 3], r: &[f64; 3], n: usize, floor: f64) -> [f64; 3] {
+    let (values, vectors) = eigen(k, n);
+    let mut d = [0.0; 3];
+    for (value, vector) in values.iter().zip(&vectors) {
+        let part = (0..n).map(|i| vector[i] * r[i]).sum::<f64>() / value.abs().max(floor);
+        for i in 0..n {
+            d[i] += part * vector[i];
+        }
+    }
+    d
+}
+
+/// The direction in which a tangent is clearly negative, if there is one.
+fn hill(k: &[[f64; 3]; 3], n: usize) -> Option<[f64; 3]> {
+    if solve(*k, [0.0; 3], n).is_some() {
+        return None;
+    }
+    let (values, vectors) = eigen(k, n);
+    let stiffest = values.iter().fold(0.0, |most, value| value.abs().max(most));
+    (0..n)
+        .filter(|&i| values[i] < -1e-9 * stiffest)
+        .min_by(|&a, &b| values[a].total_cmp(&values[b]))
+        .map(|i| vectors[i])
+}
+
 /// Solves `balance(x).residual = 0` from `x`.
 pub(super) fn newton<T: Copy>(
     mut x: [f64; 3],
@@ -83,7 +144,7 @@ pub(super) fn newton<T: Copy>(
     let norm = |v: &[f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let mut here = balance(&x);
-    let mut iterations = 0;
+    let (mut iterations, mut nudges) = (0, NUDGES);
     loop {
         let (r, k) = scaled(&here);
         let size = norm(&r);
@@ -95,21 +156,27 @@ pub(super) fn newton<T: Copy>(
             converged,
         };
         if size <= limits.force {
-            return done(x, &here, iterations, true);
+            // a balance that any disturbance would leave is left
+            match hill(&k, n).filter(|_| nudges > 0 && iterations < limits.iterations) {
+                None => return done(x, &here, iterations, true),
+                Some(direction) => {
+                    nudges -= 1;
+                    iterations += 1;
+                    for (i, x) in x.iter_mut().enumerate().take(n) {
+                        *x += NUDGE * limits.step * direction[i] / limits.scale[i];
+                    }
+                    here = balance(&x);
+                    continue;
+                }
+            }
         }
         if iterations >= limits.iterations || !size.is_finite() {
             return done(x, &here, iterations, false);
         }
         iterations += 1;
-        let mut d = solve(k, r, n).filter(|d| dot(d, &r) > 0.0).unwrap_or_else(|| {
-            // no contact holds some unknown: raise the diagonal until one step is as long as allowed
-            let floor = size / limits.step;
-            let mut k = k;
-            for (i, row) in k.iter_mut().enumerate() {
-                row[i] = row[i].max(0.0) + floor;
-            }
-            solve(k, r, n).filter(|d| dot(d, &r) > 0.0).unwrap_or(r.map(|v| v / floor))
-        });
+        // where no contact holds an unknown, or the balance is one of a ball on a hill
+        let floor = size / limits.step;
+        let mut d = solve(k, r, n).filter(|d| dot(d, &r) > 0.0).unwrap_or_else(|| downhill(&k, &r, n, floor));
         let length = norm(&d);
         if length <= SMALLEST {
             return done(x, &here, iterations, true);
@@ -126,12 +193,41 @@ pub(super) fn newton<T: Copy>(
             let (r_next, _) = scaled(&next);
             let power_next = dot(&r_next, &d);
             let overshot = power_next < -0.7 * power && norm(&r_next) > 0.7 * size;
-            if !overshot || share < 1e-3 {
+            if !overshot || share < 1e-9 {
                 x = trial;
                 here = next;
                 break;
             }
             share *= (power / (power - power_next)).clamp(0.1, 0.5);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvectors_are_those_of_the_matrix() {
+        let k = [[4.0, 1.0, -2.0], [1.0, -3.0, 0.5], [-2.0, 0.5, 1.0]];
+        let (values, vectors) = eigen(&k, 3);
+        for (value, v) in values.iter().zip(&vectors) {
+            for (i, row) in k.iter().enumerate() {
+                let product: f64 = (0..3).map(|j| row[j] * v[j]).sum();
+                assert!((product - value * v[i]).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// V = (x² − 1)² + y², whose hill is at x = 0.
+    #[test]
+    fn a_balance_on_a_hill_is_left() {
+        let limits = Limits { unknowns: 2, scale: [1.0; 3], force: 1e-12, step: 0.1, iterations: 100 };
+        let solution = newton([0.0, 0.3, 0.0], &limits, |x| Balance {
+            residual: [-4.0 * x[0] * (x[0] * x[0] - 1.0), -2.0 * x[1], 0.0],
+            tangent: [[12.0 * x[0] * x[0] - 4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0; 3]],
+            with: (),
+        });
+        assert!(solution.converged && (solution.x[0].abs() - 1.0).abs() < 1e-9 && solution.x[1].abs() < 1e-9);
     }
 }

@@ -16,8 +16,6 @@ pub struct SphereGrid {
     /// Cells (of two triangles) of a rack flank along each direction where it has crowning or relief; default 32. A
     /// plane flank needs one.
     pub patch_cells: u32,
-    /// Skip what provably cannot touch; default true. The result is the same to the last bit.
-    pub cull: bool,
 }
 
 /// Strips of the exact surfaces.
@@ -39,7 +37,7 @@ pub enum ContactModel {
 
 impl Default for SphereGrid {
     fn default() -> Self {
-        Self { profile_nodes: 48, width_nodes: 96, radius_mm: 0.5, patch_cells: 32, cull: true }
+        Self { profile_nodes: 48, width_nodes: 96, radius_mm: 0.5, patch_cells: 32 }
     }
 }
 
@@ -143,6 +141,8 @@ pub struct Parameters {
     pub friction_speed_mm_per_s: f64,
     /// How flanks touch.
     pub contact: ContactModel,
+    /// Skip what provably cannot touch; default true. The result is the same to the last bit.
+    pub cull: bool,
     /// How the parts are held.
     pub support: Support,
     /// Masses and inertias.
@@ -176,6 +176,7 @@ impl Default for Parameters {
             friction: 0.0,
             friction_speed_mm_per_s: 0.1,
             contact: ContactModel::default(),
+            cull: true,
             support: Support::default(),
             masses: Masses::default(),
             integrator: Integrator::default(),

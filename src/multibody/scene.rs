@@ -2,13 +2,14 @@
 //! caller; the runs ask it for forces.
 
 use super::ParameterName;
+use super::bound::Reach;
 use super::error::SimulationError;
 use super::flank::{Bounds, FlankPair, Patch, Pose, Shared, transverse};
 use super::law::Law;
 use super::load::{Load, Work};
 use super::outcome::YokeSample;
 use super::parameters::{ContactModel, Parameters, Support};
-use super::spheres::{self, Reach};
+use super::spheres;
 use super::state::{Coordinates, Forces};
 use super::strips;
 use super::template::Template;
@@ -17,6 +18,8 @@ use crate::gear::Pair;
 use crate::mesh::{self, Mesh};
 use crate::trig;
 
+/// Contacts may sink between elements by this share of the normal module: what is coarser is no gear.
+const COARSE: f64 = 5e-3;
 /// Density of steel, kg/mm³.
 const STEEL: f64 = 7.85e-6;
 
@@ -43,7 +46,8 @@ impl Scene {
     /// Checks the parameters and prepares every flank of the stroke.
     ///
     /// # Errors
-    /// [`SimulationError::OutOfDomain`] for a parameter outside its domain, [`SimulationError::Mesh`] for flanks that
+    /// [`SimulationError::OutOfDomain`] for a parameter outside its domain, [`SimulationError::TooCoarse`] for too few
+    /// spheres or strips, [`SimulationError::Mesh`] for flanks that
     /// cannot mesh.
     pub fn new(
         pair: Pair,
@@ -97,6 +101,10 @@ impl Scene {
                 let flank = scene.flank(right, index, tooth, &mut leads)?;
                 if right { scene.right.push(flank) } else { scene.left.push(flank) }
             }
+        }
+        let (resolution_mm, limit_mm) = (scene.resolution_mm(), COARSE * pair.normal_module_mm());
+        if resolution_mm > limit_mm {
+            return Err(SimulationError::TooCoarse { resolution_mm, limit_mm });
         }
         Ok(scene)
     }
@@ -192,6 +200,19 @@ impl Scene {
         self.inertia
     }
 
+    /// What the discretisation may hide, mm: how far a contact may sink between two spheres of a row, a corner
+    /// between two rows (or strips), and an end of the face width of a flank with a lead deviation.
+    #[must_use]
+    pub fn resolution_mm(&self) -> f64 {
+        let sag = self.templates.iter().map(|t| t.sag().max(t.corner_sag())).fold(0.0, f64::max);
+        let between = self.right.iter().chain(&self.left).map(|flank| {
+            let template = &self.templates[flank.template];
+            let n_w = flank.normal[0] * flank.sign * self.shared.sin_shaft + flank.normal[1] * self.shared.cos_shaft;
+            0.5 * template.row_step() * (n_w - flank.level.1 * template.base_radius * template.kappa).abs()
+        });
+        sag.max(between.fold(0.0, f64::max))
+    }
+
     /// Penetration beyond which a run gives up, mm: a tenth of the normal module.
     #[must_use]
     pub fn deepest(&self) -> f64 {
@@ -225,7 +246,7 @@ impl Scene {
         let off = (along * along + across * across).sqrt();
         let cosine = (at.center_distance - off - top - 2.0 * radius) / p.tip_radius_mm;
         let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
-        let reach = Reach { cull: grid.is_none_or(|grid| grid.cull), rolls: self.rolls, radius, polar };
+        let reach = Reach { cull: self.parameters.cull, rolls: self.rolls, polar };
         // each pinion tooth once: those whose angle from straight down is at most half a turn
         let half = 0.5 * f64::from(p.teeth);
         let middle = at.pinion_angle / self.shared.angular_pitch - 0.5;
@@ -242,13 +263,8 @@ impl Scene {
                 };
                 let template = &self.templates[flank.template];
                 let placed = flank.place(&pose);
-                if let ContactModel::Analytic(grid) = self.parameters.contact {
-                    // teeth on the far side of the pinion
-                    if placed.tooth_angle.abs()
-                        <= polar + template.tooth_reach + template.kappa.abs() * template.half_face
-                    {
-                        strips::touch(flank, template, &placed, &pose, self.mesh.rack().form(), grid.strips, &mut load);
-                    }
+                if grid.is_none() {
+                    strips::touch(flank, template, &placed, &pose, &reach, self.mesh.rack().form(), &mut load);
                 } else {
                     spheres::touch(flank, template, &placed, &pose, &reach, &mut load);
                 }

@@ -10,9 +10,10 @@
 //! which is perpendicular to the profile. Then ∂g/∂q = m·∂P/∂q in every case. Of form (crowning, relief) the tangent
 //! leaves the second derivatives out.
 
+use super::bound::{BEND, Bound, Reach, Tip, row_range};
 use super::flank::{FlankPair, Placed, Pose, removal};
-use super::load::{Element, Load, Sliding};
-use super::template::Template;
+use super::load::{Element, Flat, Load, Sliding};
+use super::template::{EARLY, Row, Template};
 use crate::deviation::RackForm;
 use crate::trig;
 
@@ -33,35 +34,139 @@ pub(super) fn touch(
     template: &Template,
     placed: &Placed,
     pose: &Pose,
+    reach: &Reach,
     form: &RackForm,
-    strips: u32,
     load: &mut Load<'_>,
 ) {
-    let Placed { nu, length, .. } = *placed;
-    let width = 2.0 * template.half_face / f64::from(strips);
-    // the most that form can add to a penetration: only a negative profile slope does
-    let least = (-template.form.profile_slope_mm).max(0.0);
-    for strip in 0..strips {
-        let w = -template.half_face + (f64::from(strip) + 0.5) * width;
-        let crossing = nu - placed.c + template.kappa * w;
-        load.work.counters.spheres_tested += 1;
-        let tau = crossing.clamp(template.start_roll, template.tip_roll);
-        // cheap lower bound: the height of a section is H of `super::spheres` with R = 0
-        let delta = tau - crossing;
-        if delta.abs() > 1.5 {
+    let bound = Bound::new(template, placed);
+    if reach.cull && bound.clears_flank(template.half_face) {
+        return;
+    }
+    let rows = &template.rows;
+    let range = if reach.cull { row_range(template, placed, reach.polar) } else { 0..rows.len() };
+    let plain = !reach.rolls && form.is_plain() && template.form.is_plain();
+    let line = placed.nu - placed.c;
+    let (sin_c, cos_c) = trig::sin_cos(placed.c);
+    let tip = Tip::new(template, pair, placed, pose);
+    let direct = Direct::new(pair, template, placed, pose, reach.cull);
+    for row in &rows[range] {
+        if reach.cull && bound.clears(row.w) {
             continue;
         }
-        let rise = if delta == 0.0 {
-            0.0
-        } else {
-            let (sin, cos) = trig::sin_cos(delta);
-            tau * (1.0 - cos) + sin - delta
-        };
-        let height = placed.base + w * placed.n_w + length * template.base_radius * (rise - crossing);
-        if height - least < 0.0 {
-            section(pair, template, placed, pose, form, (w, width), (tau, delta == 0.0), load);
+        let crossing = line + template.kappa * row.w;
+        load.work.counters.spheres_tested += 1;
+        if !reach.rolls && reach.cull && crossing < template.start_roll && crossing >= -EARLY {
+            let turned = (sin_c * row.cos - cos_c * row.sin, cos_c * row.cos + sin_c * row.sin);
+            if tip.floor(&bound, row.w, crossing, turned).is_none() {
+                continue;
+            }
+        }
+        let tau = crossing.clamp(template.start_roll, template.tip_roll);
+        if plain && tau == crossing {
+            if direct.touch(pair, placed, pose, &bound, row, tau, load) {
+                continue;
+            }
+        } else if (tau - crossing).abs() > 1.5 {
+            continue;
+        }
+        section(pair, template, placed, pose, form, (row.w, row.weight), (tau, tau == crossing), load);
+    }
+}
+
+/// Sections that touch on the contact line of plane flanks: their gaps are linear in everything but an eccentricity.
+struct Direct {
+    /// ξ = r_b (sin ν − τ cos ν), ζ = −r_b (cos ν + τ sin ν).
+    sin: f64,
+    cos: f64,
+    base_radius: f64,
+    /// |N_t| r_b (1 − cos 1).
+    rise: f64,
+    by_angle: f64,
+    by_angle_twice: f64,
+    by_height: f64,
+    by_stroke: f64,
+    top: f64,
+    half_width: f64,
+    tip: f64,
+    cull: bool,
+}
+
+impl Direct {
+    fn new(pair: &FlankPair, template: &Template, placed: &Placed, pose: &Pose, cull: bool) -> Self {
+        let Placed { sign, n_xi, n_zeta, length, eccentric, .. } = *placed;
+        Self {
+            sin: n_zeta / length,
+            cos: n_xi / length,
+            base_radius: template.base_radius,
+            rise: length * template.base_radius * BEND,
+            by_angle: sign * (eccentric.1 * n_xi - eccentric.0 * n_zeta - length * template.base_radius),
+            by_angle_twice: -(eccentric.0 * n_xi + eccentric.1 * n_zeta),
+            by_height: n_zeta,
+            by_stroke: sign * pair.normal[0],
+            top: pose.at.center_distance + eccentric.1,
+            half_width: pair.bounds.half_width,
+            tip: pair.bounds.tip,
+            cull,
         }
     }
+
+    #[allow(clippy::too_many_arguments)] // one inner step of `touch`
+    /// Adds a section's contact if it is one on the contact line; `false` if it may touch elsewhere.
+    fn touch(
+        &self,
+        pair: &FlankPair,
+        placed: &Placed,
+        pose: &Pose,
+        bound: &Bound,
+        row: &Row,
+        tau: f64,
+        load: &mut Load<'_>,
+    ) -> bool {
+        let gap = bound.height(row.w);
+        let above = self.top - self.base_radius * (self.cos + tau * self.sin) - self.tip;
+        if above > 0.0 {
+            // only the part below the rack's tip may touch: z falls by at most r_b cos ν (τ² − τ_*²)/2, and the section
+            // rises as `Bound` has it
+            if self.cos <= 0.0 {
+                return false;
+            }
+            let end = (tau * tau + 2.0 * above / (self.base_radius * self.cos)).sqrt();
+            let beyond = (end - tau).min(1.0);
+            return self.cull && gap + self.rise * tau * beyond * beyond >= bound.stop;
+        }
+        let xi = self.base_radius * (self.sin - tau * self.cos) + placed.eccentric.0;
+        let y = row.w * placed.cos_shaft - xi * placed.sin_shaft;
+        let share = share(self.half_width, y, row.weight, placed);
+        if gap >= 0.0 || share == 0.0 {
+            return true;
+        }
+        if share < 1.0 {
+            return false;
+        }
+        let flat = Flat {
+            gap,
+            by_angle: self.by_angle,
+            by_height: self.by_height,
+            by_stroke: self.by_stroke,
+            by_angle_twice: self.by_angle_twice,
+            weight: row.weight,
+        };
+        load.add_flat(pair.right, pair.rack_tooth, &flat, || {
+            let (x, w) = (self.base_radius * (self.sin - tau * self.cos), row.w);
+            let zeta = -self.base_radius * (self.cos + tau * self.sin);
+            Sliding { normal: pair.normal, motion: placed.point(pose, x, zeta, w).motion }
+        });
+        true
+    }
+}
+
+/// Cosine of the shaft angle that is taken for the least.
+const LEAST: f64 = 1e-3;
+
+/// The share of a strip that lies between the rack's end faces.
+fn share(half_width: f64, y: f64, width: f64, placed: &Placed) -> f64 {
+    let cell = width * placed.cos_shaft.abs().max(LEAST);
+    ((half_width - y.abs()) / cell + 0.5).clamp(0.0, 1.0)
 }
 
 fn profile(template: &Template, placed: &Placed, w: f64, tau: f64) -> ((f64, f64), Profile) {
@@ -142,8 +247,7 @@ fn section(
     if gap >= 0.0 {
         return;
     }
-    let cell = width * placed.cos_shaft.abs().max(1e-3);
-    let share = ((bounds.half_width - point.at[1].abs()) / cell + 0.5).clamp(0.0, 1.0);
+    let share = share(bounds.half_width, point.at[1], width, placed);
     if share == 0.0 {
         return;
     }
@@ -170,7 +274,11 @@ fn section(
             }
         }
     }
-    let element = Element { gap, gradient, hessian, weight: width * share };
+    let fading = (share < 1.0).then(|| {
+        let per_y = -point.at[1].signum() / placed.cos_shaft.abs().max(LEAST);
+        std::array::from_fn(|k| per_y * (point.motion[k][1] + by_tau[1] * moved[k]))
+    });
+    let element = Element { gap, gradient, hessian, weight: width * share, fading };
     load.add(pair.right, pair.rack_tooth, &element, || Sliding { normal: *n, motion: point.motion });
 }
 

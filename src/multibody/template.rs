@@ -6,7 +6,7 @@
 //! All rows of a flank are the same profile turned by −κ w, so only profiles are stored. A contact line crosses the
 //! rows at τ = const + κ w; if all rows had the same stations, κ Δw/h near a small fraction would let many rows meet the
 //! line in the same phase and the force would ripple. So row r's stations are shifted by a share of h such that the
-//! phases relative to any contact line are r times the golden ratio (modulo 1, in 32nds), the most even sequence
+//! phases relative to any contact line are r times the golden ratio (modulo 1, in 32nds at most), the most even sequence
 //! there is. The ends of the profile carry spheres in every row. Each sphere has the weight of its share of the
 //! profile and of the width.
 //!
@@ -17,13 +17,15 @@
 
 use super::ParameterName;
 use super::error::SimulationError;
-use super::parameters::{ContactModel, SphereGrid};
+use super::parameters::{ContactModel, SphereGrid, StripGrid};
 use crate::deviation::PinionForm;
 use crate::gear::Pair;
 use crate::trig;
 
-/// Phases that rows may have.
+/// Phases that rows may have: at most so many, and fewer for profiles with many stations, which need them less.
 const PHASES: u32 = 32;
+/// Stations of all phases together, about.
+const STATIONS: u32 = 4096;
 /// The golden ratio less 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// How far before the start of the profile a contact line may lie for the monotone bound to be used, rad.
@@ -84,8 +86,8 @@ pub(super) fn radius_factor(base_radius: f64, cos_base: f64, tip_roll: f64) -> f
     if widest > 2.5 { 0.0 } else { base_radius / (cos_base * (tip_roll + 2.0 * trig::tan(0.5 * widest))) }
 }
 
-/// Spheres of a scene are given up beyond this: two sides of a grid of 1e7 take a gigabyte.
-const MOST_NODES: f64 = 1e7;
+/// Spheres of a flank at most: a run with so many takes a minute.
+const MOST_NODES: f64 = 2e6;
 
 impl Template {
     pub(super) fn new(
@@ -120,15 +122,64 @@ impl Template {
             tooth_reach,
         };
         if let ContactModel::Spheres(grid) = contact {
-            let nodes = f64::from(grid.profile_nodes) * f64::from(PHASES) + f64::from(grid.width_nodes);
-            if nodes > MOST_NODES {
-                let value = f64::from(grid.profile_nodes);
-                let max = (MOST_NODES / f64::from(PHASES)).floor();
-                return Err(SimulationError::OutOfDomain { name: ParameterName::ProfileNodes, value, min: 2.0, max });
+            let (profile, width) = (f64::from(grid.profile_nodes), f64::from(grid.width_nodes));
+            if profile * width > MOST_NODES {
+                let max = (MOST_NODES / width).floor();
+                return Err(SimulationError::OutOfDomain {
+                    name: ParameterName::ProfileNodes,
+                    value: profile,
+                    min: 2.0,
+                    max,
+                });
             }
             template.fill(grid);
         }
+        if let ContactModel::Analytic(grid) = contact {
+            template.cut(*grid);
+        }
         Ok(template)
+    }
+
+    /// How far a contact line may sink between the stations of one row, mm: ρ/2 (h/2)² with the radius of curvature
+    /// ρ = r_b τ_a / cos β_b at the tip, less the spheres' own.
+    pub(super) fn sag(&self) -> f64 {
+        if self.phases.is_empty() {
+            return 0.0;
+        }
+        let half = 0.5 * self.step * self.cos_base;
+        0.5 * self.base_radius * self.tip_roll / self.cos_base * half * half
+    }
+
+    /// How far a corner where the path of contact ends may sink between two rows, mm: r_b τ_a (κ Δw/2)²/2.
+    pub(super) fn corner_sag(&self) -> f64 {
+        let half = 0.5 * self.kappa * self.row_step();
+        0.5 * self.base_radius * self.tip_roll * half * half
+    }
+
+    /// Distance of two rows, mm.
+    pub(super) fn row_step(&self) -> f64 {
+        match &self.rows[..] {
+            [first, second, ..] => second.w - first.w,
+            _ => 0.0,
+        }
+    }
+
+    fn cut(&mut self, grid: StripGrid) {
+        self.last_reach = self.base_radius * self.tip_roll;
+        let width = 2.0 * self.half_face / f64::from(grid.strips);
+        for strip in 0..grid.strips {
+            let w = -self.half_face + (f64::from(strip) + 0.5) * width;
+            let (sin, cos) = trig::sin_cos(self.kappa * w);
+            let share = w / self.half_face;
+            self.rows.push(Row {
+                w,
+                sin,
+                cos,
+                weight: width,
+                phase: 0,
+                removed: self.form.crowning_mm * share * share,
+            });
+        }
     }
 
     fn fill(&mut self, grid: &SphereGrid) {
@@ -139,8 +190,9 @@ impl Template {
         let per_square = radius_factor(self.base_radius, self.cos_base, self.tip_roll);
         let last_radius = grid.radius_mm.min(per_square * self.tip_roll * self.tip_roll);
         self.last_reach = self.base_radius * self.tip_roll - last_radius * self.cos_base;
-        for phase in 0..PHASES {
-            let shift = (f64::from(phase) + 0.5) / f64::from(PHASES);
+        let phases = (STATIONS / grid.profile_nodes).clamp(1, PHASES);
+        for phase in 0..phases {
+            let shift = (f64::from(phase) + 0.5) / f64::from(phases);
             let mut rolls = vec![self.start_roll];
             rolls.extend((0..intervals).map(|k| self.start_roll + (f64::from(k) + shift) * self.step));
             rolls.push(self.tip_roll);
@@ -167,10 +219,10 @@ impl Template {
             let w = self.half_face * share;
             let (sin, cos) = trig::sin_cos(self.kappa * w);
             let turn = f64::from(r) * GOLDEN + self.kappa * w / self.step;
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in 0..PHASES
-            let phase = ((turn - turn.floor()) * f64::from(PHASES)) as usize;
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in 0..phases
+            let phase = ((turn - turn.floor()) * f64::from(phases)) as usize;
             let weight = if r == 0 || r == last { 0.5 } else { 1.0 };
-            let phase = phase.min(PHASES as usize - 1);
+            let phase = phase.min(phases as usize - 1);
             self.rows.push(Row { w, sin, cos, weight, phase, removed: self.form.crowning_mm * share * share });
         }
     }
