@@ -300,7 +300,7 @@ impl Scene {
                     *entry += per * damping;
                 }
             }
-            Balance { residual, tangent, with: state }
+            Balance { residual, tangent, potential: None, with: state }
         });
         work.counters.iterations += u64::from(solution.iterations);
         solution.converged.then_some(solution.with)

@@ -3,13 +3,18 @@
 //!
 //! The equations are the balance of forces r(x) = 0 with the tangent K = −∂r/∂x; near a solution r is monotone, so along a
 //! Newton direction d the power r·d falls to zero. A step is shortened while it overshoots, so the method does not
-//! cycle where contacts open and close.
+//! cycle where contacts open and close. Where a potential is known, it must fall instead: a rack that rolls has valleys
+//! a hundred thousand times softer along than across, and along a bent one the power tells nothing.
+//!
+//! A tangent that is not positive is made so by the size of its eigenvalues, and a balance on a hill is left.
 
 /// Forces that are out of balance, with their tangent.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Balance<T> {
     pub(super) residual: [f64; 3],
     pub(super) tangent: [[f64; 3]; 3],
+    /// The potential energy whose fall the forces are, N mm, if there is one.
+    pub(super) potential: Option<f64>,
     /// Whatever else the caller wants of the solution.
     pub(super) with: T,
 }
@@ -43,6 +48,10 @@ pub(super) struct Solution<T> {
 /// How often an unstable balance is left, and how far, as a share of the longest step.
 const NUDGES: u32 = 3;
 const NUDGE: f64 = 0.05;
+
+/// The potential must fall by this share of what the slope promises, but for this share of rounding.
+const FALL: f64 = 1e-4;
+const ROUNDING: f64 = 1e-14;
 
 /// Steps below this are rounding, mm.
 const SMALLEST: f64 = 2e-14;
@@ -192,7 +201,10 @@ pub(super) fn newton<T: Copy>(
             let next = balance(&trial);
             let (r_next, _) = scaled(&next);
             let power_next = dot(&r_next, &d);
-            let overshot = power_next < -0.7 * power && norm(&r_next) > 0.7 * size;
+            let overshot = match (here.potential, next.potential) {
+                (Some(before), Some(after)) => after > before - FALL * share * power + ROUNDING * before.abs(),
+                _ => power_next < -0.7 * power && norm(&r_next) > 0.7 * size,
+            };
             if !overshot || share < 1e-9 {
                 x = trial;
                 here = next;
@@ -226,6 +238,7 @@ mod tests {
         let solution = newton([0.0, 0.3, 0.0], &limits, |x| Balance {
             residual: [-4.0 * x[0] * (x[0] * x[0] - 1.0), -2.0 * x[1], 0.0],
             tangent: [[12.0 * x[0] * x[0] - 4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0; 3]],
+            potential: None,
             with: (),
         });
         assert!(solution.converged && (solution.x[0].abs() - 1.0).abs() < 1e-9 && solution.x[1].abs() < 1e-9);

@@ -12,6 +12,12 @@ use super::{Scene, SimulationError};
 
 /// Unbalanced force over the closing force: it moves a contact by less than 1e-6 of its penetration.
 const BALANCE: f64 = 1e-6;
+/// Iterations after which a rack that rolls is solved roll by roll, and how many of those there are.
+const QUICK: u32 = 12;
+const ROLLS: u32 = 60;
+/// First and longest step of a search for the roll, rad.
+const FIRST_ROLL: f64 = 1e-5;
+const WIDEST_ROLL: f64 = 1e-3;
 /// Iterations per stroke; a warm start needs three.
 const ITERATIONS: u32 = 200;
 
@@ -103,11 +109,13 @@ impl Scene {
             None => self.rigid(stroke)?,
         };
         let first = self.settle(stroke, start, law, work);
-        let found = if first.converged || guess.is_none() {
+        let found = if first.converged || guess.is_none() || self.rolls {
             first
         } else {
             self.settle(stroke, self.rigid(stroke)?, law, work)
         };
+        let found =
+            if found.converged || !self.rolls { found } else { self.settle_rolling(stroke, found.x, law, work) };
         self.check(stroke, &found.x, &found.with)?;
         if !found.converged {
             return Err(SimulationError::NoEquilibrium {
@@ -121,23 +129,87 @@ impl Scene {
 
     fn rigid(&self, stroke: f64) -> Result<[f64; 3], SimulationError> {
         let rigid = self.mesh.at(stroke)?;
-        Ok([rigid.pinion_angle_rad, rigid.center_distance_mm, 0.0])
+        Ok([rigid.pinion_angle_rad, rigid.center_distance_mm, rigid.roll_rad])
+    }
+
+    /// The same with the roll outside: for each roll the balance of the other coordinates, and that roll at which the
+    /// rest of the torque vanishes falling. Slower, but follows any valley.
+    fn settle_rolling(&self, stroke: f64, start: [f64; 3], law: &Law, work: &mut Work) -> Solution<Forces> {
+        let mut limits = self.limits(BALANCE * self.load_n());
+        let half_face = limits.scale[2];
+        limits.unknowns = 2;
+        limits.iterations = 3 * QUICK;
+        let mut x = start;
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut step = FIRST_ROLL;
+        let mut last = self.balanced(stroke, x, &limits, law, work);
+        for iteration in 0..ROLLS {
+            x = last.x;
+            let torque = last.with.generalized[2];
+            let residual = torque.abs() / half_face;
+            last.converged &= residual <= limits.force;
+            last.residual = last.residual.max(residual);
+            last.iterations = iteration;
+            if last.converged {
+                break;
+            }
+            if torque > 0.0 {
+                low = x[2];
+            } else {
+                high = x[2];
+            }
+            // the tangent without the other coordinates, which follow
+            let k = &last.with.stiffness;
+            let k11 = k[1][1] + self.closing(x[1]).1;
+            let det = k[0][0] * k11 - k[0][1] * k[1][0];
+            let follow = [(k11 * k[0][2] - k[0][1] * k[1][2]) / det, (k[0][0] * k[1][2] - k[1][0] * k[0][2]) / det];
+            let tangent = k[2][2] - k[2][0] * follow[0] - k[2][1] * follow[1];
+            let newton = x[2] + torque / tangent;
+            let roll = if low.is_finite() && high.is_finite() {
+                if newton > low && newton < high && iteration % 3 != 2 { newton } else { 0.5 * (low + high) }
+            } else {
+                step = (2.0 * step).min(WIDEST_ROLL);
+                if tangent > 0.0 && (newton - x[2]).abs() < step { newton } else { x[2] + step.copysign(torque) }
+            };
+            if det > 0.0 {
+                for i in 0..2 {
+                    x[i] -= follow[i] * (roll - x[2]);
+                }
+            }
+            if roll == x[2] || (high - low) <= f64::EPSILON * roll.abs() {
+                last.converged = true;
+                break;
+            }
+            x[2] = roll;
+            last = self.balanced(stroke, x, &limits, law, work);
+        }
+        last
     }
 
     fn settle(&self, stroke: f64, start: [f64; 3], law: &Law, work: &mut Work) -> Solution<Forces> {
+        let mut limits = self.limits(BALANCE * self.load_n());
+        if self.rolls {
+            limits.iterations = QUICK;
+        }
+        self.balanced(stroke, start, &limits, law, work)
+    }
+
+    fn balanced(&self, stroke: f64, start: [f64; 3], limits: &Limits, law: &Law, work: &mut Work) -> Solution<Forces> {
         let speed = self.parameters.speed_mm_per_s;
         let rates = Coordinates {
             pinion_angle: speed * self.mesh.pair().rotation_per_stroke_rad(),
             stroke: speed,
             ..Coordinates::default()
         };
-        let solution = newton(start, &self.limits(BALANCE * self.load_n()), |x| {
+        let solution = newton(start, limits, |x| {
             let forces = self.contact(law, &Coordinates::from_free(*x, stroke), &rates, work);
             let (closing, rate) = self.closing(x[1]);
             let [angle, height, roll, _] = forces.generalized;
             let mut tangent = forces.stiffness;
             tangent[1][1] += rate;
-            Balance { residual: [angle, height - closing, roll], tangent, with: forces }
+            let potential =
+                (self.rolls && self.law.friction.is_none()).then(|| forces.energy + self.closing_energy(x[1]));
+            Balance { residual: [angle, height - closing, roll], tangent, potential, with: forces }
         });
         work.counters.iterations += u64::from(solution.iterations);
         solution

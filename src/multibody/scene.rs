@@ -81,8 +81,15 @@ impl Scene {
             || pinion.teeth().iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0);
         let helical = pair.rack().helix_angle_rad != 0.0 || pair.pinion().helix_angle_rad != 0.0;
         let inertia = inertia(&pair, &parameters);
+        let rolls = matches!(parameters.support, Support::FreeRoll { .. }) && (led || helical);
+        // the exact mesh of a rack that rolls is known for plane flanks only
+        let rigid = if rolls && rack.form().is_plain() && pinion.form().is_plain() {
+            mesh::Support::FreeRoll { axis_depth_mm: depth }
+        } else {
+            mesh::Support::Fixed
+        };
         let mut scene = Self {
-            mesh: Mesh::new(pair, rack, pinion, mesh::Support::Fixed)?,
+            mesh: Mesh::new(pair, rack, pinion, rigid)?,
             parameters,
             law: Law::new(&parameters),
             templates: Vec::new(),
@@ -92,7 +99,7 @@ impl Scene {
             deviating: teeth.iter().map(|tooth| *tooth != RackTooth::default()).collect(),
             shared,
             depth,
-            rolls: matches!(parameters.support, Support::FreeRoll { .. }) && (led || helical),
+            rolls,
             inertia,
         };
         let mut leads = Vec::new();
@@ -182,7 +189,7 @@ impl Scene {
         &self.parameters
     }
 
-    /// The rigid mesh of the same pair and deviations, rack not rolling.
+    /// The rigid mesh of the same pair and deviations; its rack rolls if this one's does and its flanks are plane.
     #[must_use]
     pub const fn mesh(&self) -> &Mesh {
         &self.mesh
