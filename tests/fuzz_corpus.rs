@@ -34,3 +34,18 @@ fn specs() {
 fn meshes() {
     replay("mesh", fuzz::mesh::check);
 }
+
+#[test]
+fn pasted_blocks() {
+    replay("paste", fuzz::paste::check);
+}
+
+#[test]
+fn statistics_files() {
+    replay("qdas", fuzz::qdas::check);
+}
+
+#[test]
+fn workbooks() {
+    replay("xlsx", fuzz::xlsx::check);
+}

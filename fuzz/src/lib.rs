@@ -3,4 +3,7 @@
 
 pub mod batch;
 pub mod mesh;
+pub mod paste;
+pub mod qdas;
 pub mod spec;
+pub mod xlsx;
