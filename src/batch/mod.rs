@@ -12,6 +12,7 @@
 //! | `number`, `buffer`, `write`, `rows` | decimal text to integers and back |
 //! | `evaluate`, `results` | one row: the fast way, and the exact one where that cannot decide |
 //! | `run`, `pack` | chunks through all cores, in order |
+//! | `teeth` | tables with a row per tooth, through the exact mesh |
 //! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
 //!
 //! # Right to the last digit
@@ -59,6 +60,7 @@ mod rows;
 mod run;
 mod split;
 mod statistics;
+mod teeth;
 mod write;
 
 pub use input::{Dialect, Header, Input};
@@ -70,3 +72,4 @@ pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};
 pub use run::{Batch, Progress, RunError, Sink, Sinks};
 pub use statistics::{QUANTILES, Statistics};
+pub use teeth::{TeethRequest, run_teeth};

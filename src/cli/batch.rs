@@ -14,7 +14,7 @@ use super::stream::Stdin;
 use super::{long, office};
 use crate::batch::{
     Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Progress, Request, RowFormat, Rows,
-    RunError, Sink, Sinks,
+    RunError, Sink, Sinks, TeethRequest, run_teeth,
 };
 use crate::decision::Rule;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -28,6 +28,7 @@ pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinat
   rackmesh batch rack.toml parts.csv > results.csv
   rackmesh batch rack.toml parts.csv.gz --summary
   rackmesh batch rack.toml parts.csv --only-failures --columns part_id,verdict
+  rackmesh batch rack.toml spaces.csv --teeth --to 30
   rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
 
 Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row was rejected or something
@@ -71,6 +72,11 @@ pub(super) struct Args {
     /// Decision rule: simple or guard=VALUE; default the spec's, or simple.
     #[arg(long, value_name = "RULE")]
     rule: Option<Rule>,
+    /// Many rows per part, one per tooth or space: each part through the exact mesh.
+    #[arg(long, conflicts_with_all = ["summary", "columns", "stack", "model"])]
+    teeth: bool,
+    #[command(flatten)]
+    range: super::mesh::Range,
     /// Write rejected rows here, unchanged and below their header.
     #[arg(long, value_name = "FILE")]
     rejects: Option<String>,
@@ -154,26 +160,17 @@ impl Args {
             );
         }
         let (rows_format, summary_format) = self.formats()?;
+        if self.teeth {
+            return self.run_teeth(&spec, &files, rows_format, &stop, output);
+        }
         let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
         let (first, spec) = self.table(files[0], &spec, &stop, dialect, Some(output))?;
         let plan = Plan::new(&spec, &first.header, self.request(rows_format, &spec))?;
         self.remarks(&plan, &first, output);
 
         let collected = office::Collected::default();
-        let mut rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
-            (_, true) => None,
-            (Some(path), false) if office::is_office(path) => Some(Box::new(collected.clone())),
-            (Some(path), false) => Some(Box::new(File::create(path).map_err(|error| unwritable(path, &error))?)),
-            (None, false) => Some(Box::new(super::stream::Stdout)),
-        };
-        let packing = self.output.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
-        let rejects_packing = self.rejects.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
-        let rejects = self.rejects.as_ref().map(|path| File::create(path).map_err(|error| unwritable(path, &error)));
-        let mut rejects = rejects.transpose()?;
-        let sinks = Sinks {
-            rows: rows.as_mut().map(|writer| Sink { writer, packing }),
-            rejects: rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
-        };
+        let mut targets = self.targets(Some(&collected))?;
+        let sinks = targets.sinks();
         let mut batch = Batch::new(&plan, sinks, self.threads.map(usize::from));
         let mut failed = Vec::new();
         let mut first = Some(first);
@@ -206,7 +203,7 @@ impl Args {
         bar.finish();
         let (outcome, written) = batch.finish();
         written?;
-        drop(rows);
+        drop(targets);
         if let Some(path) = self.output.as_deref().filter(|path| !self.summary && office::is_office(path)) {
             office::write_rows(path, &collected.rows()?, &spec)?;
         }
@@ -214,7 +211,87 @@ impl Args {
             output.diagnostic(diagnostic);
         }
         self.report(&spec, &plan, &outcome, summary_format, output)?;
-        Ok(status(&plan, &outcome, !failed.is_empty()))
+        Ok(status(&outcome, !failed.is_empty(), !plan.unjudged().is_empty()))
+    }
+
+    /// Where rows and rejected rows go.
+    fn targets(&self, collected: Option<&office::Collected>) -> Result<Targets, Failure> {
+        let rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
+            (_, true) => None,
+            (Some(path), false) if office::is_office(path) => {
+                let Some(collected) = collected else {
+                    return Err(Diagnostic::error(Code::Usage, "--teeth writes csv, tsv or jsonl").into());
+                };
+                Some(Box::new(collected.clone()))
+            }
+            (Some(path), false) => Some(Box::new(File::create(path).map_err(|error| unwritable(path, &error))?)),
+            (None, false) => Some(Box::new(super::stream::Stdout)),
+        };
+        let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
+        let rejects = self.rejects.as_ref().map(|path| File::create(path).map_err(|error| unwritable(path, &error)));
+        Ok(Targets {
+            rows,
+            rejects: rejects.transpose()?,
+            packing: packing(&self.output),
+            rejects_packing: packing(&self.rejects),
+        })
+    }
+
+    /// Parts with their teeth, through the exact mesh.
+    fn run_teeth(
+        &self,
+        spec: &Spec,
+        files: &[&str],
+        format: RowFormat,
+        stop: &Arc<AtomicBool>,
+        output: &mut Output,
+    ) -> Result<Status, Failure> {
+        let &[file] = files else {
+            return Err(Diagnostic::error(Code::Usage, "--teeth takes one table")
+                .help("run them one after the other")
+                .into());
+        };
+        let rows = self.request(format, spec);
+        if rows.rule.needs_uncertainty() {
+            let message = format!("a batch has no uncertainty of its own for the rule {}", rows.rule);
+            return Err(Diagnostic::error(Code::BadRule, message)
+                .help("give the guard band: --rule guard=VALUE")
+                .into());
+        }
+        let request = TeethRequest {
+            stroke_mm: (self.range.from.mm(), self.range.to.mm()),
+            tolerance_mm: self.range.tolerance.mm(),
+            decimals: self.decimals,
+            format,
+            rows: rows.rows,
+            rule: rows.rule,
+            id: self.id.clone(),
+            strict: self.strict,
+            failures_kept: rows.failures_kept,
+            problems_kept: rows.problems_kept,
+        };
+        let tables = super::mesh::measured_tables(spec, &self.spec)?;
+        let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
+        let input = Input::open(name(file), open(file, stop)?, dialect)?;
+        let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let workers = self.threads.map_or_else(cores, usize::from);
+        let mut targets = self.targets(None)?;
+        let outcome = match run_teeth(spec, &tables, input, &request, targets.sinks(), workers, stop)? {
+            Ok(outcome) => outcome,
+            Err(RunError::Read(error)) => {
+                let message = format!("cannot read {} to its end: {error}", name(file));
+                return Err(Diagnostic::error(Code::FileAccess, message).into());
+            }
+            Err(RunError::Write(error)) => return Err(Failure::Write(error)),
+        };
+        self.problems(&outcome, output);
+        if let Some(path) = &self.junit {
+            let limits = spec.limits();
+            let report = report::junit(spec.title.as_deref(), "exact mesh", &limits, &outcome);
+            std::fs::write(path, report).map_err(|error| unwritable(path, &error))?;
+        }
+        output.remark(&in_words(&outcome.counts, "part"));
+        Ok(status(&outcome, false, false))
     }
 
     /// A table, whatever file it is in, and the spec with what the file says where it is silent; that is said where there
@@ -337,23 +414,11 @@ impl Args {
         format: Format,
         output: &mut Output,
     ) -> Result<(), Failure> {
-        let counts = &outcome.counts;
-        for problem in outcome.problems.iter().take(PROBLEMS_SHOWN) {
-            output.remark(&problem.to_string());
-        }
-        let more = counts.rejected.saturating_sub(PROBLEMS_SHOWN as u64);
-        if more > 0 {
-            output.remark(&format!("… and {} more rejected rows", HumanCount(more)));
-        }
+        self.problems(outcome, output);
         if let Some(path) = &self.junit {
-            let report = report::junit(spec.title.as_deref(), plan, outcome);
+            let by = format!("{} model, {}", plan.model(), plan.stack());
+            let report = report::junit(spec.title.as_deref(), &by, plan.limits(), outcome);
             std::fs::write(path, report).map_err(|error| unwritable(path, &error))?;
-        }
-        if self.annotations == Some(Annotations::Github) {
-            output.remark(report::github_annotations(outcome).trim_end());
-        }
-        if outcome.interrupted {
-            output.remark("interrupted: what follows is of the rows up to here");
         }
         if self.summary {
             let report = BatchReport::new(spec.title.as_deref(), plan, outcome);
@@ -365,14 +430,49 @@ impl Args {
                 None => output.report(&report, format)?,
             }
         } else {
-            output.remark(&in_words(counts));
+            output.remark(&in_words(&outcome.counts, "row"));
         }
         Ok(())
+    }
+
+    /// What is wrong with which row, and annotations.
+    fn problems(&self, outcome: &Outcome, output: &mut Output) {
+        for problem in outcome.problems.iter().take(PROBLEMS_SHOWN) {
+            output.remark(&problem.to_string());
+        }
+        let more = outcome.counts.rejected.saturating_sub(PROBLEMS_SHOWN as u64);
+        if more > 0 {
+            output.remark(&format!("… and {} more rejected", HumanCount(more)));
+        }
+        if self.annotations == Some(Annotations::Github) {
+            output.remark(report::github_annotations(outcome).trim_end());
+        }
+        if outcome.interrupted {
+            output.remark("interrupted: what follows is of the rows up to here");
+        }
+    }
+}
+
+/// Files that are written.
+struct Targets {
+    rows: Option<Box<dyn Write + Send>>,
+    rejects: Option<File>,
+    packing: Packing,
+    rejects_packing: Packing,
+}
+
+impl Targets {
+    fn sinks(&mut self) -> Sinks<'_> {
+        let (packing, rejects_packing) = (self.packing, self.rejects_packing);
+        Sinks {
+            rows: self.rows.as_mut().map(|writer| Sink { writer, packing }),
+            rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
+        }
     }
 }
 
 /// The counts in one line.
-fn in_words(counts: &Counts) -> String {
+fn in_words(counts: &Counts, row: &str) -> String {
     let mut parts = Vec::new();
     for (count, what) in [
         (counts.pass, "pass"),
@@ -385,8 +485,8 @@ fn in_words(counts: &Counts) -> String {
             parts.push(format!("{} {what}", HumanCount(count)));
         }
     }
-    let rows = if counts.rows == 1 { "row" } else { "rows" };
-    let mut line = format!("{} {rows}", HumanCount(counts.rows));
+    let plural = if counts.rows == 1 { "" } else { "s" };
+    let mut line = format!("{} {row}{plural}", HumanCount(counts.rows));
     if !parts.is_empty() {
         line.push_str(": ");
         line.push_str(&parts.join(", "));
@@ -399,13 +499,13 @@ fn in_words(counts: &Counts) -> String {
 }
 
 /// The exit status: a rejected row weighs more than a failed part, and that more than an open verdict.
-pub(super) fn status(plan: &Plan, outcome: &Outcome, unread: bool) -> Status {
+pub(super) fn status(outcome: &Outcome, unread: bool, unjudged: bool) -> Status {
     let counts = &outcome.counts;
     if counts.rejected > 0 || unread {
         Status::Undecided
     } else if counts.fail > 0 {
         Status::Fail
-    } else if !plan.unjudged().is_empty() {
+    } else if unjudged {
         Status::Undecided
     } else if counts.indeterminate > 0 {
         Status::Indeterminate

@@ -46,13 +46,13 @@ pub(super) struct Args {
 pub(super) struct Range {
     /// First stroke.
     #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
-    from: Length,
+    pub(super) from: Length,
     /// Last stroke.
     #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
-    to: Length,
+    pub(super) to: Length,
     /// The promised error of the curve between its points.
     #[arg(long, default_value = "1e-6", value_name = "LENGTH")]
-    tolerance: Length,
+    pub(super) tolerance: Length,
 }
 
 impl Range {

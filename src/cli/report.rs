@@ -228,7 +228,7 @@ impl Args {
             blocks,
             ..Section::default()
         });
-        Ok(batch::status(&plan, &outcome, false))
+        Ok(batch::status(&outcome, false, !plan.unjudged().is_empty()))
     }
 
     fn table(

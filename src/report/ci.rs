@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use super::batch::{grouped, whereabouts};
 use super::number::{millimetres, plain};
-use crate::batch::{Outcome, Part, Plan};
-use crate::decision::Verdict;
+use crate::batch::{Outcome, Part};
+use crate::decision::{Limits, Verdict};
 
 /// Annotations that a page shows of one step.
 pub const ANNOTATIONS_SHOWN: usize = 10;
@@ -25,9 +25,9 @@ fn sentence(part: &Part) -> String {
 
 /// The batch as a JUnit report. The parts that did not pass and the rejected rows are test cases of their own,
 /// as far as the outcome lists them; one more stands for all others, so that a pipeline has something to show
-/// where everything passes.
+/// where everything passes. `judged_by` says what the limits were held against.
 #[must_use]
-pub fn junit(title: Option<&str>, plan: &Plan, outcome: &Outcome) -> String {
+pub fn junit(title: Option<&str>, judged_by: &str, limits: &Limits, outcome: &Outcome) -> String {
     let counts = &outcome.counts;
     let (failures, problems) = (&outcome.failures, &outcome.problems);
     let unlisted_failures = (counts.fail + counts.indeterminate).saturating_sub(failures.len() as u64);
@@ -58,9 +58,8 @@ pub fn junit(title: Option<&str>, plan: &Plan, outcome: &Outcome) -> String {
     for (name, count) in values {
         property(&mut xml, name, &count.to_string());
     }
-    property(&mut xml, "model", plan.model().name());
-    property(&mut xml, "stack", plan.stack().name());
-    for (on, limit) in plan.limits() {
+    property(&mut xml, "judged by", judged_by);
+    for (on, limit) in limits {
         let end = |end: &Option<crate::quantity::Length>| end.as_ref().map_or("open".to_owned(), |end| plain(end.mm()));
         let ends = format!("{} … {} mm", end(&limit.lower), end(&limit.upper));
         property(&mut xml, &format!("limit {}", on.key()), &ends);

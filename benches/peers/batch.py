@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+"""The same batch in rackmesh, polars and DuckDB: do the answers agree, and what does each cost?
+
+    cargo build --release && python3 benches/peers/batch.py [ROWS]
+
+Needs Linux, and polars and duckdb for the peers that are to be compared (a peer that is not installed is left out).
+Each job reads a table of six columns and writes nine; a second one only sums up. CPU time and peak memory are those
+of the whole process, median of three runs in turn.
+"""
+import csv
+import importlib.util
+import math
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import textwrap
+
+ROWS = int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000
+RACKMESH = os.path.join(os.path.dirname(__file__), "..", "..", "target", "release", "rackmesh")
+COLUMNS = ["part_id"] + [f"delta_cd_{name}_mm" for name in
+           ("rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch")] + \
+          ["worst_case_mm", "rss_mm", "verdict"]
+SPEC = """
+[pair]
+normal_pressure_angle = 20
+[rack]
+face_width = 19.8
+[errors]
+rack_over_roller = { nominal = 25.0 }
+pinion_radial = { nominal = 8.5 }
+[limits]
+center_distance = "±0.15"
+[batch.columns]
+rack_over_roller = { name = "over_roller" }
+rack_pitch = { name = "dp" }
+rack_lead = { name = "dbeta" }
+pinion_radial = { name = "radial" }
+pinion_pitch = { name = "dfp" }
+"""
+TWICE_TAN = 2 * math.tan(math.radians(20))
+POLARS = f"""
+import sys, polars as pl
+mode, source, target = sys.argv[1:]
+c = pl.col
+parts = pl.scan_csv(source).select("part_id", d1=c("over_roller") - 25, d2=c("dp").abs() / {TWICE_TAN!r},
+    d3=(19.8 * c("dbeta").radians().sin() / {TWICE_TAN!r}).abs(), d4=c("radial") - 8.5, d5=c("dfp").abs() / {TWICE_TAN!r})
+parts = parts.with_columns(worst=c("d1").abs() + c("d2") + c("d3") + c("d4").abs() + c("d5"),
+    rss=(c("d1") ** 2 + c("d2") ** 2 + c("d3") ** 2 + c("d4") ** 2 + c("d5") ** 2).sqrt())
+if mode == "summary":
+    w = c("worst")
+    row = parts.select(pl.len(), (w > 0.15).sum().alias("fail"), w.min().alias("min"), w.mean().alias("mean"),
+        w.max().alias("max"), w.std().alias("s"), w.quantile(0.5).alias("median")).collect(engine="streaming").row(0)
+    open(target, "w").write(" ".join(map(str, row)))
+else:
+    parts = parts.with_columns(verdict=pl.when(c("worst") <= 0.15).then(pl.lit("pass")).otherwise(pl.lit("fail")))
+    parts.sink_csv(target, float_precision=6)
+"""
+DUCKDB = f"""
+import sys, duckdb
+mode, source, target = sys.argv[1:]
+columns = "{{'part_id':'VARCHAR','over_roller':'DOUBLE','dp':'DOUBLE','dbeta':'DOUBLE','radial':'DOUBLE','dfp':'DOUBLE'}}"
+parts = f'''with a as (select part_id, over_roller-25 d1, abs(dp)/{TWICE_TAN!r} d2, abs(19.8::double*sin(radians(dbeta))/{TWICE_TAN!r}) d3,
+  radial-8.5 d4, abs(dfp)/{TWICE_TAN!r} d5 from read_csv('{{source}}', header=true, columns={{columns}})),
+  b as (select *, abs(d1)+d2+d3+abs(d4)+d5 worst, sqrt(d1*d1+d2*d2+d3*d3+d4*d4+d5*d5) rss from a)'''
+con = duckdb.connect()
+con.execute("set preserve_insertion_order=true")
+if mode == "summary":
+    row = con.execute(parts + " select count(*), count(*) filter (worst>0.15::double), min(worst), avg(worst), max(worst), "
+        "stddev_samp(worst), quantile_cont(worst, 0.5) from b").fetchone()
+    open(target, "w").write(" ".join(map(str, row)))
+else:
+    numbers = ",".join(f"printf('%.6f',{{x}}) {{x}}" for x in "d1 d2 d3 d4 d5 worst rss".split())
+    con.execute(f"copy ({{parts}} select part_id,{{numbers}},case when worst<=0.15::double then 'pass' else 'fail' end verdict "
+        f"from b) to '{{target}}' (header, delimiter ',')")
+"""
+
+
+def generate(path):
+    """Deterministic random parts (splitmix64)."""
+    state, mask = 20261121, (1 << 64) - 1
+
+    def random(most):
+        nonlocal state
+        state = (state + 0x9E3779B97F4A7C15) & mask
+        z = state
+        z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & mask
+        z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
+        return ((z ^ (z >> 31)) % (2 * most + 1)) - most
+
+    with open(path, "w") as out:
+        out.write("part_id,over_roller,dp,dbeta,radial,dfp\n")
+        for part in range(1, ROWS + 1):
+            values = 250000 + random(200), random(200), random(2500), 85000 + random(200), random(200)
+            cells = ["%s%d.%04d" % ("-" if v < 0 else "", abs(v) // 10000, abs(v) % 10000) for v in values]
+            out.write("P%07d,%s\n" % (part, ",".join(cells)))
+
+
+def cost(command):
+    """CPU seconds, peak MiB."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    errors = child.stderr.read()
+    _, status, usage = os.wait4(child.pid, 0)
+    if os.waitstatus_to_exitcode(status) not in (0, 1):
+        sys.exit(f"{command}: {errors.decode()}")
+    del before
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def agree(ours, theirs, name):
+    """Every number within one unit of its last digit (the peers round binary numbers), every verdict the same."""
+    rows = different = 0
+    with open(ours) as a, open(theirs) as b:
+        for mine, other in zip(csv.reader(a), csv.reader(b), strict=True):
+            rows += 1
+            if rows == 1:
+                continue
+            same = mine[0] == other[0] and mine[-1] == other[-1]
+            gaps = [abs(float(x) - float(y)) for x, y in zip(mine[1:-1], other[1:-1], strict=True)]
+            if not same or max(gaps) > 1.0001e-6:
+                sys.exit(f"{name} disagrees in row {rows}: {mine} {other}")
+            different += any(gap > 1e-9 for gap in gaps)
+    print(f"{name}: {rows - 1} rows agree; in {different} a last digit differs, because a binary number was rounded")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        at = lambda name: os.path.join(folder, name)
+        generate(at("parts.csv"))
+        open(at("spec.toml"), "w").write(SPEC)
+        ours = [RACKMESH, "batch", at("spec.toml"), at("parts.csv"), "--stack", "worst"]
+        jobs = {"rackmesh": {
+            "rows": ours + ["-o", at("rackmesh.csv"), "--columns", ",".join(COLUMNS)],
+            "summary": ours + ["--summary", "--format", "csv", "-o", at("rackmesh.summary.csv")],
+        }}
+        for name, program in (("polars", POLARS), ("duckdb", DUCKDB)):
+            if importlib.util.find_spec(name) is None:
+                print(f"{name} is not installed")
+                continue
+            open(at(name + ".py"), "w").write(textwrap.dedent(program))
+            jobs[name] = {mode: [sys.executable, at(name + ".py"), mode, at("parts.csv"), at(f"{name}.{end}")]
+                          for mode, end in (("rows", "csv"), ("summary", "txt"))}
+        costs = {(name, mode): [] for name in jobs for mode in ("rows", "summary")}
+        for _ in range(3):
+            for name, mode in costs:
+                costs[name, mode].append(cost(jobs[name][mode]))
+        for name in jobs:
+            if name != "rackmesh":
+                agree(at("rackmesh.csv"), at(name + ".csv"), name)
+                print(f"{name}, worst case: count, fail, min, mean, max, s, median: {open(at(name + '.txt')).read()}")
+        for row in csv.DictReader(open(at("rackmesh.summary.csv"))):
+            if row["name"] == "worst_case_mm":
+                keys = "count fail min_mm mean_mm max_mm standard_deviation_mm q0.5_mm".split()
+                print("rackmesh, worst case:", *(row[key] for key in keys))
+        print(f"\n{ROWS} rows          CPU s   peak MiB   times rackmesh")
+        for mode in ("rows", "summary"):
+            for name in jobs:
+                cpu, peak = sorted(costs[name, mode])[1]
+                ratio = cpu / sorted(costs["rackmesh", mode])[1][0]
+                print(f"{mode:8} {name:9} {cpu:8.2f} {peak:10.1f} {ratio:12.1f}")
+
+
+main()
