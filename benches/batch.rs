@@ -19,6 +19,7 @@ const SPEC: &str = "[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.
 const COLUMNS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,delta_cd_rack_lead_mm,\
                        delta_cd_pinion_radial_mm,delta_cd_pinion_pitch_mm,worst_case_mm,rss_mm,verdict";
 const RUNS: usize = 5;
+const MILLION: u64 = 1_000_000;
 
 /// A table of deterministic random parts.
 fn write_table(path: &str, rows: u64) {
@@ -133,7 +134,6 @@ fn main() {
     {
         return baseline(input, output);
     }
-    const MILLION: u64 = 1_000_000;
     let folder = std::env::temp_dir().join(format!("rackmesh-batch-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder can be made");
     let path = |name: &str| folder.join(name).to_str().expect("the path is UTF-8").to_owned();
@@ -161,11 +161,13 @@ fn main() {
     println!("{:32} {:>11} {:>13} {:>9} {:>8}", "", "CPU µs/row", "rows/s", "peak MiB", "ratio");
     for ((name, ..), cost) in jobs.iter().zip(&costs) {
         let rows = if name.contains("ten times") { 1e7 } else { 1e6 };
+        #[expect(clippy::cast_precision_loss, reason = "for people")]
+        let peak_mib = cost.peak_kib as f64 / 1024.0;
         println!(
             "{name:32} {:11.3} {:13.0} {:9.1} {:8.2}",
             1e6 * cost.cpu_seconds / rows,
             rows / cost.wall_seconds,
-            cost.peak_kib as f64 / 1024.0,
+            peak_mib,
             cost.cpu_seconds / rows / (costs[0].cpu_seconds / 1e6)
         );
     }

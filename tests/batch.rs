@@ -253,3 +253,31 @@ fn several_tables_and_what_pipelines_show() {
     assert!(junit.contains("tests=\"4\" failures=\"2\" errors=\"1\""), "{junit}");
     assert!(junit.contains("name=\"Q2 &lt;&amp;&gt;\""), "{junit}");
 }
+
+#[test]
+fn parts_with_their_teeth_go_through_the_exact_mesh() {
+    let mut table = "part_id;space;over_pin_deviation [um];position_deviation [um]\n".to_owned();
+    for part in ["A", "B"] {
+        for space in -3..9 {
+            let _ = writeln!(table, "{part};{space};{};0", if part == "A" { 10 } else { 80 });
+        }
+    }
+    table.push_str("C;0;x;0\nC;1;0;0\nD;0;1\n");
+    let rejects = path("teeth.csv");
+    let arguments = ["tests/specs/teeth.toml", "--teeth", "--to", "20", "--rejects", &rejects, "--decimals", "5"];
+    let output = batch(&arguments, table.as_bytes());
+    let messages = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{messages}");
+    // every space over by the same is a shift of the pitch line
+    let rows = "part_id,mean_delta_cd_mm,min_delta_cd_mm,max_delta_cd_mm,peak_to_peak_mm,tooth_to_tooth_mm,verdict\n\
+                A,0.01000,0.01000,0.01000,0.00000,0.00000,pass\nB,0.08000,0.08000,0.08000,0.00000,0.00000,fail\n";
+    assert_eq!(text(&output.stdout), rows, "{messages}");
+    assert!(
+        messages.contains("<stdin>:26: error[bad-row]: record 25: part C: column `over_pin_deviation`"),
+        "{messages}"
+    );
+    assert!(messages.contains("<stdin>:28: error[bad-row]: record 27: part D: the row has 3 fields"), "{messages}");
+    assert!(messages.contains("4 parts: 1 pass, 1 fail, 2 rejected"), "{messages}");
+    let kept = std::fs::read_to_string(&rejects).unwrap();
+    assert!(kept.ends_with("[um]\nC;0;x;0\nC;1;0;0\nD;0;1\n"), "{kept}");
+}

@@ -235,8 +235,8 @@ impl Reader {
             let columns = self.input.header.columns.len();
             let id = cells.get(self.id).map(|id| id.trim().to_owned()).unwrap_or_default();
             let whole = cells.len() == columns && !record.open;
-            // a row without its fields cannot tell to which part it belongs: to the one it stands in
-            let continues = self.open.as_ref().is_some_and(|part| part.id == id || !whole);
+            // a row that is too short to name its part belongs to the one it stands in
+            let continues = self.open.as_ref().is_some_and(|part| part.id == id || (!whole && id.is_empty()));
             if !continues && self.open.is_some() {
                 return Ok(self.open.take());
             }
