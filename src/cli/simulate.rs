@@ -73,11 +73,13 @@ impl Args {
         }
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let scene = spec.scene(&input)?;
+        let parameters = scene.parameters();
         let outcome = self.watched(&scene);
         let exact = |steady: Option<Steady>| exact_mean_mm(&input.mesh, &steady?);
         let report = SimulationReport {
             title: spec.title.as_deref(),
-            parameters: scene.parameters(),
+            parameters,
+            inertias: scene.inertias(),
             quasi_static: self.quasi_static,
             outcome: &outcome,
             exact_mm: [exact(outcome.nominal), exact(outcome.deviating)],
@@ -105,7 +107,13 @@ impl Args {
         output.report(&report, self.format)?;
         Ok(match outcome.end {
             RunEnd::Completed => Status::Pass,
-            RunEnd::Interrupted => Status::Undecided,
+            RunEnd::Interrupted => {
+                let reached = outcome.samples.last().map_or(parameters.start_mm, |sample| sample.stroke_mm);
+                let message =
+                    format!("interrupted at a stroke of {reached:.1} mm; the positions up to there are printed");
+                output.diagnostic(&Diagnostic::warning(Code::NoSimulation, message));
+                Status::Undecided
+            }
             RunEnd::Failed(error) => {
                 output.diagnostic(&Diagnostic::error(Code::NoSimulation, error.to_string()));
                 Status::Undecided

@@ -13,6 +13,9 @@ pub struct SimulationReport<'a> {
     pub title: Option<&'a str>,
     /// What was simulated.
     pub parameters: &'a Parameters,
+    /// Inertia of the pinion's rotation, mass of what moves along Z, inertia of the rack's roll, in N s²/mm and N mm s², as
+    /// the scene took or computed them.
+    pub inertias: [f64; 3],
     /// Whether it was solved as an equilibrium at each stroke.
     pub quasi_static: bool,
     /// What came out.
@@ -50,6 +53,12 @@ const YOKE_COLUMNS: [&str; 3] = ["yoke_travel_mm", "yoke_force_n", "bush_force_n
 
 fn yoke_cells(sample: &Sample) -> Option<[f64; 3]> {
     sample.yoke.map(|yoke| [yoke.travel_mm, yoke.force_n, yoke.bush_force_n])
+}
+
+/// A given number for people: as it was written, a computed one to five digits.
+fn short(value: f64) -> String {
+    let text = plain(value);
+    if text.len() <= 9 { text } else { plain(format!("{value:.4e}").parse().unwrap_or(value)) }
 }
 
 impl SimulationReport<'_> {
@@ -166,14 +175,14 @@ impl SimulationReport<'_> {
         if let ContactModel::Spheres(grid) = p.contact {
             given.push((Name::SphereRadius, grid.radius_mm));
         }
-        let masses = [
-            (Name::PinionMass, p.masses.pinion_kg),
-            (Name::PinionInertia, p.masses.pinion_kg_mm2),
-            (Name::RackMass, p.masses.rack_kg),
-            (Name::RackInertia, p.masses.rack_kg_mm2),
-        ];
         if !self.quasi_static {
-            given.extend(masses.into_iter().filter_map(|(name, value)| Some((name, value?))));
+            // from N s²/mm, which is a tonne
+            let [turning, moving, rolling] = self.inertias.map(|value| tidy(1000.0 * value));
+            let moves = if matches!(p.support, Support::Yoke(_)) { Name::RackMass } else { Name::PinionMass };
+            given.extend([(moves, moving), (Name::PinionInertia, turning)]);
+            if self.outcome.counters.coordinates > 2 {
+                given.push((Name::RackInertia, rolling));
+            }
         }
         given
     }
@@ -295,7 +304,7 @@ impl Report for SimulationReport<'_> {
         let given = self.given();
         let given: Vec<_> = given
             .iter()
-            .map(|(name, value)| format!("{name} {} {}", plain(*value), name.unit()).trim_end().to_owned())
+            .map(|(name, value)| format!("{name} {} {}", short(*value), name.unit()).trim_end().to_owned())
             .collect();
         blocks.push(Block::Note(format!("model: {}", self.how())));
         blocks.push(Block::Note(format!("parameters: {}", given.join(", "))));
