@@ -3,71 +3,10 @@
 
 mod common;
 
-use common::brute::{Brute, Roll};
-use common::random::{self, Random};
-use rackmesh::deviation::{PinionForm, RackForm};
-use rackmesh::gear::Pair;
-use rackmesh::mesh::{Mesh, Support};
+use common::kinds::{compare, compare_formed, compare_rolling, run};
 
 /// The brute force's own error: golden sections stop at 2e-9 of a cell, and heights are quadratic there.
 const ALLOWED_MM: f64 = 1e-7;
-
-/// The rack teeth that can touch at a stroke, and some more.
-fn teeth(pair: &Pair, stroke: f64) -> Vec<i64> {
-    let middle = (stroke / pair.rack().pitch_mm).round() as i64;
-    let reach = 3 + (pair.contact_ratio().total / 2.0).ceil() as i64;
-    (middle - reach..=middle + reach).collect()
-}
-
-fn compare(seed: u64) -> Option<(f64, String)> {
-    let mut random = Random(seed);
-    let pair = random::pair(&mut random);
-    let leads = random.chance(0.7);
-    let rack = random::rack(&mut random, &pair, leads);
-    let pinion = random::pinion(&mut random, &pair, leads);
-    let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
-    let mesh = Mesh::new(pair, rack.clone(), pinion.clone(), Support::Fixed).unwrap();
-    let point = mesh.at(stroke);
-    let brute = Brute { pair: &pair, rack: &rack, pinion: &pinion, roll: Roll::default() };
-    let teeth = teeth(&pair, stroke);
-    let start = point.map_or(0.0, |point| -point.transmission_error_rad);
-    let reference = brute.center_distance(stroke, &teeth, start);
-    match (point, reference) {
-        (Ok(point), Some(a)) => {
-            let unsettled = if point.converged() { 0.0 } else { f64::NAN };
-            Some((point.center_distance_mm - a + unsettled, format!("seed {seed}: {point:?}\n{:?}", pair)))
-        }
-        (Err(_), None) => None,
-        (point, reference) => panic!("seed {seed}: {point:?} against {reference:?}"),
-    }
-}
-
-/// Runs one comparison per seed on two cores; how many there were, the largest difference, and what went wrong.
-fn run(
-    seeds: &[u64],
-    allowed_mm: f64,
-    compare: impl Fn(u64) -> Option<(f64, String)> + Sync,
-) -> (usize, f64, Vec<String>) {
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let found = std::sync::Mutex::new((0, 0.0_f64, Vec::new()));
-    std::thread::scope(|scope| {
-        for _ in 0..2 {
-            scope.spawn(|| {
-                while let Some(&seed) = seeds.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
-                    if let Some((error, what)) = compare(seed) {
-                        let mut found = found.lock().unwrap();
-                        found.0 += 1;
-                        found.1 = found.1.max(error.abs());
-                        if error.is_nan() || error.abs() > allowed_mm {
-                            found.2.push(format!("{error:e} mm, {what}"));
-                        }
-                    }
-                }
-            });
-        }
-    });
-    found.into_inner().unwrap()
-}
 
 fn long() -> bool {
     std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|v| v == "1")
@@ -86,34 +25,6 @@ fn random_pairs_agree_with_brute_force() {
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }
 
-/// Crowning, relief and profile slope: the flanks are no longer ruled, and contact is a point inside them.
-fn compare_formed(seed: u64) -> Option<(f64, String)> {
-    let mut random = Random(seed);
-    let pair = random::pair(&mut random);
-    let m = pair.normal_module_mm();
-    let (start, addendum) = (random.range(0.0, 0.6), pair.rack().addendum_mm);
-    let rack_form = RackForm {
-        crowning_mm: if random.chance(0.7) { random.range(0.0, 0.03) } else { 0.0 },
-        tip_relief_mm: if random.chance(0.5) { random.range(0.0, 0.03) } else { 0.0 },
-        tip_relief_start_mm: start * addendum.min(m),
-    };
-    let pinion_form = PinionForm {
-        crowning_mm: if random.chance(0.7) { random.range(0.0, 0.03) } else { 0.0 },
-        profile_slope_mm: if random.chance(0.5) { random.range(-0.02, 0.02) } else { 0.0 },
-    };
-    let leads = random.chance(0.5);
-    let rack = random::rack(&mut random, &pair, leads).with_form(&pair, rack_form).unwrap();
-    let pinion = random::pinion(&mut random, &pair, leads).with_form(pinion_form).unwrap();
-    let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
-    let point = Mesh::new(pair, rack.clone(), pinion.clone(), Support::Fixed).unwrap().at(stroke).unwrap();
-    let brute = Brute { pair: &pair, rack: &rack, pinion: &pinion, roll: Roll::default() };
-    let reference = brute.center_distance(stroke, &teeth(&pair, stroke), -point.transmission_error_rad)?;
-    Some((
-        point.center_distance_mm - reference,
-        format!("seed {seed}: {point:?}\n{rack_form:?} {pinion_form:?}\n{pair:?}"),
-    ))
-}
-
 #[test]
 fn flank_form_agrees_with_brute_force() {
     let seeds: Vec<u64> = (1..if long() { 200 } else { 9 }).collect();
@@ -122,61 +33,12 @@ fn flank_form_agrees_with_brute_force() {
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }
 
-/// A rack that rolls: its centre distance is the brute force's at that roll, and no other roll has a smaller one.
-fn compare_rolling(seed: u64) -> Option<(f64, String)> {
-    let mut random = Random(seed);
-    let pair = random::pair(&mut random);
-    let rack = random::rack(&mut random, &pair, true);
-    let pinion = random::pinion(&mut random, &pair, true);
-    let axis_depth_mm = random.range(-2.0, 12.0) * pair.normal_module_mm();
-    let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
-    let mesh = Mesh::new(pair, rack.clone(), pinion.clone(), Support::FreeRoll { axis_depth_mm }).unwrap();
-    let point = mesh.at(stroke).unwrap();
-    let teeth = teeth(&pair, stroke);
-    let at = |angle: f64| {
-        let mut assumed = point.center_distance_mm;
-        let mut start = -point.transmission_error_rad;
-        for _ in 0..8 {
-            let roll = Roll { angle, depth: axis_depth_mm, assumed };
-            let brute = Brute { pair: &pair, rack: &rack, pinion: &pinion, roll };
-            let a = brute.center_distance(stroke, &teeth, start)?;
-            start = -point.transmission_error_rad;
-            // the face's edge moves by the roll times the error of what was assumed
-            if ((a - assumed) * angle).abs() < 1e-10 {
-                return Some(a);
-            }
-            assumed = a;
-        }
-        None
-    };
-    let same_roll = at(point.roll_rad)?;
-    let what =
-        |roll: f64, a: f64| format!("seed {seed}, roll {roll} gives {a}: {point:?}\naxis {axis_depth_mm}\n{pair:?}");
-    let error = point.center_distance_mm - same_roll;
-    if error.abs() > 1e-7 {
-        return Some((error, what(point.roll_rad, same_roll)));
-    }
-    let near = [1e-4, 2e-3].into_iter().flat_map(|step| [point.roll_rad - step, point.roll_rad + step]);
-    let far = (0..if long() { 21 } else { 5 }).map(|i| {
-        let cells = if long() { 20.0 } else { 4.0 };
-        0.07 * (2.0 * f64::from(i) / cells - 1.0)
-    });
-    for roll in near.chain(far) {
-        if let Some(a) = at(roll)
-            && a < point.center_distance_mm - 1e-7
-        {
-            return Some((point.center_distance_mm - a, what(roll, a)));
-        }
-    }
-    Some((error, String::new()))
-}
-
 #[test]
 fn a_rolling_rack_agrees_with_brute_force_at_every_roll() {
     let first: u64 = std::env::var("RACKMESH_FIRST_SEED").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
     // at this one the derivative by the roll was that of a point that stays, at a vertex that moves
     let seeds: Vec<u64> = std::iter::once(129).chain(first..first + if long() { 30 } else { 1 }).collect();
-    let (compared, worst, failures) = run(&seeds, 1e-7, compare_rolling);
+    let (compared, worst, failures) = run(&seeds, 1e-7, |seed| compare_rolling(seed, if long() { 21 } else { 5 }));
     println!("{compared} rolling racks compared, largest difference {worst:e} mm");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }

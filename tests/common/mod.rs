@@ -1,6 +1,7 @@
 //! Shared by the tests of the mesh.
-#![allow(dead_code, missing_docs, unreachable_pub, clippy::pedantic)]
+#![allow(dead_code, missing_docs, unreachable_pub, clippy::disallowed_methods, clippy::pedantic)]
 
 pub mod brute;
+pub mod kinds;
 pub mod paper;
 pub mod random;

@@ -1,0 +1,40 @@
+//! How accurate everything is: the formulas against big floats, the exact mesh against brute force.
+//!
+//! `cargo run --release --example accuracy > examples/accuracy.md` writes the table that the README shows; a test holds
+//! the README to it. Every case comes from a seed. The convergence of the multibody model
+//! belongs below, as a table of its own.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+#[path = "../tests/common/formulas.rs"]
+#[allow(dead_code, unreachable_pub, missing_docs, clippy::pedantic)]
+mod formulas;
+
+/// Random pairs of each kind; a rolling rack takes as long as twenty others.
+const PAIRS: u64 = 100;
+const ROLLING: u64 = 10;
+
+fn main() {
+    println!("| formula | values compared | largest error | its inverse and sensitivities |");
+    println!("|---|---:|---:|---:|");
+    for formula in formulas::ALL {
+        let checked = formula();
+        let values: u64 = checked.results.iter().map(|(_, values, _)| values).sum();
+        let (own, derived): (Vec<_>, Vec<_>) = checked.results.iter().partition(|(result, ..)| {
+            !result.contains("inverse") && !result.contains(", by ") && !result.contains("any")
+        });
+        let worst =
+            |results: &[&(String, u64, f64)]| results.iter().fold(0.0_f64, |worst, (.., ulps)| worst.max(*ulps));
+        println!("| {} | {values} | {:.4} ulp | {:.4} ulp |", checked.formula, worst(&own), worst(&derived));
+    }
+    println!();
+    println!("| exact mesh, random pairs | pairs | largest difference from brute force |");
+    println!("|---|---:|---:|");
+    for (kind, compare) in common::kinds::KINDS {
+        let count = if kind.contains("roll") { ROLLING } else { PAIRS };
+        let seeds: Vec<u64> = (1..=count).collect();
+        let (compared, worst, failures) = common::kinds::run(&seeds, 1e-7, compare);
+        assert!(failures.is_empty(), "{kind}:\n{}", failures.join("\n"));
+        println!("| {kind} | {compared} | {worst:.0e} mm |");
+    }
+}
