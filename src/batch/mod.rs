@@ -31,7 +31,7 @@
 //! let spec = "[errors]\nrack_over_roller = { nominal = 25.0 }\n[limits]\ncenter_distance = \"±0.02\"";
 //! let spec = Arc::new(Spec::parse("rack.toml", spec)?);
 //! let table = "part_id,rack_over_roller\nP1,25.0131\nP2,25.0201\n";
-//! let input = Input::open("parts.csv", Box::new(table.as_bytes()), Dialect::default())?;
+//! let input = Input::open("parts.csv", Box::new(table.as_bytes()), Dialect::default()).expect("it has a header");
 //! let plan = Plan::new(&spec, &input.header, Request::default())?;
 //! let layout = Layout::new(&plan, &input.header)?;
 //! let mut rows = Vec::new();

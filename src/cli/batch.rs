@@ -1,12 +1,11 @@
 //! `rackmesh batch`: tables with a row per part, through the formulas.
 
 use std::fs::File;
-use std::io::{self, IsTerminal as _, Read, Write};
+use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::ValueEnum;
-use indicatif::HumanCount;
 
 use super::eval::{ModelArg, StackArg};
 use super::output::{Failure, Output, Status};
@@ -442,7 +441,7 @@ impl Args {
         }
         let more = outcome.counts.rejected.saturating_sub(PROBLEMS_SHOWN as u64);
         if more > 0 {
-            output.remark(&format!("… and {} more rejected", HumanCount(more)));
+            output.remark(&format!("… and {} more rejected", long::counted(more)));
         }
         if self.annotations == Some(Annotations::Github) {
             output.remark(report::github_annotations(outcome).trim_end());
@@ -482,18 +481,18 @@ fn in_words(counts: &Counts, row: &str) -> String {
         (counts.rejected, "rejected"),
     ] {
         if count > 0 || (what == "fail" && counts.pass > 0) {
-            parts.push(format!("{} {what}", HumanCount(count)));
+            parts.push(format!("{} {what}", long::counted(count)));
         }
     }
     let plural = if counts.rows == 1 { "" } else { "s" };
-    let mut line = format!("{} {row}{plural}", HumanCount(counts.rows));
+    let mut line = format!("{} {row}{plural}", long::counted(counts.rows));
     if !parts.is_empty() {
         line.push_str(": ");
         line.push_str(&parts.join(", "));
     }
     if counts.blank_lines > 0 {
         let lines = if counts.blank_lines == 1 { "line" } else { "lines" };
-        line.push_str(&format!("; {} blank {lines}", HumanCount(counts.blank_lines)));
+        line.push_str(&format!("; {} blank {lines}", long::counted(counts.blank_lines)));
     }
     line
 }
@@ -543,7 +542,7 @@ pub(super) fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + 
 
 /// How far the run is, where somebody watches.
 struct Bar {
-    shown: indicatif::ProgressBar,
+    shown: long::Bar,
     /// The sizes of the files, as far as they have one.
     sizes: Vec<Option<u64>>,
     file: usize,
@@ -557,35 +556,31 @@ impl Bar {
             let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
             (packing == Packing::None).then_some(metadata.len())
         });
-        let sizes: Vec<_> = sizes.collect();
-        let total: Option<u64> = sizes.iter().copied().sum();
-        // nothing is shown before the first tenth of a second is over, and nothing unless somebody watches
-        let bar = match total {
-            _ if !io::stderr().is_terminal() => indicatif::ProgressBar::hidden(),
-            Some(total) => long::progress(total, "{msg}  {bar:20} {percent} %  {eta} left"),
-            None => long::progress(0, "{msg}  {elapsed}"),
-        };
-        Self { shown: bar, sizes, file: 0, done: 0 }
+        Self { shown: long::Bar::new(), sizes: sizes.collect(), file: 0, done: 0 }
     }
 
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "for people"
+    )]
     fn show(&mut self, progress: &Progress) {
-        let seconds = self.shown.elapsed().as_secs_f64();
-        #[expect(
-            clippy::cast_precision_loss,
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "for people"
-        )]
-        let rate = if seconds > 0.0 { (progress.rows as f64 / seconds) as u64 } else { 0 };
-        let mut message = format!("{} rows  {}/s", HumanCount(progress.rows), HumanCount(rate));
-        if progress.failures > 0 {
-            message.push_str(&format!("  {} failed", HumanCount(progress.failures)));
-        }
-        if progress.rejected > 0 {
-            message.push_str(&format!("  {} rejected", HumanCount(progress.rejected)));
-        }
-        self.shown.set_position(self.done + progress.bytes);
-        self.shown.set_message(message);
+        let total: Option<u64> = self.sizes.iter().copied().sum();
+        let share = total.filter(|total| *total > 0);
+        let share = share.map(|total| (self.done + progress.bytes) as f64 / total as f64);
+        let seconds = self.shown.seconds();
+        self.shown.show(share, || {
+            let rate = if seconds > 0.0 { (progress.rows as f64 / seconds) as u64 } else { 0 };
+            let mut message = format!("{} rows  {}/s", long::counted(progress.rows), long::counted(rate));
+            if progress.failures > 0 {
+                message.push_str(&format!("  {} failed", long::counted(progress.failures)));
+            }
+            if progress.rejected > 0 {
+                message.push_str(&format!("  {} rejected", long::counted(progress.rejected)));
+            }
+            message
+        });
     }
 
     fn next(&mut self) {
@@ -594,6 +589,6 @@ impl Bar {
     }
 
     fn finish(&self) {
-        self.shown.finish_and_clear();
+        self.shown.finish();
     }
 }

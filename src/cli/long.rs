@@ -1,18 +1,79 @@
 //! What long runs share: a progress bar where somebody watches, and Ctrl-C that keeps what is there.
 
+use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+/// How far a run is, on one line of standard error that is drawn over and cleared at the end; nothing at all unless
+/// that is a terminal.
+///
+/// Our own, because the libraries for it load the platform's mathematics at every start of the program, `eval`'s too.
+pub(super) struct Bar {
+    watched: bool,
+    begun: Instant,
+    drawn: Option<Instant>,
+}
 
-/// A bar on standard error, `total` units long; nothing at all unless that is a terminal. `template` is in
-/// indicatif's words: `{pos}`, `{len}`, `{per_sec}`, `{msg}`, `{eta}`.
-pub(super) fn progress(total: u64, template: &str) -> ProgressBar {
-    let bar = ProgressBar::new(total);
-    match ProgressStyle::with_template(template) {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
+impl Bar {
+    pub(super) fn new() -> Self {
+        Self { watched: io::stderr().is_terminal(), begun: Instant::now(), drawn: None }
     }
+
+    /// Since the run began, s.
+    pub(super) fn seconds(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+
+    /// Draws the line, if it is time to: `share` is how much is done, 0 to 1, if that is known.
+    pub(super) fn show(&mut self, share: Option<f64>, message: impl FnOnce() -> String) {
+        /// A run that is over sooner shows nothing.
+        const EVERY: Duration = Duration::from_millis(100);
+        const CELLS: usize = 20;
+        if !self.watched || self.drawn.unwrap_or(self.begun).elapsed() < EVERY {
+            return;
+        }
+        self.drawn = Some(Instant::now());
+        let mut line = format!("\r{}", message());
+        if let Some(share) = share {
+            let share = share.clamp(0.0, 1.0);
+            // between 0 and the number of cells
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                clippy::cast_precision_loss,
+                reason = "a bar"
+            )]
+            let full = (share * CELLS as f64) as usize;
+            line.push_str(&format!("  {}{} {:.0} %", "█".repeat(full), "░".repeat(CELLS - full), 100.0 * share));
+            if share > 0.0 {
+                line.push_str(&format!("  {:.0} s left", self.seconds() * (1.0 - share) / share));
+            }
+        }
+        line.push_str("\x1b[K");
+        // nobody is there to be told that the bar cannot be drawn
+        let _ = io::stderr().lock().write_all(line.as_bytes());
+    }
+
+    /// Clears the line.
+    pub(super) fn finish(&self) {
+        if self.drawn.is_some() {
+            let _ = io::stderr().lock().write_all(b"\r\x1b[K");
+        }
+    }
+}
+
+/// A count with its thousands set off: 1,000,000.
+pub(super) fn counted(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
 }
 
 /// A flag that the first Ctrl-C sets; the second ends the program as it would without us.
@@ -27,4 +88,14 @@ pub(super) fn interrupted() -> Arc<AtomicBool> {
         }
     });
     flag
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn thousands_are_set_off() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(counted), ["0", "999", "1,000", "1,234,567"]);
+    }
 }

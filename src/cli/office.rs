@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::output::Failure;
 use crate::batch::Input;
+use crate::cmm::Sheet;
 use crate::cmm::qdas::{self, QdasTable};
-use crate::cmm::{Sheet, paste};
+
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
 use crate::report::Report;
@@ -81,6 +82,7 @@ fn qdas(paths: &[String], spec: &Spec) -> Result<Office, Failure> {
 
 #[cfg(feature = "xlsx")]
 fn sheet(path: &str, spec: &Spec, place: &Place) -> Result<Office, Failure> {
+    use crate::cmm::paste;
     use crate::cmm::xlsx::{CellRange, Workbook};
     let range = match &place.range {
         Some(range) => {

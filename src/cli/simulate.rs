@@ -44,25 +44,16 @@ pub(super) struct Args {
 impl Args {
     /// Runs the scene with a bar where somebody watches, until the end or Ctrl-C.
     fn watched(&self, scene: &Scene) -> Outcome {
-        /// Parts of the stroke that the bar tells apart.
-        const PARTS: u64 = 1000;
         let stop = super::long::interrupted();
-        let bar = super::long::progress(PARTS, "{bar:40} {percent} % of the stroke, {eta} left");
+        let mut bar = super::long::Bar::new();
         let parameters = scene.parameters();
         let mut watch = |sample: &Sample| {
             let share = (sample.stroke_mm - parameters.start_mm) / parameters.stroke_mm;
-            // between 0 and 1
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                clippy::cast_precision_loss,
-                reason = "a bar"
-            )]
-            bar.set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
+            bar.show(Some(share), || format!("stroke {:.1} mm", sample.stroke_mm));
             if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let outcome = if self.quasi_static { scene.quasi_static(&mut watch) } else { scene.dynamic(&mut watch) };
-        bar.finish_and_clear();
+        bar.finish();
         outcome
     }
 
