@@ -336,12 +336,16 @@ impl Sections<'_> {
         }
     }
 
-    fn read<T>(&mut self, section: &'static Section, read: impl FnOnce(&mut SectionReader<'_>) -> T) -> T {
+    /// Reads a section; one that is not there is not read at all, which a short spec's start-up gains from.
+    fn read<T: Default>(&mut self, section: &'static Section, read: impl FnOnce(&mut SectionReader<'_>) -> T) -> T {
         let table = if section.name.is_empty() {
             Some(self.top)
         } else {
             self.top.get(section.name).and_then(|value| value.get_ref().as_table())
         };
+        if table.is_none() {
+            return T::default();
+        }
         let mut reader = SectionReader {
             source: self.source,
             section,
