@@ -52,7 +52,7 @@ enum Shape {
     Tangent,
 }
 
-/// A formula for one gear and model, ready for many errors; see the [module](self).
+/// A formula for one gear and model, ready for many errors; see the module.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     formula: PartFormula,

@@ -11,6 +11,9 @@ use super::{ContactKind, DEMAND, FlankContact, Generator, Hint, MAX_EVALUATIONS,
 /// First step off the start of the flank, rad.
 const INSIDE: f64 = 1e-3;
 
+/// Roll angle (rad) up to which the derivative, which goes with it, tells nothing.
+const SILENT: f64 = 1e-9;
+
 /// A meeting point nearer to one end than this share of the way to the other says little of the other end's side.
 const UNEVEN: f64 = 0.1;
 
@@ -69,8 +72,10 @@ impl FlankContact {
         let mut stalls = 0;
         // evaluations in a row that moved the same end of the bracket, negative for the upper one
         let mut run = 0_i32;
+        let mut looked_beside = false;
         for _ in 0..MAX_EVALUATIONS {
             let sample = Sample { x, generator: self.demand(pose, x) };
+            let mut silent = false;
             if let Generator::Some { demand, rate, w, kind, slope, on_tip } = sample.generator {
                 if best.is_none_or(|best: Touch| demand > best.demand) {
                     let spot = Spot { delta: x, w, kind, on_tip };
@@ -80,8 +85,11 @@ impl FlankContact {
                 if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
                     break;
                 }
+                silent = roll < SILENT && !looked_beside;
             }
-            let slope = sample.slope();
+            // on the base circle itself the derivative is rounding: the flank lies at greater δ, so look there once
+            looked_beside |= silent;
+            let slope = if silent { f64::MIN_POSITIVE } else { sample.slope() };
             if slope > 0.0 && x < hi {
                 below = Some(sample);
                 run = run.max(0) + 1;
