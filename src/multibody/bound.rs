@@ -33,13 +33,15 @@
 //! < 0 touches only if the foot of its centre lies less than m = √(|D| (|D| + 2R)) beyond the patch. That foot
 //! is not lower than the flank's point itself, less R (|N_t| − cos β_b) if that is positive, as long as ν ≤ γ ≤ π − ν; and
 //! from its height at the start, z_s, the flank falls by at most r_b cos γ_s (τ² − τ_0²)/2. So spheres below the τ at
-//! which that reaches the tip's height plus m are clear, with |D| bounded as above; from there H grows.
+//! which that reaches the tip's height plus m are clear, with |D| bounded as above; from there H grows. On a rack that
+//! is rolled by φ about an axis at the depth d a foot within the face width plus m and at z ≤ z_tip + m lies at most
+//! (k/2 + m) |sin φ| + |z_tip + m + d| (1 − cos φ) higher than on one that is not, which is taken off.
 //!
 //! A pinion point at the polar angle χ from straight down lies at Z ≥ a − e − r_a cos χ, e the eccentricity, and
 //! no point of the rack is higher than its tip edge; a sphere whose flank point lies 2 R_0 higher than that is clear,
 //! because its centre is within R_0 of that point.
 
-use super::flank::{FlankPair, Placed, Pose};
+use super::flank::{Bounds, FlankPair, Placed, Pose};
 use super::template::{EARLY, Template};
 
 /// What the scene knows of all flanks.
@@ -127,6 +129,9 @@ pub(super) struct Tip<'a> {
     pair: &'a FlankPair,
     /// Height of the tooth system's axis over the rack's reference plane.
     top: f64,
+    /// Sine and 1 − cosine of the rack's roll, without sign, and the tip's height over its axis.
+    tilt: (f64, f64),
+    over_axis: f64,
     nu: f64,
     length: f64,
 }
@@ -134,7 +139,9 @@ pub(super) struct Tip<'a> {
 impl<'a> Tip<'a> {
     pub(super) fn new(template: &'a Template, pair: &'a FlankPair, placed: &Placed, pose: &Pose) -> Self {
         let top = pose.at.center_distance + placed.eccentric.1;
-        Self { template, pair, top, nu: placed.nu, length: placed.length }
+        let tilt = (pose.sin_roll.abs(), 1.0 - pose.cos_roll);
+        let over_axis = pair.bounds.tip + pose.depth;
+        Self { template, pair, top, tilt, over_axis, nu: placed.nu, length: placed.length }
     }
 
     /// A roll angle below which no sphere of a row touches; `None` if none at all does.
@@ -149,7 +156,9 @@ impl<'a> Tip<'a> {
         let deepest = (bound.stop - bound.height(w) - bound.early * early * early * early).max(0.0);
         let margin = (deepest * (deepest + 2.0 * t.widest)).sqrt() + SLACK;
         let misfit = t.widest * (self.length - t.cos_base).max(0.0);
-        let height = self.top - t.base_radius * (cos + start * sin) - misfit - self.pair.bounds.tip - margin;
+        let Bounds { half_width, tip, .. } = self.pair.bounds;
+        let lifted = (half_width + margin) * self.tilt.0 + (self.over_axis + margin).abs() * self.tilt.1;
+        let height = self.top - t.base_radius * (cos + start * sin) - misfit - tip - margin - lifted;
         if height <= 0.0 {
             return Some(start);
         }

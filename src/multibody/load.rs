@@ -29,6 +29,17 @@ pub(super) struct Flat {
     pub(super) weight: f64,
 }
 
+/// The same on a rack that may roll.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tilted {
+    pub(super) flat: Flat,
+    pub(super) by_roll: f64,
+    /// Second derivatives by ψφ, aφ and φφ.
+    pub(super) by_angle_roll: f64,
+    pub(super) by_height_roll: f64,
+    pub(super) by_roll_twice: f64,
+}
+
 /// What friction needs: the normal and the motion of the pinion's material point against the rack by each coordinate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sliding {
@@ -176,6 +187,50 @@ impl Load<'_> {
         if let Some((mu, fade)) = self.law.friction {
             self.work.counters.friction_evaluations += 1;
             self.rub(&sliding(), mu, fade, f, by_rate, &[by_q[0], by_q[1], 0.0]);
+        }
+    }
+
+    /// [`Load::add`] for a flat element of a rack that may roll.
+    pub(super) fn add_tilted(&mut self, right: bool, tooth: i64, tilted: &Tilted, sliding: impl FnOnce() -> Sliding) {
+        let Tilted { flat, by_roll, by_angle_roll, by_height_roll, by_roll_twice } = *tilted;
+        let Flat { gap, by_angle, by_height, by_stroke, by_angle_twice, weight } = flat;
+        let v = &self.rates;
+        let depth = -gap;
+        let rate = -(by_angle * v[0] + by_height * v[1] + by_roll * v[2] + by_stroke * v[3]);
+        let force = self.law.force(depth, rate);
+        let (f, by_depth, by_rate) = (weight * force.value, weight * force.by_depth, weight * force.by_rate);
+        let g = [by_angle, by_height, by_roll];
+        let mut by_q = g.map(|g| by_depth * g);
+        if by_rate != 0.0 {
+            by_q[0] += by_rate * (by_angle_twice * v[0] + by_angle_roll * v[2]);
+            by_q[1] += by_rate * by_height_roll * v[2];
+            by_q[2] += by_rate * (by_angle_roll * v[0] + by_height_roll * v[1] + by_roll_twice * v[2]);
+        }
+        let sum = &mut self.sum;
+        for i in 0..3 {
+            sum.generalized[i] += f * g[i];
+            for j in 0..3 {
+                sum.stiffness[i][j] += g[i] * by_q[j];
+            }
+        }
+        sum.generalized[3] += f * by_stroke;
+        sum.stiffness[0][0] -= f * by_angle_twice;
+        sum.stiffness[0][2] -= f * by_angle_roll;
+        sum.stiffness[2][0] -= f * by_angle_roll;
+        sum.stiffness[1][2] -= f * by_height_roll;
+        sum.stiffness[2][1] -= f * by_height_roll;
+        sum.stiffness[2][2] -= f * by_roll_twice;
+        if by_rate != 0.0 {
+            for i in 0..3 {
+                for j in 0..3 {
+                    sum.damping[i][j] += by_rate * g[i] * g[j];
+                }
+            }
+        }
+        self.note(right, tooth, gap, (by_angle, by_height), f * by_stroke.abs(), f, weight, &force, rate);
+        if let Some((mu, fade)) = self.law.friction {
+            self.work.counters.friction_evaluations += 1;
+            self.rub(&sliding(), mu, fade, f, by_rate, &by_q);
         }
     }
 

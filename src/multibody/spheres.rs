@@ -5,7 +5,7 @@
 use super::bound::{Bound, Reach, Tip, row_range};
 use super::closest;
 use super::flank::{FlankPair, Patch, Placed, Pose};
-use super::load::{Element, Flat, Load, Sliding};
+use super::load::{Element, Flat, Load, Sliding, Tilted};
 use super::template::{EARLY, Node, Row, Template};
 use crate::trig;
 
@@ -41,8 +41,11 @@ pub(super) fn touch(
     let (sin_c, cos_c) = trig::sin_cos(placed.c);
     let rows = &template.rows;
     let range = if reach.cull { row_range(template, placed, reach.polar) } else { 0..rows.len() };
-    // what may be taken for plane and level, which most contacts are
-    let plain = !reach.rolls && matches!(pair.patch, Patch::Plane);
+    // what may be taken for plane, which most contacts are
+    let plain = matches!(pair.patch, Patch::Plane);
+    // the rack's normal along Y, and the height of the pinion's axis over that of the roll
+    let n_y = n_w * placed.cos_shaft - n_xi * placed.sin_shaft;
+    let lift = pose.at.center_distance + pose.depth;
     let tip = Tip::new(template, pair, placed, pose);
     for row in &rows[range] {
         if reach.cull && bound.clears(row.w) {
@@ -75,11 +78,18 @@ pub(super) fn touch(
             if plain {
                 let (xi, zeta) = (turned.0 + placed.eccentric.0, turned.1 + placed.eccentric.1);
                 let w = row.w + node.radius * template.sin_base;
-                let (y, z) = (w * placed.cos_shaft - xi * placed.sin_shaft, zeta + pose.at.center_distance);
+                let across = w * placed.cos_shaft - xi * placed.sin_shaft;
+                // from the axis of the roll
+                let (y, z) = if reach.rolls {
+                    let up = zeta + lift;
+                    (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll)
+                } else {
+                    (across, zeta + lift)
+                };
                 // what is left of the radius once the form is removed, and the height of the centre
                 let left = node.radius - (row.removed + node.removed);
                 let height = gap + left;
-                let beyond = pair.beyond(y, z, height);
+                let beyond = pair.beyond(y, z - pose.depth, height);
                 if beyond > 0.0 && closest::clear(height, beyond, node.radius, left) {
                     continue;
                 }
@@ -92,10 +102,21 @@ pub(super) fn touch(
                         by_angle_twice: -(xi * n_xi + zeta * n_zeta),
                         weight: row.weight * node.weight,
                     };
-                    load.add_flat(pair.right, pair.rack_tooth, &flat, || Sliding {
-                        normal: pair.normal,
-                        motion: placed.point(pose, turned.0, turned.1, w).motion,
-                    });
+                    let sliding =
+                        || Sliding { normal: pair.normal, motion: placed.point(pose, turned.0, turned.1, w).motion };
+                    if reach.rolls {
+                        let [_, ny, nz] = pair.normal;
+                        let tilted = Tilted {
+                            flat,
+                            by_roll: ny * z - nz * y,
+                            by_angle_roll: placed.sign * (zeta * placed.sin_shaft * n_zeta - xi * n_y),
+                            by_height_roll: n_y,
+                            by_roll_twice: -(ny * y + nz * z),
+                        };
+                        load.add_tilted(pair.right, pair.rack_tooth, &tilted, sliding);
+                    } else {
+                        load.add_flat(pair.right, pair.rack_tooth, &flat, sliding);
+                    }
                     continue;
                 }
             }

@@ -55,7 +55,7 @@ pub(super) fn touch(
         }
         let crossing = line + template.kappa * row.w;
         load.work.counters.spheres_tested += 1;
-        if !reach.rolls && reach.cull && crossing < template.start_roll && crossing >= -EARLY {
+        if reach.cull && crossing < template.start_roll && crossing >= -EARLY {
             let turned = (sin_c * row.cos - cos_c * row.sin, cos_c * row.cos + sin_c * row.sin);
             if tip.floor(&bound, row.w, crossing, turned).is_none() {
                 continue;
