@@ -29,7 +29,9 @@ fn main() {
 /// A linker script that puts the named functions before the rest of the code. Functions that the compiler thinks unlikely
 /// stand in sections of their own.
 fn order(names: &str) -> String {
-    let sections: String =
-        names.lines().map(|name| format!("    *(.text.{name} .text.unlikely.{name})\n")).collect();
-    format!("SECTIONS {{\n  .text.start : {{\n{sections}  }}\n}}\nINSERT BEFORE .text;\n")
+    let mut script = "SECTIONS {\n  .text.start : {\n".to_owned();
+    for name in names.lines() {
+        script += &format!("    *(.text.{name} .text.unlikely.{name})\n");
+    }
+    script + "  }\n}\nINSERT BEFORE .text;\n"
 }
