@@ -218,7 +218,20 @@ fn a_slow_motion_follows_the_equilibria_without_ripple() {
         let scene = paper::scene(Some(RackDeviationKind::OverRoller(0.02)), parameters);
         let (moving, still) = (scene.dynamic(&mut go_on), scene.quasi_static(&mut go_on));
         assert_eq!(moving.end, RunEnd::Completed);
-        assert!(apart(&moving, &still, 0.0) < 5e-5);
+        // while a tooth comes in the damping holds the parts back
+        assert!(apart(&moving, &still, 0.0) < 1e-4);
+        for part in [moving.nominal.unwrap(), moving.deviating.unwrap()] {
+            let steady = |outcome: &Outcome| Outcome {
+                samples: outcome
+                    .samples
+                    .iter()
+                    .copied()
+                    .filter(|s| (part.from_mm..part.to_mm).contains(&s.stroke_mm))
+                    .collect(),
+                ..outcome.clone()
+            };
+            assert!(apart(&steady(&moving), &steady(&still), 0.0) < 1e-6);
+        }
         for part in [moving.nominal.unwrap(), moving.deviating.unwrap()] {
             assert!(part.ripple_mm < 5e-5, "{part:?}");
         }
@@ -306,7 +319,9 @@ fn a_yoke_carries_what_the_mesh_pushes() {
             let held = sample.yoke.unwrap();
             assert_eq!(held.travel_mm, sample.delta_cd_mm);
             let up = forces_at(&scene, sample).generalized[1];
-            assert!((up - held.force_n - held.bush_force_n).abs() < 2e-3 * up, "{up} {sample:?}");
+            // in motion inertia and damping carry a share while a tooth comes in
+            let allowed = if outcome.energy.is_some() { 2e-2 } else { 1e-5 };
+            assert!((up - held.force_n - held.bush_force_n).abs() < allowed * up, "{up} {sample:?}");
             let stop = (held.travel_mm - 0.01).max(0.0) * yoke.stop_n_per_mm;
             assert!((held.force_n - (500.0 + 200.0 * held.travel_mm + stop)).abs() < 1e-9);
         }

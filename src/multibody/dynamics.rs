@@ -39,7 +39,7 @@ const THIRD: [f64; 3] = [(1.0 - W) / 3.0, (3.0 * W + 1.0) / 3.0, D / 3.0];
 const ERROR: [f64; 3] = [W - THIRD[0], W - THIRD[1], D - THIRD[2]];
 
 /// Unbalanced force over the closing force at which a stage is solved.
-const BALANCE: f64 = 1e-6;
+const BALANCE: f64 = 1e-5;
 /// Iterations per stage; three are the rule, and a step that needs more is better halved.
 const ITERATIONS: u32 = 25;
 /// A step is made at most this much longer than the last one.
@@ -180,7 +180,8 @@ impl Scene {
                 if ratio > 1.0 || (drift > 1.0 && h > FINE * total) {
                     work.counters.rejected += 1;
                     // the error is of third order in the step, that of the work between second and first
-                    let shrink = (SAFETY / libm::cbrt(ratio)).min(SAFETY / drift.sqrt());
+                    let by_drift = if h > FINE * total { SAFETY / drift.sqrt() } else { 1.0 };
+                    let shrink = (SAFETY / libm::cbrt(ratio)).min(by_drift);
                     step = h * if ratio.is_finite() { shrink.clamp(0.1, 0.9) } else { 0.25 };
                     if step < SMALLEST * total {
                         let (time_s, stroke_mm) = (here.time, here.stroke);
@@ -194,8 +195,9 @@ impl Scene {
                 flow.add(&made.gained);
                 step = match p.integrator {
                     Integrator::Implicit => {
-                        let growth = (SAFETY / libm::cbrt(ratio)).min(SAFETY / drift.sqrt());
-                        h * growth.clamp(0.2, GROWTH)
+                        let by_error = h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, GROWTH);
+                        let by_drift = h * (SAFETY / drift.sqrt()).clamp(0.2, GROWTH);
+                        by_error.min(by_drift.max(FINE * total))
                     }
                     Integrator::Explicit => self.explicit_limit(&made.state, total)?,
                 };

@@ -191,6 +191,7 @@ impl Load<'_> {
     }
 
     /// [`Load::add`] for a flat element of a rack that may roll.
+    #[allow(clippy::needless_range_loop)] // matrices read as in the books
     pub(super) fn add_tilted(&mut self, right: bool, tooth: i64, tilted: &Tilted, sliding: impl FnOnce() -> Sliding) {
         let Tilted { flat, by_roll, by_angle_roll, by_height_roll, by_roll_twice } = *tilted;
         let Flat { gap, by_angle, by_height, by_stroke, by_angle_twice, weight } = flat;

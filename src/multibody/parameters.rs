@@ -129,7 +129,7 @@ pub struct Parameters {
     pub stiffness: f64,
     /// Exponent a of the penetration, 1..2.5; default 1.5.
     pub stiffness_exponent: f64,
-    /// Damping c; default 5e4.
+    /// Damping c; default 5e5.
     pub damping: f64,
     /// Exponent b of the penetration's rate, 1..2.5; default 1.
     pub damping_exponent: f64,
@@ -149,7 +149,7 @@ pub struct Parameters {
     pub masses: Masses,
     /// How time is stepped through.
     pub integrator: Integrator,
-    /// Largest error of a step in a mm of height or of arc at the base circle; default 2e-5 mm.
+    /// Largest error of a step in a mm of height or of arc at the base circle; default 1e-4 mm.
     pub tolerance_mm: f64,
     /// Travel from one sample to the next, mm; default 0.1. The last one is at the end of the stroke.
     pub spacing_mm: f64,
@@ -170,7 +170,7 @@ impl Default for Parameters {
             preload_n: 500.0,
             stiffness: 1e7,
             stiffness_exponent: 1.5,
-            damping: 5e4,
+            damping: 5e5,
             damping_exponent: 1.0,
             indentation_exponent: 1.5,
             friction: 0.0,
@@ -180,7 +180,7 @@ impl Default for Parameters {
             support: Support::default(),
             masses: Masses::default(),
             integrator: Integrator::default(),
-            tolerance_mm: 2e-5,
+            tolerance_mm: 1e-4,
             energy_tolerance: 1e-6,
             spacing_mm: 0.1,
             max_steps: 1_000_000,
