@@ -22,6 +22,7 @@
 //! fits the plane, the demand is constant along that generator, which is then the contact line.
 
 mod climb;
+mod corner;
 
 use std::f64::consts::PI;
 
@@ -117,6 +118,8 @@ pub(super) struct FlankContact {
     pub(super) cos_nu: f64,
     /// Whether the base helix angle fits the plane, so that the contact line is a generator.
     pub(super) fits: bool,
+    /// Whether it does and [`FlankContact::slides`] holds.
+    pub(super) slides: bool,
     /// Bound of |w| from all end faces.
     pub(super) w_extent: f64,
     /// Slope of the demand along the generator δ = 0.
@@ -439,16 +442,19 @@ impl FlankContact {
         let reach = self.kappa.abs() * self.w_extent;
         let beyond_tip = roll - reach - self.tip_roll;
         let below_start = self.start_roll - reach - roll;
-        // at the involute's start the edge is clear by τ_0 η²/2 − η³/6, which turns negative where η > 3 τ_0
+        let beyond = |roll: f64, e: f64| e * e * (roll * (0.5 - e * e / 24.0));
+        // at the involute's start the edge is clear by τ_0 η²/2 − η³/6, which turns negative where η > 3 τ_0; there the
+        // rack's tip plane bounds what is asked if it is level
         let past_start = self.start_roll + reach - roll;
-        let loss = if past_start > 0.0 && past_start > 2.5 * self.start_roll {
+        let again = past_start > 0.0 && past_start > 2.5 * self.start_roll;
+        let loss = if again && !self.fits {
             -past_start * past_start * past_start / 6.0
         } else if beyond_tip > 0.0 {
-            let e = beyond_tip.min(1.0);
-            e * e * (self.tip_roll * (0.5 - e * e / 24.0))
+            beyond(self.tip_roll, beyond_tip.min(1.0))
         } else if below_start > 0.0 {
+            // whatever τ_0 is, g ≤ 2 (δ/2 − tan(δ/2)) ≤ −δ³/12 where tan(δ/2) < τ
             let e = below_start.min(1.0);
-            e * e * (self.start_roll * (0.5 - e * e / 24.0) - e / 6.0)
+            (beyond(self.start_roll, e) - e * e * e / 6.0).max(e * e * e / 12.0)
         } else {
             0.0
         };
@@ -457,7 +463,8 @@ impl FlankContact {
         } else {
             0.0
         };
-        self.unbounded(pose) + self.tilt.abs() * self.w_extent - scale * loss + slope
+        let bound = self.unbounded(pose) + self.tilt.abs() * self.w_extent - scale * loss + slope;
+        if again && self.fits { bound.max(self.reach_of_root(pose)) } else { bound }
     }
 
     /// The demand of the generator δ = 0 at w = 0, bounds ignored.
@@ -528,12 +535,16 @@ impl FlankContact {
         let mut best = self.line(pose);
         // peaks equal within rounding: the first found names the contact
         let tie = 8.0 * DEMAND * self.base_radius / self.sin_nu;
-        // Only the edge itself can gain, and there the rack's level tip asks for no more than where that edge is lowest.
-        let (sin, cos) = (self.sin_nu, self.cos_nu);
-        let harmless = self.fits
-            && sin >= self.start_roll * cos
-            && self.tip.d + self.base_radius * (cos + self.start_roll * sin) - pose.offset.1
-                <= best.map_or(floor, |best| best.demand.max(floor));
+        if self.kappa == 0.0 && best.is_some() {
+            return best;
+        }
+        if best.is_none()
+            && let Some(touch) =
+                self.corner(pose, floor).or_else(|| self.rack_corner(pose, floor, hint.map(|hint| hint.delta)))
+        {
+            return Some(touch);
+        }
+        let harmless = self.fits && self.reach_of_root(pose) <= best.map_or(floor, |best| best.demand.max(floor));
         let mut climb = |from: f64, to: f64| {
             if from <= to
                 && let Some(touch) = self.climb(pose, (from, to), floor, hint)

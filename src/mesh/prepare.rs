@@ -197,7 +197,7 @@ impl Mesh {
         let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
         let fits = flank.lead_rad == 0.0 && partner.lead_rad == 0.0 && roll.angle == 0.0;
         let form = self.form(inverse);
-        let contact = FlankContact {
+        let mut contact = FlankContact {
             base_radius: pinion.base_radius_mm,
             kappa,
             start_roll: pinion.start_roll_rad,
@@ -210,10 +210,12 @@ impl Mesh {
             sin_nu,
             cos_nu,
             fits: fits && form.is_none(),
+            slides: false,
             w_extent,
             tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
             form,
         };
+        contact.slides = contact.fits && contact.slides(pinion.tip_radius_mm, self.eccentricity());
         let middle = |tooth: &crate::deviation::RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
         let thickness = 2.0 * half_x + tooth.right.along_x_mm - tooth.left.along_x_mm;
         Prepared {
