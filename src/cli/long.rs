@@ -5,8 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::output::is_dumb;
+
 /// How far a run is, on one line of standard error that is drawn over and cleared at the end; nothing at all unless
-/// that is a terminal.
+/// that is a terminal that can.
 ///
 /// Our own, because the libraries for it load the platform's mathematics at every start of the program, `eval`'s too.
 pub(super) struct Bar {
@@ -17,7 +19,7 @@ pub(super) struct Bar {
 
 impl Bar {
     pub(super) fn new() -> Self {
-        Self { watched: io::stderr().is_terminal(), begun: Instant::now(), drawn: None }
+        Self { watched: io::stderr().is_terminal() && !is_dumb(), begun: Instant::now(), drawn: None }
     }
 
     /// Since the run began, s.

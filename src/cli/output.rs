@@ -74,6 +74,11 @@ impl From<io::Error> for Failure {
     }
 }
 
+/// Whether the terminal says of itself that it only prints text, as consoles inside editors do.
+pub(super) fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb")
+}
+
 /// Standard output and standard error, each with its own answer to whether it is a screen.
 pub(super) struct Output {
     stdout: io::Stdout,
@@ -98,7 +103,11 @@ impl Output {
             None
         };
         Self {
-            screen: Screen { width, color: AutoStream::choice(&stdout) != anstream::ColorChoice::Never },
+            screen: Screen {
+                width,
+                color: AutoStream::choice(&stdout) != anstream::ColorChoice::Never,
+                is_dumb: is_dumb(),
+            },
             color_messages: AutoStream::choice(&stderr) != anstream::ColorChoice::Never,
             stdout,
             stderr,

@@ -107,7 +107,7 @@ impl BudgetReport<'_> {
     /// Horizontal bars for a screen.
     fn tornado(&self) -> Option<String> {
         const NAME: usize = 17;
-        let width = usize::from(self.screen.width?).checked_sub(NAME + 24).filter(|width| *width >= 10)?.min(80);
+        let width = self.screen.drawing_width()?.checked_sub(NAME + 24).filter(|width| *width >= 10)?.min(80);
         let bars = self.bars();
         let low = bars.iter().map(|bar| bar.1).fold(0.0, f64::min);
         let high = bars.iter().map(|bar| bar.2).fold(0.0, f64::max);

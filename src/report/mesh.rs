@@ -157,10 +157,10 @@ impl Report for MeshReport<'_> {
         }
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(Block::Table(summary_table(&summary)));
-        if let Some(width) = self.screen.width {
+        if let Some(width) = self.screen.drawing_width() {
             let points: Vec<_> =
                 self.curve.points.iter().map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
-            blocks.extend(sketch::sketch(&points, usize::from(width.min(100)), 8).map(Block::Drawing));
+            blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
         }
         blocks.push(Block::Table(comparison_table(&summary, self.prediction)));
         if !self.listed.is_empty() {

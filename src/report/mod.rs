@@ -80,6 +80,16 @@ pub struct Screen {
     pub width: Option<u16>,
     /// Whether to use colours.
     pub color: bool,
+    /// Whether it only prints line after line of plain text, so that nothing is drawn on it.
+    pub is_dumb: bool,
+}
+
+impl Screen {
+    /// The columns that a drawing may take; `None` if nothing can be drawn.
+    fn drawing_width(self) -> Option<usize> {
+        const WIDEST: u16 = 100;
+        self.width.filter(|_| !self.is_dumb).map(|width| usize::from(width.min(WIDEST)))
+    }
 }
 
 /// A result that can be written.

@@ -297,9 +297,9 @@ impl Report for SimulationReport<'_> {
         if !table.rows.is_empty() {
             blocks.push(Block::Table(table));
         }
-        if let Some(width) = self.screen.width {
+        if let Some(width) = self.screen.drawing_width() {
             let points: Vec<_> = self.outcome.samples.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();
-            blocks.extend(sketch::sketch(&points, usize::from(width.min(100)), 8).map(Block::Drawing));
+            blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
         }
         let given = self.given();
         let given: Vec<_> = given

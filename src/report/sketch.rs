@@ -1,5 +1,7 @@
 //! A small plot in the terminal, drawn with braille dots.
 
+use super::number::signed;
+
 /// Draws `points` (in the order of x) in `width` by `height` characters, with the range of y at the left
 /// and that of x below. `None` if there is no room or no curve.
 pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Option<String> {
@@ -47,8 +49,8 @@ pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Opti
     let mut out = String::new();
     for (index, line) in cells.iter().enumerate() {
         let label = match index {
-            0 => format!("{high:+.4}"),
-            _ if index + 1 == height => format!("{low:+.4}"),
+            0 => signed(high, 4),
+            _ if index + 1 == height => signed(low, 4),
             _ => String::new(),
         };
         out.push_str(&format!("{label:>AXIS$} "));
