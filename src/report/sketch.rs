@@ -80,7 +80,7 @@ mod tests {
         let lines: Vec<_> = drawn.lines().collect();
         assert_eq!(lines.len(), 3);
         assert!(lines[0].starts_with("   +0.0200 ⠀⠀⠀⠀") && lines[0].ends_with('⠉'), "{drawn}");
-        assert!(lines[1].starts_with("   +0.0000 ⣀⣀⣀⣀") && lines[1].ends_with('⠀'), "{drawn}");
+        assert!(lines[1].starts_with("    0.0000 ⣀⣀⣀⣀") && lines[1].ends_with('⠀'), "{drawn}");
         assert!(lines[2].ends_with("10.0 mm"), "{drawn}");
         assert!(sketch(&points, 15, 2).is_none());
         assert!(sketch(&[(0.0, f64::NAN), (1.0, 0.0)], 60, 2).is_some());
