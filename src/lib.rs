@@ -77,6 +77,7 @@ pub mod formula;
 pub mod gear;
 pub mod mesh;
 pub mod multibody;
+mod parallel;
 pub mod quantity;
 #[cfg(feature = "report")]
 pub mod report;

@@ -8,13 +8,12 @@
 //! rest is one pair, found by search, whose accumulated pitch errors agree with the printed multibody values to 1.6 µm
 //! rms; any other pair with those values is as good ([`pair`]).
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use crate::deviation::{DeviationError, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
 use crate::formula::{Model, RackLead, RackPitch, over_roller};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{self, Mesh, MeshError};
 use crate::multibody::{Outcome, Parameters, Scene, SimulationError, Support, exact_mean_mm};
+use crate::parallel;
 use crate::quantity::{Angle, DomainError, Length};
 
 /// The pressure angle that reproduces the analytic columns; any above 19.872° and up to 19.983° does.
@@ -214,21 +213,5 @@ pub struct Simulated {
 /// Simulates every row, on all cores.
 #[must_use]
 pub fn simulate_all() -> Vec<Result<Simulated, ReproductionError>> {
-    let next = AtomicUsize::new(0);
-    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(PRINTED.len());
-    let mut rows: Vec<_> = std::thread::scope(|scope| {
-        let work = || {
-            let mut done = Vec::new();
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                let Some(row) = PRINTED.get(index) else { return done };
-                done.push((index, row.simulate()));
-            }
-        };
-        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
-        let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
-        joined.flat_map(|rows| rows.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
-    });
-    rows.sort_by_key(|(index, _)| *index);
-    rows.into_iter().map(|(_, row)| row).collect()
+    parallel::map(parallel::cores(), PRINTED.len(), || (), |(), index| PRINTED[index].simulate()).0
 }

@@ -2,6 +2,7 @@
 //! solves nothing itself.
 
 use super::{Carrier, Mesh, MeshError, MeshPoint, Sampler};
+use crate::parallel;
 
 /// Where the carrying flank pair of one side, or the place on it, changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +39,10 @@ const STEPS_PER_PITCH: f64 = 32.0;
 const KINK_WIDTH: f64 = 1e-10;
 /// Points nearer than this share of a pitch to a kink are not worth keeping.
 const CROWDED: f64 = 1e-6;
+/// First steps that are refined together, on one core: the curve does not depend on how many cores there are.
+const BLOCK: usize = 64;
+/// Strokes that may be solved in all beyond 64 for each first step.
+const SPARE: usize = 200_000;
 /// First steps at most; longer ranges start coarser.
 const MAX_STEPS: f64 = 4e6;
 /// Halvings of a first step at most: 2⁻³⁵ of 1/32 pitch is below the width of a kink.
@@ -71,23 +76,25 @@ impl Mesh {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped above
         let strokes: Vec<f64> = (0..=steps as u32).map(|step| at(f64::from(step))).collect();
         let first: Vec<MeshPoint> = self.sample(&strokes).into_iter().collect::<Result<_, _>>()?;
-        let mut refiner = Refiner {
-            sampler: Sampler::new(self),
-            tolerance: tolerance_mm,
-            pitch,
-            curve: Curve {
-                points: vec![first[0]],
-                kinks: Vec::new(),
-                tolerance_mm,
-                solved: strokes.len(),
-                resolved: true,
-            },
-            budget: 64 * strokes.len() + 200_000,
+        let blocks = first.len().div_ceil(BLOCK);
+        let budget = 64 * BLOCK + SPARE / blocks;
+        let refined = |(): &mut (), block: usize| {
+            let ends = &first[block * BLOCK..first.len().min((block + 1) * BLOCK + 1)];
+            let curve =
+                Curve { points: vec![ends[0]], kinks: Vec::new(), tolerance_mm, solved: ends.len(), resolved: true };
+            let mut refiner = Refiner { sampler: Sampler::new(self), tolerance: tolerance_mm, pitch, curve, budget };
+            ends.windows(2).try_for_each(|ends| refiner.refine(&ends[0], &ends[1], 0)).map(|()| refiner.curve)
         };
-        for ends in first.windows(2) {
-            refiner.refine(&ends[0], &ends[1], 0)?;
+        let mut curve = Curve { points: vec![first[0]], kinks: Vec::new(), tolerance_mm, solved: 1, resolved: true };
+        for block in parallel::map(parallel::cores(), blocks, || (), refined).0 {
+            let block = block?;
+            // its first point is the last one's last
+            curve.points.extend(&block.points[1..]);
+            curve.kinks.extend(block.kinks);
+            curve.solved += block.solved - 1;
+            curve.resolved &= block.resolved;
         }
-        Ok(refiner.curve)
+        Ok(curve)
     }
 }
 

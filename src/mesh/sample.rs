@@ -4,9 +4,8 @@
 //! The result does not depend on the number of cores: strokes are dealt in blocks of fixed size, each solved from a
 //! fresh start.
 
-use std::sync::Mutex;
-
 use super::{Mesh, MeshError, MeshPoint, Sampler};
+use crate::parallel;
 
 /// Long enough that starting a block costs nothing, short enough to share out evenly.
 const BLOCK: usize = 512;
@@ -27,7 +26,7 @@ impl Mesh {
     /// The same, written to the caller's memory. Ends with the shorter of the two slices.
     pub fn sample_into(&self, strokes_mm: &[f64], points: &mut [Result<MeshPoint, MeshError>]) {
         let blocks = strokes_mm.len().min(points.len()).div_ceil(BLOCK);
-        deal(cores(blocks), strokes_mm.chunks(BLOCK).zip(points.chunks_mut(BLOCK)), |(strokes, points)| {
+        parallel::deal(cores(blocks), strokes_mm.chunks(BLOCK).zip(points.chunks_mut(BLOCK)), |(strokes, points)| {
             let mut sampler = Sampler::new(self);
             for (&stroke, point) in strokes.iter().zip(points) {
                 *point = sampler.at(stroke);
@@ -56,7 +55,7 @@ impl Mesh {
         while first < blocks {
             made.clear();
             made.resize_with(held.min(usize::try_from(blocks - first).unwrap_or(held)), || None);
-            deal(cores, (first..blocks).zip(&mut made), |(index, made)| {
+            parallel::deal(cores, (first..blocks).zip(&mut made), |(index, made)| {
                 let mut sampler = Sampler::new(self);
                 let strokes = (index * block..count.min((index + 1) * block)).map(&stroke_mm);
                 let points: Vec<_> = strokes.map(|stroke| (stroke, sampler.at(stroke))).collect();
@@ -73,28 +72,7 @@ impl Mesh {
 
 /// Cores worth starting for so many blocks.
 fn cores(blocks: usize) -> usize {
-    if blocks <= 1 { 1 } else { std::thread::available_parallelism().map_or(1, usize::from).min(blocks) }
-}
-
-/// Works off jobs on so many cores; whoever is done takes the next one.
-fn deal<J: Send>(cores: usize, jobs: impl Iterator<Item = J> + Send, work: impl Fn(J) + Sync) {
-    if cores <= 1 {
-        return jobs.for_each(work);
-    }
-    let jobs = Mutex::new(jobs);
-    // a job is taken with the lock held and worked off without it; a panic elsewhere ends the scope anyway
-    let next = || jobs.lock().ok().and_then(|mut jobs| jobs.next());
-    let worker = || {
-        while let Some(job) = next() {
-            work(job);
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..cores {
-            scope.spawn(worker);
-        }
-        worker();
-    });
+    if blocks <= 1 { 1 } else { parallel::cores().min(blocks) }
 }
 
 #[cfg(test)]
@@ -143,9 +121,7 @@ mod tests {
         let solved = std::sync::atomic::AtomicUsize::new(0);
         let count = |points: &[_]| solved.fetch_add(points.len(), std::sync::atomic::Ordering::Relaxed);
         assert_eq!(mesh.sample_blocks(u64::MAX, |_| 1.0, count, |_| Err("enough")), Err("enough"));
-        assert!(
-            solved.into_inner() <= BLOCK * BLOCKS_HELD * std::thread::available_parallelism().map_or(1, usize::from)
-        );
+        assert!(solved.into_inner() <= BLOCK * BLOCKS_HELD * parallel::cores());
     }
 
     #[test]

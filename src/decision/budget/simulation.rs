@@ -6,12 +6,11 @@
 //! every set of tolerances and depend on the seed and the number of errors only, so that fractions can be compared and
 //! repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
-use std::num::NonZeroUsize;
-
 use super::{BudgetError, Entry, Request, base_value};
 use crate::decision::monte_carlo::{BLOCK, Random, Ziggurat};
 use crate::deviation::ErrorKind;
 use crate::formula::{Model, PartError, Prepared};
+use crate::parallel;
 
 /// How errors spread within their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -113,18 +112,8 @@ impl Assembly {
     pub(super) fn count(&self, errors: &[PartError]) -> u64 {
         let prepared: Vec<(Prepared, f64)> =
             errors.iter().map(|error| (Prepared::new(&error.formula(), self.model), base_value(error))).collect();
-        let threads = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let chunk = self.blocks.len().div_ceil(threads).max(1);
-        let of_blocks =
-            |blocks: &[Vec<Vec<f64>>]| -> u64 { blocks.iter().map(|block| self.count_block(block, &prepared)).sum() };
-        if threads == 1 {
-            return of_blocks(&self.blocks);
-        }
-        std::thread::scope(|scope| {
-            let running: Vec<_> =
-                self.blocks.chunks(chunk).map(|blocks| scope.spawn(move || of_blocks(blocks))).collect();
-            running.into_iter().map(|thread| thread.join().unwrap_or(0)).sum()
-        })
+        let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &prepared);
+        parallel::map(parallel::cores(), self.blocks.len(), || (), count).0.into_iter().sum()
     }
 
     fn count_block(&self, block: &[Vec<f64>], prepared: &[(Prepared, f64)]) -> u64 {

@@ -27,11 +27,10 @@ mod random;
 pub use part::{PartSimulation, simulate_part};
 pub(crate) use random::{Random, Ziggurat};
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use thiserror::Error;
 
 use super::uncertainty::{Distribution, Linear, Source, Uncertainty, UncertaintyError};
+use crate::parallel;
 use histogram::Histogram;
 
 /// Draws per block; JCGM 101 asks for 10⁴ at least.
@@ -435,38 +434,17 @@ impl<M: Simulated> Run<'_, M> {
     /// Makes the blocks from `from` to before `upto`, on all threads.
     fn blocks(&self, from: u64, upto: u64, pilot: &[Pilot], total: &mut Tally, sums: &mut Vec<Vec<BlockSums>>) {
         let count = usize::try_from(upto - from).unwrap_or(usize::MAX);
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        let threads = self.settings.threads.unwrap_or_else(cores).clamp(1, count.max(1));
-        let next = AtomicUsize::new(0);
-        let worker = || {
-            let mut work = Worker::new(self, pilot);
-            let mut mine = Vec::new();
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= count {
-                    return (work.tally, mine);
-                }
-                mine.push((index, work.block(self, from + index as u64, pilot)));
-            }
-        };
-        let parts: Vec<_> = std::thread::scope(|scope| {
-            let handles: Vec<_> = (1..threads).map(|_| scope.spawn(worker)).collect();
-            let mut parts = vec![worker()];
-            for handle in handles {
-                match handle.join() {
-                    Ok(part) => parts.push(part),
-                    Err(panic) => std::panic::resume_unwind(panic),
-                }
-            }
-            parts
-        });
-        let mut made = Vec::with_capacity(count);
-        for (tally, mine) in parts {
-            total.add(&tally);
-            made.extend(mine);
+        let threads = self.settings.threads.unwrap_or_else(parallel::cores);
+        let (made, workers) = parallel::map(
+            threads,
+            count,
+            || Worker::new(self, pilot),
+            |worker, index| worker.block(self, from + index as u64, pilot),
+        );
+        for worker in &workers {
+            total.add(&worker.tally);
         }
-        made.sort_unstable_by_key(|(index, _)| *index);
-        sums.extend(made.into_iter().map(|(_, sums)| sums));
+        sums.extend(made);
     }
 
     /// JCGM 101, 7.9.4: whether means, deviations and interval ends of the blocks agree to the digits of every result.

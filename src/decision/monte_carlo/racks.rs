@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use thiserror::Error;
 
@@ -25,7 +25,7 @@ use crate::decision::statistics::{beta_cdf, beta_quantile};
 use crate::decision::uncertainty::{Distribution, Uncertainty};
 use crate::deviation::{DeviationError, PinionFlank, PinionTooth, RackFlank, RackTooth};
 use crate::mesh::{Mesh, MeshError, Sampler};
-use crate::trig;
+use crate::{parallel, trig};
 
 /// Strokes solved per rack pitch.
 pub const STEPS_PER_PITCH: f64 = 32.0;
@@ -153,37 +153,18 @@ pub fn simulate_racks(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -
     let strokes = Strokes::new(base, settings)?;
     let ziggurat = Ziggurat::new();
     let draw = Draw { base, scatter, settings, strokes: &strokes, ziggurat: &ziggurat };
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = settings.threads.unwrap_or_else(cores).clamp(1, racks);
-    let next = AtomicUsize::new(0);
-    let worker = || {
-        let mut mine = Vec::new();
-        loop {
-            let rack = next.fetch_add(1, Ordering::Relaxed);
-            if rack >= racks {
-                return mine;
-            }
-            let result = draw.rack(rack);
-            // nothing after the first failure is reported; racks before it are already being solved
-            if result.is_err() {
-                next.store(racks, Ordering::Relaxed);
-            }
-            mine.push((rack, result));
+    let failed = AtomicBool::new(false);
+    let solve = |(): &mut (), rack| {
+        // nothing after the first failure is reported; racks before it are already being solved
+        if failed.load(Ordering::Relaxed) {
+            return None;
         }
+        let result = draw.rack(rack);
+        failed.fetch_or(result.is_err(), Ordering::Relaxed);
+        Some(result)
     };
-    let mut solved: Vec<_> = std::thread::scope(|scope| {
-        let handles: Vec<_> = (1..threads).map(|_| scope.spawn(worker)).collect();
-        let mut solved = worker();
-        for handle in handles {
-            match handle.join() {
-                Ok(part) => solved.extend(part),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        solved
-    });
-    solved.sort_unstable_by_key(|(rack, _)| *rack);
-    solved.into_iter().map(|(_, result)| result).collect()
+    let threads = settings.threads.unwrap_or_else(parallel::cores);
+    parallel::map(threads, racks, || (), solve).0.into_iter().flatten().collect()
 }
 
 struct Strokes {

@@ -1,0 +1,107 @@
+//! Work shared out over the machine's cores. Called by the mesh for many strokes and by whatever repeats a simulation; knows
+//! nothing of what is worked on. Results come in the order of the work, whichever thread was faster.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The cores of this machine that the process may use.
+pub(crate) fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Makes something of each number below `count` on up to so many threads. `start` makes what a thread keeps from one number
+/// to the next. Returns what was made, in order, and what the threads kept, in no order.
+pub(crate) fn map<T: Send, W: Send>(
+    threads: usize,
+    count: usize,
+    start: impl Fn() -> W + Sync,
+    make: impl Fn(&mut W, usize) -> T + Sync,
+) -> (Vec<T>, Vec<W>) {
+    let next = AtomicUsize::new(0);
+    let parts = on_threads(threads.min(count), || {
+        let (mut kept, mut made) = (start(), Vec::new());
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count {
+                return (made, kept);
+            }
+            made.push((index, make(&mut kept, index)));
+        }
+    });
+    let (mut all, mut kept) = (Vec::with_capacity(count), Vec::with_capacity(parts.len()));
+    for (made, of_thread) in parts {
+        all.extend(made);
+        kept.push(of_thread);
+    }
+    all.sort_unstable_by_key(|(index, _)| *index);
+    (all.into_iter().map(|(_, made)| made).collect(), kept)
+}
+
+/// Works off jobs on up to so many threads; whoever is done takes the next one.
+pub(crate) fn deal<J: Send>(threads: usize, jobs: impl Iterator<Item = J> + Send, work: impl Fn(J) + Sync) {
+    if threads <= 1 {
+        return jobs.for_each(work);
+    }
+    let jobs = Mutex::new(jobs);
+    // a job is taken with the lock held and worked off without it; a panic elsewhere is passed on below
+    let next = || jobs.lock().ok().and_then(|mut jobs| jobs.next());
+    on_threads(threads, || {
+        while let Some(job) = next() {
+            work(job);
+        }
+    });
+}
+
+/// Runs the same on so many threads at once, the caller's among them. A panic on any of them is the caller's.
+fn on_threads<T: Send>(threads: usize, worker: impl Fn() -> T + Sync) -> Vec<T> {
+    std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(&worker)).collect();
+        let mut parts = vec![worker()];
+        for other in others {
+            parts.push(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        parts
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_in_order_on_any_number_of_threads_and_each_is_made_once() {
+        for threads in [0, 1, 2, 5, 40] {
+            for count in [0, 1, 7, 300] {
+                let (made, kept) = map(
+                    threads,
+                    count,
+                    || 0,
+                    |seen, index| {
+                        *seen += 1;
+                        index * index
+                    },
+                );
+                assert_eq!(made, (0..count).map(|index| index * index).collect::<Vec<_>>());
+                assert_eq!(kept.iter().sum::<usize>(), count);
+                assert!(kept.len() <= threads.max(1));
+            }
+        }
+    }
+
+    #[test]
+    fn every_job_is_dealt_once() {
+        for threads in [0, 1, 3] {
+            let sum = AtomicUsize::new(0);
+            deal(threads, 1..=100_usize, |job| {
+                sum.fetch_add(job, Ordering::Relaxed);
+            });
+            assert_eq!(sum.into_inner(), 5050);
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "on purpose")]
+    fn a_panic_on_a_thread_is_passed_on() {
+        map(3, 10, || (), |(), index| assert!(index != 4, "on purpose"));
+    }
+}
