@@ -145,6 +145,15 @@ impl Uncertainties {
         }
         (0..n).map(|i| (0..n).map(|j| a[i] * b[j] * self.correlation[i * n + j]).sum::<f64>()).sum()
     }
+
+    /// Σ_i Σ_j a_i a_j |r_ij|: what the variance is made of, before anything cancels.
+    pub(super) fn absolute_covariance(&self, a: &[f64]) -> f64 {
+        let n = self.inputs.len();
+        if self.factor.is_empty() {
+            return a.iter().map(|a| a * a).sum();
+        }
+        (0..n).map(|i| (0..n).map(|j| a[i] * a[j] * self.correlation[i * n + j].abs()).sum::<f64>()).sum()
+    }
 }
 
 /// The lower triangular L with L Lᵀ = `matrix`, or the row at which it is not positive semidefinite.

@@ -14,9 +14,11 @@
 //! what the value may be lies above the value, and the result says so ([`Linear::folded`]).
 
 mod inputs;
+mod prepared;
 mod source;
 
 pub use inputs::{Uncertainties, UncertaintyError};
+pub use prepared::{Point, Propagator, Spread, Spreads};
 pub use source::{Distribution, Source, Uncertainty};
 
 use super::rule::Ends;
@@ -203,22 +205,11 @@ fn end(
         let u = contribution_of(uncertainties, &gradient.derivatives);
         // these combinations fold what the formula does not
         let near_zero = u > 0.0 && gradient.value_mm.abs() < FOLD * u;
-        let sign = if gradient.value_mm < 0.0 { -1.0 } else { 1.0 };
-        let weight = match stack {
-            Stack::Range if gradient.is_tolerance && gradient.kind.always_acts() => {
-                if is_upper {
-                    sign
-                } else {
-                    -sign
-                }
-            }
-            Stack::Range if is_upper || gradient.kind.always_acts() => 1.0,
-            Stack::Range => continue,
-            Stack::WorstCase => sign,
-            Stack::Rss if squares > 0.0 => gradient.value_mm / squares.sqrt(),
-            Stack::Rss => 1.0,
+        let Some(weight) =
+            stack_weight(stack, is_upper, gradient.kind, gradient.is_tolerance, gradient.value_mm, squares)
+        else {
+            continue;
         };
-        let weight = if stack != Stack::Range && !is_upper { -weight } else { weight };
         for (sum, derivative) in sum.iter_mut().zip(&gradient.derivatives) {
             *sum += weight * derivative;
         }
@@ -227,6 +218,27 @@ fn end(
         }
     }
     (sum, folded)
+}
+
+/// ∂(end of the combination)/∂ΔCD of one error; `None` if that end does not follow from it. `squares` is the sum of the
+/// squares of all ΔCD, mm².
+fn stack_weight(
+    stack: Stack,
+    is_upper: bool,
+    kind: ErrorKind,
+    is_tolerance: bool,
+    value_mm: f64,
+    squares: f64,
+) -> Option<f64> {
+    let sign = if value_mm < 0.0 { -1.0 } else { 1.0 };
+    let weight = match stack {
+        Stack::Range if is_tolerance && kind.always_acts() => return Some(if is_upper { sign } else { -sign }),
+        Stack::Range => return (is_upper || kind.always_acts()).then_some(1.0),
+        Stack::WorstCase => sign,
+        Stack::Rss if squares > 0.0 => value_mm / squares.sqrt(),
+        Stack::Rss => 1.0,
+    };
+    Some(if is_upper { weight } else { -weight })
 }
 
 fn contribution_of(uncertainties: &Uncertainties, derivatives: &[f64]) -> f64 {
@@ -285,7 +297,13 @@ pub fn effective_dof(combined: f64, contributions: &[f64], dofs: &[f64]) -> f64 
 /// The coverage factor k of 95.45 %: 2, or Student's t at `dof` degrees of freedom, rounded down to a whole number.
 #[must_use]
 pub fn coverage_factor(dof: f64) -> f64 {
-    if dof.is_finite() { student_quantile(0.5 + 0.5 * COVERAGE, dof.floor().max(1.0)) } else { 2.0 }
+    if dof.is_finite() { student_quantile(0.5 + 0.5 * COVERAGE, whole_dof(dof)) } else { 2.0 }
+}
+
+/// Degrees of freedom rounded down to a whole number of at least 1 (clause G.6.4); rounding of the binary number before does
+/// not make 9 of them 8.
+fn whole_dof(dof: f64) -> f64 {
+    (dof * (1.0 + 1e-12)).floor().max(1.0)
 }
 
 fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Gradient, UncertaintyError> {

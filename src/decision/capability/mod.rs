@@ -11,6 +11,10 @@
 //! indication comes with them. Confidence intervals: χ² for Cp and Pp, the normal approximation of Bissell (1990) for Cpk
 //! and Ppk. The measuring uncertainty is part of the spread; its share of the variance is the gauge share.
 
+mod normality;
+
+pub use normality::Normality;
+
 use thiserror::Error;
 
 use super::Limit;
@@ -37,27 +41,6 @@ pub struct Index {
     pub upper: f64,
 }
 
-/// Whether values look normally distributed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Normality {
-    /// Skewness, 0 for a normal distribution.
-    pub skewness: f64,
-    /// Kurtosis less 3, 0 for a normal distribution.
-    pub excess_kurtosis: f64,
-    /// The Anderson-Darling statistic A*² (mean and deviation estimated from the values).
-    pub anderson_darling: f64,
-    /// The probability of a statistic at least as large if the values are normal.
-    pub p_value: f64,
-}
-
-impl Normality {
-    /// Whether normality is rejected at the 5 % level.
-    #[must_use]
-    pub fn rejected(&self) -> bool {
-        self.p_value < 0.05
-    }
-}
-
 /// What the measuring uncertainty does to the indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gauge {
@@ -67,8 +50,25 @@ pub struct Gauge {
     pub tolerance_share: Option<f64>,
     /// Standard deviation of the parts alone, √(s² − u²), mm; `None` if u exceeds s.
     pub part_deviation_mm: Option<f64>,
-    /// Ppk of the parts alone; `None` without a part deviation above 0.
+    /// Ppk of the parts alone; `None` without a part deviation above 0, or without limits.
     pub part_ppk: Option<f64>,
+}
+
+impl Gauge {
+    /// Of values with a standard uncertainty and standard deviation, that are `margin_mm` within the nearer of limits
+    /// `width_mm` apart.
+    #[must_use]
+    pub fn of(uncertainty_mm: f64, deviation_mm: f64, margin_mm: f64, width_mm: Option<f64>) -> Self {
+        let parts_alone = deviation_mm * deviation_mm - uncertainty_mm * uncertainty_mm;
+        let part_deviation_mm = (parts_alone >= 0.0).then(|| parts_alone.sqrt());
+        let spreads = part_deviation_mm.filter(|deviation| *deviation > 0.0);
+        Self {
+            variance_share: (uncertainty_mm / deviation_mm) * (uncertainty_mm / deviation_mm),
+            tolerance_share: width_mm.map(|width| 6.0 * uncertainty_mm / width),
+            part_deviation_mm,
+            part_ppk: spreads.filter(|_| margin_mm.is_finite()).map(|deviation| margin_mm / (3.0 * deviation)),
+        }
+    }
 }
 
 /// The capability of a batch.
@@ -211,18 +211,7 @@ pub fn capability(
         .iter()
         .filter(|value| lower.is_some_and(|lower| **value < lower) || upper.is_some_and(|upper| **value > upper))
         .count();
-    let gauge = uncertainty_mm.map(|u| {
-        let parts_alone = overall * overall - u * u;
-        let part_deviation_mm = (parts_alone >= 0.0).then(|| parts_alone.sqrt());
-        Gauge {
-            variance_share: (u / overall) * (u / overall),
-            tolerance_share: width.map(|width| 6.0 * u / width),
-            part_deviation_mm,
-            part_ppk: part_deviation_mm
-                .filter(|deviation| *deviation > 0.0)
-                .map(|deviation| margin / (3.0 * deviation)),
-        }
-    });
+    let gauge = uncertainty_mm.map(|u| Gauge::of(u, overall, margin, width));
     Ok(Capability {
         parts,
         subgroup,
@@ -233,14 +222,31 @@ pub fn capability(
         cpk: margin_index(margin, within, n, within_dof),
         pp: width.map(|width| spread_index(width, overall, n - 1.0)),
         ppk: margin_index(margin, overall, n, n - 1.0),
-        normality: normality(values_mm, mean, overall),
+        normality: Normality::of(values_mm, mean, overall),
         gauge,
         outside: count(outside) / n,
     })
 }
 
+/// An index of the spread and one of the margin, as far as the limits allow.
+pub type Indices = (Option<Index>, Option<Index>);
+
+/// Cp and Cpk of so many parts in the order of production of which the mean moving range is known; as [`performance`].
+#[must_use]
+pub fn short_term(
+    parts: u64,
+    mean_mm: f64,
+    moving_range_mm: f64,
+    lower_mm: Option<f64>,
+    upper_mm: Option<f64>,
+) -> Indices {
+    let ranges = count(usize::try_from(parts).unwrap_or(usize::MAX)) - 1.0;
+    let dof = if ranges >= 1.0 { moving_range_dof(ranges) } else { 1.0 };
+    indices(parts, mean_mm, moving_range_mm / D2_SQUARED.sqrt(), dof, (lower_mm, upper_mm))
+}
+
 /// Pp and Ppk of so many parts of which mean and standard deviation are known, against limits in mm; for batches whose
-/// values are not kept. Pp is `None` unless both limits are given; both are with fewer than [`FEWEST_PARTS`] parts, without
+/// values are not kept. The first is `None` unless both limits are given; both are with fewer than [`FEWEST_PARTS`] parts, without
 /// limits, or without spread.
 #[must_use]
 pub fn performance(
@@ -249,7 +255,18 @@ pub fn performance(
     deviation_mm: f64,
     lower_mm: Option<f64>,
     upper_mm: Option<f64>,
-) -> (Option<Index>, Option<Index>) {
+) -> Indices {
+    let dof = count(usize::try_from(parts).unwrap_or(usize::MAX)) - 1.0;
+    indices(parts, mean_mm, deviation_mm, dof, (lower_mm, upper_mm))
+}
+
+fn indices(
+    parts: u64,
+    mean_mm: f64,
+    deviation_mm: f64,
+    dof: f64,
+    (lower_mm, upper_mm): (Option<f64>, Option<f64>),
+) -> Indices {
     let n = count(usize::try_from(parts).unwrap_or(usize::MAX));
     let margin = lower_mm
         .map_or(f64::INFINITY, |lower| mean_mm - lower)
@@ -260,8 +277,8 @@ pub fn performance(
         return (None, None);
     }
     let width = lower_mm.zip(upper_mm).map(|(lower, upper)| upper - lower);
-    let pp = width.map(|width| spread_index(width, deviation_mm, n - 1.0));
-    (pp, Some(margin_index(margin, deviation_mm, n, n - 1.0)))
+    let spread = width.map(|width| spread_index(width, deviation_mm, dof));
+    (spread, Some(margin_index(margin, deviation_mm, n, dof)))
 }
 
 #[allow(clippy::cast_precision_loss)] // far below 2⁵³ parts
@@ -284,14 +301,19 @@ fn sum_of_squares(values: &[f64], mean: f64) -> f64 {
 /// Of independent normal values, moving ranges have the mean 2σ/√π and the variance (2 − 4/π) σ², neighbouring ones
 /// the covariance (4/π)(√3/2 + π/12 − 1) σ²; Var(s)/σ² = 1/(2ν).
 fn moving_range(values: &[f64]) -> (f64, f64) {
-    use std::f64::consts::PI;
     let ranges = count(values.len() - 1);
     let mean_range = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>() / ranges;
-    let d2_squared = 4.0 / PI;
-    let variance = 2.0 - d2_squared;
-    let covariance = d2_squared * (0.75_f64.sqrt() + PI / 12.0 - 1.0);
-    let relative = (ranges * variance + 2.0 * (ranges - 1.0) * covariance) / (ranges * ranges * d2_squared);
-    (mean_range / d2_squared.sqrt(), 0.5 / relative)
+    (mean_range / D2_SQUARED.sqrt(), moving_range_dof(ranges))
+}
+
+/// d_2² of ranges of two values.
+const D2_SQUARED: f64 = 4.0 / std::f64::consts::PI;
+
+fn moving_range_dof(ranges: f64) -> f64 {
+    let variance = 2.0 - D2_SQUARED;
+    let covariance = D2_SQUARED * (0.75_f64.sqrt() + std::f64::consts::PI / 12.0 - 1.0);
+    let relative = (ranges * variance + 2.0 * (ranges - 1.0) * covariance) / (ranges * ranges * D2_SQUARED);
+    0.5 / relative
 }
 
 fn pooled(values: &[f64], subgroup: usize) -> (f64, f64) {
@@ -311,47 +333,6 @@ fn margin_index(margin: f64, deviation: f64, n: f64, dof: f64) -> Index {
     let value = margin / (3.0 * deviation);
     let half = normal_quantile(0.5 * (1.0 + CONFIDENCE)) * (1.0 / (9.0 * n) + value * value / (2.0 * dof)).sqrt();
     Index { value, lower: value - half, upper: value + half }
-}
-
-/// Skewness, kurtosis, and the Anderson-Darling statistic with the p-value of D'Agostino and Stephens, *Goodness-of-Fit
-/// Techniques* (1986), table 4.9, for mean and deviation estimated from the values.
-fn normality(values: &[f64], mean: f64, deviation: f64) -> Normality {
-    let n = count(values.len());
-    let moments = values.iter().fold([0.0; 3], |[m2, m3, m4], value| {
-        let d = value - mean;
-        [m2 + d * d, m3 + d * d * d, m4 + d * d * d * d]
-    });
-    let [m2, m3, m4] = moments.map(|moment| moment / n);
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let log_cdf = |z: f64| libm::log(0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2));
-    let standardised = |value: f64| (value - mean) / deviation;
-    let sum: f64 = sorted
-        .iter()
-        .zip(sorted.iter().rev())
-        .zip(0_usize..)
-        .map(|((low, high), i)| (2.0 * count(i) + 1.0) * (log_cdf(standardised(*low)) + log_cdf(-standardised(*high))))
-        .sum();
-    let statistic = -n - sum / n;
-    let adjusted = statistic * (1.0 + 0.75 / n + 2.25 / (n * n));
-    let a = adjusted;
-    let p_value = if a >= 0.6 {
-        libm::exp(1.2937 - 5.709 * a + 0.0186 * a * a)
-    } else if a >= 0.34 {
-        libm::exp(0.9177 - 4.279 * a - 1.38 * a * a)
-    } else if a >= 0.2 {
-        1.0 - libm::exp(-8.318 + 42.796 * a - 59.938 * a * a)
-    } else {
-        1.0 - libm::exp(-13.436 + 101.14 * a - 223.73 * a * a)
-    };
-    // beyond 153 the fitted parabola turns and rises again: the probability is nothing there
-    let p_value = if a > 100.0 { 0.0 } else { p_value };
-    Normality {
-        skewness: m3 / (m2 * m2.sqrt()),
-        excess_kurtosis: m4 / (m2 * m2) - 3.0,
-        anderson_darling: adjusted,
-        p_value: p_value.clamp(0.0, 1.0),
-    }
 }
 
 #[cfg(test)]

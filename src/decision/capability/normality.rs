@@ -1,0 +1,185 @@
+//! Whether the values of a batch look normally distributed, which capability indices suppose. Called with the values
+//! themselves, or with how many of them lie where; it says what it finds and refuses nothing.
+
+use super::count;
+use crate::decision::statistics::{normal_cdf, normal_density};
+
+/// Whether values look normally distributed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normality {
+    /// Skewness, 0 for a normal distribution.
+    pub skewness: f64,
+    /// Kurtosis less 3, 0 for a normal distribution.
+    pub excess_kurtosis: f64,
+    /// The Anderson-Darling statistic A*² (mean and deviation estimated from the values).
+    pub anderson_darling: f64,
+    /// The probability of a statistic at least as large if the values are normal.
+    pub p_value: f64,
+}
+
+impl Normality {
+    /// Of values whose mean and standard deviation are known.
+    ///
+    /// Skewness, kurtosis, and the Anderson-Darling statistic.
+    pub(super) fn of(values: &[f64], mean: f64, deviation: f64) -> Self {
+        let n = count(values.len());
+        let moments = values.iter().fold([0.0; 3], |[m2, m3, m4], value| {
+            let d = value - mean;
+            [m2 + d * d, m3 + d * d * d, m4 + d * d * d * d]
+        });
+        let [m2, m3, m4] = moments.map(|moment| moment / n);
+        let mut sorted = values.to_vec();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let log_cdf = |z: f64| libm::log(0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2));
+        let standardised = |value: f64| (value - mean) / deviation;
+        let sum: f64 = sorted
+            .iter()
+            .zip(sorted.iter().rev())
+            .zip(0_usize..)
+            .map(|((low, high), i)| {
+                (2.0 * count(i) + 1.0) * (log_cdf(standardised(*low)) + log_cdf(-standardised(*high)))
+            })
+            .sum();
+        Self::with_statistic(n, -n - sum / n, [m2, m3, m4])
+    }
+
+    /// Of values counted in groups, from the lowest group to the highest: its ends and count. Within a group they are
+    /// taken as spread evenly. `None` if a group is wider than a quarter of the standard deviation.
+    ///
+    /// A² = n ∫ (F_n − F)² / (F (1 − F)) dF, with the empirical distribution F_n rising linearly within a group; below
+    /// and above all groups the integral is −ln(1 − F) − F and −ln F − (1 − F).
+    #[must_use]
+    pub fn of_groups(groups: &[(f64, f64, u64)], mean: f64, deviation: f64) -> Option<Self> {
+        let (first, last) = (groups.first()?, groups.last()?);
+        #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³ parts")]
+        let n = groups.iter().map(|(.., count)| *count).sum::<u64>() as f64;
+        if groups.iter().any(|(low, high, _)| high - low > 0.25 * deviation) {
+            return None;
+        }
+        let standardised = |value: f64| (value - mean) / deviation;
+        let tail = |z: f64| {
+            // the probability beyond, and the logarithm of what is not
+            let beyond = normal_cdf(-z);
+            -libm::log1p(-beyond) - beyond
+        };
+        let (mut moments, mut statistic, mut below) = ([0.0; 3], 0.0, 0.0);
+        statistic += tail(-standardised(first.0)) + tail(standardised(last.1));
+        let mut end = first.0;
+        for (low, high, count) in groups {
+            #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³ parts")]
+            let share = *count as f64 / n;
+            statistic += distance(standardised(end), standardised(*low), below, below);
+            statistic += distance(standardised(*low), standardised(*high), below, below + share);
+            below += share;
+            end = *high;
+            let d = 0.5 * (low + high) - mean;
+            for (moment, power) in moments.iter_mut().zip([d * d, d * d * d, d * d * d * d]) {
+                *moment += share * power;
+            }
+        }
+        Some(Self::with_statistic(n, n * statistic, moments))
+    }
+
+    /// With the p-value of D'Agostino and Stephens, *Goodness-of-Fit Techniques* (1986), table 4.9, for mean and deviation
+    /// estimated from the values.
+    fn with_statistic(n: f64, statistic: f64, [m2, m3, m4]: [f64; 3]) -> Self {
+        let a = statistic * (1.0 + 0.75 / n + 2.25 / (n * n));
+        let p_value = if a >= 0.6 {
+            libm::exp(1.2937 - 5.709 * a + 0.0186 * a * a)
+        } else if a >= 0.34 {
+            libm::exp(0.9177 - 4.279 * a - 1.38 * a * a)
+        } else if a >= 0.2 {
+            1.0 - libm::exp(-8.318 + 42.796 * a - 59.938 * a * a)
+        } else {
+            1.0 - libm::exp(-13.436 + 101.14 * a - 223.73 * a * a)
+        };
+        // beyond 153 the fitted parabola turns and rises again: the probability is nothing there
+        let p_value = if a > 100.0 { 0.0 } else { p_value };
+        Self {
+            skewness: m3 / (m2 * m2.sqrt()),
+            excess_kurtosis: m4 / (m2 * m2) - 3.0,
+            anderson_darling: a,
+            p_value: p_value.clamp(0.0, 1.0),
+        }
+    }
+
+    /// Whether normality is rejected at the 5 % level.
+    #[must_use]
+    pub fn rejected(&self) -> bool {
+        self.p_value < 0.05
+    }
+}
+
+/// ∫ (G − F)² / (F (1 − F)) dF from z_0 to z_1, where G rises linearly in z from `from` to `to`, by Gauss's rule on pieces
+/// of a quarter of a standard deviation.
+fn distance(z_0: f64, z_1: f64, from: f64, to: f64) -> f64 {
+    // abscissae and weights of three points on -1 to 1: 0, ±√(3/5); 8/9, 5/9
+    const POINTS: [(f64, f64); 3] =
+        [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+    /// Beyond so many standard deviations F is 0 or 1 to the last digit.
+    const FURTHEST: f64 = 38.0;
+    let (low, high) = (z_0.clamp(-FURTHEST, FURTHEST), z_1.clamp(-FURTHEST, FURTHEST));
+    if high <= low {
+        return 0.0;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 304")]
+    let pieces = ((high - low) / 0.25).ceil().max(1.0) as usize;
+    let half = 0.5 * (high - low) / count(pieces);
+    let mut sum = 0.0;
+    for piece in 0..pieces {
+        let middle = low + half * (2.0 * count(piece) + 1.0);
+        for (at, weight) in POINTS {
+            let z = middle + half * at;
+            let g = from + (to - from) * (z - z_0) / (z_1 - z_0);
+            let (below, above) = (normal_cdf(z), normal_cdf(-z));
+            // the smaller of both carries the digits
+            let gap = if z < 0.0 { g - below } else { above - (1.0 - g) };
+            let product = below * above;
+            if product > 0.0 {
+                sum += half * weight * gap * gap / product * normal_density(z);
+            }
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decision::statistics::normal_quantile;
+
+    #[test]
+    fn groups_say_what_the_values_say() {
+        // a normal and a skewed sample: the groups are a thousandth of a standard deviation wide
+        for (power, rejected) in [(1.0, false), (1.6, true)] {
+            let values: Vec<f64> = (0..500)
+                .map(|i| {
+                    let z = 3.5 + normal_quantile((f64::from(i) + 0.5) / 500.0);
+                    (z / 10.0).powf(power)
+                })
+                .collect();
+            let n = count(values.len());
+            let mean = values.iter().sum::<f64>() / n;
+            let deviation = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt();
+            let by_values = Normality::of(&values, mean, deviation);
+            let width = 1e-3 * deviation;
+            let mut groups: Vec<(f64, f64, u64)> = Vec::new();
+            for value in &values {
+                let low = (value / width).floor() * width;
+                match groups.last_mut() {
+                    Some((last, _, count)) if *last == low => *count += 1,
+                    _ => groups.push((low, low + width, 1)),
+                }
+            }
+            let by_groups = Normality::of_groups(&groups, mean, deviation).expect("the groups are narrow");
+            let near =
+                |a: f64, b: f64, within: f64| assert!((a - b).abs() < within, "{power}: {by_values:?} {by_groups:?}");
+            near(by_values.anderson_darling, by_groups.anderson_darling, 2e-2);
+            near(by_values.skewness, by_groups.skewness, 1e-3);
+            near(by_values.excess_kurtosis, by_groups.excess_kurtosis, 1e-3);
+            assert_eq!((by_values.rejected(), by_groups.rejected()), (rejected, rejected), "{power}");
+        }
+        assert_eq!(Normality::of_groups(&[(0.0, 1.0, 50)], 0.5, 1.0), None);
+        assert_eq!(Normality::of_groups(&[], 0.5, 1.0), None);
+    }
+}
