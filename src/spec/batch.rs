@@ -90,12 +90,18 @@ impl Spec {
     }
 
     /// Whether the spec says that a batch has a column for this error: `[batch.columns]` has it, or
-    /// `[errors]` gives its nominal value alone.
+    /// `[errors]` gives its nominal value or its uncertainty alone.
     #[must_use]
     pub fn expects_column(&self, kind: ErrorKind) -> bool {
         let alone = self.nominals.iter().any(|(nominal, _)| *nominal == kind)
             && self.errors.iter().all(|(error, _)| *error != kind);
-        alone || self.batch_column(kind).is_some()
+        alone || self.unmeasured.iter().any(|(error, _)| *error == kind) || self.batch_column(kind).is_some()
+    }
+
+    /// Whether the spec says anything about this error.
+    #[must_use]
+    pub fn speaks_of(&self, kind: ErrorKind) -> bool {
+        self.errors.iter().any(|(error, _)| *error == kind) || self.expects_column(kind)
     }
 
     /// What the column of an error holds: measured values if `[batch.columns]` or `[errors]` gives a nominal

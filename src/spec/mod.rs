@@ -82,6 +82,8 @@ pub struct Spec {
     /// The nominal values that `[errors]` gives, with a measured value or alone: then a batch or a pasted block
     /// holds the measured ones.
     pub nominals: Vec<(ErrorKind, Located<ErrorValue>)>,
+    /// The entries of `[errors]` that give nothing but the uncertainty of values to come from a batch or a pasted block.
+    pub unmeasured: Vec<(ErrorKind, Range<usize>)>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
     /// `[batch]`.
@@ -248,13 +250,18 @@ impl Spec {
             standard: reader.standard("standard"),
             diameter: reader.rack_diameter("diameter"),
         });
-        let (errors, nominals) = sections.read(&keys::ERRORS, |reader| {
+        let (errors, nominals, unmeasured) = sections.read(&keys::ERRORS, |reader| {
             let nominals = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
             let nominals: Vec<_> = nominals.collect();
-            let alone = |kind| reader.table.and_then(|table| only_nominal(table, kind)).is_some();
+            let unmeasured: Vec<_> =
+                ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
+            let alone = |kind| {
+                reader.table.and_then(|table| only_nominal(table, kind)).is_some()
+                    || unmeasured.iter().any(|(other, _)| *other == kind)
+            };
             let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
             let errors = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
-            (errors, nominals)
+            (errors, nominals, unmeasured)
         });
         let limits = sections.read(&keys::LIMITS, |reader| {
             let targets = ErrorKind::ALL.into_iter().map(LimitTarget::Error);
@@ -279,6 +286,7 @@ impl Spec {
                 budget,
                 errors,
                 nominals,
+                unmeasured,
                 limits,
                 batch,
                 simulation,
@@ -436,6 +444,20 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Locat
         reader.note_uncertainty(kind.key(), entry, value.span(), source, source.is_angle(), 1.0);
     }
     Some(Located { value: nominal?, span: value.span() })
+}
+
+/// Reads an entry of an error that has nothing but an uncertainty: where it stands.
+fn read_unmeasured(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Range<usize>> {
+    let written = reader.table?.get(kind.key())?;
+    let entry = written.get_ref().as_table()?;
+    let only =
+        !entry.is_empty() && entry.iter().all(|(key, _)| keys::UNCERTAINTY_KEYS.contains(&key.get_ref().as_ref()));
+    if !only {
+        return None;
+    }
+    let source = uncertain::Source::Error(kind);
+    reader.note_uncertainty(kind.key(), entry, written.span(), source, source.is_angle(), 1.0);
+    Some(written.span())
 }
 
 /// The keys that the table form of an error may have, in the combinations that make an error.

@@ -27,6 +27,14 @@ impl Spec {
                 .help("add `measured = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
                 .into());
         }
+        let without_value = self.unmeasured.iter().find(|(kind, _)| self.errors.iter().all(|(other, _)| other != kind));
+        if let Some((kind, place)) = without_value {
+            let message = format!("`{}` has an uncertainty, but no value", kind.key());
+            return Err(Diagnostic::error(Code::BadErrorEntry, message)
+                .at(&self.source, place.clone(), "")
+                .help("add `value = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
+                .into());
+        }
         if self.errors.is_empty() {
             let place = self.source.text.find("[errors]").map_or(0..0, |start| start..start + "[errors]".len());
             let diagnostic =
@@ -70,14 +78,19 @@ impl Spec {
     /// stood in `[errors]`.
     #[must_use]
     pub fn with_errors(&self, errors: &[(ErrorKind, ErrorValue)]) -> Self {
+        // the nominal measure over a roller stays what it is computed from, with the uncertainties of that
+        let over_pin = self.over_pin().and_then(|over_pin| Some((over_pin.measure().ok()?, over_pin.pin_diameter)));
         let errors = errors.iter().map(|(kind, value)| {
-            let written = match value {
-                ErrorValue::Length(length) => WrittenError::Length(length.clone()),
-                ErrorValue::Angle(angle) => WrittenError::Angle(angle.clone()),
+            let written = match (value, &over_pin) {
+                (ErrorValue::Length(length), Some((nominal, roller))) if *kind == ErrorKind::RackOverRoller => {
+                    WrittenError::OverRoller { measured: length + nominal, roller: roller.clone() }
+                }
+                (ErrorValue::Length(length), _) => WrittenError::Length(length.clone()),
+                (ErrorValue::Angle(angle), _) => WrittenError::Angle(angle.clone()),
             };
             (*kind, Located { value: written, span: 0..0 })
         });
-        Self { errors: errors.collect(), nominals: Vec::new(), ..self.clone() }
+        Self { errors: errors.collect(), nominals: Vec::new(), unmeasured: Vec::new(), ..self.clone() }
     }
 
     /// The limits that the spec gives.

@@ -180,6 +180,13 @@ fn error(kind: ErrorKind) -> Value {
             "properties": properties,
         }));
     }
+    // the uncertainty of values that come from a table
+    forms.push(json!({
+        "type": "object",
+        "additionalProperties": false,
+        "minProperties": 1,
+        "properties": uncertainty_properties(),
+    }));
     json!({ "anyOf": forms })
 }
 

@@ -297,9 +297,17 @@ impl Spec {
     /// # Errors
     /// A diagnostic for correlations of what has no uncertainty, or that contradict each other.
     pub fn uncertainties(&self) -> Result<Uncertainties, Diagnostics> {
-        let given = |kind: ErrorKind| self.errors.iter().any(|(other, _)| *other == kind);
+        self.uncertainties_of(&self.errors.iter().map(|(kind, _)| *kind).collect::<Vec<_>>())
+    }
+
+    /// The uncertainties of the values that ΔCD of errors of these kinds follows from, wherever their values stand.
+    ///
+    /// # Errors
+    /// As [`uncertainties`](Self::uncertainties).
+    pub fn uncertainties_of(&self, kinds: &[ErrorKind]) -> Result<Uncertainties, Diagnostics> {
+        let given = |kind: ErrorKind| kinds.contains(&kind);
         let pitch = given(ErrorKind::RackPitch) || given(ErrorKind::RackLead);
-        let nominal = self.over_pin().is_some();
+        let nominal = given(ErrorKind::RackOverRoller) && self.over_pin().is_some();
         let counts = |source: Source| match source {
             Source::Error(kind) => given(kind),
             Source::NormalPressureAngle => pitch || given(ErrorKind::PinionPitch) || nominal,
