@@ -71,7 +71,9 @@ impl Chart {
         let mut svg =
             format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">", escape(&self.caption));
         let (ticks, decimals) = y.ticks(6.0);
-        for tick in ticks {
+        // parts are counted in whole numbers
+        let decimals = if self.bars.is_empty() { decimals } else { 0 };
+        for tick in ticks.into_iter().filter(|tick| self.bars.is_empty() || tick.fract() == 0.0) {
             let at = y.at(tick);
             svg += &format!("<path class=\"g\" d=\"M{left} {at:.1}H{right}\"/>");
             svg += &format!(
@@ -83,8 +85,10 @@ impl Chart {
         }
         let (ticks, decimals) = x.ticks(9.0);
         for tick in ticks.into_iter().filter(|tick| !self.counts || *tick >= 1.0) {
+            // a number at the edge stays in the picture
+            let anchor = if x.at(tick) > right - 24.0 { "end" } else { "middle" };
             svg += &format!(
-                "<text class=\"t\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                "<text class=\"t\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
                 x.at(tick),
                 bottom + 18.0,
                 number(tick, decimals)

@@ -1,6 +1,7 @@
 //! From a drawing to a picture: SVG and PNG of the same drawing, in the same font.
 
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use thiserror::Error;
 
@@ -69,6 +70,79 @@ pub(super) trait Drawing {
         writer.finish().map_err(failed)?;
         Ok(file)
     }
+}
+
+/// The frame of a picture: title, axes with what they show, and a grid.
+pub(super) struct Frame<'a> {
+    pub(super) title: &'a str,
+    /// What the horizontal and the vertical axis show.
+    pub(super) labels: (&'a str, &'a str),
+    /// Room for these labels and their numbers, in pixels.
+    pub(super) room: (u32, u32),
+    /// At most so many numbers on each axis.
+    pub(super) ticks: (usize, usize),
+}
+
+/// An axis of numbers that writes its own labels.
+pub(super) trait Scale:
+    Ranged<ValueType = f64> + ValueFormatter<f64> + AsRangedCoord<CoordDescType = Self, Value = f64>
+{
+}
+
+impl<T> Scale for T where
+    T: Ranged<ValueType = f64> + ValueFormatter<f64> + AsRangedCoord<CoordDescType = Self, Value = f64>
+{
+}
+
+/// A chart within its frame.
+pub(super) type Framed<'a, DB, X, Y> = ChartContext<'a, DB, Cartesian2d<X, Y>>;
+
+impl Frame<'_> {
+    pub(super) fn draw<'a, DB: DrawingBackend, X: Scale, Y: Scale>(
+        &self,
+        area: &'a DrawingArea<DB, Shift>,
+        x: X,
+        y: Y,
+    ) -> Result<Framed<'a, DB, X, Y>, Failure> {
+        area.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(area)
+            .caption(self.title, (FAMILY, 24).into_font().color(&INK))
+            .margin(16)
+            .margin_right(28)
+            .x_label_area_size(self.room.0)
+            .y_label_area_size(self.room.1)
+            .build_cartesian_2d(x, y)?;
+        chart
+            .configure_mesh()
+            .x_desc(self.labels.0)
+            .y_desc(self.labels.1)
+            .x_labels(self.ticks.0)
+            .y_labels(self.ticks.1)
+            .axis_desc_style((FAMILY, 20).into_font().color(&INK))
+            .label_style((FAMILY, 17).into_font().color(&INK))
+            .bold_line_style(GRID)
+            .light_line_style(WHITE)
+            .axis_style(INK)
+            .draw()?;
+        Ok(chart)
+    }
+}
+
+/// Draws what the series are, in a corner, and shows the picture.
+pub(super) fn legend<'a, DB: DrawingBackend + 'a, X: Scale, Y: Scale>(
+    mut chart: Framed<'a, DB, X, Y>,
+    area: &DrawingArea<DB, Shift>,
+    corner: SeriesLabelPosition,
+) -> Result<(), Failure> {
+    chart
+        .configure_series_labels()
+        .position(corner)
+        .background_style(WHITE.mix(0.85))
+        .border_style(GRID)
+        .label_font((FAMILY, 17).into_font().color(&INK))
+        .draw()?;
+    area.present()?;
+    Ok(())
 }
 
 /// What can go wrong while drawing, without the backend's type.

@@ -5,7 +5,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Axis;
-use super::canvas::{Drawing, FAMILY, Failure, GRID, INK, PlotError, SERIES};
+use super::canvas::{Drawing, FAMILY, Failure, Frame, INK, PlotError, SERIES, legend};
 
 /// A curve with what it is held against.
 #[derive(Debug, Clone)]
@@ -121,26 +121,8 @@ impl Drawing for CurvePlot {
 
     fn draw_on<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Failure> {
         let [x, y] = self.ranges().map_err(Failure::Plot)?;
-        area.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, (FAMILY, 24).into_font().color(&INK))
-            .margin(16)
-            .margin_right(28)
-            .x_label_area_size(52)
-            .y_label_area_size(84)
-            .build_cartesian_2d(Axis::new(x, 1), Axis::new(y, 4))?;
-        chart
-            .configure_mesh()
-            .x_desc("stroke [mm]")
-            .y_desc(self.y_label)
-            .x_labels(12)
-            .y_labels(9)
-            .axis_desc_style((FAMILY, 20).into_font().color(&INK))
-            .label_style((FAMILY, 17).into_font().color(&INK))
-            .bold_line_style(GRID)
-            .light_line_style(WHITE)
-            .axis_style(INK)
-            .draw()?;
+        let frame = Frame { title: &self.title, labels: ("stroke [mm]", self.y_label), room: (52, 84), ticks: (12, 9) };
+        let mut chart = frame.draw(area, Axis::new(x, 1), Axis::new(y, 4))?;
         if let Some((low, high)) = self.band {
             chart
                 .draw_series([Rectangle::new([(x.0, low), (x.1, high)], BAND.mix(0.18).filled())])?
@@ -166,15 +148,7 @@ impl Drawing for CurvePlot {
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));
         }
         self.draw_marks(&mut chart)?;
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(GRID)
-            .label_font((FAMILY, 17).into_font().color(&INK))
-            .draw()?;
-        area.present()?;
-        Ok(())
+        legend(chart, area, SeriesLabelPosition::UpperRight)
     }
 }
 

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::axis::LogAxis;
-use super::canvas::{Drawing, FAMILY, Failure, GRID, INK, PlotError, SERIES};
+use super::canvas::{Drawing, Failure, Frame, GRID, INK, PlotError, SERIES, legend};
 
 /// A plot of y against x, both logarithmic.
 #[derive(Debug, Clone, Default)]
@@ -77,26 +77,9 @@ impl Drawing for LogPlot {
         if x.0 > x.1 {
             return Err(Failure::Plot(PlotError::NothingPositive));
         }
-        area.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, (FAMILY, 24).into_font().color(&INK))
-            .margin(16)
-            .margin_right(28)
-            .x_label_area_size(56)
-            .y_label_area_size(96)
-            .build_cartesian_2d(LogAxis::around(x), LogAxis::around(y))?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.x_label)
-            .y_desc(&self.y_label)
-            .x_labels(20)
-            .y_labels(20)
-            .axis_desc_style((FAMILY, 20).into_font().color(&INK))
-            .label_style((FAMILY, 17).into_font().color(&INK))
-            .bold_line_style(GRID)
-            .light_line_style(WHITE)
-            .axis_style(INK)
-            .draw()?;
+        let frame =
+            Frame { title: &self.title, labels: (&self.x_label, &self.y_label), room: (56, 96), ticks: (20, 20) };
+        let mut chart = frame.draw(area, LogAxis::around(x), LogAxis::around(y))?;
         let front = self.front();
         chart
             .draw_series(LineSeries::new(steps(&front), GRID.stroke_width(6)))?
@@ -114,15 +97,7 @@ impl Drawing for LogPlot {
             let on_front = points.iter().filter(|point| front.contains(point));
             chart.draw_series(on_front.map(|point| Circle::new(*point, 9, INK.stroke_width(2))))?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerLeft)
-            .background_style(WHITE.mix(0.85))
-            .border_style(GRID)
-            .label_font((FAMILY, 17).into_font().color(&INK))
-            .draw()?;
-        area.present()?;
-        Ok(())
+        legend(chart, area, SeriesLabelPosition::LowerLeft)
     }
 }
 
