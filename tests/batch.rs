@@ -281,3 +281,39 @@ fn parts_with_their_teeth_go_through_the_exact_mesh() {
     let kept = std::fs::read_to_string(&rejects).unwrap();
     assert!(kept.ends_with("[um]\nC;0;x;0\nC;1;0;0\nD;0;1\n"), "{kept}");
 }
+
+#[test]
+#[cfg(not(feature = "parquet"))]
+fn a_format_that_was_not_built_in_says_how_to_get_it() {
+    let output = batch(&[SPEC, "--format", "parquet"], TABLE.as_bytes());
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+    let messages = text(&output.stderr);
+    assert!(
+        messages.contains("without the feature `parquet`") && messages.contains("--features parquet"),
+        "{messages}"
+    );
+}
+
+#[test]
+#[cfg(feature = "parquet")]
+fn parquet_holds_what_csv_holds() {
+    use parquet::file::reader::{FileReader as _, SerializedFileReader};
+    let file = path("rows.parquet");
+    let output = batch(&[SPEC, "-o", &file], TABLE.as_bytes());
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    let reader = SerializedFileReader::new(std::fs::File::open(&file).unwrap()).unwrap();
+    let mut lines = ROWS.lines();
+    let names: Vec<_> = lines.next().unwrap().split(',').collect();
+    let mut rows = reader.get_row_iter(None).unwrap();
+    for line in lines {
+        let row = rows.next().unwrap().unwrap();
+        for ((name, field), (expected, cell)) in row.get_column_iter().zip(names.iter().zip(line.split(','))) {
+            assert_eq!(name, expected);
+            match field {
+                parquet::record::Field::Double(number) => assert_eq!(*number, cell.parse::<f64>().unwrap(), "{line}"),
+                field => assert_eq!(field.to_string(), format!("\"{cell}\""), "{line}"),
+            }
+        }
+    }
+    assert!(rows.next().is_none());
+}

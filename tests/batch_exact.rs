@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
 use rackmesh::batch::{Batch, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
-use rackmesh::decision::{Stack, Verdict, evaluate};
+use rackmesh::decision::uncertainty::{Linear, Part, propagate};
+use rackmesh::decision::{LimitTarget, Rule, Stack, Verdict, evaluate};
 use rackmesh::formula::Model;
 use rackmesh::quantity::Length;
 use rackmesh::spec::Spec;
@@ -22,6 +23,12 @@ fn spec_text(alpha: &str, helix: &str, limit: &str) -> String {
 }
 
 fn run(spec: &str, table: &str, request: Request) -> (Vec<String>, Outcome) {
+    let (mut rows, outcome) = run_with_header(spec, table, request);
+    rows.remove(0);
+    (rows, outcome)
+}
+
+fn run_with_header(spec: &str, table: &str, request: Request) -> (Vec<String>, Outcome) {
     let spec = Arc::new(Spec::parse("spec.toml", spec).expect("the spec is valid"));
     let bytes = std::io::Cursor::new(table.as_bytes().to_vec());
     let input = Input::open("parts.csv", Box::new(bytes), Dialect::default()).expect("there is a header");
@@ -33,7 +40,7 @@ fn run(spec: &str, table: &str, request: Request) -> (Vec<String>, Outcome) {
     batch.run(input, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
     let (outcome, _) = batch.finish();
     let rows = String::from_utf8(rows).expect("CSV is text");
-    (rows.lines().skip(1).map(str::to_owned).collect(), outcome)
+    (rows.lines().map(str::to_owned).collect(), outcome)
 }
 
 /// The same row by the evaluation of single specs.
@@ -191,6 +198,151 @@ proptest! {
     ) {
         check(angles.0, angles.1, "0.05", &parts, decimals, model, stack);
     }
+}
+
+/// Uncertainties of everything, with a correlation, few degrees of freedom and a nominal value that is given.
+const UNCERTAIN: &str = "[pair]\nnormal_pressure_angle = { value = 20, u = 0.02 }\n\
+    [rack]\nface_width = { value = 19.7, half_width = 0.1, distribution = \"rectangular\" }\nhelix_angle = { value = 12, u = 0.03 }\n\
+    [pinion]\nhelix_angle = { value = 21, u = 0.03 }\n\
+    [limits]\ncenter_distance = { lower = -0.03, upper = 0.04 }\nrack_lead = { upper = 0.012 }\n\
+    [[correlation]]\nbetween = [\"rack_pitch\", \"pinion_pitch\"]\ncoefficient = -0.6\n[errors]\n";
+
+/// The row of a part by the evaluation of single specs with its uncertainties, by column.
+fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(String, String)> {
+    let mut text = UNCERTAIN.to_owned();
+    let _ = writeln!(text, "rack_over_roller = {{ measured = {}, nominal = 25.0, u = \"0.8 um\" }}", values[0]);
+    let _ = writeln!(text, "rack_pitch = {{ value = \"{} um\", U = \"1.6 um\", k = 2 }}", values[1]);
+    let _ = writeln!(text, "rack_lead = {{ value = {}, u = \"0.1 arcmin\", dof = 9 }}", values[2]);
+    let _ = writeln!(text, "pinion_radial = {{ measured = {}, nominal = 8.5, u = \"0.9 um\" }}", values[3]);
+    let _ = writeln!(text, "pinion_pitch = {{ value = {}, u = \"0.7 um\" }}", values[4]);
+    let spec = Spec::parse("one.toml", &text).expect("the spec is valid");
+    let errors = spec.part_errors().expect("the errors are there");
+    let mut evaluation =
+        evaluate(&errors, &spec.limits(), Model::Exact, stack).expect("the errors are in their domain");
+    let uncertainties = spec.uncertainties().expect("they are consistent");
+    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack };
+    let propagation = propagate(&part, &uncertainties).expect("the formulas are smooth");
+    evaluation.decide_by(rule, Some(&propagation), None).expect("numbers in range");
+    let number = |value: f64| Length::from_mm(value).expect("finite").exact_mm().to_decimal_text(6);
+    let mut row = Vec::new();
+    let mut add = |name: &str, linear: &Linear| {
+        row.push((format!("{name}_standard_uncertainty_mm"), number(linear.standard_mm)));
+        row.push((format!("{name}_expanded_uncertainty_mm"), number(linear.expanded_mm())));
+    };
+    for (kind, linear) in &propagation.errors {
+        add(&format!("delta_cd_{}", kind.key()), linear);
+    }
+    match stack {
+        Stack::Range => {
+            add("range_lower", &propagation.lower);
+            add("range_upper", &propagation.upper);
+        }
+        Stack::WorstCase => add("worst_case", &propagation.upper),
+        Stack::Rss => add("rss", &propagation.upper),
+    }
+    row.push(("linear".to_owned(), propagation.upper.folded.is_empty().to_string()));
+    for check in &evaluation.limits {
+        let conformance = check.decision.as_ref().and_then(|decision| decision.conformance).expect("it is uncertain");
+        let name = match check.on {
+            LimitTarget::CenterDistance => "conformance_probability".to_owned(),
+            LimitTarget::Error(kind) => format!("delta_cd_{}_conformance_probability", kind.key()),
+        };
+        row.push((name, number(conformance.probability)));
+    }
+    row.push(("verdict".to_owned(), evaluation.verdict.map_or("", Verdict::name).to_owned()));
+    row
+}
+
+fn check_uncertain(parts: &[[String; 5]], stack: Stack, rule: &str) -> Outcome {
+    let rule: Rule = rule.parse().expect("a rule");
+    let spec = UNCERTAIN.to_owned()
+        + "rack_over_roller = { nominal = 25, u = \"0.8 um\" }\nrack_pitch = { U = \"1.6 um\", k = 2 }\n\
+           rack_lead = { u = \"0.1 arcmin\", dof = 9 }\npinion_radial = { nominal = 8.5, u = \"0.9 um\" }\n\
+           pinion_pitch = { u = \"0.7 um\" }\n[batch.columns]\nrack_pitch = { unit = \"um\" }\n";
+    let mut table = format!("part_id,{}\n", COLUMNS.join(","));
+    for (index, values) in parts.iter().enumerate() {
+        let _ = writeln!(table, "P{index},{}", values.join(","));
+    }
+    let request = Request { stack, rule: rule.clone(), statistics: true, ..Request::default() };
+    let (rows, outcome) = run_with_header(&spec, &table, request);
+    assert_eq!(outcome.problems, [], "{table}");
+    let header: Vec<_> = rows[0].split(',').collect();
+    for (row, values) in rows[1..].iter().zip(parts) {
+        let cells: Vec<_> = row.split(',').collect();
+        for (name, expected) in uncertain_by_eval(values, stack, &rule) {
+            let at = header.iter().position(|column| *column == name).unwrap_or_else(|| panic!("{name}: {header:?}"));
+            assert_eq!(cells[at], expected, "{name}, {values:?}");
+        }
+    }
+    outcome
+}
+
+#[test]
+fn on_guard_bands_and_folds() {
+    let part = |values: [&str; 5]| values.map(str::to_owned);
+    // with u = 0.9 and 0.8 um: the guard band of both is 1.65 · 1.204… um; values about it, and about 3 u
+    let mut parts = Vec::new();
+    for (over, pitch) in
+        [("25.0", "0"), ("24.97", "2.4"), ("25.0395", "-2.4"), ("25.03801313", "1e-9"), ("25.0419", "2.3999")]
+    {
+        parts.push(part([over, pitch, "0", "8.5", "0"]));
+        parts.push(part([over, pitch, "0.005", "8.49", "0.0021"]));
+    }
+    for (stack, rule) in STACKS.into_iter().zip(["iso14253", "simple", "guard=2um"]) {
+        let outcome = check_uncertain(&parts, stack, rule);
+        let open = outcome.counts.indeterminate;
+        assert_eq!(open > 0, rule != "simple", "{stack} {rule}");
+    }
+    check_uncertain(&parts, Stack::Range, "guard=2um");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3, ..ProptestConfig::default() })]
+    #[test]
+    fn uncertain_rows(
+        parts in prop::collection::vec(part(), 1..6),
+        stack in prop::sample::select(STACKS.to_vec()),
+        rule in prop::sample::select(vec!["simple", "iso14253", "guard=1.5um"]),
+    ) {
+        check_uncertain(&parts, stack, rule);
+    }
+}
+
+#[test]
+fn uncertainties_cost_nothing_where_nobody_asks() {
+    let spec = "[errors]\nrack_over_roller = { nominal = 25, u = 0.001 }\n[limits]\ncenter_distance = \"±0.05\"\n";
+    let table = "part_id,rack_over_roller\nP1,25.01\n";
+    let columns = |names: &[&str]| Some(names.iter().map(|name| (*name).to_owned()).collect());
+    let plan = |request: Request, spec: &str| {
+        let spec = Arc::new(Spec::parse("spec.toml", spec).expect("the spec is valid"));
+        let bytes = std::io::Cursor::new(table.as_bytes().to_vec());
+        let input = Input::open("parts.csv", Box::new(bytes), Dialect::default()).expect("there is a header");
+        Plan::new(&spec, &input.header, request)
+    };
+    let some = Request { columns: columns(&["part_id", "verdict"]), ..Request::default() };
+    assert!(!plan(some.clone(), spec).expect("it fits").is_uncertain());
+    let by_rule = Request { rule: Rule::Iso14253, ..some };
+    assert!(plan(by_rule.clone(), spec).expect("it fits").is_uncertain());
+    let without = spec.replace(", u = 0.001", "");
+    assert!(!plan(Request::default(), &without).expect("it fits").is_uncertain());
+    let refused = plan(by_rule, &without).unwrap_err().to_string();
+    assert!(refused.contains("iso14253 needs uncertainties, and the spec gives none"), "{refused}");
+}
+
+#[test]
+fn the_gauge_share_is_of_measuring_alone() {
+    // the pressure angle is the same for all parts: it does not spread them
+    let spec = "[pair]\nnormal_pressure_angle = { value = 20, u = 0.5 }\n[errors]\nrack_pitch = { u = 0.001 }\n\
+                [limits]\nrack_pitch = { upper = 0.05 }\n";
+    let mut table = "part_id,rack_pitch\n".to_owned();
+    for part in 0..50 {
+        let _ = writeln!(table, "P{part},0.0{}", 10 + part % 7);
+    }
+    let request = Request { statistics: true, ..Request::default() };
+    let (_, outcome) = run(spec, &table, request);
+    let gauge = outcome.statistics[0].gauge_mm().expect("it is uncertain");
+    // 1/(2 tan 20°)
+    assert!((gauge / 0.001 - 1.373_738_709_727_311).abs() < 1e-9, "{gauge}");
 }
 
 #[test]

@@ -12,11 +12,12 @@ use super::input::text;
 use super::layout::{Layout, Role};
 use super::number::read;
 use super::outcome::{Kept, Part, Problem, Tally, WORST, keep_worst};
-use super::plan::Plan;
-use super::results::{Judgement, KINDS, Results, exact_result, fixed};
+use super::plan::{Known, Plan};
+use super::results::{Judgement, KINDS, Results, exact_result, fixed, spread_of};
 use super::split::{Field, Record, next_record};
 use super::statistics::Statistics;
-use crate::decision::{LimitTarget, Rule, Verdict, evaluate};
+use crate::decision::uncertainty::Spreads;
+use crate::decision::{Evaluation, LimitTarget, Rule, Verdict, evaluate};
 use crate::deviation::ErrorValue;
 use crate::formula::{Fixed, PartError};
 
@@ -77,7 +78,7 @@ impl<'a> Evaluator<'a> {
     pub(super) fn chunk(&mut self, chunk: &Chunk, holds: Holds) {
         self.out.truncate(0);
         self.rejects.clear();
-        self.tally.clear();
+        self.tally.clear(self.plan.followed.len());
         match holds {
             Holds::Records { plain } => self.records(chunk, plain),
             Holds::Piece { first, last } => self.piece(chunk, first, last),
@@ -231,11 +232,44 @@ impl<'a> Evaluator<'a> {
     #[inline]
     fn fast_part(&mut self, row: Row<'_>, first_record: u64) -> bool {
         let Some(results) = Results::new(self.plan, self.layout, &self.deviations) else { return false };
+        if self.plan.uncertain.is_some() {
+            return self.uncertain_part(row, first_record, &results);
+        }
         let Judgement::Known(verdict) = results.judge(self.plan) else { return false };
+        self.settle(row, first_record, &results, None, verdict)
+    }
+
+    /// The same for a part with its uncertainties.
+    #[inline(never)]
+    fn uncertain_part(&mut self, row: Row<'_>, first_record: u64, results: &Results) -> bool {
+        let plan = self.plan;
+        if plan.uncertain.as_ref().is_some_and(|uncertain| uncertain.monte_carlo.is_some()) {
+            return false;
+        }
+        let Some(spreads) = results.spreads(plan, self.layout, &self.deviations) else { return false };
+        let judgement = match plan.request.rule {
+            Rule::Iso14253 => results.judge_iso_14253(plan, &spreads),
+            _ => results.judge(plan),
+        };
+        let Judgement::Known(verdict) = judgement else { return false };
+        self.settle(row, first_record, results, Some(&spreads), verdict)
+    }
+
+    /// Writes and counts a part; `false`, and nothing done, if a digit takes exact arithmetic.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call for each row costs a twentieth of all it takes")]
+    fn settle(
+        &mut self,
+        row: Row<'_>,
+        first_record: u64,
+        results: &Results,
+        spreads: Option<&Spreads>,
+        verdict: Option<Verdict>,
+    ) -> bool {
         let plan = self.plan;
         if plan.request.rows.has(verdict) {
             let mark = self.out.mark();
-            if !self.write_row(row, first_record, &results, verdict) {
+            if !self.write_row(row, first_record, results, spreads, verdict) {
                 self.out.truncate(mark);
                 return false;
             }
@@ -245,6 +279,12 @@ impl<'a> Evaluator<'a> {
         if plan.request.statistics {
             for (statistics, output) in self.statistics.iter_mut().zip(plan.quantities()) {
                 statistics.add(results.of(output).units);
+            }
+            for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&plan.followed) {
+                moving.add(results.of(output).units);
+            }
+            if let Some(spreads) = spreads {
+                self.add_gauge(spreads);
             }
             let (margin, on, result) = results.margin(self.plan);
             let full = self.tally.worst.len() == WORST;
@@ -259,6 +299,15 @@ impl<'a> Evaluator<'a> {
             self.tally.failures.push(part);
         }
         true
+    }
+
+    /// Adds what measuring contributes to the variance of each result.
+    fn add_gauge(&mut self, spreads: &Spreads) {
+        for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
+            if let Some(of) = self.plan.spread_of(output) {
+                statistics.add_gauge(spread_of(spreads, of).gauge_mm2);
+            }
+        }
     }
 
     fn keeps_failure(&self, verdict: Option<Verdict>) -> bool {
@@ -311,23 +360,11 @@ impl<'a> Evaluator<'a> {
         let errors: Option<Vec<PartError>> =
             plan.sources.iter().zip(values).map(|(source, value)| source.formula.formula().of(&value?)).collect();
         let evaluated = match errors {
-            Some(errors) => evaluate(&errors, &plan.limits, plan.model, plan.stack)
-                .map_err(|error| {
-                    let column =
-                        error.error.and_then(|kind| plan.sources.iter().position(|source| source.kind == kind));
-                    (column.map(|column| self.layout.columns[column].name.clone()), error.to_string())
-                })
-                .and_then(|mut evaluation| {
-                    if plan.request.rule != Rule::Simple {
-                        let decided = evaluation.decide_by(&plan.request.rule, None, None);
-                        decided.map_err(|error| (None, error.to_string()))?;
-                    }
-                    Ok(evaluation)
-                }),
+            Some(errors) => self.evaluated(&errors),
             None => Err((None, "a value is beyond the range of double-precision numbers".to_owned())),
         };
-        let evaluation = match evaluated {
-            Ok(evaluation) => evaluation,
+        let (evaluation, known) = match evaluated {
+            Ok(evaluated) => evaluated,
             Err((column, message)) => {
                 return self.reject(row.bytes, raw, row.record, row.line, column, b"", message);
             }
@@ -337,7 +374,7 @@ impl<'a> Evaluator<'a> {
             verdict => verdict,
         };
         if plan.request.rows.has(verdict) {
-            self.write_exact_row(row, first_record, &evaluation, verdict);
+            self.write_exact_row(row, first_record, &evaluation, known.as_ref(), verdict);
         }
         self.tally.counts.judge(verdict);
         self.tally.work.results += plan.results_per_part;
@@ -353,6 +390,12 @@ impl<'a> Evaluator<'a> {
                     None => self.statistics[index].add_beyond(),
                 }
             }
+            for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&plan.followed) {
+                moving.add(results.of(output).units);
+            }
+            if let Some(known) = &known {
+                self.add_gauge(&known.spreads);
+            }
         }
         let (margin, on, result) = results.margin(self.plan);
         let part = self.part(row, first_record, verdict, margin, on, result);
@@ -362,6 +405,27 @@ impl<'a> Evaluator<'a> {
         if plan.request.statistics {
             keep_worst(&mut self.tally.worst, Kept { part, margin });
         }
+    }
+
+    /// Evaluates errors exactly, with their uncertainties where these are needed; else the column that is to blame, if one
+    /// is, and what is wrong.
+    fn evaluated(&self, errors: &[PartError]) -> Result<(Evaluation, Option<Known>), (Option<String>, String)> {
+        let plan = self.plan;
+        let mut evaluation = evaluate(errors, &plan.limits, plan.model, plan.stack).map_err(|error| {
+            let column = error.error.and_then(|kind| plan.sources.iter().position(|source| source.kind == kind));
+            (column.map(|column| self.layout.columns[column].name.clone()), error.to_string())
+        })?;
+        let known = plan.uncertain.as_ref();
+        let known = known.map(|uncertain| uncertain.exact(errors, plan.model, plan.stack, &plan.limits));
+        let known = known.transpose().map_err(|error| (None, error.to_string()))?;
+        if known.is_some() || plan.request.rule != Rule::Simple {
+            let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
+            let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());
+            let decided =
+                evaluation.decide_by(&plan.request.rule, known.as_ref().map(|known| &known.propagation), inside);
+            decided.map_err(|error| (None, error.to_string()))?;
+        }
+        Ok((evaluation, known))
     }
 
     /// Counts a row that makes no part, and keeps it as it is.

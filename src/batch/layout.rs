@@ -4,6 +4,7 @@ use super::input::Header;
 use super::number::{Scale, degrees_per_integer, read};
 use super::plan::{Output, Plan};
 use crate::cmm::name_and_unit;
+use crate::cmm::paste::{self, Holds};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, QuantityError, Rational};
@@ -14,6 +15,36 @@ use crate::spec::{Reading, Spec};
 pub(super) enum Unit {
     Length(LengthUnit),
     Angle(AngleUnit),
+}
+
+/// Where an error stands in a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Found {
+    pub(super) field: usize,
+    pub(super) unit: Unit,
+    /// What the heading says that the column holds; only asked of headings that are found by their meaning.
+    holds: Option<Holds>,
+    by_meaning: bool,
+}
+
+impl Found {
+    /// What the column holds: as the spec says, unless it was found by its meaning and says so itself.
+    pub(super) fn reading(&self, spec: &Spec, header: &Header, kind: ErrorKind) -> Result<Reading, Diagnostics> {
+        let reading = spec.reading(kind)?;
+        match (self.holds, &reading) {
+            (Some(Holds::Deviation), _) => Ok(Reading::Deviation),
+            (Some(Holds::Measured), Reading::Deviation) => {
+                let message = format!(
+                    "{}, column `{}`: it holds measured values, and there is no nominal value",
+                    header.name, header.columns[self.field]
+                );
+                Err(Diagnostic::error(Code::MissingKey, message)
+                    .help(format!("give it in the spec: [errors] {} = {{ nominal = … }}", kind.key()))
+                    .into())
+            }
+            _ => Ok(reading),
+        }
+    }
 }
 
 /// One column that is read.
@@ -53,6 +84,8 @@ pub struct Layout {
     pub(super) separator: u8,
     /// The decimal mark.
     pub(super) mark: u8,
+    /// How the columns were understood that the spec does not name.
+    understood: Vec<String>,
 }
 
 impl Layout {
@@ -63,9 +96,29 @@ impl Layout {
     pub fn new(plan: &Plan, header: &Header) -> Result<Self, Diagnostics> {
         let mut diagnostics = Vec::new();
         let mut columns = Vec::new();
+        let mut understood = Vec::new();
         for source in &plan.sources {
             match find_column(&plan.spec, header, source.kind) {
-                Ok(Some((field, unit))) => columns.push(Column::new(header, field, unit, &source.reading)),
+                Ok(Some(found)) => {
+                    match found.reading(&plan.spec, header, source.kind) {
+                        Ok(reading) if reading == source.reading => {}
+                        Ok(_) => diagnostics.push(Diagnostic::error(
+                            Code::BadTable,
+                            format!(
+                                "{}, column `{}`: of measured values and deviations it does not hold what the first table's holds",
+                                header.name, header.columns[found.field]
+                            ),
+                        )),
+                        Err(problems) => diagnostics.extend(problems.0),
+                    }
+                    if found.by_meaning {
+                        let holds = if source.reading == Reading::Deviation { "deviations" } else { "measured values" };
+                        let unit = found.unit.symbol();
+                        let name = &header.columns[found.field];
+                        understood.push(format!("`{name}` is {} ({holds}, {unit})", source.kind.key()));
+                    }
+                    columns.push(Column::new(header, found.field, found.unit, &source.reading));
+                }
                 Ok(None) => diagnostics.push(missing(&plan.spec, header, source.kind)),
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
@@ -74,6 +127,18 @@ impl Layout {
             diagnostics.push(diagnostic);
             None
         });
+        for (index, name) in header.columns.iter().enumerate() {
+            // a column that somebody meant to be read is not passed over in silence
+            let used = Some(index) == id || columns.iter().any(|column| column.field == index);
+            let spare = used || !has_a_word(name) || plan.request.columns.is_some();
+            let meaning = if spare { None } else { paste::meaning(name) };
+            if meaning.is_some_and(|found| found.fields.iter().any(|field| !field.is_index())) {
+                understood.push(format!("`{name}` is not used"));
+            }
+        }
+        if let Some(id) = id.filter(|id| !is_named(&plan.spec, header, *id, plan.request.id.as_deref())) {
+            understood.insert(0, format!("`{}` is part_id", header.columns[id]));
+        }
         let mut copied = Vec::new();
         for output in &plan.outputs {
             let Output::Copied(name) = output else { continue };
@@ -96,7 +161,22 @@ impl Layout {
             roles[column.field] = Role::Value(index);
         }
         let mark = if header.decimal_comma { b',' } else { b'.' };
-        Ok(Self { columns, roles, id, copied, separator: header.separator, mark })
+        Ok(Self { columns, roles, id, copied, separator: header.separator, mark, understood })
+    }
+
+    /// How the columns were understood that were found by what their headings mean: `Rollenmaß [mm]` is …
+    #[must_use]
+    pub fn understood(&self) -> &[String] {
+        &self.understood
+    }
+}
+
+impl Unit {
+    fn symbol(self) -> &'static str {
+        match self {
+            Self::Length(unit) => unit.symbol(),
+            Self::Angle(unit) => unit.symbol(),
+        }
     }
 }
 
@@ -178,10 +258,15 @@ fn quantity<Q: std::str::FromStr<Err = QuantityError>>(text: &str, unit: &str) -
 }
 
 /// The column of an error and its unit; `None` if the table has none.
-pub(super) fn find_column(spec: &Spec, header: &Header, kind: ErrorKind) -> Result<Option<(usize, Unit)>, Diagnostic> {
+pub(super) fn find_column(spec: &Spec, header: &Header, kind: ErrorKind) -> Result<Option<Found>, Diagnostic> {
     let column = spec.batch_column(kind).map(|column| &column.value);
     let wanted = column.and_then(|column| column.name.as_deref());
     let Some(field) = find_name(header, wanted.unwrap_or(kind.key()))? else {
+        if wanted.is_none()
+            && let Some(found) = find_meaning(spec, header, kind)?
+        {
+            return Ok(Some(found));
+        }
         return if spec.expects_column(kind) { Err(missing(spec, header, kind)) } else { Ok(None) };
     };
     let name = &header.columns[field];
@@ -220,8 +305,68 @@ pub(super) fn find_column(spec: &Spec, header: &Header, kind: ErrorKind) -> Resu
                 None => diagnostic,
             })
         }
-        (stated, written) => Ok(Some((field, stated.or(written).unwrap_or(default)))),
+        (stated, written) => {
+            let unit = stated.or(written).unwrap_or(default);
+            Ok(Some(Found { field, unit, holds: None, by_meaning: false }))
+        }
     }
+}
+
+/// The column whose heading means an error, in English or German: `Rollenmaß [mm]`, `rack pitch error (um)`. A heading of one
+/// letter means nothing here: a table may have any columns.
+fn find_meaning(spec: &Spec, header: &Header, kind: ErrorKind) -> Result<Option<Found>, Diagnostic> {
+    let field = paste::Field::Error(kind);
+    let mut found: Option<(Found, &String)> = None;
+    for (index, name) in header.columns.iter().enumerate() {
+        let named_otherwise = ErrorKind::ALL.iter().any(|other| {
+            let own = spec.batch_column(*other).and_then(|column| column.value.name.as_deref());
+            let (plain, _) = name_and_unit(name);
+            *other != kind && (own == Some(name.as_str()) || own == Some(plain.as_str()) || plain == other.key())
+        });
+        if named_otherwise || !has_a_word(name) {
+            continue;
+        }
+        let Some(meaning) = paste::meaning(name).filter(|meaning| meaning.fields.contains(&field)) else { continue };
+        // a pitch may be that of the rack or of the pinion: what the spec speaks of decides
+        let others = meaning.fields.iter().filter(|other| **other != field);
+        let mut others =
+            others.filter_map(|other| if let paste::Field::Error(kind) = other { Some(*kind) } else { None });
+        if others.clone().next().is_some() && (!spec.speaks_of(kind) || others.any(|other| spec.speaks_of(other))) {
+            if spec.speaks_of(kind) {
+                let message = format!("{}: `{name}` may be of the rack or of the pinion", header.name);
+                return Err(Diagnostic::error(Code::BadTable, message)
+                    .help(format!("say which: [batch.columns] {} = {{ name = \"{name}\" }}", kind.key())));
+            }
+            continue;
+        }
+        let stated = spec.batch_column(kind).and_then(|column| column.value.unit.as_ref()).map(|unit| unit.value);
+        let symbol = stated.or(meaning.unit.as_deref());
+        let unit = if kind == ErrorKind::RackLead {
+            symbol.map_or(Some(AngleUnit::Degree), AngleUnit::from_symbol).map(Unit::Angle)
+        } else {
+            symbol.map_or(Some(LengthUnit::Millimetre), LengthUnit::from_symbol).map(Unit::Length)
+        };
+        let Some(unit) = unit else { continue };
+        if let Some((_, first)) = &found {
+            let message = format!("{} has two columns for `{}`: `{first}` and `{name}`", header.name, kind.key());
+            return Err(Diagnostic::error(Code::BadTable, message)
+                .help(format!("say which: [batch.columns] {} = {{ name = \"{name}\" }}", kind.key())));
+        }
+        found = Some((Found { field: index, unit, holds: meaning.holds, by_meaning: true }, name));
+    }
+    Ok(found.map(|(found, _)| found))
+}
+
+/// Whether a heading has a word or symbol of at least two letters besides its unit.
+fn has_a_word(name: &str) -> bool {
+    let (plain, _) = name_and_unit(name);
+    plain.split(|c: char| !c.is_alphabetic()).any(|word| word.chars().count() > 1)
+}
+
+/// Whether the column that names the part has the name that was asked for, or that it has by default.
+fn is_named(spec: &Spec, header: &Header, id: usize, asked: Option<&str>) -> bool {
+    let named = asked.or(spec.batch.part_id.as_deref());
+    matches!(find_name(header, named.unwrap_or("part_id")), Ok(Some(field)) if field == id)
 }
 
 /// The column that names the part; `None` if there is none and none was asked for.
@@ -233,7 +378,17 @@ pub(super) fn find_id(spec: &Spec, header: &Header, asked: Option<&str>) -> Resu
             let message = format!("{} has no column `{name}` that names the part", header.name);
             Err(Diagnostic::error(Code::BadTable, message).help(format!("it has {}", header.columns.join(", "))))
         }
-        (field, _) => Ok(field),
+        (Some(field), _) => Ok(Some(field)),
+        (None, None) => {
+            // a heading that means a part's name, if there is just one
+            let meant =
+                |name: &String| paste::meaning(name).is_some_and(|found| found.fields == [paste::Field::PartId]);
+            let mut fields = header.columns.iter().enumerate().filter(|(_, name)| meant(name));
+            Ok(match (fields.next(), fields.next()) {
+                (Some((field, _)), None) => Some(field),
+                _ => None,
+            })
+        }
     }
 }
 

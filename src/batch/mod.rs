@@ -12,6 +12,7 @@
 //! | `number`, `buffer`, `write`, `rows` | decimal text to integers and back |
 //! | `evaluate`, `results` | one row: the fast way, and the exact one where that cannot decide |
 //! | `run`, `pack` | chunks through all cores, in order |
+//! | `parquet` | rows as Parquet, with the feature of that name |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
 //! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
 //!
@@ -53,6 +54,8 @@ mod layout;
 mod number;
 mod outcome;
 mod pack;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod plan;
 mod request;
 mod results;
@@ -68,8 +71,10 @@ pub use layout::Layout;
 pub use number::Decimals;
 pub use outcome::{Counts, Outcome, Part, Problem, Work};
 pub use pack::Packing;
+#[cfg(feature = "parquet")]
+pub use parquet::{ColumnKind, GROUP, ParquetRows};
 pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};
 pub use run::{Batch, Progress, RunError, Sink, Sinks};
 pub use statistics::{QUANTILES, Statistics};
-pub use teeth::{TeethRequest, run_teeth};
+pub use teeth::{Teeth, TeethRequest};

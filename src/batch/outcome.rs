@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::statistics::Statistics;
+use super::statistics::{Moving, Statistics};
 use crate::decision::{LimitTarget, Verdict};
 use crate::diagnostic::Code;
 
@@ -185,12 +185,14 @@ pub(super) struct Tally {
     pub(super) problems: Vec<Problem>,
     pub(super) failures: Vec<Part>,
     pub(super) worst: Vec<Kept>,
+    /// One per result that is held against a limit, where statistics are kept.
+    pub(super) moving: Vec<Moving>,
 }
 
 impl Tally {
-    /// Empties it for the next chunk.
-    pub(super) fn clear(&mut self) {
-        *self = Self::default();
+    /// Empties it for the next chunk, in which so many results are followed from part to part.
+    pub(super) fn clear(&mut self, followed: usize) {
+        *self = Self { moving: vec![Moving::default(); followed], ..Self::default() };
     }
 }
 
@@ -198,6 +200,7 @@ impl Tally {
 pub(super) struct Total<'a> {
     pub(super) outcome: &'a mut Outcome,
     pub(super) worst: Vec<Kept>,
+    pub(super) moving: &'a mut [Moving],
     pub(super) lines: u64,
     pub(super) records: u64,
     pub(super) place: Option<Arc<dyn Fn(u64) -> String + Send + Sync>>,
@@ -233,6 +236,9 @@ impl Total<'_> {
         for mut kept in tally.worst.drain(..) {
             settle(&mut kept.part);
             keep_worst(&mut self.worst, kept);
+        }
+        for (moving, next) in self.moving.iter_mut().zip(&tally.moving) {
+            moving.join(next);
         }
         self.lines += tally.lines;
         self.records += tally.counts.rows;

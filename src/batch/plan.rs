@@ -9,10 +9,13 @@ use super::input::Header;
 use super::layout::{find_column, find_id};
 use super::number::{Decimals, Places};
 use super::request::{Request, RowFormat};
+use crate::decision::monte_carlo::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
+use crate::decision::uncertainty::{Part, Propagation, Propagator, Spreads, propagate};
 use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Fixed, Model, Prepared};
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Fixed, Model, PartError, Prepared};
 use crate::quantity::{Length, Rational};
 use crate::spec::{Reading, Spec};
 
@@ -35,9 +38,118 @@ pub(super) enum Output {
     RangeUpper,
     WorstCase,
     Rss,
+    /// Standard uncertainty of a result.
+    Standard(Of),
+    /// Expanded uncertainty of a result.
+    Expanded(Of),
+    /// Whether the linear uncertainties of the part describe it.
+    Linear,
+    /// The probability that the limit with that index is met.
+    Conformance(usize),
+    /// A statistic of the simulated distribution of a result.
+    Simulated(Of, Simulated),
+    /// Whether the simulation confirms the linear uncertainties of the combination.
+    Validated,
     Verdict,
     /// The input's column of that name, as it is.
     Copied(String),
+}
+
+/// A result that has an uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Of {
+    /// ΔCD of the source with that index.
+    Source(usize),
+    /// The lower end of the combination that is judged.
+    Lower,
+    /// Its upper end.
+    Upper,
+}
+
+impl Output {
+    /// Whether it takes the uncertainties of the part.
+    pub(super) fn is_uncertain(&self) -> bool {
+        matches!(
+            self,
+            Self::Standard(_)
+                | Self::Expanded(_)
+                | Self::Linear
+                | Self::Conformance(_)
+                | Self::Simulated(..)
+                | Self::Validated
+        )
+    }
+}
+
+/// A statistic of a simulated distribution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Simulated {
+    Mean,
+    Standard,
+    Lower,
+    Upper,
+}
+
+impl Simulated {
+    const ALL: [(&'static str, Self); 4] =
+        [("mean", Self::Mean), ("standard", Self::Standard), ("lower", Self::Lower), ("upper", Self::Upper)];
+
+    pub(super) fn of(self, simulation: &Simulation) -> f64 {
+        match self {
+            Self::Mean => simulation.mean,
+            Self::Standard => simulation.standard,
+            Self::Lower => simulation.symmetric.0,
+            Self::Upper => simulation.symmetric.1,
+        }
+    }
+
+    fn name(self, of: &str) -> String {
+        let statistic = Self::ALL.into_iter().find(|(_, statistic)| *statistic == self).map_or("", |(name, _)| name);
+        format!("{of}_monte_carlo_{statistic}_mm")
+    }
+}
+
+/// What is known of the uncertainty of a part's results.
+pub(super) struct Known {
+    pub(super) propagation: Propagation,
+    pub(super) spreads: Spreads,
+    pub(super) simulation: Option<PartSimulation>,
+    /// Whether the simulation confirms the linear result for both ends of the combination.
+    pub(super) validated: Option<bool>,
+}
+
+/// What is uncertain about the parts.
+#[derive(Debug, Clone)]
+pub(super) struct Uncertain {
+    pub(super) propagator: Propagator,
+    /// What the nominal measure over the roller is computed from, if it is.
+    over_pin: Option<OverPin>,
+    /// How to simulate, if that is asked for.
+    pub(super) monte_carlo: Option<Settings>,
+}
+
+impl Uncertain {
+    /// The uncertainties of one part as `eval` computes them.
+    pub(super) fn exact(
+        &self,
+        errors: &[PartError],
+        model: Model,
+        stack: Stack,
+        limits: &Limits,
+    ) -> Result<Known, MonteCarloError> {
+        let part = Part { errors, over_pin: self.over_pin.as_ref(), model, stack };
+        let uncertainties = self.propagator.uncertainties();
+        let propagation = propagate(&part, uncertainties)?;
+        let spreads = self.propagator.exact(&part, &propagation)?;
+        let simulate = |settings: &Settings| simulate_part(&part, uncertainties, limits, settings);
+        let simulation = self.monte_carlo.as_ref().map(simulate).transpose()?;
+        let validated = simulation.as_ref().map(|simulation| {
+            let digits = simulation.outcome.digits;
+            let ends = [(&propagation.lower, simulation.lower()), (&propagation.upper, simulation.upper())];
+            ends.into_iter().all(|(linear, simulated)| validate(linear, simulated, digits).validated)
+        });
+        Ok(Known { propagation, spreads, simulation, validated })
+    }
 }
 
 /// A limit on the fixed-point results.
@@ -130,6 +242,10 @@ pub struct Plan {
     pub(super) needs_range: bool,
     pub(super) needs_worst: bool,
     pub(super) needs_rss: bool,
+    /// The results that are held against a limit, by their place among the quantities, where statistics are kept.
+    pub(super) followed: Vec<(usize, Output)>,
+    /// The uncertainties, if some output, the rule or a statistic needs them.
+    pub(super) uncertain: Option<Box<Uncertain>>,
     pub(super) results_per_part: u64,
     /// What stands before each value of a JSON line.
     pub(super) json_names: Vec<Vec<u8>>,
@@ -144,17 +260,15 @@ impl Plan {
     /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
     /// a column's formula needs, and for names of output columns that there are not.
     pub fn new(spec: &Arc<Spec>, header: &Header, request: Request) -> Result<Self, Diagnostics> {
-        if request.rule.needs_uncertainty() {
-            let message = format!("a batch has no uncertainty of its own for the rule {}", request.rule);
-            return Err(Diagnostic::error(Code::BadRule, message)
-                .help("give the guard band, 1.65 u_c of one part as `rackmesh eval` prints it: --rule guard=VALUE")
-                .into());
-        }
         let mut present = Vec::new();
+        let mut found = Vec::new();
         let mut diagnostics = Vec::new();
         for kind in ErrorKind::ALL {
             match find_column(spec, header, kind) {
-                Ok(Some(_)) => present.push(kind),
+                Ok(Some(column)) => {
+                    present.push(kind);
+                    found.push(column);
+                }
                 Ok(None) => {}
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
@@ -166,16 +280,28 @@ impl Plan {
             return Err(no_column(header).into());
         }
         let limits = spec.limits();
-        let outputs = Self::asked(header, &request, &present)?;
+        let is_uncertain = !spec.uncertainties_of(&present)?.is_empty();
+        if request.monte_carlo.is_some() && !is_uncertain {
+            return Err(Diagnostic::error(Code::NoMonteCarlo, MonteCarloError::NothingUncertain.to_string())
+                .help("give the errors an uncertainty, such as `rack_pitch = { u = \"0.8 um\" }`")
+                .into());
+        }
+        if request.rule.needs_uncertainty() && !is_uncertain {
+            let message = format!("the rule {} needs uncertainties, and the spec gives none", request.rule);
+            return Err(Diagnostic::error(Code::BadRule, message)
+                .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }`; or the guard band: --rule guard=VALUE")
+                .into());
+        }
+        let outputs = Self::asked(header, &request, &present, &limits, is_uncertain)?;
         let judged_together = limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
-        let combined = outputs.iter().any(|output| !matches!(output, Asked::Own(_) | Asked::Id | Asked::Copied(_)));
+        let combined = outputs.iter().any(|output| matches!(output, Asked::Result(_)));
         let needed = |kind: ErrorKind| {
             let limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
-            judged_together || combined || limited || outputs.contains(&Asked::Own(kind))
+            judged_together || combined || limited || outputs.iter().any(|asked| asked.error() == Some(kind))
         };
         let mut sources = Vec::new();
-        for kind in present.iter().copied().filter(|kind| needed(*kind)) {
-            let source = spec.reading(kind).and_then(|reading| {
+        for (kind, column) in present.iter().copied().zip(found).filter(|(kind, _)| needed(*kind)) {
+            let source = column.reading(spec, header, kind).and_then(|reading| {
                 let what = format!("the column of `{}`", kind.key());
                 let formula = spec.part_formula(kind, &what)?;
                 Ok(Source { kind, formula: Prepared::new(&formula, request.model), reading })
@@ -190,19 +316,29 @@ impl Plan {
             return Err(Diagnostics(diagnostics));
         }
         let index = |kind: ErrorKind| sources.iter().position(|source| source.kind == kind);
+        let JudgedLimits { limits: judged, fixed: fixed_limits, unjudged } =
+            JudgedLimits::new(limits, &request.rule, &index);
         let outputs: Vec<_> = outputs
             .into_iter()
             .filter_map(|asked| {
                 Some(match asked {
                     Asked::Id => Output::Id,
                     Asked::Own(kind) => Output::Error(index(kind)?),
+                    Asked::Standard(kind) => Output::Standard(Of::Source(index(kind)?)),
+                    Asked::Expanded(kind) => Output::Expanded(Of::Source(index(kind)?)),
+                    Asked::Simulated(kind, statistic) => Output::Simulated(Of::Source(index(kind)?), statistic),
+                    Asked::Conformance(target) => Output::Conformance(judged.iter().position(|(on, _)| *on == target)?),
                     Asked::Result(output) => output,
                     Asked::Copied(name) => Output::Copied(name),
                 })
             })
             .collect();
-        let JudgedLimits { limits: judged, fixed: fixed_limits, unjudged } =
-            JudgedLimits::new(limits, &request.rule, &index);
+        let uncertain = is_uncertain
+            && (request.statistics
+                || request.monte_carlo.is_some()
+                || request.rule.needs_uncertainty()
+                || outputs.iter().any(Output::is_uncertain));
+        let uncertain = if uncertain { Some(Self::uncertain(spec, &sources, &request)?) } else { None };
         let stack = request.stack;
         let needs = |output: &Output, by: Stack| outputs.contains(output) || (judged_together && stack == by);
         let needs_range = needs(&Output::RangeLower, Stack::Range) || outputs.contains(&Output::RangeUpper);
@@ -212,6 +348,8 @@ impl Plan {
             needs_range,
             needs_worst,
             needs_rss,
+            followed: Vec::new(),
+            uncertain,
             results_per_part: sources.len() as u64 + combinations,
             json_names: Vec::new(),
             names_length: 0,
@@ -231,6 +369,11 @@ impl Plan {
             request,
             spec: Arc::clone(spec),
         };
+        if plan.request.statistics {
+            let limited = plan.quantity_limits().into_iter().map(|limit| limit != (None, None));
+            let quantities = plan.quantities().cloned().enumerate().zip(limited);
+            plan.followed = quantities.filter(|(_, limited)| *limited).map(|(quantity, _)| quantity).collect();
+        }
         for (index, name) in plan.column_names().into_iter().enumerate() {
             let start = if index == 0 { '{' } else { ',' };
             let start = format!("{start}{}:", serde_json::Value::from(name));
@@ -241,17 +384,52 @@ impl Plan {
     }
 
     /// The outputs that were asked for, or all of them.
-    fn asked(header: &Header, request: &Request, present: &[ErrorKind]) -> Result<Vec<Asked>, Diagnostic> {
+    fn asked(
+        header: &Header,
+        request: &Request,
+        present: &[ErrorKind],
+        limits: &Limits,
+        is_uncertain: bool,
+    ) -> Result<Vec<Asked>, Diagnostic> {
         let own = present.iter().map(|kind| (column_name(*kind), Asked::Own(*kind)));
         let results = [
             ("range_lower_mm", Output::RangeLower),
             ("range_upper_mm", Output::RangeUpper),
             ("worst_case_mm", Output::WorstCase),
             ("rss_mm", Output::Rss),
-            ("verdict", Output::Verdict),
         ];
         let results = results.map(|(name, output)| (name.to_owned(), Asked::Result(output)));
-        let all: Vec<_> = std::iter::once(("part_id".to_owned(), Asked::Id)).chain(own).chain(results).collect();
+        let mut all: Vec<_> = std::iter::once(("part_id".to_owned(), Asked::Id)).chain(own).chain(results).collect();
+        if is_uncertain {
+            for kind in present {
+                all.push((standard_name(&own_name(*kind)), Asked::Standard(*kind)));
+                all.push((expanded_name(&own_name(*kind)), Asked::Expanded(*kind)));
+            }
+            for of in ends(request.stack) {
+                let name = end_name(request.stack, *of);
+                all.push((standard_name(name), Asked::Result(Output::Standard(*of))));
+                all.push((expanded_name(name), Asked::Result(Output::Expanded(*of))));
+            }
+            all.push(("linear".to_owned(), Asked::Result(Output::Linear)));
+            if request.monte_carlo.is_some() {
+                for (_, statistic) in Simulated::ALL {
+                    for kind in present {
+                        all.push((statistic.name(&own_name(*kind)), Asked::Simulated(*kind, statistic)));
+                    }
+                    for of in ends(request.stack) {
+                        let name = statistic.name(end_name(request.stack, *of));
+                        all.push((name, Asked::Result(Output::Simulated(*of, statistic))));
+                    }
+                }
+                all.push(("linear_validated".to_owned(), Asked::Result(Output::Validated)));
+            }
+            let judged = limits.iter().map(|(on, _)| *on).filter(|on| match on {
+                LimitTarget::CenterDistance => true,
+                LimitTarget::Error(kind) => present.contains(kind),
+            });
+            all.extend(judged.map(|on| (conformance_name(on), Asked::Conformance(on))));
+        }
+        all.push(("verdict".to_owned(), Asked::Result(Output::Verdict)));
         let Some(names) = &request.columns else {
             return Ok(all.into_iter().map(|(_, asked)| asked).collect());
         };
@@ -263,6 +441,12 @@ impl Plan {
                 asked.push(Asked::Copied(name.clone()));
             } else {
                 let known: Vec<_> = all.iter().map(|(name, _)| name.as_str()).collect();
+                let uncertain = name.contains("uncertainty") || name.contains("conformance") || name == "linear";
+                if uncertain && !is_uncertain {
+                    let message = format!("there is no column `{name}` to write: the spec gives no uncertainty");
+                    return Err(Diagnostic::error(Code::Usage, message)
+                        .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
+                }
                 return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write")).help(
                     format!(
                         "the results are {}; {} also has {}",
@@ -276,9 +460,68 @@ impl Plan {
         Ok(asked)
     }
 
-    /// The outputs that are numbers.
+    /// What is uncertain about parts of which these errors are read.
+    fn uncertain(spec: &Spec, sources: &[Source], request: &Request) -> Result<Box<Uncertain>, Diagnostics> {
+        let kinds: Vec<_> = sources.iter().map(|source| source.kind).collect();
+        let formulas: Vec<_> = sources.iter().map(|source| source.formula.clone()).collect();
+        let over_pin = spec.over_pin().filter(|over_pin| {
+            // another nominal value may stand in the way
+            let computed = over_pin.measure().map(ErrorValue::Length);
+            computed.is_ok_and(|nominal| {
+                let nominal = Reading::Measured(nominal);
+                sources.iter().any(|source| source.kind == ErrorKind::RackOverRoller && source.reading == nominal)
+            })
+        });
+        let uncertainties = spec.uncertainties_of(&kinds)?;
+        let propagator = Propagator::new(&formulas, over_pin.as_ref(), uncertainties, request.stack)
+            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        // every part has a core of its own
+        let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
+        Ok(Box::new(Uncertain { propagator, over_pin, monte_carlo }))
+    }
+
+    /// The outputs of which there are statistics: ΔCD and its combinations.
     pub(super) fn quantities(&self) -> impl Iterator<Item = &Output> {
-        self.outputs.iter().filter(|output| !matches!(output, Output::Id | Output::Verdict | Output::Copied(_)))
+        self.outputs.iter().filter(|output| {
+            matches!(
+                output,
+                Output::Error(_) | Output::RangeLower | Output::RangeUpper | Output::WorstCase | Output::Rss
+            )
+        })
+    }
+
+    /// Of which uncertainty the variance of a result is made, if the uncertainties are known.
+    pub(super) fn spread_of(&self, output: &Output) -> Option<Of> {
+        self.uncertain.as_ref()?;
+        match (output, self.stack) {
+            (Output::Error(source), _) => Some(Of::Source(*source)),
+            (Output::RangeLower, Stack::Range) => Some(Of::Lower),
+            (Output::RangeUpper, Stack::Range) | (Output::WorstCase, Stack::WorstCase) | (Output::Rss, Stack::Rss) => {
+                Some(Of::Upper)
+            }
+            _ => None,
+        }
+    }
+
+    /// Errors that are measured and to which the spec gives no uncertainty, while it gives others one.
+    #[must_use]
+    pub fn taken_as_exact(&self) -> Vec<ErrorKind> {
+        let Some(uncertain) = &self.uncertain else { return Vec::new() };
+        let known = uncertain.propagator.uncertainties();
+        let given = |kind: &ErrorKind| known.of(crate::decision::uncertainty::Source::Error(*kind)).is_some();
+        self.errors().filter(|kind| !given(kind)).collect()
+    }
+
+    /// Whether the parts' uncertainties are computed.
+    #[must_use]
+    pub fn is_uncertain(&self) -> bool {
+        self.uncertain.is_some()
+    }
+
+    /// How a verdict is reached.
+    #[must_use]
+    pub fn rule(&self) -> &Rule {
+        &self.request.rule
     }
 
     /// The names of the results that are numbers.
@@ -306,7 +549,7 @@ impl Plan {
             Output::RangeLower | Output::RangeUpper => combined(Stack::Range),
             Output::WorstCase => magnitude(Stack::WorstCase),
             Output::Rss => magnitude(Stack::Rss),
-            Output::Id | Output::Verdict | Output::Copied(_) => (None, None),
+            _ => (None, None),
         });
         quantities.collect()
     }
@@ -317,6 +560,19 @@ impl Plan {
         self.outputs.iter().map(|output| self.output_name(output)).collect()
     }
 
+    /// What each column written holds.
+    #[cfg(feature = "parquet")]
+    #[must_use]
+    pub fn column_kinds(&self) -> Vec<super::parquet::ColumnKind> {
+        use super::parquet::ColumnKind;
+        let kind = |output: &Output| match output {
+            Output::Id | Output::Verdict | Output::Copied(_) => ColumnKind::Text,
+            Output::Linear | Output::Validated => ColumnKind::Flag,
+            _ => ColumnKind::Number,
+        };
+        self.outputs.iter().map(kind).collect()
+    }
+
     fn output_name(&self, output: &Output) -> String {
         match output {
             Output::Id => "part_id".to_owned(),
@@ -325,8 +581,21 @@ impl Plan {
             Output::RangeUpper => "range_upper_mm".to_owned(),
             Output::WorstCase => "worst_case_mm".to_owned(),
             Output::Rss => "rss_mm".to_owned(),
+            Output::Standard(of) => standard_name(&self.name_of(*of)),
+            Output::Expanded(of) => expanded_name(&self.name_of(*of)),
+            Output::Linear => "linear".to_owned(),
+            Output::Simulated(of, statistic) => statistic.name(&self.name_of(*of)),
+            Output::Validated => "linear_validated".to_owned(),
+            Output::Conformance(limit) => conformance_name(self.limits[*limit].0),
             Output::Verdict => "verdict".to_owned(),
             Output::Copied(name) => name.clone(),
+        }
+    }
+
+    fn name_of(&self, of: Of) -> String {
+        match of {
+            Of::Source(source) => own_name(self.sources[source].kind),
+            end => end_name(self.stack, end).to_owned(),
         }
     }
 
@@ -379,13 +648,62 @@ impl Plan {
 enum Asked {
     Id,
     Own(ErrorKind),
+    Standard(ErrorKind),
+    Expanded(ErrorKind),
+    Simulated(ErrorKind, Simulated),
+    Conformance(LimitTarget),
     Result(Output),
     Copied(String),
 }
 
+impl Asked {
+    /// The error that it is about, if it is about one.
+    fn error(&self) -> Option<ErrorKind> {
+        match self {
+            Self::Own(kind) | Self::Standard(kind) | Self::Expanded(kind) | Self::Simulated(kind, _) => Some(*kind),
+            Self::Conformance(LimitTarget::Error(kind)) => Some(*kind),
+            Self::Conformance(_) | Self::Id | Self::Result(_) | Self::Copied(_) => None,
+        }
+    }
+}
+
 /// The name of the column with an error's ΔCD.
 fn column_name(kind: ErrorKind) -> String {
-    format!("delta_cd_{}_mm", kind.key())
+    format!("{}_mm", own_name(kind))
+}
+
+fn own_name(kind: ErrorKind) -> String {
+    format!("delta_cd_{}", kind.key())
+}
+
+/// The ends of a combination that differ in their uncertainty.
+fn ends(stack: Stack) -> &'static [Of] {
+    if stack == Stack::Range { &[Of::Lower, Of::Upper] } else { &[Of::Upper] }
+}
+
+fn end_name(stack: Stack, of: Of) -> &'static str {
+    match (stack, of) {
+        (Stack::Range, Of::Lower) => "range_lower",
+        (Stack::Range, _) => "range_upper",
+        (Stack::WorstCase, _) => "worst_case",
+        (Stack::Rss, _) => "rss",
+    }
+}
+
+fn standard_name(of: &str) -> String {
+    format!("{of}_standard_uncertainty_mm")
+}
+
+fn expanded_name(of: &str) -> String {
+    format!("{of}_expanded_uncertainty_mm")
+}
+
+/// The name of the column with the probability that a limit is met.
+fn conformance_name(on: LimitTarget) -> String {
+    match on {
+        LimitTarget::CenterDistance => "conformance_probability".to_owned(),
+        LimitTarget::Error(kind) => format!("{}_conformance_probability", own_name(kind)),
+    }
 }
 
 fn no_column(header: &Header) -> Diagnostic {
@@ -432,7 +750,7 @@ impl FixedLimit {
             Rule::Guard(guard) if !guard.is_zero() => {
                 Self { on, nominal, accepted: Zone::new(limit, guard), rejected: Some(Zone::new(limit, &-guard)) }
             }
-            // `Plan::new` refuses the rule that needs an uncertainty
+            // the guard band of ISO 14253-1 is each part's own
             Rule::Guard(_) | Rule::Simple | Rule::Iso14253 => Self { on, nominal, accepted: nominal, rejected: None },
         }
     }

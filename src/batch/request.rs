@@ -1,6 +1,7 @@
 //! What is asked of a batch.
 
 use super::number::Decimals;
+use crate::decision::monte_carlo::Settings;
 use crate::decision::{Rule, Stack, Verdict};
 use crate::formula::Model;
 
@@ -13,6 +14,8 @@ pub struct Request {
     pub stack: Stack,
     /// How a verdict is reached: by the limits, or with a guard band.
     pub rule: Rule,
+    /// How to simulate the distribution of each part's results, if that is asked for.
+    pub monte_carlo: Option<Settings>,
     /// Decimals of the numbers written.
     pub decimals: Decimals,
     /// The format of the rows written.

@@ -1,7 +1,10 @@
 //! The results of one part in integers of 1e-15 mm, and what they say about the limits.
 
 use super::layout::Layout;
-use super::plan::{Holds, Judged, Output, Plan};
+use super::plan::{Holds, Judged, Of, Output, Plan};
+use crate::decision::monte_carlo::{PartSimulation, Simulation};
+use crate::decision::rule::{Ends, ISO_14253_FACTOR};
+use crate::decision::uncertainty::{Point, Spread, Spreads};
 use crate::decision::{Evaluation, LimitTarget, Stack, Verdict};
 use crate::deviation::ErrorKind;
 use crate::formula::Fixed;
@@ -90,15 +93,69 @@ impl Results {
                 },
             }
         }
-        Judgement::Known(if fails {
-            Some(Verdict::Fail)
-        } else if plan.fixed_limits.is_empty() || !plan.unjudged.is_empty() {
-            None
-        } else if open {
-            Some(Verdict::Indeterminate)
-        } else {
-            Some(Verdict::Pass)
-        })
+        Judgement::Known(overall(plan, fails, open))
+    }
+
+    /// The uncertainties of the results; `None` if it takes exact arithmetic to tell.
+    pub(super) fn spreads(&self, plan: &Plan, layout: &Layout, deviations: &[i64; KINDS]) -> Option<Spreads> {
+        let propagator = &plan.uncertain.as_ref()?.propagator;
+        let mut points = [Point::default(); KINDS];
+        for (index, source) in plan.sources.iter().enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "a rounding that the bound allows for")]
+            let deviation = deviations[index] as f64;
+            let error = if source.kind == ErrorKind::RackLead {
+                deviation * layout.columns[index].degrees
+            } else {
+                deviation / PER_MM
+            };
+            points[index] = Point { error, delta_cd_mm: millimetres(self.each[index]) };
+        }
+        let spreads = propagator.spreads(&points[..plan.sources.len()]);
+        spreads.certain.then_some(spreads)
+    }
+
+    /// Holds the results against the limits with the guard bands of ISO 14253-1.
+    pub(super) fn judge_iso_14253(&self, plan: &Plan, spreads: &Spreads) -> Judgement {
+        let (mut fails, mut open) = (false, false);
+        for limit in &plan.fixed_limits {
+            let (lower, upper) = self.judged(limit.on, plan.stack);
+            let (at_lower, at_upper) = match limit.on {
+                Judged::Combined => (spreads.lower, spreads.upper),
+                Judged::Source(source) => (spreads.errors[source], spreads.errors[source]),
+            };
+            let (Some(at_lower), Some(at_upper)) = (guard(&at_lower), guard(&at_upper)) else {
+                return Judgement::Unsure;
+            };
+            // the limits moved inwards hold what the results moved outwards are held by
+            match limit.nominal.holds(minus(lower, at_lower), plus(upper, at_upper)) {
+                Holds::Yes => continue,
+                Holds::Unsure => return Judgement::Unsure,
+                Holds::No => {}
+            }
+            match limit.nominal.holds(plus(lower, at_lower), minus(upper, at_upper)) {
+                Holds::No => fails = true,
+                Holds::Yes => open = true,
+                Holds::Unsure => return Judgement::Unsure,
+            }
+        }
+        Judgement::Known(overall(plan, fails, open))
+    }
+
+    /// The probability that the limit with that index is met.
+    pub(super) fn conformance(&self, plan: &Plan, spreads: &Spreads, limit: usize) -> f64 {
+        let (lower, upper) = self.judged(plan.fixed_limits[limit].on, plan.stack);
+        let (at_lower, at_upper, correlation) = match plan.fixed_limits[limit].on {
+            Judged::Combined => (spreads.lower, spreads.upper, spreads.end_correlation),
+            Judged::Source(source) => (spreads.errors[source], spreads.errors[source], 1.0),
+        };
+        let ends = Ends {
+            lower_mm: millimetres(lower),
+            upper_mm: millimetres(upper),
+            lower_standard_mm: at_lower.standard_mm,
+            upper_standard_mm: at_upper.standard_mm,
+            correlation,
+        };
+        ends.conformance(&plan.limits[limit].1)
     }
 
     /// How far the results are inside the nearest limit (1e-15 mm), which limit that is, and what is held
@@ -131,7 +188,7 @@ impl Results {
             Output::RangeUpper => self.upper,
             Output::WorstCase => self.worst,
             Output::Rss => self.rss,
-            Output::Id | Output::Verdict | Output::Copied(_) => ZERO,
+            _ => ZERO,
         }
     }
 
@@ -168,6 +225,72 @@ impl Results {
     }
 }
 
+/// The verdict on a part: a limit that fails decides, then one that could not be judged, then one that is open.
+#[inline]
+fn overall(plan: &Plan, fails: bool, open: bool) -> Option<Verdict> {
+    if fails {
+        Some(Verdict::Fail)
+    } else if plan.fixed_limits.is_empty() || !plan.unjudged.is_empty() {
+        None
+    } else if open {
+        Some(Verdict::Indeterminate)
+    } else {
+        Some(Verdict::Pass)
+    }
+}
+
+const PER_MM: f64 = 1e15;
+
+#[expect(clippy::cast_precision_loss, reason = "a rounding that the bounds allow for")]
+fn millimetres(value: Fixed) -> f64 {
+    value.units as f64 / PER_MM
+}
+
+/// A length that is not negative, known within `rounding_mm`; `None` beyond the integers.
+pub(super) fn fixed_spread(mm: f64, rounding_mm: f64) -> Option<Fixed> {
+    const LARGEST: f64 = 1e18;
+    if mm == 0.0 && rounding_mm == 0.0 {
+        return Some(ZERO);
+    }
+    let (units, bound) = (mm * PER_MM, rounding_mm * PER_MM + mm * PER_MM * 4.0 * f64::EPSILON);
+    if units.is_nan() || units >= LARGEST || bound >= LARGEST {
+        return None;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "below 10¹⁸")]
+    Some(Fixed { units: (units + 0.5) as i64, bound: bound as i64 + 2 })
+}
+
+/// The guard band of ISO 14253-1.
+fn guard(spread: &Spread) -> Option<Fixed> {
+    fixed_spread(ISO_14253_FACTOR * spread.standard_mm, ISO_14253_FACTOR * spread.rounding_mm)
+}
+
+fn plus(a: Fixed, b: Fixed) -> Fixed {
+    Fixed { units: a.units + b.units, bound: a.bound + b.bound }
+}
+
+fn minus(a: Fixed, b: Fixed) -> Fixed {
+    Fixed { units: a.units - b.units, bound: a.bound + b.bound }
+}
+
+/// The uncertainty of a result.
+pub(super) fn spread_of(spreads: &Spreads, of: Of) -> &Spread {
+    match of {
+        Of::Source(source) => &spreads.errors[source],
+        Of::Lower => &spreads.lower,
+        Of::Upper => &spreads.upper,
+    }
+}
+
+/// The simulated distribution of a result.
+pub(super) fn simulation_of(part: &PartSimulation, of: Of) -> &Simulation {
+    match of {
+        Of::Source(source) => &part.outcome.results[source],
+        Of::Lower => part.lower(),
+        Of::Upper => part.upper(),
+    }
+}
+
 /// √ of a sum of at most five squares of which each root is known within its share of `bound`.
 ///
 /// |∂√Σv²/∂v| ≤ 1, so the bounds add up. Rounding: each v to a double (1 half-ulp), its square (1), four sums
@@ -189,7 +312,7 @@ pub(super) fn exact_result<'e>(evaluation: &'e Evaluation, plan: &Plan, output: 
         Output::RangeUpper => &combined.range_upper,
         Output::WorstCase => &combined.worst_case,
         Output::Rss => &combined.rss,
-        Output::Id | Output::Verdict | Output::Copied(_) => return None,
+        _ => return None,
     })
 }
 

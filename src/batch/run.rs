@@ -17,7 +17,7 @@ use super::outcome::{Kept, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::split::next_record;
-use super::statistics::Statistics;
+use super::statistics::{Moving, Statistics};
 use super::write;
 
 /// Where results go.
@@ -56,6 +56,7 @@ pub struct Batch<'a> {
     sinks: Sinks<'a>,
     outcome: Outcome,
     worst: Vec<Kept>,
+    moving: Vec<Moving>,
     workers: usize,
     /// The header that the rejected rows written so far have.
     rejects_header: Option<Vec<u8>>,
@@ -79,6 +80,7 @@ impl<'a> Batch<'a> {
             sinks,
             outcome,
             worst: Vec::new(),
+            moving: vec![Moving::default(); plan.followed.len()],
             workers: workers.unwrap_or_else(cores).clamp(1, MOST_WORKERS),
             rejects_header: None,
             wrote_header: false,
@@ -108,6 +110,7 @@ impl<'a> Batch<'a> {
         let total = Total {
             outcome: &mut self.outcome,
             worst: std::mem::take(&mut self.worst),
+            moving: &mut self.moving,
             lines,
             records: 0,
             place,
@@ -200,6 +203,11 @@ impl<'a> Batch<'a> {
     /// # Errors
     /// If the results cannot be written.
     pub fn finish(mut self) -> (Outcome, io::Result<()>) {
+        for (moving, (index, _)) in self.moving.iter().zip(&self.plan.followed) {
+            if let Some(statistics) = self.outcome.statistics.get_mut(*index) {
+                statistics.add_moving(moving);
+            }
+        }
         self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
         let mut flushed = Ok(());
         for sink in [self.sinks.rows, self.sinks.rejects].into_iter().flatten() {

@@ -7,6 +7,7 @@
 
 use dashu_int::{IBig, UBig};
 
+use crate::decision::capability::{FEWEST_PARTS, Normality};
 use crate::formula::Fixed;
 use crate::quantity::Rational;
 
@@ -28,6 +29,44 @@ pub struct Statistics {
     largest: i64,
     negative: Histogram,
     positive: Histogram,
+    /// Sum of the variances that measuring contributes, in (1e-12 mm)², and of how many values it is.
+    gauge: (u128, u64),
+    /// Sum of the magnitudes of the differences of successive values, in 1e-15 mm, and how many there are.
+    moving: (u128, u64),
+}
+
+/// The differences of successive values, for a chunk of them.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Moving {
+    /// The first and the last value.
+    ends: Option<(i64, i64)>,
+    sum: u128,
+    count: u64,
+}
+
+impl Moving {
+    /// Takes the next value.
+    #[inline]
+    pub(super) fn add(&mut self, units: i64) {
+        if let Some((_, last)) = &mut self.ends {
+            self.sum += u128::from(last.abs_diff(units));
+            self.count += 1;
+            *last = units;
+        } else {
+            self.ends = Some((units, units));
+        }
+    }
+
+    /// Takes the values that follow.
+    pub(super) fn join(&mut self, next: &Self) {
+        let Some((first, last)) = next.ends else { return };
+        self.add(first);
+        self.sum += next.sum;
+        self.count += next.count;
+        if let Some(ends) = &mut self.ends {
+            ends.1 = last;
+        }
+    }
 }
 
 /// Counts of magnitudes; bins for magnitudes that occur.
@@ -63,6 +102,56 @@ impl Statistics {
         self.beyond += 1;
     }
 
+    /// Takes what measuring contributes to the variance of a value, mm².
+    pub(super) fn add_gauge(&mut self, variance_mm2: f64) {
+        /// (1e-12 mm)² in a mm².
+        const SCALE: f64 = 1e24;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let units = (variance_mm2 * SCALE) as u128;
+        self.gauge = (self.gauge.0.saturating_add(units), self.gauge.1 + 1);
+    }
+
+    /// The standard uncertainty of a value from measuring alone, mm: the root of the mean of the variances; `None` where no
+    /// uncertainty is given.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum of many")]
+    pub fn gauge_mm(&self) -> Option<f64> {
+        let (sum, count) = self.gauge;
+        (count > 0).then(|| 1e-12 * (sum as f64 / count as f64).sqrt())
+    }
+
+    /// Takes the differences of successive values.
+    pub(super) fn add_moving(&mut self, moving: &Moving) {
+        self.moving = (self.moving.0.saturating_add(moving.sum), self.moving.1 + moving.count);
+    }
+
+    /// The mean moving range: of the magnitudes of the differences of successive values, mm; `None` where these were not
+    /// followed, or if there are no two values.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum of many")]
+    pub fn moving_range_mm(&self) -> Option<f64> {
+        let (sum, count) = self.moving;
+        (count > 0 && self.is_known()).then(|| 1e-15 * (sum as f64 / count as f64))
+    }
+
+    /// Whether the values look normally distributed; `None` where there are fewer than ten, or the mean is so far from 0
+    /// that the quantiles' bins are too wide for the spread.
+    #[must_use]
+    pub fn normality(&self) -> Option<Normality> {
+        let (mean, deviation) = self.mean_mm().zip(self.standard_deviation_mm())?;
+        if self.count < FEWEST_PARTS as u64 || deviation == 0.0 {
+            return None;
+        }
+        // half the width of a bin to both sides of its middle, at least half a unit
+        let edges = |(middle, count): (f64, u64), sign: f64| {
+            let half = (middle / f64::from(1 << BIN_BITS)).max(0.5e-15);
+            (sign * middle - half, sign * middle + half, count)
+        };
+        let below = self.negative.descending().map(|bin| edges(bin, -1.0));
+        let groups: Vec<_> = below.chain(self.positive.ascending().map(|bin| edges(bin, 1.0))).collect();
+        Normality::of_groups(&groups, mean, deviation)
+    }
+
     /// Takes what another has.
     pub(super) fn merge(&mut self, other: &Self) {
         let held = |statistics: &Self| statistics.count > statistics.beyond;
@@ -80,6 +169,7 @@ impl Statistics {
         let (squares, full) = self.squares.overflowing_add(other.squares);
         self.squares = squares;
         self.carries += other.carries + u64::from(full);
+        self.gauge = (self.gauge.0.saturating_add(other.gauge.0), self.gauge.1 + other.gauge.1);
         self.negative.merge(&other.negative);
         self.positive.merge(&other.positive);
     }
@@ -161,6 +251,8 @@ impl Statistics {
         let mut counts = vec![0; bins];
         let all = self.negative.descending().map(|(value, count)| (-value, count)).chain(self.positive.ascending());
         for (value, count) in all {
+            // the middle of a quantile's bin may lie beyond the values
+            let value = value.clamp(millimetres(self.smallest), millimetres(self.largest));
             #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a bin, checked below")]
             let bin = ((value - from_mm) / (to_mm - from_mm) * bins as f64).floor() as i64;
             if let Some(counted) = usize::try_from(bin).ok().and_then(|bin| counts.get_mut(bin)) {
@@ -287,6 +379,35 @@ mod tests {
         let mut beyond = of([1]);
         beyond.add_beyond();
         assert_eq!((beyond.count(), beyond.mean_mm()), (2, None));
+    }
+
+    #[test]
+    fn a_histogram_from_the_least_to_the_largest_value_loses_none() {
+        for values in [[54_912_612_345_678, 3_000_000_000_001, 41_000_000_000_007], [-54_912_612_345_678, -1, -3]] {
+            let statistics = of(values);
+            let (low, high) = (statistics.min_mm().unwrap(), statistics.max_mm().unwrap().next_up());
+            assert_eq!(statistics.histogram(low, high, 40).iter().sum::<u64>(), 3, "{values:?}");
+        }
+    }
+
+    #[test]
+    fn moving_ranges_do_not_depend_on_where_chunks_end() {
+        let values: Vec<i64> = (0..100).map(|n: i64| (n * 7_919) % 1_000 - 500).collect();
+        let mut whole = Moving::default();
+        values.iter().for_each(|value| whole.add(*value));
+        for end in [0, 1, 50, 99, 100] {
+            let (mut joined, mut next) = (Moving::default(), Moving::default());
+            values[..end].iter().for_each(|value| joined.add(*value));
+            values[end..].iter().for_each(|value| next.add(*value));
+            joined.join(&next);
+            assert_eq!((joined.sum, joined.count, joined.ends), (whole.sum, whole.count, whole.ends), "{end}");
+        }
+        let mut statistics = of(values.iter().copied());
+        assert_eq!(statistics.moving_range_mm(), None);
+        statistics.add_moving(&whole);
+        let expected: u64 = values.windows(2).map(|pair| pair[0].abs_diff(pair[1])).sum();
+        let mean = f64::from(u32::try_from(expected).unwrap()) / 99.0 * 1e-15;
+        assert!((statistics.moving_range_mm().unwrap() / mean - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -7,18 +7,19 @@ use std::sync::atomic::AtomicBool;
 
 use clap::ValueEnum;
 
+use super::decision::DecisionArgs;
 use super::eval::{ModelArg, StackArg};
 use super::output::{Failure, Output, Status};
 use super::stream::Stdin;
 use super::{long, office};
 use crate::batch::{
     Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Progress, Request, RowFormat, Rows,
-    RunError, Sink, Sinks, TeethRequest, run_teeth,
+    RunError, Sink, Sinks, Teeth, TeethRequest,
 };
-use crate::decision::Rule;
+use crate::decision::LimitTarget;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::report::{self, BatchReport, Format};
-use crate::spec::Spec;
+use crate::report::{self, Basis, BatchReport, Format};
+use crate::spec::{Spec, WrittenError};
 
 pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinations and a verdict for every part";
 
@@ -28,6 +29,7 @@ pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinat
   rackmesh batch rack.toml parts.csv.gz --summary
   rackmesh batch rack.toml parts.csv --only-failures --columns part_id,verdict
   rackmesh batch rack.toml spaces.csv --teeth --to 30
+  rackmesh batch rack.toml parts.csv --rule iso14253
   rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
 
 Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row was rejected or something
@@ -41,10 +43,11 @@ pub(super) struct Args {
     files: Vec<String>,
     #[command(flatten)]
     place: office::Place,
-    /// Write the rows (or the summary) here; `.tsv`, `.jsonl`, `.xlsx` and `.dfq` name a format, `.gz` and `.zst` pack.
+    /// Write the rows (or the summary) here; `.tsv`, `.jsonl`, `.parquet`, `.xlsx` and `.dfq` name a format, `.gz` and `.zst`
+    /// pack.
     #[arg(long, short)]
     output: Option<String>,
-    /// The format of rows (csv, tsv, jsonl) or of a summary (table, markdown, json, csv).
+    /// The format of rows (csv, tsv, jsonl, parquet) or of a summary (table, markdown, json, csv).
     #[arg(long, value_enum)]
     format: Option<BatchFormat>,
     /// Decimals of the lengths, mm; `full` writes what `eval` writes.
@@ -68,11 +71,10 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Decision rule: simple or guard=VALUE; default the spec's, or simple.
-    #[arg(long, value_name = "RULE")]
-    rule: Option<Rule>,
+    #[command(flatten)]
+    decision: DecisionArgs,
     /// Many rows per part, one per tooth or space: each part through the exact mesh.
-    #[arg(long, conflicts_with_all = ["summary", "columns", "stack", "model"])]
+    #[arg(long, conflicts_with_all = ["stack", "model", "monte_carlo"])]
     teeth: bool,
     #[command(flatten)]
     range: super::mesh::Range,
@@ -107,6 +109,8 @@ enum BatchFormat {
     Tsv,
     /// One JSON object per line.
     Jsonl,
+    /// Parquet (rows), with the feature `parquet`.
+    Parquet,
     /// Aligned tables for people (summary).
     Table,
     /// Markdown tables (summary).
@@ -141,6 +145,12 @@ fn separator(text: &str) -> Result<u8, String> {
     }
 }
 
+const NO_LIMITS: &str = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
+
+fn unread(file: &str, error: &io::Error) -> Diagnostic {
+    Diagnostic::error(Code::FileAccess, format!("cannot read {} to its end: {error}", name(file)))
+}
+
 fn unwritable(name: &str, error: &io::Error) -> Failure {
     Diagnostic::error(Code::FileAccess, format!("cannot write {name}: {error}")).into()
 }
@@ -160,20 +170,25 @@ impl Args {
         }
         let (rows_format, summary_format) = self.formats()?;
         if self.teeth {
-            return self.run_teeth(&spec, &files, rows_format, &stop, output);
+            return self.run_teeth(&spec, &files, (rows_format, summary_format), &stop, output);
         }
         let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
         let (first, spec) = self.table(files[0], &spec, &stop, dialect, Some(output))?;
-        let plan = Plan::new(&spec, &first.header, self.request(rows_format, &spec))?;
-        self.remarks(&plan, &first, output);
+        let plan = Plan::new(&spec, &first.header, self.request(rows_format, &spec)?)?;
+        self.remarks(&spec, &plan, &first, output);
 
         let collected = office::Collected::default();
-        let mut targets = self.targets(Some(&collected))?;
+        #[cfg(feature = "parquet")]
+        let kinds = || plan.column_kinds();
+        #[cfg(not(feature = "parquet"))]
+        let kinds = || ();
+        let mut targets = self.targets(&collected, &kinds)?;
         let sinks = targets.sinks();
         let mut batch = Batch::new(&plan, sinks, self.threads.map(usize::from));
         let mut failed = Vec::new();
+        let mut said: Option<Vec<String>> = None;
         let mut first = Some(first);
-        let mut bar = Bar::new(&files);
+        let mut bar = Bar::new(&files, "rows");
         for file in &files {
             let input = match first.take() {
                 Some(input) => Ok(input),
@@ -184,14 +199,17 @@ impl Args {
                 Ok((input, layout))
             });
             match layout {
-                Ok((input, layout)) => match batch.run(input, &layout, &stop, &mut |progress| bar.show(progress)) {
-                    Ok(()) => {}
-                    Err(RunError::Read(error)) => {
-                        let message = format!("cannot read {} to its end: {error}", name(file));
-                        failed.push(Diagnostic::error(Code::FileAccess, message));
+                Ok((input, layout)) => {
+                    if !layout.understood().is_empty() && said.as_deref() != Some(layout.understood()) {
+                        output.remark(&format!("{}: {}", input.header.name, layout.understood().join(", ")));
+                        said = Some(layout.understood().to_vec());
                     }
-                    Err(RunError::Write(error)) => return Err(Failure::Write(error)),
-                },
+                    match batch.run(input, &layout, &stop, &mut |progress| bar.show(progress)) {
+                        Ok(()) => {}
+                        Err(RunError::Read(error)) => failed.push(unread(file, &error)),
+                        Err(RunError::Write(error)) => return Err(Failure::Write(error)),
+                    }
+                }
                 Err(diagnostics) => failed.extend(diagnostics),
             }
             bar.next();
@@ -202,34 +220,36 @@ impl Args {
         bar.finish();
         let (outcome, written) = batch.finish();
         written?;
-        drop(targets);
-        if let Some(path) = self.output.as_deref().filter(|path| !self.summary && office::is_office(path)) {
-            office::write_rows(path, &collected.rows()?, &spec)?;
-        }
+        targets.finish()?;
+        self.write_office(&collected, &spec)?;
         for diagnostic in &failed {
             output.diagnostic(diagnostic);
         }
-        self.report(&spec, &plan, &outcome, summary_format, output)?;
+        self.report(&spec, &Basis::of(&plan), &outcome, summary_format, output)?;
         Ok(status(&outcome, !failed.is_empty(), !plan.unjudged().is_empty()))
     }
 
     /// Where rows and rejected rows go.
-    fn targets(&self, collected: Option<&office::Collected>) -> Result<Targets, Failure> {
+    fn targets(&self, collected: &office::Collected, kinds: &dyn Fn() -> Kinds) -> Result<Targets, Failure> {
         let rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
             (_, true) => None,
-            (Some(path), false) if office::is_office(path) => {
-                let Some(collected) = collected else {
-                    return Err(Diagnostic::error(Code::Usage, "--teeth writes csv, tsv or jsonl").into());
-                };
-                Some(Box::new(collected.clone()))
-            }
+            (Some(path), false) if office::is_office(path) => Some(Box::new(collected.clone())),
             (Some(path), false) => Some(Box::new(File::create(path).map_err(|error| unwritable(path, &error))?)),
             (None, false) => Some(Box::new(super::stream::Stdout)),
+        };
+        let (rows, parquet) = match rows {
+            Some(rows) if self.is_parquet() => {
+                let parquet = parquet(rows, kinds())?;
+                let writer: Box<dyn Write + Send> = Box::new(parquet.clone());
+                (Some(writer), Some(parquet))
+            }
+            rows => (rows, None),
         };
         let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
         let rejects = self.rejects.as_ref().map(|path| File::create(path).map_err(|error| unwritable(path, &error)));
         Ok(Targets {
             rows,
+            parquet,
             rejects: rejects.transpose()?,
             packing: packing(&self.output),
             rejects_packing: packing(&self.rejects),
@@ -239,20 +259,15 @@ impl Args {
     /// Parts with their teeth, through the exact mesh.
     fn run_teeth(
         &self,
-        spec: &Spec,
+        spec: &Arc<Spec>,
         files: &[&str],
-        format: RowFormat,
+        (format, summary_format): (RowFormat, Format),
         stop: &Arc<AtomicBool>,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let &[file] = files else {
-            return Err(Diagnostic::error(Code::Usage, "--teeth takes one table")
-                .help("run them one after the other")
-                .into());
-        };
-        let rows = self.request(format, spec);
+        let rows = self.request(format, spec)?;
         if rows.rule.needs_uncertainty() {
-            let message = format!("a batch has no uncertainty of its own for the rule {}", rows.rule);
+            let message = format!("a mesh has no uncertainty of its own for the rule {}", rows.rule);
             return Err(Diagnostic::error(Code::BadRule, message)
                 .help("give the guard band: --rule guard=VALUE")
                 .into());
@@ -262,35 +277,86 @@ impl Args {
             tolerance_mm: self.range.tolerance.mm(),
             decimals: self.decimals,
             format,
+            columns: rows.columns,
             rows: rows.rows,
-            rule: rows.rule,
+            statistics: rows.statistics,
+            rule: rows.rule.clone(),
             id: self.id.clone(),
             strict: self.strict,
             failures_kept: rows.failures_kept,
             problems_kept: rows.problems_kept,
         };
+        if self.only_failures && !spec.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance) {
+            output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
+        }
         let tables = super::mesh::measured_tables(spec, &self.spec)?;
         let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
-        let input = Input::open(name(file), open(file, stop)?, dialect)?;
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let workers = self.threads.map_or_else(cores, usize::from);
-        let mut targets = self.targets(None)?;
-        let outcome = match run_teeth(spec, &tables, input, &request, targets.sinks(), workers, stop)? {
-            Ok(outcome) => outcome,
-            Err(RunError::Read(error)) => {
-                let message = format!("cannot read {} to its end: {error}", name(file));
-                return Err(Diagnostic::error(Code::FileAccess, message).into());
+        let collected = office::Collected::default();
+        #[cfg(feature = "parquet")]
+        let kinds = || Teeth::column_kinds(self.columns.as_deref());
+        #[cfg(not(feature = "parquet"))]
+        let kinds = || ();
+        let mut targets = self.targets(&collected, &kinds)?;
+        let mut teeth = Teeth::new(spec, &tables, request, targets.sinks(), workers)?;
+        let mut failed = Vec::new();
+        let mut bar = Bar::new(files, "parts");
+        for file in files {
+            let input = self.table(file, spec, stop, dialect, None).map_err(failures);
+            if let Ok((input, _)) = &input {
+                let understood = teeth.understood(&input.header);
+                if !understood.is_empty() {
+                    output.remark(&format!("{}: {}", input.header.name, understood.join(", ")));
+                }
             }
-            Err(RunError::Write(error)) => return Err(Failure::Write(error)),
-        };
-        self.problems(&outcome, output);
-        if let Some(path) = &self.junit {
-            let limits = spec.limits();
-            let report = report::junit(spec.title.as_deref(), "exact mesh", &limits, &outcome);
-            std::fs::write(path, report).map_err(|error| unwritable(path, &error))?;
+            match input.and_then(|(input, _)| {
+                teeth.run(input, stop, &mut |progress| bar.show(progress)).map_err(|diagnostic| vec![diagnostic])
+            }) {
+                Ok(Ok(())) => {}
+                Ok(Err(RunError::Read(error))) => failed.push(unread(file, &error)),
+                Ok(Err(RunError::Write(error))) => return Err(Failure::Write(error)),
+                Err(diagnostics) => failed.extend(diagnostics),
+            }
+            bar.next();
+            if teeth.is_over() {
+                break;
+            }
         }
-        output.remark(&in_words(&outcome.counts, "part"));
-        Ok(status(&outcome, false, false))
+        bar.finish();
+        let (outcome, written) = teeth.finish();
+        written?;
+        targets.finish()?;
+        self.write_office(&collected, spec)?;
+        for diagnostic in &failed {
+            output.diagnostic(diagnostic);
+        }
+        let limits = spec.limits();
+        let judged = limits.into_iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).collect();
+        let basis = Basis {
+            model: "exact mesh",
+            stack: None,
+            rule: rows.rule,
+            limits: judged,
+            quantity_limits: Teeth::quantity_limits(spec),
+            taken_as_exact: Vec::new(),
+        };
+        self.report(spec, &basis, &outcome, summary_format, output)?;
+        Ok(status(&outcome, !failed.is_empty(), false))
+    }
+
+    /// Whether the rows become a Parquet file.
+    fn is_parquet(&self) -> bool {
+        let named = || self.output.as_deref().is_some_and(|path| path.to_ascii_lowercase().ends_with(".parquet"));
+        !self.summary && (self.format == Some(BatchFormat::Parquet) || (self.format.is_none() && named()))
+    }
+
+    /// Writes the rows that were collected for a workbook or a Q-DAS file.
+    fn write_office(&self, collected: &office::Collected, spec: &Spec) -> Result<(), Failure> {
+        match self.output.as_deref().filter(|path| !self.summary && office::is_office(path)) {
+            Some(path) => office::write_rows(path, &collected.rows()?, spec),
+            None => Ok(()),
+        }
     }
 
     /// A table, whatever file it is in, and the spec with what the file says where it is silent; that is said where there
@@ -323,10 +389,11 @@ impl Args {
             Some(BatchFormat::Csv) => RowFormat::Csv,
             Some(BatchFormat::Tsv) => RowFormat::Tsv,
             Some(BatchFormat::Jsonl) => RowFormat::JsonLines,
+            Some(BatchFormat::Parquet) if !self.summary => RowFormat::Csv,
             Some(format) if !self.summary => {
                 let name = format.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
                 return Err(Diagnostic::error(Code::Usage, format!("rows cannot be written as {name}"))
-                    .help("write csv, tsv or jsonl; or ask for the --summary")
+                    .help("write csv, tsv, jsonl or parquet; or ask for the --summary")
                     .into());
             }
             None if ends(".tsv") => RowFormat::Tsv,
@@ -337,7 +404,7 @@ impl Args {
             Some(BatchFormat::Csv) => Format::Csv,
             Some(BatchFormat::Json) => Format::Json,
             Some(BatchFormat::Markdown) => Format::Markdown,
-            Some(BatchFormat::Tsv | BatchFormat::Jsonl) if self.summary => {
+            Some(BatchFormat::Tsv | BatchFormat::Jsonl | BatchFormat::Parquet) if self.summary => {
                 return Err(Diagnostic::error(Code::Usage, "a summary has no such format")
                     .help("write table, markdown, json or csv")
                     .into());
@@ -350,12 +417,12 @@ impl Args {
         Ok((rows, summary))
     }
 
-    fn request(&self, format: RowFormat, spec: &Spec) -> Request {
-        let of_spec = || spec.rule.as_ref().map(|rule| rule.value.clone());
-        Request {
+    fn request(&self, format: RowFormat, spec: &Spec) -> Result<Request, Failure> {
+        Ok(Request {
             model: self.model.into(),
             stack: self.stack.into(),
-            rule: self.rule.clone().or_else(of_spec).unwrap_or_default(),
+            rule: self.decision.rule(spec),
+            monte_carlo: self.decision.settings()?,
             decimals: self.decimals,
             format,
             columns: self.columns.clone(),
@@ -375,18 +442,36 @@ impl Args {
                 0
             },
             problems_kept: if self.junit.is_some() { PARTS_LISTED } else { PROBLEMS_SHOWN },
-        }
+        })
     }
 
     /// What the user should know before the first row.
-    fn remarks(&self, plan: &Plan, first: &Input, output: &mut Output) {
+    fn remarks(&self, spec: &Spec, plan: &Plan, first: &Input, output: &mut Output) {
+        let class = |kind| {
+            spec.errors.iter().find_map(|(error, written)| match written.value {
+                WrittenError::Class(grade) if *error == kind => Some(grade),
+                _ => None,
+            })
+        };
         for kind in plan.left_out(&first.header) {
-            let message = format!(
-                "{} has no column `{}`: that error is left out, because the value in [errors] is one part's",
-                first.header.name,
-                kind.key()
-            );
+            let why = match class(kind) {
+                Some(grade) => format!("class {grade} in [errors] is what is permitted, not what a part has"),
+                None => "the value in [errors] is one part's".to_owned(),
+            };
+            let message =
+                format!("{} has no column `{}`: that error is left out, because {why}", first.header.name, kind.key());
             output.diagnostic(&Diagnostic::warning(Code::BadTable, message));
+        }
+        for (kind, grade) in plan.errors().filter_map(|kind| Some((kind, class(kind)?))) {
+            output.remark(&format!(
+                "{}: the table's values count; class {grade} in [errors] is not held against them, because limits stand in [limits]",
+                kind.key()
+            ));
+        }
+        let exact = plan.taken_as_exact();
+        if !exact.is_empty() {
+            let names: Vec<_> = exact.iter().map(|kind| kind.key()).collect();
+            output.remark(&format!("taken as exact, because no uncertainty is given: {}", names.join(", ")));
         }
         for target in plan.unjudged() {
             let message = format!("there is a limit on ΔCD of the {target}, but the table has no such column");
@@ -399,8 +484,7 @@ impl Args {
             output.diagnostic(&Diagnostic::warning(Code::BadTable, message).help(help));
         }
         if self.only_failures && plan.limits().is_empty() {
-            let message = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
-            output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
+            output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
     }
 
@@ -408,19 +492,18 @@ impl Args {
     fn report(
         &self,
         spec: &Spec,
-        plan: &Plan,
+        basis: &Basis,
         outcome: &Outcome,
         format: Format,
         output: &mut Output,
     ) -> Result<(), Failure> {
         self.problems(outcome, output);
         if let Some(path) = &self.junit {
-            let by = format!("{} model, {}", plan.model(), plan.stack());
-            let report = report::junit(spec.title.as_deref(), &by, plan.limits(), outcome);
+            let report = report::junit(spec.title.as_deref(), &basis.judged_by(), &basis.limits, outcome);
             std::fs::write(path, report).map_err(|error| unwritable(path, &error))?;
         }
         if self.summary {
-            let report = BatchReport::new(spec.title.as_deref(), plan, outcome);
+            let report = BatchReport::new(spec.title.as_deref(), basis, outcome);
             match &self.output {
                 Some(path) => {
                     let text = report::write(&report, format, crate::report::Screen::default())?;
@@ -429,7 +512,7 @@ impl Args {
                 None => output.report(&report, format)?,
             }
         } else {
-            output.remark(&in_words(&outcome.counts, "row"));
+            output.remark(&in_words(&outcome.counts, if self.teeth { "part" } else { "row" }));
         }
         Ok(())
     }
@@ -452,15 +535,53 @@ impl Args {
     }
 }
 
+/// What the columns of a Parquet file hold.
+#[cfg(feature = "parquet")]
+type Kinds = Vec<crate::batch::ColumnKind>;
+#[cfg(feature = "parquet")]
+type Parquet = crate::batch::ParquetRows;
+
+/// There are no Parquet files without the feature.
+#[cfg(not(feature = "parquet"))]
+type Kinds = ();
+#[cfg(not(feature = "parquet"))]
+type Parquet = io::Empty;
+
+#[cfg(feature = "parquet")]
+#[expect(clippy::unnecessary_wraps, reason = "without the feature it fails")]
+fn parquet(rows: Box<dyn Write + Send>, kinds: Kinds) -> Result<Parquet, Failure> {
+    Ok(Parquet::new(rows, kinds))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(_: Box<dyn Write + Send>, (): Kinds) -> Result<Parquet, Failure> {
+    Err(Diagnostic::error(Code::Usage, "this rackmesh was built without the feature `parquet`")
+        .help("build it with `cargo install --path . --features parquet`, or write csv")
+        .into())
+}
+
 /// Files that are written.
 struct Targets {
     rows: Option<Box<dyn Write + Send>>,
+    /// The rows, too, if they become a Parquet file, which has an end of its own.
+    parquet: Option<Parquet>,
     rejects: Option<File>,
     packing: Packing,
     rejects_packing: Packing,
 }
 
 impl Targets {
+    /// Ends the files that have an end of their own.
+    fn finish(self) -> Result<(), Failure> {
+        #[cfg(feature = "parquet")]
+        if let Some(parquet) = &self.parquet {
+            parquet.finish()?;
+        }
+        #[cfg(not(feature = "parquet"))]
+        debug_assert!(self.parquet.is_none());
+        Ok(())
+    }
+
     fn sinks(&mut self) -> Sinks<'_> {
         let (packing, rejects_packing) = (self.packing, self.rejects_packing);
         Sinks {
@@ -547,16 +668,18 @@ struct Bar {
     sizes: Vec<Option<u64>>,
     file: usize,
     done: u64,
+    /// What is counted.
+    unit: &'static str,
 }
 
 impl Bar {
-    fn new(files: &[&str]) -> Self {
+    fn new(files: &[&str], unit: &'static str) -> Self {
         let sizes = files.iter().map(|path| {
             let (packing, _) = Packing::of_name(path);
             let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
             (packing == Packing::None).then_some(metadata.len())
         });
-        Self { shown: long::Bar::new(), sizes: sizes.collect(), file: 0, done: 0 }
+        Self { shown: long::Bar::new(), sizes: sizes.collect(), file: 0, done: 0, unit }
     }
 
     #[expect(
@@ -569,10 +692,10 @@ impl Bar {
         let total: Option<u64> = self.sizes.iter().copied().sum();
         let share = total.filter(|total| *total > 0);
         let share = share.map(|total| (self.done + progress.bytes) as f64 / total as f64);
-        let seconds = self.shown.seconds();
+        let (seconds, unit) = (self.shown.seconds(), self.unit);
         self.shown.show(share, || {
             let rate = if seconds > 0.0 { (progress.rows as f64 / seconds) as u64 } else { 0 };
-            let mut message = format!("{} rows  {}/s", long::counted(progress.rows), long::counted(rate));
+            let mut message = format!("{} {}  {}/s", long::counted(progress.rows), unit, long::counted(rate));
             if progress.failures > 0 {
                 message.push_str(&format!("  {} failed", long::counted(progress.failures)));
             }

@@ -57,7 +57,7 @@ impl DecisionArgs {
     }
 
     /// How to simulate, if that was asked for.
-    fn settings(&self) -> Result<Option<Settings>, Failure> {
+    pub(super) fn settings(&self) -> Result<Option<Settings>, Failure> {
         let Some(given) = &self.monte_carlo else { return Ok(None) };
         let draws = match given {
             None => None,

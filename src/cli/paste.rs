@@ -108,7 +108,8 @@ fn want(spec: &Spec) -> Want {
     let errors = spec.errors.iter().map(|(kind, error)| (error.span.start, *kind));
     let nominals = spec.nominals.iter().map(|(kind, nominal)| (nominal.span.start, *kind));
     let mut expected: Vec<ErrorKind> = Vec::new();
-    for written in [columns.collect::<Vec<_>>(), errors.chain(nominals).collect()] {
+    let unmeasured = spec.unmeasured.iter().map(|(kind, place)| (place.start, *kind));
+    for written in [columns.collect::<Vec<_>>(), errors.chain(nominals).chain(unmeasured).collect()] {
         let mut written = written;
         written.sort_unstable();
         expected.extend(written.into_iter().map(|(_, kind)| kind));

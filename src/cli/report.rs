@@ -14,7 +14,7 @@ use crate::decision::{LimitTarget, Stack};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::Length;
 use crate::report::html::{Chart, InputFile, Page, Section};
-use crate::report::{BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
+use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str =
@@ -182,6 +182,7 @@ impl Args {
             model: self.model.into(),
             stack: self.stack.into(),
             rule: self.decision.rule(spec),
+            monte_carlo: self.decision.settings()?,
             rows: Rows::All,
             statistics: true,
             problems_kept: 10,
@@ -199,6 +200,9 @@ impl Args {
                 None => self.table(file, &spec, &stop, None)?.0,
             };
             let layout = Layout::new(&plan, &input.header)?;
+            if !layout.understood().is_empty() {
+                output.remark(&format!("{}: {}", input.header.name, layout.understood().join(", ")));
+            }
             batch.run(input, &layout, &stop, &mut |_| {}).map_err(|error| match error {
                 RunError::Read(error) => {
                     Diagnostic::error(Code::FileAccess, format!("cannot read {file} to its end: {error}")).into()
@@ -212,7 +216,8 @@ impl Args {
         for problem in &outcome.problems {
             output.diagnostic(&Diagnostic::error(Code::BadRow, problem_text(problem)));
         }
-        let report = BatchReport::new(None, &plan, &outcome);
+        let basis = Basis::of(&plan);
+        let report = BatchReport::new(None, &basis, &outcome);
         let mut blocks = without_verdict(report.blocks(), page, "the batch");
         if !outcome.problems.is_empty() {
             blocks.extend(

@@ -3,16 +3,57 @@
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain};
+use super::uncertainty::{micrometres, rule_name};
 use super::{Block, Column, Report, Table};
 use crate::batch::{Outcome, Part, Plan, QUANTILES, Statistics};
-use crate::decision::Verdict;
-use crate::decision::capability::{Index, performance};
+use crate::decision::capability::{FEWEST_PARTS, Gauge, Index, Normality, PRELIMINARY_PARTS, performance, short_term};
+use crate::decision::{Limits, Rule, Stack, Verdict};
+use crate::deviation::ErrorKind;
+
+/// What the parts of a batch were evaluated by and held against.
+#[derive(Debug)]
+pub struct Basis {
+    /// The model.
+    pub model: &'static str,
+    /// The combination that is judged; `None` for the exact mesh, which combines nothing.
+    pub stack: Option<Stack>,
+    /// How a verdict is reached.
+    pub rule: Rule,
+    /// The limits that are judged.
+    pub limits: Limits,
+    /// The limits (mm, lower and upper) of each result that has statistics.
+    pub quantity_limits: Vec<(Option<f64>, Option<f64>)>,
+    /// Errors without an uncertainty, where others have one.
+    pub taken_as_exact: Vec<ErrorKind>,
+}
+
+impl Basis {
+    /// Of parts by the formulas.
+    #[must_use]
+    pub fn of(plan: &Plan) -> Self {
+        Self {
+            model: plan.model().name(),
+            stack: Some(plan.stack()),
+            rule: plan.rule().clone(),
+            limits: plan.limits().clone(),
+            quantity_limits: plan.quantity_limits(),
+            taken_as_exact: plan.taken_as_exact(),
+        }
+    }
+
+    /// The model and combination in words.
+    #[must_use]
+    pub fn judged_by(&self) -> String {
+        let by = self.stack.map_or_else(|| self.model.to_owned(), |stack| format!("{} model, {stack}", self.model));
+        if self.rule == Rule::Simple { by } else { format!("{by}, rule {}", rule_name(&self.rule)) }
+    }
+}
 
 /// A batch's outcome with what it was held against.
 #[derive(Debug)]
 pub struct BatchReport<'a> {
     title: Option<&'a str>,
-    plan: &'a Plan,
+    basis: &'a Basis,
     outcome: &'a Outcome,
     quantities: Vec<Quantity<'a>>,
 }
@@ -23,24 +64,56 @@ struct Quantity<'a> {
     name: &'a str,
     statistics: &'a Statistics,
     limits: (Option<f64>, Option<f64>),
+    cp: Option<Index>,
+    cpk: Option<Index>,
     pp: Option<Index>,
     ppk: Option<Index>,
+    normality: Option<Normality>,
+    gauge: Option<Gauge>,
+}
+
+impl<'a> Quantity<'a> {
+    fn new(name: &'a str, statistics: &'a Statistics, limits: (Option<f64>, Option<f64>)) -> Self {
+        let is_limited = limits != (None, None);
+        let (mean, deviation) = (statistics.mean_mm(), statistics.standard_deviation_mm());
+        let count = statistics.count();
+        let indices = |spread: Option<f64>, of: &dyn Fn(u64, f64, f64, Option<f64>, Option<f64>) -> (_, _)| {
+            mean.zip(spread).map_or((None, None), |(mean, spread)| of(count, mean, spread, limits.0, limits.1))
+        };
+        let (pp, ppk) = indices(deviation, &performance);
+        let (cp, cpk) = indices(statistics.moving_range_mm(), &short_term);
+        let gauge = mean.zip(deviation).zip(statistics.gauge_mm()).filter(|((_, s), _)| *s > 0.0);
+        let gauge = gauge.map(|((mean, deviation), uncertainty)| {
+            let margins = [limits.0.map(|lower| mean - lower), limits.1.map(|upper| upper - mean)];
+            let margin = margins.into_iter().flatten().fold(f64::INFINITY, f64::min);
+            Gauge::of(uncertainty, deviation, margin, limits.0.zip(limits.1).map(|(lower, upper)| upper - lower))
+        });
+        let normality = if is_limited { statistics.normality() } else { None };
+        Self { name, statistics, limits, cp, cpk, pp, ppk, normality, gauge }
+    }
+
+    fn is_limited(&self) -> bool {
+        self.limits != (None, None)
+    }
+
+    /// Its name for people.
+    fn shown(&self) -> String {
+        self.name.trim_start_matches("delta_cd_").trim_end_matches("_mm").replace('_', " ")
+    }
+
+    fn indices(&self) -> [(&'static str, Option<Index>); 4] {
+        [("Cp", self.cp), ("Cpk", self.cpk), ("Pp", self.pp), ("Ppk", self.ppk)]
+    }
 }
 
 impl<'a> BatchReport<'a> {
     /// The report of a batch that was run with statistics.
     #[must_use]
-    pub fn new(title: Option<&'a str>, plan: &'a Plan, outcome: &'a Outcome) -> Self {
-        let limits = plan.quantity_limits();
-        let quantities =
-            outcome.quantities.iter().zip(&outcome.statistics).zip(limits).map(|((name, statistics), limits)| {
-                let moments = statistics.mean_mm().zip(statistics.standard_deviation_mm());
-                let (pp, ppk) = moments.map_or((None, None), |(mean, deviation)| {
-                    performance(statistics.count(), mean, deviation, limits.0, limits.1)
-                });
-                Quantity { name, statistics, limits, pp, ppk }
-            });
-        Self { title, plan, outcome, quantities: quantities.collect() }
+    pub fn new(title: Option<&'a str>, basis: &'a Basis, outcome: &'a Outcome) -> Self {
+        let limits = basis.quantity_limits.iter().copied();
+        let quantities = outcome.quantities.iter().zip(&outcome.statistics).zip(limits);
+        let quantities = quantities.map(|((name, statistics), limits)| Quantity::new(name, statistics, limits));
+        Self { title, basis, outcome, quantities: quantities.collect() }
     }
 
     fn counts(&self) -> [(&'static str, u64); 6] {
@@ -81,28 +154,67 @@ impl<'a> BatchReport<'a> {
 
     fn statistics_table(&self) -> Table {
         let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), millimetres);
-        let index = |index: &Option<Index>| index.map_or_else(|| "-".to_owned(), |index| format!("{:.2}", index.value));
         let rows = self.quantities.iter().map(|quantity| {
             let statistics = quantity.statistics;
             let deviation = statistics.standard_deviation_mm();
             vec![
-                quantity.name.trim_start_matches("delta_cd_").trim_end_matches("_mm").replace('_', " "),
+                quantity.shown(),
                 mm(statistics.mean_mm()),
                 deviation.map_or_else(|| "-".to_owned(), |s| millimetres(s).trim_start_matches('+').to_owned()),
                 mm(statistics.min_mm()),
                 mm(statistics.quantile_mm(0.5)),
                 mm(statistics.quantile_mm(0.99865)),
                 mm(statistics.max_mm()),
-                index(&quantity.pp),
-                index(&quantity.ppk),
             ]
         });
-        let columns =
-            ["mean\n[mm]", "s\n[mm]", "min\n[mm]", "median\n[mm]", "99.865 %\n[mm]", "max\n[mm]", "Pp", "Ppk"];
+        let columns = ["mean\n[mm]", "s\n[mm]", "min\n[mm]", "median\n[mm]", "99.865 %\n[mm]", "max\n[mm]"];
         Table {
             rows: rows.collect(),
             columns: std::iter::once(Column::text("ΔCD")).chain(columns.map(Column::number)).collect(),
         }
+    }
+
+    /// The indices of the results that have limits; `None` where there are none.
+    fn capability_table(&self) -> Option<Table> {
+        let mut rows = Vec::new();
+        for quantity in self.quantities.iter().filter(|quantity| quantity.is_limited()) {
+            for (name, index) in quantity.indices() {
+                let Some(index) = index else { continue };
+                let [value, lower, upper] = [index.value, index.lower, index.upper].map(|value| format!("{value:.2}"));
+                rows.push(vec![quantity.shown(), name.to_owned(), value, format!("{lower} … {upper}")]);
+            }
+        }
+        let columns = vec![
+            Column::text("capability"),
+            Column::text("index"),
+            Column::number("value"),
+            Column::number("95 % confidence"),
+        ];
+        (!rows.is_empty()).then_some(Table { rows, columns })
+    }
+
+    /// What measuring does to the spread; `None` where no uncertainty is given.
+    fn gauge_table(&self) -> Option<Table> {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        let rows = self.quantities.iter().filter_map(|quantity| {
+            let (gauge, u) = (quantity.gauge?, quantity.statistics.gauge_mm()?);
+            Some(vec![
+                quantity.shown(),
+                micrometres(u),
+                percent(gauge.variance_share),
+                gauge.tolerance_share.map_or_else(|| "-".to_owned(), percent),
+                gauge.part_ppk.map_or_else(|| "-".to_owned(), |ppk| format!("{ppk:.2}")),
+            ])
+        });
+        let rows: Vec<_> = rows.collect();
+        let columns = vec![
+            Column::text("gauge share"),
+            Column::number("u\n[µm]"),
+            Column::number("of the variance\nu²/s²"),
+            Column::number("of the limits\n6 u/(U − L)"),
+            Column::number("Ppk of the\nparts alone"),
+        ];
+        (!rows.is_empty()).then_some(Table { rows, columns })
     }
 
     fn worst_table(&self) -> Table {
@@ -135,6 +247,55 @@ impl<'a> BatchReport<'a> {
         }
     }
 
+    fn capability_notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let limited: Vec<_> = self.quantities.iter().filter(|quantity| quantity.is_limited()).collect();
+        let Some(first) = limited.first() else { return notes };
+        let parts = first.statistics.count();
+        if parts < FEWEST_PARTS as u64 {
+            notes.push(format!(
+                "{parts} parts are too few for capability indices: at least {FEWEST_PARTS} are needed, {PRELIMINARY_PARTS} or more are customary."
+            ));
+            return notes;
+        }
+        notes.push(
+            "Pp and Ppk: s of all parts. Cp and Cpk: the mean moving range of successive rows / 1.128, so the rows must stand in the order of production. Confidence: χ², and Bissell's approximation for Cpk and Ppk."
+                .to_owned(),
+        );
+        if parts < PRELIMINARY_PARTS as u64 {
+            notes.push(format!(
+                "{parts} parts make the indices preliminary: {PRELIMINARY_PARTS} or more are customary."
+            ));
+        }
+        for quantity in limited {
+            if quantity.ppk.is_none() && quantity.statistics.mean_mm().is_some() {
+                notes.push(format!("{}: no indices, because all values are the same.", quantity.shown()));
+            }
+            match quantity.normality {
+                Some(normality) if normality.rejected() => notes.push(format!(
+                    "{}: not normally distributed (Anderson-Darling A*² {:.2}, p {}; skewness {:+.2}, excess kurtosis {:+.2}), so the indices do not give the share outside: see the quantiles.",
+                    quantity.shown(),
+                    normality.anderson_darling,
+                    if normality.p_value < 1e-4 { "below 0.0001".to_owned() } else { format!("{:.4}", normality.p_value) },
+                    normality.skewness,
+                    normality.excess_kurtosis,
+                )),
+                Some(normality) => notes.push(format!(
+                    "{}: a normal distribution is not contradicted (Anderson-Darling A*² {:.2}, p {:.2}).",
+                    quantity.shown(),
+                    normality.anderson_darling,
+                    normality.p_value
+                )),
+                None if quantity.ppk.is_some() => notes.push(format!(
+                    "{}: its mean is too far from 0 for its spread to tell whether it is normally distributed.",
+                    quantity.shown()
+                )),
+                None => {}
+            }
+        }
+        notes
+    }
+
     fn verdict(&self) -> Block {
         let counts = &self.outcome.counts;
         let rejected = if counts.rejected > 0 {
@@ -143,7 +304,11 @@ impl<'a> BatchReport<'a> {
             String::new()
         };
         let parts = counts.rows - counts.rejected;
-        let judged_by = format!("(judged by {})", self.plan.stack());
+        let by = self.basis.stack.map_or_else(|| self.basis.model.to_owned(), |stack| stack.to_string());
+        let judged_by = match &self.basis.rule {
+            Rule::Simple => format!("(judged by {by})"),
+            rule => format!("(judged by {by}, rule {})", rule_name(rule)),
+        };
         if counts.fail > 0 {
             let sentence = format!(
                 "{} of {} parts are outside a limit {judged_by}{rejected}",
@@ -153,12 +318,15 @@ impl<'a> BatchReport<'a> {
             return Block::Verdict(Verdict::Fail, sentence);
         }
         if counts.indeterminate > 0 {
-            let sentence =
-                format!("{} of {} parts are too near a limit{rejected}", grouped(counts.indeterminate), grouped(parts));
+            let sentence = format!(
+                "{} of {} parts are too near a limit {judged_by}{rejected}",
+                grouped(counts.indeterminate),
+                grouped(parts)
+            );
             return Block::Verdict(Verdict::Indeterminate, sentence);
         }
         if counts.unjudged > 0 || parts == 0 || counts.rejected > 0 {
-            let why = if self.plan.limits().is_empty() { "there is no limit" } else { "not every row could be judged" };
+            let why = if self.basis.limits.is_empty() { "there is no limit" } else { "not every row could be judged" };
             return Block::Note(format!("No verdict: {why}{rejected}."));
         }
         Block::Verdict(Verdict::Pass, format!("all {} parts are inside the limits {judged_by}", grouped(parts)))
@@ -166,14 +334,30 @@ impl<'a> BatchReport<'a> {
 
     fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
-            "Model {}. Mean, s, min and max are exact to the digits shown; quantiles are within 0.05 % of the value. Pp and Ppk are of all parts, whatever their order.",
-            self.plan.model()
+            "Model {}. Mean, s, min and max are exact to the digits shown; quantiles are within 0.05 % of the value.",
+            self.basis.model
         )];
+        notes.extend(self.capability_notes());
+        if self.quantities.iter().any(|quantity| quantity.gauge.is_some()) {
+            notes.push(
+                "Gauge share: of the uncertainties of the measured errors alone; what is uncertain about the gear is the same for all parts."
+                    .to_owned(),
+            );
+        }
+        if self.quantities.iter().any(|quantity| quantity.gauge.is_some_and(|gauge| gauge.part_deviation_mm.is_none()))
+        {
+            notes.push("The given uncertainty exceeds the spread of some values: it is overstated there.".to_owned());
+        }
         let quantities = self.quantities.iter();
         for quantity in
             quantities.filter(|quantity| quantity.statistics.count() > 0 && quantity.statistics.mean_mm().is_none())
         {
             notes.push(format!("{}: no statistics, because a value is beyond a metre", quantity.name));
+        }
+        let exact = &self.basis.taken_as_exact;
+        if !exact.is_empty() {
+            let names: Vec<_> = exact.iter().map(|kind| kind.name()).collect();
+            notes.push(format!("Taken as exact, because no uncertainty is given: {}.", names.join(", ")));
         }
         if self.outcome.interrupted {
             notes.push("The run was interrupted: this is of the rows up to there.".to_owned());
@@ -228,8 +412,23 @@ impl Report for BatchReport<'_> {
                     "quantiles": quantiles,
                     "limit_lower_mm": quantity.limits.0,
                     "limit_upper_mm": quantity.limits.1,
+                    "cp": index_json(quantity.cp),
+                    "cpk": index_json(quantity.cpk),
                     "pp": index_json(quantity.pp),
                     "ppk": index_json(quantity.ppk),
+                    "normality": quantity.normality.map(|normality| json!({
+                        "anderson_darling": normality.anderson_darling,
+                        "p_value": normality.p_value,
+                        "skewness": normality.skewness,
+                        "excess_kurtosis": normality.excess_kurtosis,
+                    })),
+                    "gauge": quantity.gauge.map(|gauge| json!({
+                        "standard_uncertainty_mm": statistics.gauge_mm(),
+                        "variance_share": gauge.variance_share,
+                        "tolerance_share": gauge.tolerance_share,
+                        "part_standard_deviation_mm": gauge.part_deviation_mm,
+                        "part_ppk": gauge.part_ppk,
+                    })),
                 })
             })
             .collect();
@@ -254,8 +453,9 @@ impl Report for BatchReport<'_> {
             .collect();
         json!({
             "title": self.title,
-            "model": self.plan.model().name(),
-            "stack": self.plan.stack().name(),
+            "model": self.basis.model,
+            "stack": self.basis.stack.map(Stack::name),
+            "rule": self.basis.rule.to_string(),
             "counts": counts,
             "results": results,
             "worst": worst,
@@ -271,6 +471,7 @@ impl Report for BatchReport<'_> {
         header.extend(QUANTILES.iter().map(|q| format!("q{q}_mm")));
         header.extend(["limit_lower_mm", "limit_upper_mm", "pp", "ppk"].map(str::to_owned));
         header.extend(self.counts().map(|(name, _)| name.to_owned()));
+        header.extend(["cp", "cpk", "normality_p", "gauge_variance_share"].map(str::to_owned));
         let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
         let mut rows = vec![header];
         for quantity in &self.quantities {
@@ -287,6 +488,9 @@ impl Report for BatchReport<'_> {
             row.extend([number(quantity.limits.0), number(quantity.limits.1)]);
             row.extend([quantity.pp, quantity.ppk].map(|index| number(index.map(|index| index.value))));
             row.extend(self.counts().map(|(_, count)| count.to_string()));
+            row.extend([quantity.cp, quantity.cpk].map(|index| number(index.map(|index| index.value))));
+            row.push(number(quantity.normality.map(|normality| normality.p_value)));
+            row.push(number(quantity.gauge.map(|gauge| gauge.variance_share)));
             rows.push(row);
         }
         rows
@@ -298,6 +502,8 @@ impl Report for BatchReport<'_> {
         blocks.push(Block::Table(self.counts_table()));
         if self.outcome.counts.rows > self.outcome.counts.rejected {
             blocks.push(Block::Table(self.statistics_table()));
+            blocks.extend(self.capability_table().map(Block::Table));
+            blocks.extend(self.gauge_table().map(Block::Table));
             blocks.push(Block::Table(self.worst_table()));
         }
         blocks.extend(self.notes().into_iter().map(Block::Note));

@@ -36,7 +36,7 @@ mod uncertainty;
 pub mod xlsx;
 
 #[cfg(feature = "batch")]
-pub use batch::BatchReport;
+pub use batch::{Basis, BatchReport};
 pub use budget::BudgetReport;
 pub use calculation::{Calculation, Computed, ResultUnit};
 #[cfg(feature = "batch")]

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::number::{millimetres, plain, signed};
 use super::uncertainty::micrometres;
 use super::{Block, Column, Report, Table, UncertaintyPart};
+use crate::decision::uncertainty::{Linear, Propagation};
 use crate::decision::{Evaluation, Limit, MeasuredPart, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::formula_text;
@@ -51,6 +52,35 @@ impl PartsReport<'_> {
     }
 }
 
+/// A result that has an uncertainty.
+#[derive(Clone, Copy)]
+enum Of {
+    Error(ErrorKind),
+    Lower,
+    Upper,
+}
+
+impl Of {
+    fn of(self, propagation: &Propagation) -> Option<&Linear> {
+        match self {
+            Self::Error(kind) => propagation.errors.iter().find(|(of, _)| *of == kind).map(|(_, linear)| linear),
+            Self::Lower => Some(&propagation.lower),
+            Self::Upper => Some(&propagation.upper),
+        }
+    }
+}
+
+/// Each error's ΔCD and the ends of the combination, by the names that `batch` gives them.
+fn kinds_and_ends(kinds: &[ErrorKind], stack: Stack) -> Vec<(String, Of)> {
+    let mut all: Vec<_> = kinds.iter().map(|kind| (format!("delta_cd_{}", kind.key()), Of::Error(*kind))).collect();
+    match stack {
+        Stack::Range => all.extend([("range_lower".to_owned(), Of::Lower), ("range_upper".to_owned(), Of::Upper)]),
+        Stack::WorstCase => all.push(("worst_case".to_owned(), Of::Upper)),
+        Stack::Rss => all.push(("rss".to_owned(), Of::Upper)),
+    }
+    all
+}
+
 fn delta_cd(evaluation: &Evaluation, kind: ErrorKind) -> Option<&Length> {
     let contribution = evaluation.contributions.iter().find(|contribution| contribution.kind == kind)?;
     Some(contribution.delta_cd(evaluation.model))
@@ -93,9 +123,10 @@ impl Report for PartsReport<'_> {
         header.extend(kinds.iter().map(|kind| format!("delta_cd_{}_mm", kind.key())));
         let fixed = ["range_lower_mm", "range_upper_mm", "worst_case_mm", "rss_mm", "verdict"];
         header.extend(fixed.map(str::to_owned));
-        let uncertain = self.is_uncertain();
-        if uncertain {
-            header.extend(["standard_uncertainty_mm", "expanded_uncertainty_mm"].map(str::to_owned));
+        let first = self.rows.iter().find_map(|row| row.uncertainty.as_ref());
+        let results = first.map_or_else(Vec::new, |known| kinds_and_ends(&kinds, known.propagation.stack));
+        for (name, _) in &results {
+            header.extend(["standard", "expanded"].map(|which| format!("{name}_{which}_uncertainty_mm")));
         }
         let width = header.len();
         let mut rows = vec![header];
@@ -108,9 +139,10 @@ impl Report for PartsReport<'_> {
                 row.extend([&combined.range_lower, &combined.range_upper, &combined.worst_case, &combined.rss].map(mm));
                 row.push(evaluation.verdict.map(Verdict::name).unwrap_or_default().to_owned());
             }
-            if let Some(part) = &part.uncertainty {
-                let upper = &part.propagation.upper;
-                row.extend([plain(upper.standard_mm), plain(upper.expanded_mm())]);
+            for (_, result) in &results {
+                let linear = part.uncertainty.as_ref().and_then(|known| result.of(&known.propagation));
+                let cells = linear.map(|linear| [plain(linear.standard_mm), plain(linear.expanded_mm())]);
+                row.extend(cells.unwrap_or_default());
             }
             row.resize(width, String::new());
             rows.push(row);
@@ -124,10 +156,10 @@ impl Report for PartsReport<'_> {
         let judged = self.rows.iter().filter_map(|row| row.evaluation.as_ref()).any(|e| !e.limits.is_empty());
         let mut columns = vec![Column::text("part")];
         columns.extend(kinds.iter().map(|kind| Column::number(format!("{}\n[mm]", kind.name()))));
-        columns.extend([Column::number("ΔCD from\n[mm]"), Column::number("to\n[mm]")]);
-        if self.is_uncertain() {
-            columns.push(Column::number("U of it\n[µm]"));
-        }
+        columns.push(Column::number("ΔCD from\n[mm]"));
+        columns.extend(self.is_uncertain().then(|| Column::number("± U\n[µm]")));
+        columns.push(Column::number("to\n[mm]"));
+        columns.extend(self.is_uncertain().then(|| Column::number("± U\n[µm]")));
         if judged {
             columns.push(Column::text("verdict"));
         }
@@ -138,10 +170,12 @@ impl Report for PartsReport<'_> {
                 let mm = |length: &Length| millimetres(length.mm());
                 row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map_or_else(|| "-".to_owned(), mm)));
                 let (from, to) = evaluation.combined.interval(evaluation.stack);
-                row.extend([mm(&from), mm(&to)]);
-                if self.is_uncertain() {
-                    let of = |part: &UncertaintyPart| micrometres(part.propagation.upper.expanded_mm());
-                    row.push(part.uncertainty.as_ref().map_or_else(|| "-".to_owned(), of));
+                let propagation = part.uncertainty.as_ref().map(|part| &part.propagation);
+                for (end, linear) in [(from, propagation.map(|p| &p.lower)), (to, propagation.map(|p| &p.upper))] {
+                    row.push(mm(&end));
+                    if self.is_uncertain() {
+                        row.push(linear.map_or_else(|| "-".to_owned(), |linear| micrometres(linear.expanded_mm())));
+                    }
                 }
                 if judged {
                     row.push(evaluation.verdict.map_or("open", Verdict::name).to_owned());
@@ -162,6 +196,9 @@ impl Report for PartsReport<'_> {
                 Stack::Rss => "from … to: the root of the sum of squares, either way",
             };
             blocks.push(Block::Note(format!("{stack}; formulas: {} model", evaluation.model)));
+            if self.is_uncertain() {
+                blocks.push(Block::Note("U: expanded uncertainty of that end, 95.45 %".to_owned()));
+            }
         }
         let unread = self.rows.iter().filter(|row| row.evaluation.is_none()).count();
         if judged {

@@ -13,7 +13,7 @@ mod read;
 
 pub use grid::Separator;
 pub(super) use names::heading_fields;
-pub use names::{Field, Holds, is_value_heading};
+pub use names::{Field, Holds, Meaning, heading_of_teeth, is_value_heading, meaning};
 
 use std::fmt;
 use std::sync::Arc;

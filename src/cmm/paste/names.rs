@@ -149,12 +149,12 @@ const DEVIATION_SYMBOLS: &str = "dp|delta p|db|dbeta|delta beta|fp|fpt";
 /// What headings call a value once the words for part, side and deviation are taken away, and what it is.
 const NAMES: &[(&str, &[Field])] = &[
     (
-        "over roller|over rollers|overroller|rollenmass|mass ueber rolle|mass ueber rollen|measure over roller|\
+        "over roller|over rollers|overroller|rollenmass|ueber rolle|ueber rollen|ueber kugel|mass ueber rolle|mass ueber rollen|measure over roller|\
          measurement over roller|dimension over roller|over ball|kugelmass|mass ueber kugel|einkugelmass|m|mor|roller",
         &[Field::Error(ErrorKind::RackOverRoller)],
     ),
     (
-        "over pin|over pins|overpin|measure over pin|measurement over pin|mass ueber stift|stiftmass|pin|mop",
+        "over pin|over pins|overpin|measure over pin|measurement over pin|ueber stift|mass ueber stift|stiftmass|pin|mop",
         &[Field::OverPin],
     ),
     (
@@ -289,6 +289,46 @@ pub fn is_value_heading(text: &str, own: &[(String, Field)]) -> bool {
     heading(text, own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
 }
 
+/// What a heading of a table means, whoever wrote it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Meaning {
+    /// What the column holds; several where the heading leaves it open.
+    pub fields: Vec<Field>,
+    /// Whether that is the value or its deviation, if the heading says so.
+    pub holds: Option<Holds>,
+    /// The unit, as it is written.
+    pub unit: Option<String>,
+}
+
+/// What a heading means, in English or German; `None` if it names nothing that is known.
+#[must_use]
+pub fn meaning(text: &str) -> Option<Meaning> {
+    heading(text, &[]).map(|Heading { fields, holds, unit, .. }| Meaning { fields, holds, unit })
+}
+
+/// The name and unit that a table of a rack's spaces or a pinion's teeth gives a column with that heading; `None` if it
+/// names nothing of them, or leaves open which.
+#[must_use]
+pub fn heading_of_teeth(text: &str) -> Option<String> {
+    let Meaning { fields, holds, unit } = meaning(text)?;
+    let &[field] = fields.as_slice() else { return None };
+    let deviation = holds == Some(Holds::Deviation);
+    let name = match field {
+        Field::Space => "space",
+        Field::Tooth => "tooth",
+        Field::OverPin | Field::Error(ErrorKind::RackOverRoller) if deviation => "over_pin_deviation",
+        Field::OverPin | Field::Error(ErrorKind::RackOverRoller) => "over_pin",
+        Field::Position if deviation => "position_deviation",
+        Field::Position => "position",
+        Field::Radial | Field::Error(ErrorKind::PinionRadial) => "radial_deviation",
+        Field::LeftPitch => "left_pitch_deviation",
+        Field::RightPitch => "right_pitch_deviation",
+        Field::Lead | Field::Error(ErrorKind::RackLead) => "lead_deviation",
+        Field::PartId | Field::Error(_) => return None,
+    };
+    Some(unit.map_or_else(|| name.to_owned(), |unit| format!("{name} [{unit}]")))
+}
+
 /// The fields that a heading can mean; none if it is not known.
 pub(in crate::cmm) fn heading_fields(text: &str, own: &[(String, Field)]) -> Vec<Field> {
     heading(text, own).map_or_else(Vec::new, |heading| heading.fields)
@@ -382,6 +422,7 @@ mod tests {
             ("pinion_radial_mm", "pinion_radial mm"),
             ("over_pin_deviation [um]", "over_pin deviation um"),
             ("Lücke", "space"),
+            ("Abweichung über Stift [µm]", "over_pin deviation µm"),
             ("Zahn-Nr.", "tooth"),
             ("fp links [µm]", "left_pitch deviation µm"),
             ("left_pitch_deviation", "left_pitch deviation"),
