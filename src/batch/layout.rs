@@ -2,7 +2,8 @@
 
 use super::input::Header;
 use super::number::{Scale, degrees_per_integer, read};
-use super::plan::{Output, Plan};
+use super::output::Output;
+use super::plan::Plan;
 use crate::cmm::name_and_unit;
 use crate::cmm::paste::{self, Holds};
 use crate::deviation::{ErrorKind, ErrorValue};

@@ -8,7 +8,8 @@
 //! | module | what it is |
 //! |---|---|
 //! | `input`, `chunk`, `split` | bytes to chunks that end with a record, records to fields |
-//! | `layout`, `plan` | which column holds what; what is computed |
+//! | `layout`, `plan`, `output` | which column holds what; what is computed and written |
+//! | `limits`, `uncertain` | what results are held against, and how certain they are |
 //! | `number`, `buffer`, `write`, `rows` | decimal text to integers and back |
 //! | `evaluate`, `results` | one row: the fast way, and the exact one where that cannot decide |
 //! | `run`, `pack` | chunks through all cores, in order |
@@ -51,8 +52,10 @@ mod chunk;
 mod evaluate;
 mod input;
 mod layout;
+mod limits;
 mod number;
 mod outcome;
+mod output;
 mod pack;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -64,6 +67,7 @@ mod run;
 mod split;
 mod statistics;
 mod teeth;
+mod uncertain;
 mod write;
 
 pub use input::{Dialect, Header, Input};

@@ -6,17 +6,20 @@
 use std::sync::Arc;
 
 use super::input::Header;
-use super::layout::{find_column, find_id};
+use super::layout::{Found, find_column, find_id};
+use super::limits::{FixedLimit, JudgedLimits};
 use super::number::{Decimals, Places};
+use super::output::{
+    Asked, Of, Output, column_name, conformance_name, end_name, expanded_name, own_name, standard_name,
+};
 use super::request::{Request, RowFormat};
-use crate::decision::monte_carlo::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
-use crate::decision::uncertainty::{Part, Propagation, Propagator, Spreads, propagate};
+use super::uncertain::Uncertain;
+use crate::decision::monte_carlo::MonteCarloError;
 use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::over_pin::OverPin;
-use crate::formula::{Fixed, Model, PartError, Prepared};
-use crate::quantity::{Length, Rational};
+use crate::formula::{Model, Prepared};
+use crate::quantity::Length;
 use crate::spec::{Reading, Spec};
 
 /// One error that is read from the table.
@@ -25,201 +28,6 @@ pub(super) struct Source {
     pub(super) kind: ErrorKind,
     pub(super) formula: Prepared,
     pub(super) reading: Reading,
-}
-
-/// One column of the output.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Output {
-    /// The part's name.
-    Id,
-    /// ΔCD of the source with that index.
-    Error(usize),
-    RangeLower,
-    RangeUpper,
-    WorstCase,
-    Rss,
-    /// Standard uncertainty of a result.
-    Standard(Of),
-    /// Expanded uncertainty of a result.
-    Expanded(Of),
-    /// Whether the linear uncertainties of the part describe it.
-    Linear,
-    /// The probability that the limit with that index is met.
-    Conformance(usize),
-    /// A statistic of the simulated distribution of a result.
-    Simulated(Of, Simulated),
-    /// Whether the simulation confirms the linear uncertainties of the combination.
-    Validated,
-    Verdict,
-    /// The input's column of that name, as it is.
-    Copied(String),
-}
-
-/// A result that has an uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Of {
-    /// ΔCD of the source with that index.
-    Source(usize),
-    /// The lower end of the combination that is judged.
-    Lower,
-    /// Its upper end.
-    Upper,
-}
-
-impl Output {
-    /// Whether it takes the uncertainties of the part.
-    pub(super) fn is_uncertain(&self) -> bool {
-        matches!(
-            self,
-            Self::Standard(_)
-                | Self::Expanded(_)
-                | Self::Linear
-                | Self::Conformance(_)
-                | Self::Simulated(..)
-                | Self::Validated
-        )
-    }
-}
-
-/// A statistic of a simulated distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Simulated {
-    Mean,
-    Standard,
-    Lower,
-    Upper,
-}
-
-impl Simulated {
-    const ALL: [(&'static str, Self); 4] =
-        [("mean", Self::Mean), ("standard", Self::Standard), ("lower", Self::Lower), ("upper", Self::Upper)];
-
-    pub(super) fn of(self, simulation: &Simulation) -> f64 {
-        match self {
-            Self::Mean => simulation.mean,
-            Self::Standard => simulation.standard,
-            Self::Lower => simulation.symmetric.0,
-            Self::Upper => simulation.symmetric.1,
-        }
-    }
-
-    fn name(self, of: &str) -> String {
-        let statistic = Self::ALL.into_iter().find(|(_, statistic)| *statistic == self).map_or("", |(name, _)| name);
-        format!("{of}_monte_carlo_{statistic}_mm")
-    }
-}
-
-/// What is known of the uncertainty of a part's results.
-pub(super) struct Known {
-    pub(super) propagation: Propagation,
-    pub(super) spreads: Spreads,
-    pub(super) simulation: Option<PartSimulation>,
-    /// Whether the simulation confirms the linear result for both ends of the combination.
-    pub(super) validated: Option<bool>,
-}
-
-/// What is uncertain about the parts.
-#[derive(Debug, Clone)]
-pub(super) struct Uncertain {
-    pub(super) propagator: Propagator,
-    /// What the nominal measure over the roller is computed from, if it is.
-    over_pin: Option<OverPin>,
-    /// How to simulate, if that is asked for.
-    pub(super) monte_carlo: Option<Settings>,
-}
-
-impl Uncertain {
-    /// The uncertainties of one part as `eval` computes them.
-    pub(super) fn exact(
-        &self,
-        errors: &[PartError],
-        model: Model,
-        stack: Stack,
-        limits: &Limits,
-    ) -> Result<Known, MonteCarloError> {
-        let part = Part { errors, over_pin: self.over_pin.as_ref(), model, stack };
-        let uncertainties = self.propagator.uncertainties();
-        let propagation = propagate(&part, uncertainties)?;
-        let spreads = self.propagator.exact(&part, &propagation)?;
-        let simulate = |settings: &Settings| simulate_part(&part, uncertainties, limits, settings);
-        let simulation = self.monte_carlo.as_ref().map(simulate).transpose()?;
-        let validated = simulation.as_ref().map(|simulation| {
-            let digits = simulation.outcome.digits;
-            let ends = [(&propagation.lower, simulation.lower()), (&propagation.upper, simulation.upper())];
-            ends.into_iter().all(|(linear, simulated)| validate(linear, simulated, digits).validated)
-        });
-        Ok(Known { propagation, spreads, simulation, validated })
-    }
-}
-
-/// A limit on the fixed-point results.
-#[derive(Debug, Clone)]
-pub(super) struct FixedLimit {
-    pub(super) on: Judged,
-    /// The limit itself.
-    pub(super) nominal: Zone,
-    /// What is in here passes.
-    pub(super) accepted: Zone,
-    /// What is not in here fails; `None` if that is all that does not pass.
-    pub(super) rejected: Option<Zone>,
-}
-
-/// An interval between integers of 1e-15 mm: the greatest that is not above an end, and the least that is not
-/// below it; both are the end itself if it is such an integer.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Zone {
-    pub(super) lower: Option<(i64, i64)>,
-    pub(super) upper: Option<(i64, i64)>,
-}
-
-/// Whether a zone holds a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Holds {
-    Yes,
-    No,
-    /// The bound on the result's error does not decide it.
-    Unsure,
-}
-
-impl Zone {
-    fn new(limit: &Limit, guard: &Length) -> Self {
-        Self {
-            lower: limit.lower.as_ref().map(|end| around(&(end + guard))),
-            upper: limit.upper.as_ref().map(|end| around(&(end - guard))),
-        }
-    }
-
-    /// Whether everything from `lower` to `upper` is inside.
-    #[inline]
-    pub(super) fn holds(&self, lower: Fixed, upper: Fixed) -> Holds {
-        let mut holds = Holds::Yes;
-        if let Some((below, _)) = self.upper
-            && upper.units + upper.bound > below
-        {
-            if upper.units - upper.bound > below {
-                return Holds::No;
-            }
-            holds = Holds::Unsure;
-        }
-        if let Some((_, above)) = self.lower
-            && lower.units - lower.bound < above
-        {
-            if lower.units + lower.bound < above {
-                return Holds::No;
-            }
-            holds = Holds::Unsure;
-        }
-        holds
-    }
-}
-
-/// What a limit is held against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Judged {
-    /// The combination.
-    Combined,
-    /// The source with that index.
-    Source(usize),
 }
 
 /// What is computed for each part.
@@ -260,45 +68,20 @@ impl Plan {
     /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
     /// a column's formula needs, and for names of output columns that there are not.
     pub fn new(spec: &Arc<Spec>, header: &Header, request: Request) -> Result<Self, Diagnostics> {
-        let mut present = Vec::new();
-        let mut found = Vec::new();
-        let mut diagnostics = Vec::new();
-        for kind in ErrorKind::ALL {
-            match find_column(spec, header, kind) {
-                Ok(Some(column)) => {
-                    present.push(kind);
-                    found.push(column);
-                }
-                Ok(None) => {}
-                Err(diagnostic) => diagnostics.push(diagnostic),
-            }
-        }
-        if !diagnostics.is_empty() {
-            return Err(Diagnostics(diagnostics));
-        }
-        if present.is_empty() {
-            return Err(no_column(header).into());
-        }
+        let (present, found) = Self::columns(spec, header)?;
         let limits = spec.limits();
         let is_uncertain = !spec.uncertainties_of(&present)?.is_empty();
-        if request.monte_carlo.is_some() && !is_uncertain {
-            return Err(Diagnostic::error(Code::NoMonteCarlo, MonteCarloError::NothingUncertain.to_string())
-                .help("give the errors an uncertainty, such as `rack_pitch = { u = \"0.8 um\" }`")
-                .into());
+        if !is_uncertain {
+            refuse_without_uncertainty(&request)?;
         }
-        if request.rule.needs_uncertainty() && !is_uncertain {
-            let message = format!("the rule {} needs uncertainties, and the spec gives none", request.rule);
-            return Err(Diagnostic::error(Code::BadRule, message)
-                .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }`; or the guard band: --rule guard=VALUE")
-                .into());
-        }
-        let outputs = Self::asked(header, &request, &present, &limits, is_uncertain)?;
+        let outputs = Asked::all(header, &request, &present, &limits, is_uncertain)?;
         let judged_together = limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
         let combined = outputs.iter().any(|output| matches!(output, Asked::Result(_)));
         let needed = |kind: ErrorKind| {
             let limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
             judged_together || combined || limited || outputs.iter().any(|asked| asked.error() == Some(kind))
         };
+        let mut diagnostics = Vec::new();
         let mut sources = Vec::new();
         for (kind, column) in present.iter().copied().zip(found).filter(|(kind, _)| needed(*kind)) {
             let source = column.reading(spec, header, kind).and_then(|reading| {
@@ -318,27 +101,13 @@ impl Plan {
         let index = |kind: ErrorKind| sources.iter().position(|source| source.kind == kind);
         let JudgedLimits { limits: judged, fixed: fixed_limits, unjudged } =
             JudgedLimits::new(limits, &request.rule, &index);
-        let outputs: Vec<_> = outputs
-            .into_iter()
-            .filter_map(|asked| {
-                Some(match asked {
-                    Asked::Id => Output::Id,
-                    Asked::Own(kind) => Output::Error(index(kind)?),
-                    Asked::Standard(kind) => Output::Standard(Of::Source(index(kind)?)),
-                    Asked::Expanded(kind) => Output::Expanded(Of::Source(index(kind)?)),
-                    Asked::Simulated(kind, statistic) => Output::Simulated(Of::Source(index(kind)?), statistic),
-                    Asked::Conformance(target) => Output::Conformance(judged.iter().position(|(on, _)| *on == target)?),
-                    Asked::Result(output) => output,
-                    Asked::Copied(name) => Output::Copied(name),
-                })
-            })
-            .collect();
+        let outputs: Vec<_> = outputs.into_iter().filter_map(|asked| asked.output(&index, &judged)).collect();
         let uncertain = is_uncertain
             && (request.statistics
                 || request.monte_carlo.is_some()
                 || request.rule.needs_uncertainty()
                 || outputs.iter().any(Output::is_uncertain));
-        let uncertain = if uncertain { Some(Self::uncertain(spec, &sources, &request)?) } else { None };
+        let uncertain = if uncertain { Some(Box::new(Uncertain::new(spec, &sources, &request)?)) } else { None };
         let stack = request.stack;
         let needs = |output: &Output, by: Stack| outputs.contains(output) || (judged_together && stack == by);
         let needs_range = needs(&Output::RangeLower, Stack::Range) || outputs.contains(&Output::RangeUpper);
@@ -383,101 +152,28 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The outputs that were asked for, or all of them.
-    fn asked(
-        header: &Header,
-        request: &Request,
-        present: &[ErrorKind],
-        limits: &Limits,
-        is_uncertain: bool,
-    ) -> Result<Vec<Asked>, Diagnostic> {
-        let own = present.iter().map(|kind| (column_name(*kind), Asked::Own(*kind)));
-        let results = [
-            ("range_lower_mm", Output::RangeLower),
-            ("range_upper_mm", Output::RangeUpper),
-            ("worst_case_mm", Output::WorstCase),
-            ("rss_mm", Output::Rss),
-        ];
-        let results = results.map(|(name, output)| (name.to_owned(), Asked::Result(output)));
-        let mut all: Vec<_> = std::iter::once(("part_id".to_owned(), Asked::Id)).chain(own).chain(results).collect();
-        if is_uncertain {
-            for kind in present {
-                all.push((standard_name(&own_name(*kind)), Asked::Standard(*kind)));
-                all.push((expanded_name(&own_name(*kind)), Asked::Expanded(*kind)));
-            }
-            for of in ends(request.stack) {
-                let name = end_name(request.stack, *of);
-                all.push((standard_name(name), Asked::Result(Output::Standard(*of))));
-                all.push((expanded_name(name), Asked::Result(Output::Expanded(*of))));
-            }
-            all.push(("linear".to_owned(), Asked::Result(Output::Linear)));
-            if request.monte_carlo.is_some() {
-                for (_, statistic) in Simulated::ALL {
-                    for kind in present {
-                        all.push((statistic.name(&own_name(*kind)), Asked::Simulated(*kind, statistic)));
-                    }
-                    for of in ends(request.stack) {
-                        let name = statistic.name(end_name(request.stack, *of));
-                        all.push((name, Asked::Result(Output::Simulated(*of, statistic))));
-                    }
+    /// The errors that the table has columns of, and where these are.
+    fn columns(spec: &Spec, header: &Header) -> Result<(Vec<ErrorKind>, Vec<Found>), Diagnostics> {
+        let mut present = Vec::new();
+        let mut found = Vec::new();
+        let mut diagnostics = Vec::new();
+        for kind in ErrorKind::ALL {
+            match find_column(spec, header, kind) {
+                Ok(Some(column)) => {
+                    present.push(kind);
+                    found.push(column);
                 }
-                all.push(("linear_validated".to_owned(), Asked::Result(Output::Validated)));
-            }
-            let judged = limits.iter().map(|(on, _)| *on).filter(|on| match on {
-                LimitTarget::CenterDistance => true,
-                LimitTarget::Error(kind) => present.contains(kind),
-            });
-            all.extend(judged.map(|on| (conformance_name(on), Asked::Conformance(on))));
-        }
-        all.push(("verdict".to_owned(), Asked::Result(Output::Verdict)));
-        let Some(names) = &request.columns else {
-            return Ok(all.into_iter().map(|(_, asked)| asked).collect());
-        };
-        let mut asked = Vec::new();
-        for name in names {
-            if let Some((_, output)) = all.iter().find(|(known, _)| known == name) {
-                asked.push(output.clone());
-            } else if header.columns.contains(name) {
-                asked.push(Asked::Copied(name.clone()));
-            } else {
-                let known: Vec<_> = all.iter().map(|(name, _)| name.as_str()).collect();
-                let uncertain = name.contains("uncertainty") || name.contains("conformance") || name == "linear";
-                if uncertain && !is_uncertain {
-                    let message = format!("there is no column `{name}` to write: the spec gives no uncertainty");
-                    return Err(Diagnostic::error(Code::Usage, message)
-                        .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
-                }
-                return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write")).help(
-                    format!(
-                        "the results are {}; {} also has {}",
-                        known.join(", "),
-                        header.name,
-                        header.columns.join(", ")
-                    ),
-                ));
+                Ok(None) => {}
+                Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
-        Ok(asked)
-    }
-
-    /// What is uncertain about parts of which these errors are read.
-    fn uncertain(spec: &Spec, sources: &[Source], request: &Request) -> Result<Box<Uncertain>, Diagnostics> {
-        let kinds: Vec<_> = sources.iter().map(|source| source.kind).collect();
-        let formulas: Vec<_> = sources.iter().map(|source| source.formula.clone()).collect();
-        let over_pin = spec.over_pin().filter(|over_pin| {
-            // another nominal value may stand in the way
-            let computed = over_pin.measure().map(ErrorValue::Length);
-            computed.is_ok_and(|nominal| {
-                let nominal = Reading::Measured(nominal);
-                sources.iter().any(|source| source.kind == ErrorKind::RackOverRoller && source.reading == nominal)
-            })
-        });
-        let uncertainties = spec.uncertainties_of(&kinds)?;
-        let propagator = Propagator::new(&formulas, over_pin.as_ref(), uncertainties, request.stack)
-            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
-        // every part has a core of its own
-        let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
-        Ok(Box::new(Uncertain { propagator, over_pin, monte_carlo }))
+        if !diagnostics.is_empty() {
+            return Err(Diagnostics(diagnostics));
+        }
+        if present.is_empty() {
+            return Err(no_column(header).into());
+        }
+        Ok((present, found))
     }
 
     /// The outputs of which there are statistics: ΔCD and its combinations.
@@ -643,67 +339,19 @@ impl Plan {
     }
 }
 
-/// An output that was asked for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Asked {
-    Id,
-    Own(ErrorKind),
-    Standard(ErrorKind),
-    Expanded(ErrorKind),
-    Simulated(ErrorKind, Simulated),
-    Conformance(LimitTarget),
-    Result(Output),
-    Copied(String),
-}
-
-impl Asked {
-    /// The error that it is about, if it is about one.
-    fn error(&self) -> Option<ErrorKind> {
-        match self {
-            Self::Own(kind) | Self::Standard(kind) | Self::Expanded(kind) | Self::Simulated(kind, _) => Some(*kind),
-            Self::Conformance(LimitTarget::Error(kind)) => Some(*kind),
-            Self::Conformance(_) | Self::Id | Self::Result(_) | Self::Copied(_) => None,
-        }
+/// Refuses what needs uncertainties where the spec gives none.
+fn refuse_without_uncertainty(request: &Request) -> Result<(), Diagnostic> {
+    if request.monte_carlo.is_some() {
+        return Err(Diagnostic::error(Code::NoMonteCarlo, MonteCarloError::NothingUncertain.to_string())
+            .help("give the errors an uncertainty, such as `rack_pitch = { u = \"0.8 um\" }`"));
     }
-}
-
-/// The name of the column with an error's ΔCD.
-fn column_name(kind: ErrorKind) -> String {
-    format!("{}_mm", own_name(kind))
-}
-
-fn own_name(kind: ErrorKind) -> String {
-    format!("delta_cd_{}", kind.key())
-}
-
-/// The ends of a combination that differ in their uncertainty.
-fn ends(stack: Stack) -> &'static [Of] {
-    if stack == Stack::Range { &[Of::Lower, Of::Upper] } else { &[Of::Upper] }
-}
-
-fn end_name(stack: Stack, of: Of) -> &'static str {
-    match (stack, of) {
-        (Stack::Range, Of::Lower) => "range_lower",
-        (Stack::Range, _) => "range_upper",
-        (Stack::WorstCase, _) => "worst_case",
-        (Stack::Rss, _) => "rss",
+    if request.rule.needs_uncertainty() {
+        let message = format!("the rule {} needs uncertainties, and the spec gives none", request.rule);
+        return Err(Diagnostic::error(Code::BadRule, message).help(
+            "give the errors one, such as `rack_pitch = { u = \"0.8 um\" }`; or the guard band: --rule guard=VALUE",
+        ));
     }
-}
-
-fn standard_name(of: &str) -> String {
-    format!("{of}_standard_uncertainty_mm")
-}
-
-fn expanded_name(of: &str) -> String {
-    format!("{of}_expanded_uncertainty_mm")
-}
-
-/// The name of the column with the probability that a limit is met.
-fn conformance_name(on: LimitTarget) -> String {
-    match on {
-        LimitTarget::CenterDistance => "conformance_probability".to_owned(),
-        LimitTarget::Error(kind) => format!("{}_conformance_probability", own_name(kind)),
-    }
+    Ok(())
 }
 
 fn no_column(header: &Header) -> Diagnostic {
@@ -714,57 +362,4 @@ fn no_column(header: &Header) -> Diagnostic {
         header.columns.join(", "),
         known.join(", ")
     ))
-}
-
-/// The limits, as far as they can be judged.
-#[derive(Default)]
-struct JudgedLimits {
-    limits: Limits,
-    fixed: Vec<FixedLimit>,
-    unjudged: Vec<LimitTarget>,
-}
-
-impl JudgedLimits {
-    fn new(limits: Limits, rule: &Rule, index: &dyn Fn(ErrorKind) -> Option<usize>) -> Self {
-        let mut sorted = Self::default();
-        for (on, limit) in limits {
-            let held = match on {
-                LimitTarget::CenterDistance => Some(Judged::Combined),
-                LimitTarget::Error(kind) => index(kind).map(Judged::Source),
-            };
-            if let Some(held) = held {
-                sorted.fixed.push(FixedLimit::new(held, &limit, rule));
-                sorted.limits.push((on, limit));
-            } else {
-                sorted.unjudged.push(on);
-            }
-        }
-        sorted
-    }
-}
-
-impl FixedLimit {
-    fn new(on: Judged, limit: &Limit, rule: &Rule) -> Self {
-        let nominal = Zone::new(limit, &Length::ZERO);
-        match rule {
-            Rule::Guard(guard) if !guard.is_zero() => {
-                Self { on, nominal, accepted: Zone::new(limit, guard), rejected: Some(Zone::new(limit, &-guard)) }
-            }
-            // the guard band of ISO 14253-1 is each part's own
-            Rule::Guard(_) | Rule::Simple | Rule::Iso14253 => Self { on, nominal, accepted: nominal, rejected: None },
-        }
-    }
-}
-
-/// The integers of 1e-15 mm next to a length, below and above; both are the length itself if it is one.
-fn around(length: &Length) -> (i64, i64) {
-    let scaled = length.exact_mm() * &Rational::integer(Fixed::PER_MM);
-    // limits beyond the fixed-point results are met by all of them
-    let whole = i64::try_from(scaled.to_fixed_point(0));
-    let whole = whole.unwrap_or(if length.is_negative() { i64::MIN / 2 } else { i64::MAX / 2 });
-    match scaled.partial_cmp(&whole) {
-        Some(std::cmp::Ordering::Less) => (whole - 1, whole),
-        Some(std::cmp::Ordering::Greater) => (whole, whole + 1),
-        _ => (whole, whole),
-    }
 }

@@ -1,7 +1,9 @@
 //! The results of one part in integers of 1e-15 mm, and what they say about the limits.
 
 use super::layout::Layout;
-use super::plan::{Holds, Judged, Of, Output, Plan};
+use super::limits::{Holds, Judged};
+use super::output::{Of, Output};
+use super::plan::Plan;
 use crate::decision::monte_carlo::{PartSimulation, Simulation};
 use crate::decision::rule::{Ends, ISO_14253_FACTOR};
 use crate::decision::uncertainty::{Point, Spread, Spreads};

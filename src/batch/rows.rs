@@ -3,9 +3,10 @@
 use super::evaluate::{Evaluator, Row};
 use super::number::Decimals;
 use super::number::Places;
-use super::plan::{Known, Output};
+use super::output::Output;
 use super::request::RowFormat;
 use super::results::{Results, exact_result, fixed_spread, simulation_of, spread_of};
+use super::uncertain::Known;
 use super::write;
 use crate::decision::uncertainty::Spreads;
 use crate::decision::{Evaluation, Verdict};

@@ -394,11 +394,17 @@ mod tests {
     fn moving_ranges_do_not_depend_on_where_chunks_end() {
         let values: Vec<i64> = (0..100).map(|n: i64| (n * 7_919) % 1_000 - 500).collect();
         let mut whole = Moving::default();
-        values.iter().for_each(|value| whole.add(*value));
+        for value in &values {
+            whole.add(*value);
+        }
         for end in [0, 1, 50, 99, 100] {
             let (mut joined, mut next) = (Moving::default(), Moving::default());
-            values[..end].iter().for_each(|value| joined.add(*value));
-            values[end..].iter().for_each(|value| next.add(*value));
+            for value in &values[..end] {
+                joined.add(*value);
+            }
+            for value in &values[end..] {
+                next.add(*value);
+            }
             joined.join(&next);
             assert_eq!((joined.sum, joined.count, joined.ends), (whole.sum, whole.count, whole.ends), "{end}");
         }

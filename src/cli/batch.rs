@@ -545,7 +545,7 @@ type Parquet = crate::batch::ParquetRows;
 #[cfg(not(feature = "parquet"))]
 type Kinds = ();
 #[cfg(not(feature = "parquet"))]
-type Parquet = io::Empty;
+type Parquet = office::Collected;
 
 #[cfg(feature = "parquet")]
 #[expect(clippy::unnecessary_wraps, reason = "without the feature it fails")]
@@ -573,13 +573,7 @@ struct Targets {
 impl Targets {
     /// Ends the files that have an end of their own.
     fn finish(self) -> Result<(), Failure> {
-        #[cfg(feature = "parquet")]
-        if let Some(parquet) = &self.parquet {
-            parquet.finish()?;
-        }
-        #[cfg(not(feature = "parquet"))]
-        debug_assert!(self.parquet.is_none());
-        Ok(())
+        self.parquet.map_or(Ok(()), |parquet| Ok(parquet.finish()?))
     }
 
     fn sinks(&mut self) -> Sinks<'_> {

@@ -190,7 +190,7 @@ impl<'a> BatchReport<'a> {
             Column::number("value"),
             Column::number("95 % confidence"),
         ];
-        (!rows.is_empty()).then_some(Table { rows, columns })
+        (!rows.is_empty()).then_some(Table { columns, rows })
     }
 
     /// What measuring does to the spread; `None` where no uncertainty is given.
@@ -214,7 +214,7 @@ impl<'a> BatchReport<'a> {
             Column::number("of the limits\n6 u/(U − L)"),
             Column::number("Ppk of the\nparts alone"),
         ];
-        (!rows.is_empty()).then_some(Table { rows, columns })
+        (!rows.is_empty()).then_some(Table { columns, rows })
     }
 
     fn worst_table(&self) -> Table {

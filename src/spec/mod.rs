@@ -250,19 +250,7 @@ impl Spec {
             standard: reader.standard("standard"),
             diameter: reader.rack_diameter("diameter"),
         });
-        let (errors, nominals, unmeasured) = sections.read(&keys::ERRORS, |reader| {
-            let nominals = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
-            let nominals: Vec<_> = nominals.collect();
-            let unmeasured: Vec<_> =
-                ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
-            let alone = |kind| {
-                reader.table.and_then(|table| only_nominal(table, kind)).is_some()
-                    || unmeasured.iter().any(|(other, _)| *other == kind)
-            };
-            let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
-            let errors = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
-            (errors, nominals, unmeasured)
-        });
+        let (errors, nominals, unmeasured) = sections.read(&keys::ERRORS, read_errors);
         let limits = sections.read(&keys::LIMITS, |reader| {
             let targets = ErrorKind::ALL.into_iter().map(LimitTarget::Error);
             std::iter::once(LimitTarget::CenterDistance)
@@ -390,6 +378,25 @@ fn syntax_error(source: &Arc<Source>, error: &toml::de::Error) -> Diagnostic {
         _ => diagnostic,
     };
     diagnostic.at(source, span, "")
+}
+
+/// The entries of `[errors]`: values, nominal values, and uncertainties of values that stand elsewhere.
+type Errors =
+    (Vec<(ErrorKind, Located<WrittenError>)>, Vec<(ErrorKind, Located<ErrorValue>)>, Vec<(ErrorKind, Range<usize>)>);
+
+/// Reads `[errors]`.
+fn read_errors(reader: &mut SectionReader<'_>) -> Errors {
+    let nominals = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
+    let nominals: Vec<_> = nominals.collect();
+    let unmeasured: Vec<_> =
+        ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
+    let alone = |kind| {
+        reader.table.and_then(|table| only_nominal(table, kind)).is_some()
+            || unmeasured.iter().any(|(other, _)| *other == kind)
+    };
+    let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
+    let errors = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
+    (errors, nominals, unmeasured)
 }
 
 /// Reads one entry of `[errors]`.

@@ -318,8 +318,10 @@ impl<'a> Teeth<'a> {
             }
         }
         self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
-        let sinks = [self.sinks.rows, self.sinks.rejects].into_iter().flatten();
-        let flushed = sinks.fold(Ok(()), |flushed, sink| flushed.and(sink.writer.flush()));
+        let mut flushed = Ok(());
+        for sink in [self.sinks.rows, self.sinks.rejects].into_iter().flatten() {
+            flushed = flushed.and(sink.writer.flush());
+        }
         (self.outcome, flushed)
     }
 

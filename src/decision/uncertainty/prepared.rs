@@ -170,7 +170,7 @@ impl Propagator {
         for (measured, (source, _)) in measured.iter_mut().zip(inputs) {
             *measured = matches!(source, Source::Error(_));
         }
-        Ok(Self { terms, stack, dofs, factors, measured, uncertainties })
+        Ok(Self { uncertainties, terms, stack, dofs, factors, measured })
     }
 
     /// What is uncertain.
@@ -299,8 +299,12 @@ impl Propagator {
         // rounding may lead to the other side of a whole number
         *certain &=
             whole == super::whole_dof(dof * (1.0 - UNSURE_DOF)) && whole == super::whole_dof(dof * (1.0 + UNSURE_DOF));
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number of at least 1")]
-        let kept = (whole < KEPT_FACTORS as f64).then(|| self.factors.get(whole as usize)).flatten();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number of at least 1; saturates"
+        )]
+        let kept = self.factors.get(whole as usize);
         kept.copied().unwrap_or_else(|| coverage_factor(dof))
     }
 }
@@ -395,7 +399,7 @@ mod tests {
         let propagator = Propagator::new(&prepared, Some(&over_pin), uncertainties.clone(), stack).unwrap();
         let (mut part, mut points) = (Vec::new(), Vec::new());
         for (formula, error) in formulas().iter().zip(errors) {
-            let text = format!("{}e-6", error);
+            let text = format!("{error}e-6");
             let value = match formula.kind() {
                 ErrorKind::RackLead => ErrorValue::Angle(text.parse().unwrap()),
                 _ => ErrorValue::Length(text.parse().unwrap()),
