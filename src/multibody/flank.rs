@@ -245,6 +245,24 @@ impl Placed {
     }
 }
 
+impl Placed {
+    /// How the pinion's point moves at which a sphere around ξ, ζ, w touches along the rack's unit normal: friction acts
+    /// there, not in the centre.
+    pub(super) fn motion_at_contact(
+        &self,
+        pose: &Pose,
+        (xi, zeta, w): (f64, f64, f64),
+        radius: f64,
+        normal: &[f64; 3],
+    ) -> [[f64; 3]; 4] {
+        let [nx, ny, nz] = *normal;
+        let (gy, gz) = (ny * pose.cos_roll - nz * pose.sin_roll, ny * pose.sin_roll + nz * pose.cos_roll);
+        let along = nx * self.cos_shaft - gy * self.sin_shaft;
+        let across = nx * self.sin_shaft + gy * self.cos_shaft;
+        self.point(pose, xi - radius * along, zeta - radius * gz, w - radius * across).motion
+    }
+}
+
 impl Pose {
     pub(super) fn new(at: Coordinates, depth: f64, eccentricity: (f64, f64), shared: &Shared) -> Self {
         let (sin_roll, cos_roll) = if at.roll == 0.0 { (0.0, 1.0) } else { trig::sin_cos(at.roll) };

@@ -102,8 +102,10 @@ pub(super) fn touch(
                         by_angle_twice: -(xi * n_xi + zeta * n_zeta),
                         weight: row.weight * node.weight,
                     };
-                    let sliding =
-                        || Sliding { normal: pair.normal, motion: placed.point(pose, turned.0, turned.1, w).motion };
+                    let sliding = || Sliding {
+                        normal: pair.normal,
+                        motion: placed.motion_at_contact(pose, (turned.0, turned.1, w), node.radius, &pair.normal),
+                    };
                     if reach.rolls {
                         let [_, ny, nz] = pair.normal;
                         let tilted = Tilted {
@@ -206,6 +208,8 @@ fn sphere(
     let element = Element { gap, gradient, hessian, weight: row.weight * node.weight, fading: None };
     load.add(pair.right, pair.rack_tooth, &element, || {
         let length = dot(n).sqrt();
-        Sliding { normal: n.map(|v| v / length), motion: point.motion }
+        let normal = n.map(|v| v / length);
+        let center = (xi, zeta, row.w + node.radius * template.sin_base);
+        Sliding { normal, motion: placed.motion_at_contact(pose, center, node.radius, &normal) }
     });
 }

@@ -22,6 +22,25 @@ pub fn pair() -> Pair {
     .unwrap()
 }
 
+/// A spur pair with short teeth: over most of a pitch one tooth touches on each side.
+pub fn spur() -> Pair {
+    Pair::new(&PairData {
+        normal_module_mm: 2.0,
+        normal_pressure_angle_rad: 20_f64.to_radians(),
+        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 15.0, addendum_mm: 1.2, tooth_thickness_mm: None },
+        pinion: PinionData {
+            teeth: 20,
+            helix_angle_rad: 0.0,
+            profile_shift: 0.0,
+            tip_diameter_mm: 42.1,
+            root_form_diameter_mm: None,
+            face_width_mm: 20.0,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    })
+    .unwrap()
+}
+
 pub fn scene(kind: Option<RackDeviationKind>, parameters: Parameters) -> Scene {
     let pair = pair();
     let teeth = "4..".parse().unwrap();
