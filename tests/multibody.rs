@@ -5,8 +5,8 @@ mod common;
 
 use std::ops::ControlFlow;
 
-use common::paper;
 use common::random::{self, Random};
+use common::{convergence, paper};
 use rackmesh::deviation::*;
 use rackmesh::multibody::*;
 
@@ -18,28 +18,50 @@ fn analytic() -> Parameters {
     Parameters { contact: ContactModel::Analytic(StripGrid::default()), ..Parameters::default() }
 }
 
-/// Every kind of the paper's errors, with what the exact mesh allows.
-fn rows() -> Vec<(RackDeviationKind, f64)> {
+/// Every error of the paper's Tables 1 to 3, with how far it may be from the exact mesh as a length and as a share.
+fn rows() -> Vec<(RackDeviationKind, f64, f64)> {
     let mut rows = Vec::new();
     for e in [0.01, 0.02, 0.03, -0.01, -0.02, -0.03] {
-        rows.push((RackDeviationKind::OverRoller(e), 2e-4));
+        rows.push((RackDeviationKind::OverRoller(e), 2e-4, 0.0));
+        rows.push((RackDeviationKind::Pitch(e), 1e-3, 0.02));
     }
-    for e in [0.02, -0.02] {
-        rows.push((RackDeviationKind::Pitch(e), 1e-3));
-        rows.push((RackDeviationKind::Lead((12.5 * e).to_radians()), 0.02 * 0.118));
+    for degrees in [0.25, 0.5, -0.25, -0.5_f64] {
+        rows.push((RackDeviationKind::Lead(degrees.to_radians()), 1e-3, 0.02));
     }
     rows
+}
+
+/// As `reproduce` runs them: in time, the rack free to roll.
+#[test]
+fn all_rows_of_the_paper_are_near_the_exact_mesh() {
+    use rackmesh::reproduction::{PRINTED, PaperTable, simulate_all};
+    for (printed, row) in PRINTED.iter().zip(simulate_all()) {
+        let row = row.unwrap();
+        assert_eq!(row.outcome.end, RunEnd::Completed);
+        let exact = row.exact_mm.unwrap();
+        let found = match row.outcome.rigid_difference_mm() {
+            Some(difference) => difference,
+            // no tooth deviates: the indentation is added back already
+            None => row.multibody_mm.unwrap(),
+        };
+        let allowed = if printed.table == PaperTable::OverRoller { 2e-4 } else { f64::max(1e-3, 0.02 * exact) };
+        println!("{printed:?}: {:.4} µm of {:.3} µm", 1e3 * (found - exact), 1e3 * exact);
+        assert!((found - exact).abs() <= allowed, "{printed:?}: {found} {exact}");
+        let ripple = row.outcome.nominal.unwrap().ripple_mm;
+        assert!(ripple < 5e-5, "{printed:?}: ripple {ripple}");
+    }
 }
 
 #[test]
 fn quasi_static_differences_are_those_of_the_exact_mesh() {
     for parameters in [Parameters::default(), analytic()] {
-        for (kind, allowed) in rows() {
+        for (kind, length, share) in rows() {
             let scene = paper::scene(Some(kind), parameters);
             let outcome = scene.quasi_static(&mut go_on);
             assert_eq!(outcome.end, RunEnd::Completed);
             let (rigid, _) = paper::rigid_difference(&scene, &outcome);
             let found = outcome.rigid_difference_mm().unwrap();
+            let allowed = f64::max(length, share * rigid.abs());
             assert!((found - rigid).abs() <= allowed, "{kind:?}: {found} {rigid}");
         }
     }
@@ -269,43 +291,14 @@ fn without_losses_energy_is_kept() {
 }
 
 #[test]
-fn the_rigid_limit_is_the_exact_mesh() {
-    let worst = |parameters: Parameters, rigid: bool| {
-        let scene = paper::scene(Some(RackDeviationKind::Lead(0.004)), parameters);
-        let outcome = scene.quasi_static(&mut go_on);
-        assert_eq!(outcome.end, RunEnd::Completed);
-        let off = |sample: &Sample| {
-            let exact = scene.mesh().at(sample.stroke_mm).unwrap().delta_cd_mm;
-            (sample.delta_cd_mm + if rigid { sample.indentation_mm } else { 0.0 } - exact).abs()
-        };
-        outcome.samples.iter().map(off).fold(0.0, f64::max)
-    };
-    let at = |preload_n: f64, contact: ContactModel| Parameters {
-        preload_n,
-        contact,
-        stiffness: 1e9,
-        start_mm: 30.0,
-        stroke_mm: 6.3,
-        ..Parameters::default()
-    };
-    // preload: the indentation falls with its power 1/(a + 1) at a corner
-    let lines = |strips| ContactModel::Analytic(StripGrid { strips });
-    let (heavy, light) = (worst(at(500.0, lines(4000)), false), worst(at(5.0, lines(4000)), false));
-    assert!(light < 0.3 * heavy && light < 1e-3, "{heavy} {light}");
-    // distance of strips: the corner lies up to half a strip beyond the last one; first order
-    let (coarse, fine) = (worst(at(5.0, lines(100)), true), worst(at(5.0, lines(400)), true));
-    assert!(fine < 0.4 * coarse && fine < 1e-3, "{coarse} {fine}");
-    // spheres over the profile where nothing leads: second order
-    let nominal = |profile_nodes| {
-        let grid = SphereGrid { profile_nodes, width_nodes: 24, ..SphereGrid::default() };
-        let contact = ContactModel::Spheres(grid);
-        let scene = paper::scene(None, Parameters { stiffness: 1e9, ..at(0.5, contact) });
-        let outcome = scene.quasi_static(&mut go_on);
-        outcome.samples.iter().map(|s| (s.delta_cd_mm + s.indentation_mm).abs()).sum::<f64>()
-            / outcome.samples.len() as f64
-    };
-    let (coarse, fine) = (nominal(16), nominal(64));
-    assert!(fine < coarse / 8.0 && fine < 2e-5, "{coarse} {fine}");
+fn errors_fall_as_theory_says() {
+    for convergence in convergence::all() {
+        let order = convergence.order();
+        println!("{}: {order:.2} {:?}", convergence.what, convergence.errors);
+        // where contacts switch, single errors jump about the line; strips do better than they must
+        assert!(order > 0.8 * convergence.expected, "{}: {order} {:?}", convergence.what, convergence.errors);
+        assert!(order < 1.6 * convergence.expected, "{}: {order} {:?}", convergence.what, convergence.errors);
+    }
 }
 
 #[test]
@@ -353,87 +346,4 @@ fn a_rack_that_may_roll_rolls_as_in_the_exact_mesh() {
     let rigid: Vec<f64> = exact.sample(&strokes).into_iter().map(|p| p.unwrap().delta_cd_mm).collect();
     let rigid = rigid.iter().sum::<f64>() / rigid.len() as f64;
     assert!((mean - rigid).abs() < 0.02 * rigid, "{mean} {rigid}");
-}
-
-#[test]
-fn whatever_is_asked_ends_right_or_says_what_to_change() {
-    let mut random = Random(5);
-    let (mut completed, mut failed) = (0, 0);
-    for case in 0..60 {
-        let power = |random: &mut Random, low: f64, high: f64| 10_f64.powf(random.range(low, high));
-        let contact = if random.chance(0.3) {
-            ContactModel::Analytic(StripGrid { strips: power(&mut random, 0.5, 3.0) as u32 })
-        } else {
-            ContactModel::Spheres(SphereGrid {
-                profile_nodes: power(&mut random, 0.5, 2.5) as u32,
-                width_nodes: power(&mut random, 0.5, 2.0) as u32,
-                ..SphereGrid::default()
-            })
-        };
-        let some = |random: &mut Random, value: f64| random.chance(0.3).then_some(value);
-        let parameters = Parameters {
-            contact,
-            stroke_mm: 2.0,
-            start_mm: random.range(-5.0, 30.0),
-            stiffness: power(&mut random, 3.0, 9.0),
-            stiffness_exponent: random.range(1.0, 2.5),
-            damping: if random.chance(0.3) { 0.0 } else { power(&mut random, 0.0, 8.0) },
-            damping_exponent: random.range(1.0, 2.5),
-            indentation_exponent: random.range(1.0, 2.5),
-            friction: if random.chance(0.5) { 0.0 } else { random.range(0.0, 0.3) },
-            speed_mm_per_s: power(&mut random, -1.0, 3.0),
-            preload_n: power(&mut random, -1.0, 4.0),
-            energy_tolerance: 1.0,
-            max_steps: 20_000,
-            masses: Masses {
-                pinion_kg: some(&mut random, 0.0),
-                pinion_kg_mm2: some(&mut random, 0.0),
-                ..Masses::default()
-            },
-            ..Parameters::default()
-        };
-        let (pair, kind) = (paper::pair(), RackDeviationKind::Pitch(0.02));
-        let rack = RackFlanks::new(&pair, &[RackDeviation { teeth: "4..".parse().unwrap(), kind }]).unwrap();
-        let scene = match Scene::new(pair, rack, PinionFlanks::nominal(&pair), parameters) {
-            Ok(scene) => scene,
-            Err(error) => {
-                assert!(
-                    matches!(error, SimulationError::TooCoarse { .. } | SimulationError::OutOfDomain { .. }),
-                    "{error}"
-                );
-                failed += 1;
-                continue;
-            }
-        };
-        for outcome in [scene.quasi_static(&mut go_on), scene.dynamic(&mut go_on)] {
-            for sample in &outcome.samples {
-                let numbers =
-                    [sample.delta_cd_mm, sample.pinion_angle_rad, sample.indentation_mm, sample.penetration_mm];
-                assert!(numbers.iter().all(|value| value.is_finite()), "case {case}: {sample:?}");
-                // where both sides carry, and the contact is stiff, it is the exact mesh, a corner's passage a little
-                // early or late
-                let exact = scene.mesh().at(sample.stroke_mm).unwrap().delta_cd_mm;
-                let both = sample.normal_force_left_n > 0.0 && sample.normal_force_right_n > 0.0;
-                let off = sample.delta_cd_mm + sample.indentation_mm - exact;
-                if both && parameters.friction == 0.0 && outcome.energy.is_none() && sample.indentation_mm < 5e-3 {
-                    assert!(
-                        off.abs() < 12e-3 + 3.0 * scene.resolution_mm(),
-                        "case {case}: {off} {sample:?} {parameters:?}"
-                    );
-                }
-            }
-            match outcome.end {
-                RunEnd::Completed => completed += 1,
-                RunEnd::Failed(error) => {
-                    failed += 1;
-                    let words = error.to_string();
-                    assert!(["lower", "raise", "loosen", "refine"].iter().any(|word| words.contains(word)), "{words}");
-                    println!("case {case}: {words}\n   {parameters:?}");
-                }
-                RunEnd::Interrupted => unreachable!(),
-            }
-        }
-    }
-    println!("{completed} completed, {failed} failed");
-    assert!(completed > 60, "{completed} completed, {failed} failed");
 }

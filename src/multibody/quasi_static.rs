@@ -108,11 +108,13 @@ impl Scene {
             Some(guess) => guess,
             None => self.rigid(stroke)?,
         };
-        let first = self.settle(stroke, start, law, work);
-        let found = if first.converged || guess.is_none() || self.rolls {
+        let first = self.settle(stroke, start, law, self.rolls, work);
+        let found = if first.converged || self.rolls {
             first
         } else {
-            self.settle(stroke, self.rigid(stroke)?, law, work)
+            let again = self.settle(stroke, self.rigid(stroke)?, law, false, work);
+            // elements that fade out at a face's end bend the balance: the energy leads through
+            if again.converged { again } else { self.settle(stroke, again.x, law, true, work) }
         };
         let found =
             if found.converged || !self.rolls { found } else { self.settle_rolling(stroke, found.x, law, work) };
@@ -142,7 +144,7 @@ impl Scene {
         let mut x = start;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut step = FIRST_ROLL;
-        let mut last = self.balanced(stroke, x, &limits, law, work);
+        let mut last = self.balanced(stroke, x, &limits, law, true, work);
         for iteration in 0..ROLLS {
             x = last.x;
             let torque = last.with.generalized[2];
@@ -181,20 +183,29 @@ impl Scene {
                 break;
             }
             x[2] = roll;
-            last = self.balanced(stroke, x, &limits, law, work);
+            last = self.balanced(stroke, x, &limits, law, true, work);
         }
         last
     }
 
-    fn settle(&self, stroke: f64, start: [f64; 3], law: &Law, work: &mut Work) -> Solution<Forces> {
+    fn settle(&self, stroke: f64, start: [f64; 3], law: &Law, descend: bool, work: &mut Work) -> Solution<Forces> {
         let mut limits = self.limits(BALANCE * self.load_n());
         if self.rolls {
             limits.iterations = QUICK;
         }
-        self.balanced(stroke, start, &limits, law, work)
+        self.balanced(stroke, start, &limits, law, descend, work)
     }
 
-    fn balanced(&self, stroke: f64, start: [f64; 3], limits: &Limits, law: &Law, work: &mut Work) -> Solution<Forces> {
+    /// The balance of the coordinates that `limits` names; `descend` makes the energy fall where there is one.
+    fn balanced(
+        &self,
+        stroke: f64,
+        start: [f64; 3],
+        limits: &Limits,
+        law: &Law,
+        descend: bool,
+        work: &mut Work,
+    ) -> Solution<Forces> {
         let speed = self.parameters.speed_mm_per_s;
         let rates = Coordinates {
             pinion_angle: speed * self.mesh.pair().rotation_per_stroke_rad(),
@@ -207,8 +218,7 @@ impl Scene {
             let [angle, height, roll, _] = forces.generalized;
             let mut tangent = forces.stiffness;
             tangent[1][1] += rate;
-            let potential =
-                (self.rolls && self.law.friction.is_none()).then(|| forces.energy + self.closing_energy(x[1]));
+            let potential = (descend && self.law.friction.is_none()).then(|| forces.energy + self.closing_energy(x[1]));
             Balance { residual: [angle, height - closing, roll], tangent, potential, with: forces }
         });
         work.counters.iterations += u64::from(solution.iterations);

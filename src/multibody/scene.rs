@@ -220,6 +220,36 @@ impl Scene {
         sag.max(between.fold(0.0, f64::max))
     }
 
+    /// How far ΔCD, the indentation added back, may lie below that of the exact mesh because contacts fall between
+    /// spheres or strips, mm; the rack not rolled.
+    ///
+    /// A tooth that stands proud of its neighbour by e (along the normal, at the end of the face width where a lead
+    /// deviation puts it) carries before its path of contact begins, where the pinion's tip edge has turned by δ past
+    /// it: e = r_b τ_a δ²/2. There the gap grows along the face width by κ r_b τ_a δ = κ √(2 r_b τ_a e) per mm, and the corner
+    /// lies up to a row beyond the last one that meets the flank. With twice [`Scene::resolution_mm`], which counts
+    /// half a row, that is what one flank may sink; one on each side lowers ΔCD by the sum of both over 2 sin α_n.
+    #[must_use]
+    pub fn sinking_mm(&self) -> f64 {
+        let pair = self.mesh.pair();
+        // where a flank pair stands along the rack's normal at the ends of the face width
+        let across = |flank: &FlankPair| {
+            let turned = flank.sign * flank.start * pair.pinion().base_radius_mm * flank.level.1;
+            let tilt = flank.normal[1] * flank.bounds.half_width;
+            [flank.offset - turned - tilt, flank.offset - turned + tilt]
+        };
+        let apart = |two: &[FlankPair]| {
+            let ([a, b], [c, d]) = (across(&two[0]), across(&two[1]));
+            (a - c).abs().max((b - d).abs())
+        };
+        let proud = [&self.right, &self.left].into_iter().flat_map(|side| side.windows(2));
+        let proud = proud.map(apart).fold(0.0, f64::max);
+        let between = self
+            .templates
+            .iter()
+            .map(|t| t.row_step() * t.kappa.abs() * (2.0 * t.base_radius * t.tip_roll * proud).sqrt());
+        (2.0 * self.resolution_mm() + between.fold(0.0, f64::max)) / trig::sin(pair.normal_pressure_angle_rad())
+    }
+
     /// Penetration beyond which a run gives up, mm: a tenth of the normal module.
     #[must_use]
     pub fn deepest(&self) -> f64 {

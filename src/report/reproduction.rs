@@ -77,6 +77,41 @@ impl Row {
         // a run that stopped has means of what it reached, which are not the row's
         run.multibody_mm.filter(|_| run.outcome.completed()).map(tidy)
     }
+
+    /// Why formula, exact mesh and simulation differ in this row, in numbers; `None` where one is missing.
+    fn why(&self) -> Option<String> {
+        let (mesh, multibody) = (self.mesh_mm()?, self.multibody_mm()?);
+        let outcome = &self.simulated.as_ref().ok()?.outcome;
+        let micrometres = |mm: f64| format!("{} µm", signed(1000.0 * mm, 2));
+        // what the load takes off the second part more than off the first
+        let elastic = outcome.difference_mm().zip(outcome.rigid_difference_mm()).map(|(all, rigid)| all - rigid);
+        let left = outcome.rigid_difference_mm().map(|rigid| rigid - mesh);
+        let gives_way = match elastic.zip(left) {
+            Some((elastic, left)) => format!(
+                "the simulated teeth give way by {} more than nominal ones do, and {} are left to the spheres' distance",
+                micrometres(-elastic),
+                micrometres(left)
+            ),
+            None => format!("the simulation, its indentation added back, is off by {}", micrometres(multibody - mesh)),
+        };
+        let formula = self.exact_mm;
+        Some(match self.printed.table {
+            _ if outcome.difference_mm().is_none() => format!("no tooth deviates; {gives_way}"),
+            PaperTable::Pitch => format!(
+                "{:.2} pitch errors add up in the contact zone on average, so the exact mesh is that many times the formula's \
+                 single one; {gives_way}",
+                mesh / formula
+            ),
+            PaperTable::Lead => format!(
+                "flanks meet at the ends of the face width on a rack that rolls to meet them, {} from the formula; at those ends \
+                 {gives_way}",
+                micrometres(mesh - formula)
+            ),
+            PaperTable::OverRoller => {
+                format!("every flank of the second part moves with ΔM, so formula and exact mesh agree; {gives_way}")
+            }
+        })
+    }
 }
 
 /// Number, heading and unit of a table, and why formula, mesh and simulation differ there.
@@ -131,6 +166,7 @@ impl Report for Reproduction {
                     "printed_multibody_mm": row.printed.multibody.parse::<f64>().ok(),
                     "multibody_mm": row.multibody_mm(),
                     "exact_mesh_mm": row.mesh_mm(),
+                    "why": row.why(),
                     "problem": row.simulated.as_ref().err().map(ToString::to_string),
                 })
             })
@@ -159,6 +195,7 @@ impl Report for Reproduction {
             "printed_multibody_mm",
             "multibody_mm",
             "exact_mesh_mm",
+            "why",
         ];
         let optional = |value: Option<f64>| value.map(plain).unwrap_or_default();
         let mut rows = vec![header.iter().map(|name| (*name).to_owned()).collect()];
@@ -175,6 +212,7 @@ impl Report for Reproduction {
                 row.printed.multibody.to_owned(),
                 optional(row.multibody_mm()),
                 optional(row.mesh_mm()),
+                row.why().unwrap_or_default(),
             ]
         }));
         rows
@@ -213,6 +251,8 @@ impl Report for Reproduction {
                 ],
             }));
             blocks.push(Block::Note(why.to_owned()));
+            let rows = self.rows.iter().filter(|row| row.printed.table == table);
+            blocks.extend(rows.filter_map(|row| Some(Block::Note(format!("{}: {}", row.printed.error, row.why()?)))));
         }
         let problems = self.rows.iter().filter_map(|row| {
             let problem = match &row.simulated {

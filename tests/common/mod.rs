@@ -2,6 +2,7 @@
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::disallowed_methods, clippy::pedantic)]
 
 pub mod brute;
+pub mod convergence;
 pub mod kinds;
 pub mod paper;
 pub mod random;
