@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::quantity::{Degrees, Rounded};
+
 /// What a deviation's number is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DeviationQuantity {
@@ -13,6 +15,16 @@ pub enum DeviationQuantity {
     Eccentricity,
     /// A flank form amount in mm.
     Form,
+}
+
+impl DeviationQuantity {
+    /// A value of it, with its unit.
+    fn shown(self, value: f64) -> String {
+        match self {
+            Self::Lead => Degrees(value).to_string(),
+            Self::Displacement | Self::Eccentricity | Self::Form => format!("{} mm", Rounded(value)),
+        }
+    }
 }
 
 impl fmt::Display for DeviationQuantity {
@@ -31,7 +43,7 @@ impl fmt::Display for DeviationQuantity {
 #[non_exhaustive]
 pub enum DeviationError {
     /// A value that is not finite or far beyond anything that could be a deviation.
-    #[error("{quantity} = {value} is outside ±{limit}")]
+    #[error("{quantity} = {} is outside ±{}", .quantity.shown(*.value), .quantity.shown(*.limit))]
     OutOfDomain {
         /// What the number is.
         quantity: DeviationQuantity,
@@ -39,6 +51,20 @@ pub enum DeviationError {
         value: f64,
         /// The largest magnitude allowed.
         limit: f64,
+    },
+    /// Crowning or relief that would add material.
+    #[error("crowning and relief are material removed: {} mm is negative", Rounded(*.value_mm))]
+    NegativeForm {
+        /// The amount, mm.
+        value_mm: f64,
+    },
+    /// A tip relief that starts at the tip or above it.
+    #[error("the tip relief starts {} mm above the reference plane, the tip is at {} mm", Rounded(*.start_mm), Rounded(*.addendum_mm))]
+    ReliefStart {
+        /// Where it starts, mm.
+        start_mm: f64,
+        /// The addendum, mm.
+        addendum_mm: f64,
     },
     /// A pinion tooth that does not exist.
     #[error("pinion tooth {tooth} does not exist: the teeth are 0..={}", .teeth - 1)]
@@ -61,6 +87,9 @@ pub enum DeviationError {
 /// Longest displacement taken for a deviation, mm; anything near it is a mistake in units, and products with
 /// tooth indices stay finite.
 const MAX_LENGTH_MM: f64 = 1e6;
+
+/// Largest single lead deviation, rad: 45°, a hundred times what a measuring machine would ever find.
+pub(super) const MAX_LEAD_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 pub(super) fn length(quantity: DeviationQuantity, value: f64) -> Result<f64, DeviationError> {
     within(quantity, value, MAX_LENGTH_MM)

@@ -42,12 +42,11 @@ impl RackForm {
         // removal only: a negative amount would make the flank concave, and contact there is not unique
         for value in [self.crowning_mm, self.tip_relief_mm] {
             if value < 0.0 {
-                return Err(DeviationError::OutOfDomain { quantity: DeviationQuantity::Form, value, limit: 0.0 });
+                return Err(DeviationError::NegativeForm { value_mm: value });
             }
         }
         if self.tip_relief_mm != 0.0 && self.tip_relief_start_mm >= addendum_mm {
-            let value = self.tip_relief_start_mm;
-            return Err(DeviationError::OutOfDomain { quantity: DeviationQuantity::Form, value, limit: addendum_mm });
+            return Err(DeviationError::ReliefStart { start_mm: self.tip_relief_start_mm, addendum_mm });
         }
         Ok(self)
     }
@@ -64,7 +63,7 @@ impl PinionForm {
         length(DeviationQuantity::Form, self.profile_slope_mm)?;
         let value = length(DeviationQuantity::Form, self.crowning_mm)?;
         if value < 0.0 {
-            return Err(DeviationError::OutOfDomain { quantity: DeviationQuantity::Form, value, limit: 0.0 });
+            return Err(DeviationError::NegativeForm { value_mm: value });
         }
         Ok(self)
     }

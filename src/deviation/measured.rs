@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::error::{DeviationError, DeviationQuantity, length, within};
+use super::error::{DeviationError, DeviationQuantity, MAX_LEAD_RAD, length, within};
 use super::{PinionTooth, RackTooth};
 use crate::gear::Pair;
 use crate::trig;
@@ -49,7 +49,7 @@ pub fn rack_flanks_from_spaces(pair: &Pair, rows: &[RackSpaceRow]) -> Result<BTr
     for row in rows {
         let lift = length(DeviationQuantity::Displacement, row.height_mm)? * tan_x;
         let along = length(DeviationQuantity::Displacement, row.position_mm)?;
-        let lead = within(DeviationQuantity::Lead, row.lead_rad.unwrap_or(0.0), 1.0)?;
+        let lead = within(DeviationQuantity::Lead, row.lead_rad.unwrap_or(0.0), MAX_LEAD_RAD)?;
         let right = &mut teeth.entry(row.space).or_default().right;
         right.along_x_mm += along + lift;
         right.lead_rad += lead;
@@ -84,7 +84,7 @@ pub fn pinion_flanks_from_rows(pair: &Pair, rows: &[PinionToothRow]) -> Result<V
         let arc = length(DeviationQuantity::Displacement, row.radial_mm.unwrap_or(0.0))? * tan_t;
         teeth[j].right.arc_mm += arc;
         teeth[(j + 1) % count].left.arc_mm -= arc;
-        let lead = within(DeviationQuantity::Lead, row.lead_rad.unwrap_or(0.0), 1.0)?;
+        let lead = within(DeviationQuantity::Lead, row.lead_rad.unwrap_or(0.0), MAX_LEAD_RAD)?;
         teeth[j].left.lead_rad += lead;
         teeth[j].right.lead_rad += lead;
         for (side, pitch) in [row.left_pitch_mm, row.right_pitch_mm].into_iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Deviations of the pinion, per tooth and flank. Built by the spec layer, read by the mesh and the multibody
 //! model; never knows how the pinion is turned.
 
-use super::error::{DeviationError, DeviationQuantity, length, within};
+use super::error::{DeviationError, DeviationQuantity, MAX_LEAD_RAD, length, within};
 use super::{PinionForm, ToothRange};
 use crate::gear::Pair;
 use crate::trig;
@@ -111,7 +111,7 @@ impl PinionFlanks {
     fn apply(&mut self, j: usize, kind: PinionDeviationKind, tan_t: f64) -> Result<(), DeviationError> {
         let z = self.teeth.len();
         if let PinionDeviationKind::Lead(value) = kind {
-            within(DeviationQuantity::Lead, value, 1.0)?;
+            within(DeviationQuantity::Lead, value, MAX_LEAD_RAD)?;
             self.teeth[j].left.lead_rad += value;
             self.teeth[j].right.lead_rad += value;
             return Ok(());
@@ -179,7 +179,7 @@ impl PinionFlanks {
             let PinionTooth { left, right } = &mut self.teeth[j];
             for (flank, add) in [(left, row.left), (right, row.right)] {
                 flank.arc_mm += length(DeviationQuantity::Displacement, add.arc_mm)?;
-                flank.lead_rad += within(DeviationQuantity::Lead, add.lead_rad, 1.0)?;
+                flank.lead_rad += within(DeviationQuantity::Lead, add.lead_rad, MAX_LEAD_RAD)?;
             }
         }
         self.check_leads()?;

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::error::{DeviationError, DeviationQuantity, length, within};
+use super::error::{DeviationError, DeviationQuantity, MAX_LEAD_RAD, length, within};
 use super::{RackForm, ToothRange};
 use crate::gear::Pair;
 use crate::trig;
@@ -91,10 +91,11 @@ impl RackFlanks {
     /// [`DeviationError::OutOfDomain`] if a value is not finite, longer than 1 km, or turns a tooth line beyond 85°.
     pub fn new(pair: &Pair, deviations: &[RackDeviation]) -> Result<Self, DeviationError> {
         let mut flanks = Self::nominal(pair);
-        let mut lead_sum = 0.0;
         for deviation in deviations {
             match deviation.kind {
-                RackDeviationKind::Lead(value) => lead_sum += within(DeviationQuantity::Lead, value, 1.0)?.abs(),
+                RackDeviationKind::Lead(value) => {
+                    within(DeviationQuantity::Lead, value, MAX_LEAD_RAD)?;
+                }
                 RackDeviationKind::OverRoller(value)
                 | RackDeviationKind::Pitch(value)
                 | RackDeviationKind::Shift(value)
@@ -105,7 +106,7 @@ impl RackFlanks {
                 }
             }
         }
-        flanks.check_lead(lead_sum)?;
+        flanks.check_lead(largest_lead(deviations))?;
         flanks.deviations = deviations.to_vec();
         Ok(flanks)
     }
@@ -200,5 +201,43 @@ impl RackFlanks {
             }
         }
         tooth
+    }
+}
+
+/// The largest sum of lead deviations of any tooth, in magnitude.
+fn largest_lead(deviations: &[RackDeviation]) -> f64 {
+    // the sum changes where a range starts and after it ends
+    let mut changes = Vec::new();
+    for deviation in deviations {
+        if let RackDeviationKind::Lead(value) = deviation.kind {
+            changes.push((deviation.teeth.first().unwrap_or(i64::MIN), value));
+            changes.extend(deviation.teeth.last().map(|last| (last + 1, -value)));
+        }
+    }
+    changes.sort_unstable_by_key(|(tooth, _)| *tooth);
+    let (mut sum, mut largest) = (0.0, 0.0_f64);
+    for (index, (tooth, change)) in changes.iter().enumerate() {
+        sum += change;
+        if changes.get(index + 1).is_none_or(|(next, _)| next != tooth) && f64::abs(sum) > largest.abs() {
+            largest = sum;
+        }
+    }
+    largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lead(teeth: &str, value: f64) -> RackDeviation {
+        RackDeviation { teeth: teeth.parse().expect("a range"), kind: RackDeviationKind::Lead(value) }
+    }
+
+    #[test]
+    fn leads_add_up_tooth_by_tooth_only() {
+        assert_eq!(largest_lead(&[lead("1", 0.5), lead("2", 0.5), lead("3..", -0.25)]), 0.5);
+        assert_eq!(largest_lead(&[lead("all", 0.5), lead("2", 0.25), lead("2..=4", 0.125)]), 0.875);
+        assert_eq!(largest_lead(&[lead("all", 0.5), lead("2..", -1.5)]), -1.0);
+        assert_eq!(largest_lead(&[lead("all", 0.5), lead("all", -0.5)]), 0.0);
     }
 }

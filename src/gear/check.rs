@@ -2,6 +2,7 @@
 //! builds a [`Pair`] and wants to warn; forbids nothing.
 
 use super::Pair;
+use crate::quantity::Rounded;
 use crate::trig;
 
 /// Contact ratio of the nominal pair, in teeth.
@@ -20,7 +21,7 @@ pub struct ContactRatio {
 #[non_exhaustive]
 pub enum GeometryWarning {
     /// A rack cutter as high as this rack would undercut the pinion.
-    #[error("undercut: profile shift {profile_shift} is below the limit {limit} for this addendum")]
+    #[error("undercut: profile shift {} is below the limit {} for this addendum", Rounded(*.profile_shift), Rounded(*.limit))]
     Undercut {
         /// The pinion's profile shift coefficient.
         profile_shift: f64,
@@ -29,17 +30,18 @@ pub enum GeometryWarning {
     },
     /// The rack's tip reaches further down than the involute.
     #[error(
-        "tip interference: the rack tip would touch at diameter {contact_diameter_mm} mm, the involute starts at {root_form_diameter_mm} mm"
+        "tip interference: the rack's tip reaches {} mm deeper than the involute, which starts at diameter {} mm",
+        Rounded(*.depth_mm), Rounded(*.root_form_diameter_mm)
     )]
     TipInterference {
-        /// Pinion diameter at which the rack's tip edge would touch, mm.
-        contact_diameter_mm: f64,
+        /// How much lower than the lowest point of contact of the involute the rack's tip is, mm.
+        depth_mm: f64,
         /// Diameter at which the involute starts, mm.
         root_form_diameter_mm: f64,
     },
     /// Less than 0.2 m_n of the pinion's tooth is left at its tip.
     #[error(
-        "pinion tooth is nearly pointed: normal thickness {tip_thickness_mm} mm at the tip, less than {limit_mm} mm"
+        "pinion tooth is nearly pointed: normal thickness {} mm at the tip, less than {} mm", Rounded(*.tip_thickness_mm), Rounded(*.limit_mm)
     )]
     NearlyPointed {
         /// Normal tooth thickness at the tip, mm.
@@ -49,8 +51,9 @@ pub enum GeometryWarning {
     },
     /// Flanks so steep that the centre distance amplifies every displacement of theirs.
     #[error(
-        "sensitive: at a normal pressure angle of {normal_pressure_angle_deg}° the centre distance moves {gain} times as far as \
-         a flank does (1 / (2 tan α_n))"
+        "sensitive: at a normal pressure angle of {}° the centre distance moves {} times as far as a flank does \
+         (1 / (2 tan α_n))",
+        Rounded(*.normal_pressure_angle_deg), Rounded(*.gain)
     )]
     Sensitive {
         /// Normal pressure angle α_n, degrees.
@@ -59,7 +62,7 @@ pub enum GeometryWarning {
         gain: f64,
     },
     /// A flank pair leaves contact before the next one enters it.
-    #[error("contact ratio {total} is below 1 (transverse {transverse}, overlap {overlap})")]
+    #[error("contact ratio {} is below 1 (transverse {}, overlap {})", Rounded(*.total), Rounded(*.transverse), Rounded(*.overlap))]
     LowContactRatio {
         /// Transverse contact ratio.
         transverse: f64,
@@ -146,9 +149,10 @@ impl Pair {
         }
         let roll = self.rack_tip_roll_rad();
         if roll < p.start_roll_rad {
-            let roll = roll.max(0.0);
+            // along the line of action a roll angle τ is r_b τ, of which sin α_t is height
+            let sin_t = trig::sin(p.transverse_pressure_angle_rad);
             found.push(GeometryWarning::TipInterference {
-                contact_diameter_mm: 2.0 * p.base_radius_mm * (1.0 + roll * roll).sqrt(),
+                depth_mm: p.base_radius_mm * (p.start_roll_rad - roll) * sin_t,
                 root_form_diameter_mm: 2.0 * p.root_form_radius_mm,
             });
         }

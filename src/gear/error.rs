@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::quantity::{Degrees, Rounded};
+
 /// A quantity of the pair's drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantity {
@@ -65,6 +67,16 @@ impl Quantity {
     }
 }
 
+impl Quantity {
+    /// A value of it, with its unit; angles in degrees.
+    fn shown(self, value: f64) -> String {
+        match self.unit() {
+            "rad" => Degrees(value).to_string(),
+            unit => format!("{} {unit}", Rounded(value)).trim_end().to_owned(),
+        }
+    }
+}
+
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -76,7 +88,7 @@ impl fmt::Display for Quantity {
 #[non_exhaustive]
 pub enum GeometryError {
     /// A value outside the domain in which the geometry is defined (NaN and infinities always are).
-    #[error("{quantity} = {value} {unit} is outside {min} .. {max}", unit = .quantity.unit())]
+    #[error("{quantity} = {} is outside {} .. {}", .quantity.shown(*.value), .quantity.shown(*.min), .quantity.shown(*.max))]
     OutOfDomain {
         /// Which number.
         quantity: Quantity,
@@ -89,7 +101,7 @@ pub enum GeometryError {
     },
     /// The rack's flanks meet below its tip plane.
     #[error(
-        "rack tooth is pointed: normal thickness {tip_thickness_mm} mm at the tip plane, addendum {addendum_mm} mm"
+        "rack tooth is pointed: normal thickness {} mm at the tip plane, addendum {} mm", Rounded(*.tip_thickness_mm), Rounded(*.addendum_mm)
     )]
     PointedRack {
         /// Normal tooth thickness at the tip plane, mm, not positive.
@@ -98,7 +110,7 @@ pub enum GeometryError {
         addendum_mm: f64,
     },
     /// The rack's teeth are as thick as the pitch: no space is left for the pinion.
-    #[error("rack tooth space has no width: normal thickness {tooth_thickness_mm} mm, normal pitch {pitch_mm} mm")]
+    #[error("rack tooth space has no width: normal thickness {} mm, normal pitch {} mm", Rounded(*.tooth_thickness_mm), Rounded(*.pitch_mm))]
     NoRackSpace {
         /// Normal tooth thickness at the reference plane, mm.
         tooth_thickness_mm: f64,
@@ -106,7 +118,7 @@ pub enum GeometryError {
         pitch_mm: f64,
     },
     /// The pinion's flanks meet below its tip circle.
-    #[error("pinion tooth is pointed: transverse thickness {tip_thickness_mm} mm at tip diameter {tip_diameter_mm} mm")]
+    #[error("pinion tooth is pointed: transverse thickness {} mm at tip diameter {} mm", Rounded(*.tip_thickness_mm), Rounded(*.tip_diameter_mm))]
     PointedPinion {
         /// Transverse tooth thickness at the tip, mm, not positive.
         tip_thickness_mm: f64,
@@ -115,7 +127,7 @@ pub enum GeometryError {
     },
     /// The involute has no length: its start lies at or outside the tip.
     #[error(
-        "pinion has no involute: it starts at diameter {start_diameter_mm} mm and the tip is at {tip_diameter_mm} mm"
+        "pinion has no involute: it starts at diameter {} mm and the tip is at {} mm", Rounded(*.start_diameter_mm), Rounded(*.tip_diameter_mm)
     )]
     NoInvolute {
         /// Diameter at which the involute starts (root form, at least the base circle), mm.

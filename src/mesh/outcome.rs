@@ -1,6 +1,7 @@
 //! What a solve at one stroke says, or why it cannot say anything. Made by the solver, read by everyone.
 
 use super::ContactKind;
+use crate::quantity::Rounded;
 
 /// Which flank of the rack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -98,7 +99,7 @@ pub struct Work {
 #[non_exhaustive]
 pub enum MeshError {
     /// The stroke is not finite, or so large that tooth numbers are no longer exact.
-    #[error("stroke {stroke_mm} mm is outside ±{limit_mm} mm")]
+    #[error("stroke {} mm is outside ±{} mm", Rounded(*.stroke_mm), Rounded(*.limit_mm))]
     StrokeOutOfDomain {
         /// The stroke.
         stroke_mm: f64,
@@ -106,7 +107,7 @@ pub enum MeshError {
         limit_mm: f64,
     },
     /// No pinion flank reaches any rack flank of one side.
-    #[error("stroke {stroke_mm} mm: no pinion flank reaches a {side} rack flank")]
+    #[error("stroke {} mm: no pinion flank reaches a {side} rack flank", Rounded(*.stroke_mm))]
     NoContact {
         /// The stroke.
         stroke_mm: f64,
@@ -114,7 +115,7 @@ pub enum MeshError {
         side: FlankSide,
     },
     /// Deviations are so large that a rack tooth has passed its neighbour, or its own flanks have.
-    #[error("stroke {stroke_mm} mm: rack tooth {tooth} is displaced beyond its neighbour or has no thickness")]
+    #[error("stroke {} mm: rack tooth {tooth} is displaced beyond its neighbour or has no thickness", Rounded(*.stroke_mm))]
     RackToothOrder {
         /// The stroke.
         stroke_mm: f64,

@@ -22,6 +22,7 @@ mod domain;
 mod length;
 mod parse;
 mod rational;
+mod rounded;
 
 pub use angle::{Angle, AngleUnit};
 pub use domain::{Bound, Domain, DomainError};
@@ -30,6 +31,7 @@ pub use length::{Length, LengthUnit};
 pub(crate) use parse::split_number;
 pub use parse::{NumberError, QuantityError};
 pub use rational::Rational;
+pub(crate) use rounded::{Degrees, Rounded};
 
 /// The arithmetic that lengths and angles share: sums, differences, sign, order.
 macro_rules! exact_arithmetic {
