@@ -1,8 +1,8 @@
 //! How accurate everything is: the formulas against big floats, the exact mesh against brute force.
 //!
 //! `cargo run --release --example accuracy > examples/accuracy.md` writes the table that the README shows; a test holds
-//! the README to it. Every case comes from a seed. The convergence of the multibody model
-//! belongs below, as a table of its own.
+//! the README to it. Every case comes from a seed. The multibody model has its orders of convergence against
+//! those that theory gives.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -36,5 +36,14 @@ fn main() {
         let (compared, worst, failures) = common::kinds::run(&seeds, 1e-7, compare);
         assert!(failures.is_empty(), "{kind}:\n{}", failures.join("\n"));
         println!("| {kind} | {compared} | {worst:.0e} mm |");
+    }
+    println!();
+    println!("| multibody model: error over | from | to | order | in theory |");
+    println!("|---|---:|---:|---:|---:|");
+    for convergence in common::convergence::all() {
+        let [first, .., last] = convergence.errors[..] else { continue };
+        let at = |(setting, error): (f64, f64)| format!("{:.1e} mm at {setting:.3} {}", error, convergence.unit);
+        let (what, order, expected) = (convergence.what, convergence.order(), convergence.expected);
+        println!("| {what} | {} | {} | {order:.2} | {expected:.2} |", at(first), at(last));
     }
 }

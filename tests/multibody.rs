@@ -325,6 +325,35 @@ fn a_yoke_carries_what_the_mesh_pushes() {
 }
 
 #[test]
+fn a_yoke_has_its_limits_in_springs_that_are_soft_or_stiff() {
+    let run = |support: Support| {
+        let parameters =
+            Parameters { support, start_mm: 14.0, stroke_mm: 18.0, spacing_mm: 0.5, ..Parameters::default() };
+        let outcome = paper::scene(Some(RackDeviationKind::OverRoller(0.02)), parameters).quasi_static(&mut go_on);
+        assert_eq!(outcome.end, RunEnd::Completed);
+        outcome
+    };
+    // springs without rate and a stop out of reach are the preload on the slider
+    let soft = Yoke { rate_n_per_mm: 0.0, bush_n_per_mm: 0.0, clearance_mm: 100.0, ..Yoke::default() };
+    assert!(apart(&run(Support::Yoke(soft)), &run(Support::Fixed), 0.0) < 1e-9);
+    // a stiff spring of whatever name holds the rack: the teeth give way instead
+    let mut last = f64::INFINITY;
+    for stiffness in [1e2, 1e4, 1e6, 1e8] {
+        let bush = run(Support::Yoke(Yoke { bush_n_per_mm: stiffness, ..soft }));
+        let rate = run(Support::Yoke(Yoke { rate_n_per_mm: stiffness, ..soft }));
+        // until the spring of the yoke is relaxed both are the same
+        assert!(apart(&bush, &rate, 0.0) < 1e-9, "{stiffness}");
+        let most = bush.samples.iter().map(|sample| sample.delta_cd_mm).fold(0.0, f64::max);
+        assert!(most < last, "{stiffness}: {most} {last}");
+        last = most;
+    }
+    assert!(last < 0.4 * 0.02, "{last}");
+    // without clearance the stop is such a spring for outward travel
+    let stopped = run(Support::Yoke(Yoke { clearance_mm: 0.0, stop_n_per_mm: 1e8, ..soft }));
+    assert!(stopped.samples.iter().all(|sample| sample.delta_cd_mm < 0.4 * 0.02));
+}
+
+#[test]
 fn a_rack_that_may_roll_rolls_as_in_the_exact_mesh() {
     use rackmesh::mesh;
     let parameters = Parameters {

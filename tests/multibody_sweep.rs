@@ -1,6 +1,6 @@
 //! Whatever a simulation is asked ends in a right answer or in an error that says what to change.
 //!
-//! The default run is short; `RACKMESH_LONG_TESTS=1` runs 40 times as many scenes.
+//! The default run is short; `RACKMESH_LONG_TESTS=1` runs 10 times as many scenes.
 #![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
 
 mod common;
@@ -14,7 +14,7 @@ use rackmesh::multibody::*;
 
 fn cases(short: u64) -> std::ops::Range<u64> {
     let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
-    0..if long { 40 * short } else { short }
+    0..if long { 10 * short } else { short }
 }
 
 fn power(random: &mut Random, low: f64, high: f64) -> f64 {

@@ -11,8 +11,16 @@
 //! F(Q, V) + [M v + h Σ a_j F_j − M V]/(h d) = 0,   tangent K + D/(h d) + M/(h d)²,
 //! ```
 //!
-//! in which masses are never divided by: they may be 0. Steps are as long as the error of the positions allows;
-//! a contact that closes or opens inside a step shows in it, and the step is made again, shorter.
+//! in which masses are never divided by: they may be 0. Steps are as long as the error of the positions allows.
+//!
+//! # Contact events
+//! A sphere touches and leaves once for every passage of its tooth: with the default grid about a hundred thousand
+//! events in 50 mm of stroke, some two hundred in each of 500 steps. Stopping at each would cost that many steps and
+//! gain nothing, because for a > 1 a force starts with the slope 0 and one sphere carries a two-hundredth of the load. What
+//! matters is that no event is missed: every stage finds its contacts anew, Newton's method with a line search closes
+//! and opens them within the stage, and an event that the step is too long for (a tooth's first contact, a rack that snaps
+//! from one roll to another) shows in the error of the step, which is made again, shorter, until the event lies
+//! between two steps as closely as the tolerance asks.
 //!
 //! # The explicit scheme
 //! Velocity Verlet; its step is bound by the largest frequency and damping rate of the present tangent.

@@ -132,7 +132,7 @@ pub enum SimulationError {
     Mesh(#[from] MeshError),
     /// So few spheres, rows or strips that contacts fall between them.
     #[error(
-        "contacts may sink by {resolution_mm} mm between two spheres or strips, more than {limit_mm} mm; \
+        "contacts may sink by {resolution_mm:.4} mm between two spheres or strips, more than {limit_mm} mm; \
          raise the number of spheres over profile and width, or of strips"
     )]
     TooCoarse {
@@ -143,7 +143,7 @@ pub enum SimulationError {
     },
     /// Newton's method found no equilibrium at a stroke.
     #[error(
-        "stroke {stroke_mm} mm: no equilibrium within {iterations} iterations, {residual_n} N are left; \
+        "stroke {stroke_mm:.4} mm: no equilibrium within {iterations} iterations, {residual_n:.2e} N are left; \
          lower the contact stiffness or refine the discretisation"
     )]
     NoEquilibrium {
@@ -156,7 +156,7 @@ pub enum SimulationError {
     },
     /// The flanks have gone into each other further than a contact law can mean.
     #[error(
-        "stroke {stroke_mm} mm: penetration {penetration_mm} mm exceeds {limit_mm} mm; \
+        "stroke {stroke_mm:.4} mm: penetration {penetration_mm:.4} mm exceeds {limit_mm} mm; \
          raise the contact stiffness or lower the preload"
     )]
     TooDeep {
@@ -169,7 +169,7 @@ pub enum SimulationError {
     },
     /// The step that the tolerance asks for cannot be made.
     #[error(
-        "time {time_s} s (stroke {stroke_mm} mm): the step fell below {step_s} s; \
+        "time {time_s:.6} s (stroke {stroke_mm:.4} mm): the step fell below {step_s:.1e} s; \
          loosen the tolerance, raise the damping or lower the stiffness"
     )]
     StepTooSmall {
@@ -181,7 +181,9 @@ pub enum SimulationError {
         step_s: f64,
     },
     /// The run took more steps than it may.
-    #[error("time {time_s} s (stroke {stroke_mm} mm): {steps} steps are spent; raise the step limit or the tolerance")]
+    #[error(
+        "time {time_s:.6} s (stroke {stroke_mm:.4} mm): {steps} steps are spent; raise the step limit or the tolerance"
+    )]
     TooManySteps {
         /// The time.
         time_s: f64,
@@ -192,7 +194,7 @@ pub enum SimulationError {
     },
     /// The explicit scheme would need more steps than it may take.
     #[error(
-        "the explicit scheme needs steps of {step_s} s here, {steps} in all; \
+        "the explicit scheme needs steps of {step_s:.1e} s here, {steps:.1e} in all; \
          lower the contact stiffness, raise the masses or use the implicit scheme"
     )]
     TooStiffForExplicit {
@@ -202,7 +204,7 @@ pub enum SimulationError {
         steps: f64,
     },
     /// The pinion has left its tooth space.
-    #[error("stroke {stroke_mm} mm: the pinion jumped a tooth; raise the preload or lower the speed")]
+    #[error("stroke {stroke_mm:.4} mm: the pinion jumped a tooth; raise the preload or lower the speed")]
     Jumped {
         /// The stroke.
         stroke_mm: f64,

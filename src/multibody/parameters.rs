@@ -54,6 +54,12 @@ impl Default for ContactModel {
 }
 
 /// A yoke that presses the rack against a pinion with a fixed axis.
+///
+/// Pinion, yoke and bush are all fixed in the housing and the rack slides through them, so the lever L from the bush to the
+/// mesh is the same at every stroke. The yoke stands right behind the mesh, so of the bush only what resists the rack's
+/// tilt reaches the mesh: a bush with the tilting stiffness k_φ (N mm/rad) is felt there as k_φ/L². A tooth one pitch from
+/// the mesh moves with the tilt ΔCD/L, which changes ΔCD by at most p ΔCD/(2 L): under 1 % for the usual levers above
+/// 300 mm, and left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Yoke {
     /// Force of the yoke's spring with the rack at a_0, N; default 500.
@@ -64,7 +70,7 @@ pub struct Yoke {
     pub clearance_mm: f64,
     /// Stiffness of the stop, N/mm; default 1e5.
     pub stop_n_per_mm: f64,
-    /// Stiffness of the flexible bush at the rack's other end as it is felt at the mesh, N/mm; default 20.
+    /// Stiffness of the flexible bush at the rack's other end as it is felt at the mesh, k_φ/L², N/mm; default 20.
     pub bush_n_per_mm: f64,
 }
 

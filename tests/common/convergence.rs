@@ -113,14 +113,14 @@ pub fn step() -> Convergence {
         assert_eq!(outcome.counters.steps as usize, outcome.samples.len() - 1, "{spacing_mm} {:?}", outcome.counters);
         outcome
     };
-    let runs = [1.0, 0.5, 0.25, 0.125, 0.0625].map(|part| (1e-4 * part, at(1e-4 * part)));
+    let runs = [1.0, 0.5, 0.25, 0.125, 0.0625].map(|part| (0.1 * part, at(1e-4 * part)));
     let apart = |coarse: &Outcome, fine: &Outcome| {
         let pairs = coarse.samples.iter().zip(fine.samples.iter().step_by(2));
         let angle = pairs.map(|(a, b)| (a.pinion_angle_rad - b.pinion_angle_rad).abs()).fold(0.0, f64::max);
         angle * pair.pinion().base_radius_mm
     };
     let errors = runs.windows(2).map(|two| (two[0].0, apart(&two[0].1, &two[1].1))).collect();
-    Convergence { what: "step in time, pinion swinging on its teeth", unit: "mm of stroke", expected: 2.0, errors }
+    Convergence { what: "step in time, pinion swinging on its teeth", unit: "µm of stroke", expected: 2.0, errors }
 }
 
 /// Everything above.
