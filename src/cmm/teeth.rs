@@ -47,6 +47,8 @@ pub struct PinionTooth {
     pub tooth: i64,
     /// Radial deviation of the space after it.
     pub radial: Option<Length>,
+    /// Position of the pin in that space less its nominal one, along the reference circle.
+    pub position: Option<Length>,
     /// Single pitch deviation of its left flank.
     pub left_pitch: Option<Length>,
     /// Single pitch deviation of its right flank.
@@ -78,6 +80,7 @@ const RACK: &[Column] = &[
 const PINION: &[Column] = &[
     Column { name: "tooth", holds: Holds::Index },
     Column { name: "radial_deviation", holds: Holds::Length },
+    Column { name: "position_deviation", holds: Holds::Length },
     Column { name: "left_pitch_deviation", holds: Holds::Length },
     Column { name: "right_pitch_deviation", holds: Holds::Length },
     Column { name: "lead_deviation", holds: Holds::Angle },
@@ -112,7 +115,7 @@ pub fn rack_spaces(name: &str, text: &str) -> Result<RackSpaces, Diagnostic> {
     Ok(RackSpaces { rows, source: Arc::clone(&source) })
 }
 
-/// Reads a table of a pinion's teeth: `radial_deviation`, `left_pitch_deviation`,
+/// Reads a table of a pinion's teeth: `radial_deviation`, `position_deviation`, `left_pitch_deviation`,
 /// `right_pitch_deviation`, `lead_deviation`, and `tooth`, without which the rows count from 0.
 ///
 /// # Errors
@@ -125,6 +128,7 @@ pub fn pinion_teeth(name: &str, text: &str) -> Result<PinionTeeth, Diagnostic> {
         rows.push(PinionTooth {
             tooth: index(&table, row, "tooth")?,
             radial: table.quantity(row, "radial_deviation")?,
+            position: table.quantity(row, "position_deviation")?,
             left_pitch: table.quantity(row, "left_pitch_deviation")?,
             right_pitch: table.quantity(row, "right_pitch_deviation")?,
             lead: table.quantity(row, "lead_deviation")?,

@@ -143,7 +143,12 @@ impl Prediction {
             let (lower_mm, upper_mm) = extremes(rows.iter().map(|row| row.radial_mm.unwrap_or(0.0)));
             self.terms.push(Predicted { what: "pinion radial, measured".to_owned(), lower_mm, upper_mm });
         }
-        let pitches = rows.iter().flat_map(|row| [row.left_pitch_mm, row.right_pitch_mm]).flatten().map(f64::abs);
+        let mut positions: Vec<_> =
+            rows.iter().filter_map(|row| row.position_mm.map(|position| (row.tooth, position))).collect();
+        positions.sort_unstable_by_key(|(tooth, _)| *tooth);
+        let steps = positions.windows(2).filter(|ends| ends[1].0 == ends[0].0 + 1).map(|ends| ends[1].1 - ends[0].1);
+        let pitches = rows.iter().flat_map(|row| [row.left_pitch_mm, row.right_pitch_mm]).flatten();
+        let pitches = pitches.chain(steps).map(f64::abs);
         self.signed("pinion pitch, measured".to_owned(), false, extremes(pitches).1.max(0.0) * gains.pinion);
         self
     }

@@ -28,6 +28,9 @@ pub struct PinionToothRow {
     pub tooth: i64,
     /// Radial deviation of the space after it, mm, if measured.
     pub radial_mm: Option<f64>,
+    /// Position of a pin in that space less its nominal one, as arc at the reference circle towards higher index, mm, if
+    /// measured.
+    pub position_mm: Option<f64>,
     /// Single pitch deviation f_p of the left flanks, from the tooth before to this one, mm, if measured.
     pub left_pitch_mm: Option<f64>,
     /// Single pitch deviation f_p of the right flanks, from the tooth before to this one, mm, if measured.
@@ -62,7 +65,7 @@ pub fn rack_flanks_from_spaces(pair: &Pair, rows: &[RackSpaceRow]) -> Result<BTr
 
 /// The displacements of pinion flanks that rows of one turn tell, tooth 0 first.
 ///
-/// Radial values move both flanks of their space into it by r tan α_t. Single pitch deviations of a flank are summed;
+/// Radial values move both flanks of their space into it by r tan α_t, positions of a pin both along with it. Single pitch deviations of a flank are summed;
 /// since the pitches of a turn must close, their mean is removed first, and since a sum starts at an
 /// arbitrary tooth and says nothing about thickness, the mean of the sums is removed too. Positive ones displace a
 /// flank towards higher index.
@@ -82,8 +85,9 @@ pub fn pinion_flanks_from_rows(pair: &Pair, rows: &[PinionToothRow]) -> Result<V
             .filter(|&j| j < count)
             .ok_or(DeviationError::NoSuchTooth { tooth: row.tooth, teeth: z })?;
         let arc = length(DeviationQuantity::Displacement, row.radial_mm.unwrap_or(0.0))? * tan_t;
-        teeth[j].right.arc_mm += arc;
-        teeth[(j + 1) % count].left.arc_mm -= arc;
+        let position = length(DeviationQuantity::Displacement, row.position_mm.unwrap_or(0.0))?;
+        teeth[j].right.arc_mm += position + arc;
+        teeth[(j + 1) % count].left.arc_mm += position - arc;
         let lead = within(DeviationQuantity::Lead, row.lead_rad.unwrap_or(0.0), MAX_LEAD_RAD)?;
         teeth[j].left.lead_rad += lead;
         teeth[j].right.lead_rad += lead;

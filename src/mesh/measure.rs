@@ -29,8 +29,11 @@ pub struct PinionReading {
     pub tooth: u32,
     /// Distance of the ball's centre from the tooth system's axis, mm, in the space after the tooth.
     pub radius_mm: f64,
-    /// The same less its nominal value, mm.
+    /// How much higher the space sits, mm: half of what it is narrower over tan α_t, as the involute gives it from the
+    /// radius. To first order the radius less its nominal value, for a ball that touches at the reference circle.
     pub radial_mm: f64,
+    /// Position of the ball's centre less its nominal one, as arc at the reference circle towards higher index, mm.
+    pub position_mm: f64,
     /// Single pitch deviation of left flanks from the tooth before to this one, mm.
     pub left_pitch_mm: f64,
     /// Single pitch deviation of right flanks from the tooth before to this one, mm.
@@ -51,12 +54,14 @@ impl RackReading {
 }
 
 impl PinionReading {
-    /// The row of measured data with the radial value only; pitches would tell part of the same twice.
+    /// The row of measured data that says the same. Left and right pitches are not in it: they would tell part of
+    /// the same twice.
     #[must_use]
-    pub fn radial_row(&self) -> PinionToothRow {
+    pub fn row(&self) -> PinionToothRow {
         PinionToothRow {
             tooth: i64::from(self.tooth),
             radial_mm: Some(self.radial_mm),
+            position_mm: Some(self.position_mm),
             left_pitch_mm: None,
             right_pitch_mm: None,
             lead_rad: None,
@@ -67,11 +72,11 @@ impl PinionReading {
     #[must_use]
     pub fn pitch_row(&self) -> PinionToothRow {
         PinionToothRow {
-            tooth: i64::from(self.tooth),
             radial_mm: None,
+            position_mm: None,
             left_pitch_mm: Some(self.left_pitch_mm),
             right_pitch_mm: Some(self.right_pitch_mm),
-            lead_rad: None,
+            ..self.row()
         }
     }
 }
@@ -137,9 +142,9 @@ impl Mesh {
     /// Puts a ball into every space of the pinion and reads the flanks' pitches at the reference circle.
     ///
     /// The centre lies at r_b / cos α_K with inv α_K = D/(2 r_b cos β_b) − η_b, η_b half the space's angle at the base
-    /// circle. Read relative to the tooth system's own axis. A radial value fed back as measured data moves the flanks
-    /// by r tan α_t, which is what the ball saw, to first order, if it touches at the reference circle
-    /// ([`Mesh::pinion_ball_mm`]).
+    /// circle. Read relative to the tooth system's own axis, at mid-width. The radial value is evaluated from the radius by the
+    /// same relation, so it is what relation and mesh mean by it for any ball: fed back as measured data with the
+    /// position, it gives the same flanks.
     ///
     /// # Errors
     /// [`MeshError::NotPositive`] unless the diameter is positive, finite, and large enough not to fall
@@ -161,7 +166,13 @@ impl Mesh {
                 Err(MeshError::NotPositive { value_mm: diameter_mm })
             }
         };
-        let nominal = center(0.0)?;
+        center(0.0)?;
+        let tan_t = trig::tan(pinion.transverse_pressure_angle_rad);
+        let evaluated = |radius_mm: f64| {
+            let ratio = radius_mm / pinion.base_radius_mm;
+            let roll = ((ratio - 1.0) * (ratio + 1.0)).max(0.0).sqrt();
+            r * (half_space - ball + (roll - trig::atan(roll))) / tan_t
+        };
         (0..pinion.teeth)
             .zip(0_usize..)
             .map(|(tooth, j)| {
@@ -170,7 +181,8 @@ impl Mesh {
                 Ok(PinionReading {
                     tooth,
                     radius_mm,
-                    radial_mm: radius_mm - nominal,
+                    radial_mm: evaluated(radius_mm),
+                    position_mm: 0.5 * (here.right.arc_mm + after.left.arc_mm),
                     left_pitch_mm: here.left.arc_mm - before.left.arc_mm,
                     right_pitch_mm: here.right.arc_mm - before.right.arc_mm,
                 })

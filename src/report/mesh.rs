@@ -250,9 +250,12 @@ impl MeasureReport {
                 (header, rows.collect())
             }
             Self::Pinion { readings, .. } => {
-                let header = vec!["tooth", "radius_mm", "radial_deviation_mm"];
+                let header = vec!["tooth", "radius_mm", "radial_deviation_mm", "position_deviation_mm"];
                 let rows = readings.iter().map(|reading| {
-                    vec![reading.tooth.to_string(), text(tidy(reading.radius_mm)), text(tidy(reading.radial_mm))]
+                    let values = [reading.radius_mm, reading.radial_mm, reading.position_mm];
+                    let mut row = vec![reading.tooth.to_string()];
+                    row.extend(values.map(|value| text(tidy(value))));
+                    row
                 });
                 (header, rows.collect())
             }
@@ -267,7 +270,10 @@ impl MeasureReport {
             Self::Rack { pin_mm, datum_mm: None, .. } => {
                 format!("pin {} mm; give rack.datum for the measure M itself", plain(*pin_mm))
             }
-            Self::Pinion { ball_mm, .. } => format!("ball {} mm, in the space after each tooth", plain(*ball_mm)),
+            Self::Pinion { ball_mm, .. } => format!(
+                "ball {} mm, in the space after each tooth; positions along the reference circle",
+                crate::quantity::Rounded(*ball_mm)
+            ),
         }
     }
 }

@@ -386,6 +386,7 @@ fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
         .map(|row| PinionToothRow {
             tooth: row.tooth,
             radial_mm: mm(&row.radial),
+            position_mm: mm(&row.position),
             left_pitch_mm: mm(&row.left_pitch),
             right_pitch_mm: mm(&row.right_pitch),
             lead_rad: row.lead.as_ref().map(Angle::radians),

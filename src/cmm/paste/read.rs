@@ -323,6 +323,7 @@ impl Reader<'_> {
             let row = PinionTooth {
                 tooth: self.number(number, index)?,
                 radial: length(radial)?,
+                position: None,
                 left_pitch: length(left)?,
                 right_pitch: length(right)?,
                 lead: lead.map_or(Ok(None), |column| self.quantity::<Angle>(column, index))?,
