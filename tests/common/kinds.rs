@@ -145,7 +145,9 @@ pub fn compare_rolling(seed: u64, rolls: u32) -> Compared {
         0.07 * (2.0 * f64::from(i) / cells - 1.0)
     });
     for roll in near.chain(far) {
+        // far below, the rack has rolled off the pinion, which drops past it
         if let Some(a) = at(roll)
+            && a > 0.5 * pair.nominal_center_distance_mm()
             && a < point.center_distance_mm - 1e-7
         {
             return Some((point.center_distance_mm - a, what(roll, a)));
