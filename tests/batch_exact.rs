@@ -329,6 +329,49 @@ fn uncertainties_cost_nothing_where_nobody_asks() {
     assert!(refused.contains("iso14253 needs uncertainties, and the spec gives none"), "{refused}");
 }
 
+/// Gives a chunk of rows at a time, with a pause, as a slow pipe does.
+struct Slow {
+    chunks: usize,
+    at: usize,
+}
+
+impl std::io::Read for Slow {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        const ROW: &[u8] = b"25.01\n";
+        if self.chunks == 0 {
+            return Ok(0);
+        }
+        self.chunks -= 1;
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        for byte in &mut *out {
+            *byte = ROW[self.at];
+            self.at = (self.at + 1) % ROW.len();
+        }
+        Ok(out.len())
+    }
+}
+
+#[test]
+fn who_watches_is_told_how_far_it_is() {
+    use std::io::Read as _;
+    let spec =
+        Arc::new(Spec::parse("spec.toml", "[errors]\nrack_over_roller = { nominal = 25 }\n").expect("it is valid"));
+    for workers in [1, 2] {
+        let bytes = std::io::Cursor::new(b"rack_over_roller\n".to_vec()).chain(Slow { chunks: 150, at: 0 });
+        let input = Input::open("parts.csv", Box::new(bytes), Dialect::default()).expect("there is a header");
+        let plan = Plan::new(&spec, &input.header, Request::default()).expect("the plan fits");
+        let layout = Layout::new(&plan, &input.header).expect("the columns are there");
+        let mut batch = Batch::new(&plan, Sinks::default(), Some(workers));
+        let mut told = Vec::new();
+        batch
+            .run(input, &layout, &AtomicBool::new(false), &mut |progress| told.push(progress.rows))
+            .expect("it is read");
+        assert!(told.len() >= 2 && told.is_sorted(), "{workers}: {told:?}");
+        let rows = batch.finish().0.counts.rows;
+        assert!(told.iter().all(|told| *told <= rows));
+    }
+}
+
 #[test]
 fn the_gauge_share_is_of_measuring_alone() {
     // the pressure angle is the same for all parts: it does not spread them

@@ -101,13 +101,24 @@ def generate(path):
 def cost(command):
     """CPU seconds, seconds, peak MiB."""
     start = time.perf_counter()
-    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    errors = child.stderr.read()
-    _, status, usage = os.wait4(child.pid, 0)
+    with tempfile.TemporaryFile() as messages:
+        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=messages)
+        peak, ended = 0, 0
+        # what the system reports at the end includes the Python that it was forked from
+        while not ended:
+            try:
+                text = open(f"/proc/{child.pid}/status").read()
+                peak = max(peak, *(int(line.split()[1]) for line in text.splitlines() if line.startswith("VmHWM")), 0)
+            except OSError:
+                pass
+            time.sleep(0.005)
+            ended, status, usage = os.wait4(child.pid, os.WNOHANG)
+        messages.seek(0)
+        errors = messages.read()
     # parts outside the limit are status 1 of rackmesh, and an exception is that of Python
     if os.waitstatus_to_exitcode(status) != (1 if command[0] == RACKMESH else 0):
         sys.exit(f"{command}: {errors.decode()}")
-    return usage.ru_utime + usage.ru_stime, time.perf_counter() - start, usage.ru_maxrss / 1024
+    return usage.ru_utime + usage.ru_stime, time.perf_counter() - start, peak / 1024
 
 
 def agree(ours, theirs, name):

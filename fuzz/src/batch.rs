@@ -10,10 +10,17 @@ use rackmesh::spec::Spec;
 const SPEC: &str = "[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.7\n[limits]\ncenter_distance = \"±0.05\"\n\
                     [errors]\nrack_over_roller = { nominal = 25 }\n[batch.columns]\nrack_pitch = { name = \"dp\" }\n";
 
+/// The same with uncertainties, which decide.
+const UNCERTAIN: &str = "[pair]\nnormal_pressure_angle = { value = 20, u = 0.02 }\n[rack]\nface_width = 19.7\n\
+                         [limits]\ncenter_distance = \"±0.05\"\n[decision]\nrule = \"iso14253\"\n\
+                         [errors]\nrack_over_roller = { nominal = 25, u = 0.001 }\nrack_pitch = { u = \"1 um\", dof = 9 }\n\
+                         [batch.columns]\nrack_pitch = { name = \"dp\" }\n";
+
 /// The rows written, the rejected ones, and the outcome.
 fn run(spec: &Arc<Spec>, data: &[u8], workers: usize) -> Option<(Vec<u8>, Vec<u8>, Outcome)> {
     let input = Input::open("fuzz.csv", Box::new(std::io::Cursor::new(data.to_vec())), Dialect::default()).ok()?;
-    let request = Request { statistics: true, failures_kept: 5, problems_kept: usize::MAX, ..Request::default() };
+    let rule = spec.rule.as_ref().map(|rule| rule.value.clone()).unwrap_or_default();
+    let request = Request { rule, statistics: true, failures_kept: 5, problems_kept: usize::MAX, ..Request::default() };
     let plan = Plan::new(spec, &input.header, request).ok()?;
     let layout = Layout::new(&plan, &input.header).ok()?;
     let (mut rows, mut rejects) = (Vec::new(), Vec::new());
@@ -30,16 +37,21 @@ fn run(spec: &Arc<Spec>, data: &[u8], workers: usize) -> Option<(Vec<u8>, Vec<u8
 
 /// Runs the input as a table below a header that is known, and by itself.
 pub fn check(data: &[u8]) {
-    let spec = Arc::new(Spec::parse("fuzz.toml", SPEC).expect("the spec is valid"));
+    for spec in [SPEC, UNCERTAIN] {
+        check_with(&Arc::new(Spec::parse("fuzz.toml", spec).expect("the spec is valid")), data);
+    }
+}
+
+fn check_with(spec: &Arc<Spec>, data: &[u8]) {
     // whatever it is: no panic
-    let _ = run(&spec, data, 1);
+    let _ = run(spec, data, 1);
     let table = [b"part_id,rack_over_roller,dp\n", data].concat();
-    let Some((rows, rejects, outcome)) = run(&spec, &table, 1) else { return };
+    let Some((rows, rejects, outcome)) = run(spec, &table, 1) else { return };
     let counts = outcome.counts;
     assert_eq!(counts.rows, counts.pass + counts.fail + counts.indeterminate + counts.unjudged + counts.rejected);
     assert_eq!(outcome.problems.len() as u64, counts.rejected);
     assert_eq!(outcome.statistics[0].count(), counts.rows - counts.rejected);
-    let (again, rejected_again, twice) = run(&spec, &table, 3).expect("it ran before");
+    let (again, rejected_again, twice) = run(spec, &table, 3).expect("it ran before");
     assert_eq!((&rows, &rejects, twice.counts), (&again, &rejected_again, counts));
     let written = csv::ReaderBuilder::new().from_reader(rows.as_slice()).into_byte_records();
     let written: Vec<_> = written.map(|row| row.expect("what is written is CSV")).collect();

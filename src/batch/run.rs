@@ -128,6 +128,7 @@ impl<'a> Batch<'a> {
             queue: Mutex::new(Queue { chunks, next: 0, records: 0, ended: false, error: None }),
             order: Mutex::new(Order { next: 0, total, sinks: &mut self.sinks, error: None, workers: 0 }),
             turn: Condvar::new(),
+            done: Condvar::new(),
             stop,
             ended: AtomicBool::new(false),
             bytes: AtomicU64::new(0),
@@ -139,19 +140,15 @@ impl<'a> Batch<'a> {
             lock(&statistics).push(std::mem::take(&mut evaluator.statistics));
             lock(&shared.order).workers -= 1;
             shared.turn.notify_all();
+            shared.done.notify_all();
         };
-        if self.workers == 1 {
-            lock(&shared.order).workers = 1;
-            work();
-        } else {
-            lock(&shared.order).workers = self.workers;
-            std::thread::scope(|scope| {
-                for _ in 0..self.workers {
-                    scope.spawn(work);
-                }
-                shared.watch(progress);
-            });
-        }
+        lock(&shared.order).workers = self.workers;
+        std::thread::scope(|scope| {
+            for _ in 0..self.workers {
+                scope.spawn(work);
+            }
+            shared.watch(progress);
+        });
         let Shared { queue, order, .. } = shared;
         let queue = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -255,6 +252,8 @@ struct Shared<'a, 'b> {
     queue: Mutex<Queue>,
     order: Mutex<Order<'a, 'b>>,
     turn: Condvar,
+    /// Told when a worker is done; not at every turn, which would be all that a watcher hears of.
+    done: Condvar,
     /// Ends the run from outside.
     stop: &'a AtomicBool,
     /// Ends the run from inside: nothing can be written any more, or nothing should.
@@ -346,7 +345,7 @@ impl Shared<'_, '_> {
         const INTERVAL: Duration = Duration::from_millis(100);
         let mut order = lock(&self.order);
         while order.workers > 0 {
-            let (next, waited) = self.turn.wait_timeout(order, INTERVAL).unwrap_or_else(PoisonError::into_inner);
+            let (next, waited) = self.done.wait_timeout(order, INTERVAL).unwrap_or_else(PoisonError::into_inner);
             order = next;
             if waited.timed_out() {
                 let counts = order.total.outcome.counts;

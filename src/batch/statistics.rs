@@ -255,7 +255,13 @@ impl Statistics {
             let value = value.clamp(millimetres(self.smallest), millimetres(self.largest));
             #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a bin, checked below")]
             let bin = ((value - from_mm) / (to_mm - from_mm) * bins as f64).floor() as i64;
-            if let Some(counted) = usize::try_from(bin).ok().and_then(|bin| counts.get_mut(bin)) {
+            // the upper end belongs to the last bin, and rounding takes nothing beyond it
+            let bin = if value <= to_mm {
+                usize::try_from(bin).ok().map(|bin| bin.min(bins.saturating_sub(1)))
+            } else {
+                None
+            };
+            if let Some(counted) = bin.and_then(|bin| counts.get_mut(bin)) {
                 *counted += count;
             }
         }

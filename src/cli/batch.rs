@@ -32,8 +32,9 @@ pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinat
   rackmesh batch rack.toml parts.csv --rule iso14253
   rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
 
-Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row was rejected or something
-could not be judged, 3 a verdict is indeterminate.")]
+Exit status: 0 all parts inside the limits or none given, 1 a part outside,
+2 a row was rejected or something could not be judged, 3 a verdict is
+indeterminate and none worse.")]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Args {
     /// The gear spec (TOML).

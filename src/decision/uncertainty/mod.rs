@@ -26,8 +26,8 @@ use super::statistics::student_quantile;
 use super::{Combined, LimitTarget, Stack, Term};
 use crate::deviation::ErrorKind;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Input, Model, PartError, Sensitivity};
-use crate::quantity::{Angle, DomainError, Length};
+use crate::formula::{Input, Model, PartError, Prepared, Sensitivity};
+use crate::quantity::DomainError;
 
 /// The coverage probability of `k = 2` for a normal distribution, erf(√2).
 pub const COVERAGE: f64 = 0.954_499_736_103_641_6;
@@ -316,7 +316,8 @@ fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -
             value
         } else {
             at_kink = true;
-            slope_beside_zero(error, part.model)?
+            // the slope beside the kink
+            Prepared::new(&error.formula(), part.model).slope(0.0)
         };
         by_source.push((source, value));
     }
@@ -349,18 +350,6 @@ fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -
     })
 }
 
-/// The slope of a magnitude beside its kink, which no uncertainty of the error exceeds.
-fn slope_beside_zero(error: &PartError, model: Model) -> Result<f64, DomainError> {
-    const BESIDE: f64 = 1e-30;
-    let beside = match error.largest() {
-        PartError::RackPitch(_, formula) => formula.sensitivities(&Length::from_mm(BESIDE)?, model)?,
-        PartError::PinionPitch(_, formula) => formula.sensitivities(&Length::from_mm(BESIDE)?, model)?,
-        PartError::RackLead(_, formula) => formula.sensitivities(&Angle::from_degrees(BESIDE)?, model)?,
-        PartError::RackOverRoller(_) | PartError::PinionRadial(_) | PartError::Within(_) => return Ok(1.0),
-    };
-    Ok(beside.iter().find(|sensitivity| sensitivity.input == Input::Error).and_then(|s| s.value).unwrap_or(0.0))
-}
-
 fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {
     match input {
         Input::Error => Some(Source::Error(kind)),
@@ -387,6 +376,7 @@ fn over_pin_source(input: Input) -> Option<Source> {
 mod tests {
     use super::*;
     use crate::formula::{PinionPitch, RackLead, RackPitch};
+    use crate::quantity::{Angle, Length};
 
     fn length(text: &str) -> Length {
         text.parse().unwrap()
