@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::kinds::{compare, compare_formed, compare_rolling, run};
+use common::kinds::{KINDS, compare, compare_formed, compare_rolling, run};
 
 /// The brute force's own error: golden sections stop at 2e-9 of a cell, and heights are quadratic there.
 const ALLOWED_MM: f64 = 1e-7;
@@ -51,4 +51,20 @@ fn a_corner_on_the_base_circle_is_no_peak() {
     assert_eq!(name, "helical, parallel axes");
     let (difference, case) = compare(26).expect("it has contact");
     assert!(difference.abs() <= 1e-9, "{difference:e}: {case}");
+}
+
+/// The first pairs of each kind again: none is worse than the README's table says.
+#[test]
+fn the_accuracy_that_is_written_is_true() {
+    let written = include_str!("../benches/results/accuracy.md");
+    for (kind, compare) in KINDS {
+        let row = written.lines().find(|line| line.starts_with(&format!("| {kind} |"))).expect(kind);
+        let worst = row.split(" | ").nth(2).and_then(|cell| cell.strip_suffix(" mm |")).expect(row);
+        let worst: f64 = worst.parse().expect(row);
+        assert!(worst < 1e-9, "{row}");
+        let seeds: Vec<u64> = if kind.contains("roll") { vec![1] } else { (1..=4).collect() };
+        let (_, found, failures) = run(&seeds, ALLOWED_MM, compare);
+        // one digit is written, rounded
+        assert!(failures.is_empty() && found <= 1.5 * worst, "{row}: {found:e}");
+    }
 }

@@ -78,3 +78,13 @@ fn run_time_and_error() {
     }
     check("run time and error", &table);
 }
+
+#[test]
+fn accuracy() {
+    let written = std::fs::read_to_string(root().join("benches/results/accuracy.md")).unwrap();
+    check("accuracy", &written);
+    // no formula is ever off by more than the rounding of its last digit
+    let ulps = written.lines().filter_map(|line| line.split(" | ").nth(2)?.strip_suffix(" ulp"));
+    let worst = ulps.map(|ulps| ulps.parse::<f64>().unwrap()).fold(0.0, f64::max);
+    assert!(worst > 0.49 && worst <= 0.5, "{worst}");
+}
