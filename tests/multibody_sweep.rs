@@ -8,7 +8,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::paper;
-use common::random::Random;
+use common::random::{self, Random};
 use rackmesh::deviation::*;
 use rackmesh::multibody::*;
 
@@ -141,4 +141,80 @@ fn whatever_is_asked_ends_right_or_says_what_to_change() {
     }
     println!("{refused} refused, {completed} completed, {failed} failed, {compared} positions compared");
     assert!(completed > 3 * failed && compared > 100, "{completed} completed, {failed} failed, {compared} compared");
+}
+
+/// Pairs of every hand, helix and shaft angle with deviations of every kind, in equilibrium and in time.
+#[test]
+fn any_pair_with_any_deviations_is_the_exact_mesh_or_says_why_not() {
+    let (mut completed, mut failed, mut compared) = (0, 0, 0);
+    for seed in cases(12) {
+        let mut random = Random(1_000_000 + seed);
+        let pair = random::pair(&mut random);
+        let (rack, pinion) = (random::rack(&mut random, &pair, true), random::pinion(&mut random, &pair, true));
+        let contact = if random.chance(0.5) {
+            ContactModel::Analytic(StripGrid { strips: 200 })
+        } else {
+            ContactModel::Spheres(SphereGrid { profile_nodes: 40, width_nodes: 120, ..SphereGrid::default() })
+        };
+        let pitch = pair.rack().pitch_mm;
+        let parameters = Parameters {
+            contact,
+            start_mm: random.range(-2.0, 6.0) * pitch,
+            stroke_mm: 1.2 * pitch,
+            spacing_mm: 0.08 * pitch,
+            max_steps: 5_000,
+            stiffness: 1e8,
+            preload_n: 50.0,
+            ..Parameters::default()
+        };
+        let scene = match Scene::new(pair, rack, pinion, parameters) {
+            Ok(scene) => scene,
+            Err(error) => {
+                println!("seed {seed}: {error}");
+                failed += 1;
+                continue;
+            }
+        };
+        for dynamic in [false, true] {
+            let mut watch = |_: &Sample| ControlFlow::Continue(());
+            let outcome = if dynamic { scene.dynamic(&mut watch) } else { scene.quasi_static(&mut watch) };
+            if outcome.end == RunEnd::Completed {
+                completed += 1
+            } else {
+                failed += 1
+            }
+            if outcome.end != RunEnd::Completed {
+                println!("seed {seed}, dynamic {dynamic}: {:?}", outcome.end);
+            }
+            for sample in outcome.samples.iter().filter(|_| !dynamic) {
+                assert!(sample.delta_cd_mm.is_finite() && sample.indentation_mm.is_finite(), "seed {seed}: {sample:?}");
+                let exact = scene.mesh().at(sample.stroke_mm).unwrap().delta_cd_mm;
+                let off = sample.delta_cd_mm + sample.indentation_mm - exact;
+                compared += 1;
+                assert!(
+                    off.abs() <= scene.sinking_mm() + 0.2 * sample.indentation_mm + 1e-8,
+                    "seed {seed}: {off} of {} {sample:?} {parameters:?}",
+                    scene.sinking_mm()
+                );
+            }
+        }
+    }
+    println!("{completed} completed, {failed} failed, {compared} positions compared");
+    assert!(completed > 4 * failed && compared > 100, "{completed} completed, {failed} failed, {compared} compared");
+}
+
+/// What a run costs is in proportion to the stroke, and grows far more slowly than the number of spheres.
+#[test]
+fn work_grows_with_the_stroke_and_hardly_with_the_spheres() {
+    let run = |profile_nodes: u32, width_nodes: u32, stroke_mm: f64| {
+        let contact = ContactModel::Spheres(SphereGrid { profile_nodes, width_nodes, ..SphereGrid::default() });
+        let scene = paper::scene(None, Parameters { contact, stroke_mm, ..Parameters::default() });
+        let outcome = scene.quasi_static(&mut |_: &Sample| ControlFlow::Continue(()));
+        assert_eq!(outcome.end, RunEnd::Completed);
+        outcome.counters.spheres_tested as f64
+    };
+    let (short, long) = (run(48, 96, 10.0), run(48, 96, 40.0));
+    assert!((long / short / 4.0 - 1.0).abs() < 0.1, "{short} {long}");
+    // 22 times as many spheres, and 1e5 on a flank
+    assert!(run(312, 320, 10.0) < 8.0 * short, "{} {short}", run(312, 320, 10.0));
 }

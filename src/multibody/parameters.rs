@@ -10,8 +10,9 @@ pub struct SphereGrid {
     pub profile_nodes: u32,
     /// Rows of spheres over the face width; default 96.
     pub width_nodes: u32,
-    /// Largest radius R of a sphere, mm; default 0.5. Towards the base circle the radius falls as τ², so that no
-    /// sphere stands out of the flank.
+    /// Largest radius R of a sphere, mm; default 0.1. Towards the base circle the radius falls as τ², so that no
+    /// sphere stands out of the flank. Spheres round the pinion's tip edge off: where a tooth that stands proud by e
+    /// carries there, ΔCD comes out up to e R/((r_b τ_a − R) sin α_n) too high.
     pub radius_mm: f64,
     /// Cells (of two triangles) of a rack flank along each direction where it has crowning or relief; default 32. A
     /// plane flank needs one.
@@ -37,7 +38,7 @@ pub enum ContactModel {
 
 impl Default for SphereGrid {
     fn default() -> Self {
-        Self { profile_nodes: 48, width_nodes: 96, radius_mm: 0.5, patch_cells: 32 }
+        Self { profile_nodes: 48, width_nodes: 96, radius_mm: 0.1, patch_cells: 32 }
     }
 }
 

@@ -220,7 +220,7 @@ impl Scene {
         sag.max(between.fold(0.0, f64::max))
     }
 
-    /// How far ΔCD, the indentation added back, may lie below that of the exact mesh because contacts fall between
+    /// How far ΔCD, the indentation added back, may be from that of the exact mesh because contacts fall between
     /// spheres or strips, mm; the rack not rolled.
     ///
     /// A tooth that stands proud of its neighbour by e (along the normal, at the end of the face width where a lead
@@ -228,6 +228,7 @@ impl Scene {
     /// it: e = r_b τ_a δ²/2. There the gap grows along the face width by κ r_b τ_a δ = κ √(2 r_b τ_a e) per mm, and the corner
     /// lies up to a row beyond the last one that meets the flank. With twice [`Scene::resolution_mm`], which counts
     /// half a row, that is what one flank may sink; one on each side lowers ΔCD by the sum of both over 2 sin α_n.
+    /// Spheres of the radius R stand out by R δ²/2 beyond the tip edge, which raises it by e R/(r_b τ_a − R) over sin α_n.
     #[must_use]
     pub fn sinking_mm(&self) -> f64 {
         let pair = self.mesh.pair();
@@ -243,11 +244,16 @@ impl Scene {
         };
         let proud = [&self.right, &self.left].into_iter().flat_map(|side| side.windows(2));
         let proud = proud.map(apart).fold(0.0, f64::max);
-        let between = self
-            .templates
-            .iter()
-            .map(|t| t.row_step() * t.kappa.abs() * (2.0 * t.base_radius * t.tip_roll * proud).sqrt());
-        (2.0 * self.resolution_mm() + between.fold(0.0, f64::max)) / trig::sin(pair.normal_pressure_angle_rad())
+        let radius = match self.parameters.contact {
+            ContactModel::Spheres(grid) => grid.radius_mm,
+            ContactModel::Analytic(_) => 0.0,
+        };
+        let edges = self.templates.iter().map(|t| {
+            let curvature = t.base_radius * t.tip_roll;
+            let rounded = radius.min(0.5 * curvature);
+            t.row_step() * t.kappa.abs() * (2.0 * curvature * proud).sqrt() + proud * rounded / (curvature - rounded)
+        });
+        (2.0 * self.resolution_mm() + edges.fold(0.0, f64::max)) / trig::sin(pair.normal_pressure_angle_rad())
     }
 
     /// Penetration beyond which a run gives up, mm: a tenth of the normal module.
