@@ -23,6 +23,11 @@
 
 mod climb;
 mod corner;
+mod form;
+mod roll_rate;
+
+pub(super) use form::Form;
+pub(super) use roll_rate::{PoseRates, RollRates};
 
 use std::f64::consts::PI;
 
@@ -43,19 +48,6 @@ pub(super) struct Across {
     pub(super) w: f64,
     pub(super) z: f64,
     pub(super) half_width: f64,
-}
-
-/// Flank form of both parts, as amounts along Z. Where the pinion's surface stands back it also does so from the rack's
-/// tip plane, by `tip_share` of that.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Form {
-    pub(super) rack_crowning: f64,
-    pub(super) pinion_crowning: f64,
-    pub(super) profile_slope: f64,
-    pub(super) tip_relief: f64,
-    pub(super) relief_start: f64,
-    pub(super) tip: f64,
-    pub(super) tip_share: f64,
 }
 
 /// Where on the flanks a contact is.
@@ -182,23 +174,6 @@ impl Touch {
             || self.other.is_some()
             || matches!(self.kind, ContactKind::TipEdge | ContactKind::RootEdge)
     }
-}
-
-/// How a flank pair changes with the rack's roll.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RollRates {
-    pub(super) flank: Plane,
-    pub(super) tip: Plane,
-    /// `half_width` is not used.
-    pub(super) across: Across,
-    pub(super) per_shift: f64,
-}
-
-/// The same for a position: of `pose.shift`, and of `pose.across` by the roll and by the centre distance.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PoseRates {
-    pub(super) shift: f64,
-    pub(super) across: [f64; 2],
 }
 
 /// The demand of one generator.
@@ -393,47 +368,6 @@ impl FlankContact {
         }
     }
 
-    /// The same with flank form: still concave in w, but no longer piecewise linear, so it is searched.
-    fn demand_with_form(
-        &self,
-        form: &Form,
-        pose: &Pose,
-        at: &Coordinates,
-        flank: Line,
-        tip: Line,
-        (lo, hi): (Bound, Bound),
-    ) -> Generator {
-        let y = self.across_line(pose, at);
-        let both = |w: f64| {
-            let across = y.at(w) / self.across.half_width;
-            let axial = w / self.half_face;
-            let roll = (at.t0 + self.kappa * w - self.start_roll) / (self.tip_roll - self.start_roll);
-            let plane = flank.at(w);
-            let relief = if form.tip_relief > 0.0 {
-                let height = plane + at.zeta.at(w);
-                form.tip_relief * ((height - form.relief_start) / (form.tip - form.relief_start)).max(0.0)
-            } else {
-                0.0
-            };
-            let stands_back = form.pinion_crowning * axial * axial + form.profile_slope * roll;
-            let formed = plane - form.rack_crowning * across * across - relief - stands_back;
-            let at_tip = tip.at(w) - form.tip_share * stands_back;
-            (formed.min(at_tip), at_tip)
-        };
-        let value = |w: f64| both(w).0;
-        let w = golden(lo.w, hi.w.max(lo.w), &value);
-        let near = 1e-6 * self.half_face;
-        let (demand, at_tip) = both(w);
-        let on_tip = (at_tip - demand).abs() <= 1e-9 * self.half_face;
-        let kind = match (w - lo.w < near, hi.w - w < near) {
-            (true, _) => lo.kind,
-            (_, true) => hi.kind,
-            _ if on_tip => ContactKind::RackEdge,
-            _ => ContactKind::Point,
-        };
-        Generator::Some { demand, slope: f64::NAN, rate: flank.p_rate, w, kind, on_tip }
-    }
-
     /// A demand that this pair cannot exceed: at each w the best generator is δ = 0, and where that lies off the
     /// involute by the roll angle η the edge stays clear of it by (r_b/sin ν)(τ η²/2 + …).
     pub(super) fn upper_bound(&self, pose: &Pose) -> f64 {
@@ -584,102 +518,4 @@ impl FlankContact {
         }
         best
     }
-
-    /// The demand's derivatives by the rack's roll and by the centre distance that places its end faces.
-    pub(super) fn roll_rate(&self, pose: &Pose, touch: &Touch, (rates, moved): (&RollRates, &PoseRates)) -> [f64; 2] {
-        let first = self.spot_roll_rate(pose, &touch.spot, rates, moved);
-        let mut rate = match &touch.other {
-            Some((spot, share)) => {
-                let other = self.spot_roll_rate(pose, spot, rates, moved);
-                [0, 1].map(|i| share * first[i] + (1.0 - share) * other[i])
-            }
-            None => first,
-        };
-        if let Some((delta, per_gap)) = touch.vertex {
-            let at = self.coordinates(pose, delta);
-            let (lo, hi) = self.interval(pose, &at);
-            let y = self.across_line(pose, &at);
-            let moving = |bound: &Bound| {
-                let sweep = Self::sweep(&at, bound.w, rates, moved).map(|sweep| -sweep / y.q);
-                if bound.kind == ContactKind::RackEndEdge { sweep } else { [0.0; 2] }
-            };
-            let (lo, hi) = (moving(&lo), moving(&hi));
-            rate = [0, 1].map(|i| rate[i] + per_gap * (hi[i] - lo[i]));
-        }
-        rate
-    }
-
-    /// How the coordinate across the rack changes at a point of the pinion.
-    fn sweep(at: &Coordinates, w: f64, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
-        let a = &rates.across;
-        [a.t * at.xi.at(w) + a.z * at.zeta.at(w) + a.w * w + moved.across[0], moved.across[1]]
-    }
-
-    fn spot_roll_rate(&self, pose: &Pose, spot: &Spot, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
-        let at = self.coordinates(pose, spot.delta);
-        let xi = at.xi.at(spot.w);
-        let by_roll = |plane: &Plane| plane.d - plane.t * xi - plane.w * spot.w;
-        let (on_flank, on_tip) = (by_roll(&rates.flank) + moved.shift, by_roll(&rates.tip));
-        let flank = Self::plane(&self.flank, pose.shift, &at);
-        let tip = Self::plane(&self.tip, 0.0, &at);
-        let (line, rate) = if spot.on_tip { (tip, on_tip) } else { (flank, on_flank) };
-        match spot.kind {
-            ContactKind::RackEndEdge => {
-                let y = self.across_line(pose, &at);
-                let sweep = Self::sweep(&at, spot.w, rates, moved);
-                [rate - line.q * sweep[0] / y.q, -line.q * sweep[1] / y.q]
-            }
-            ContactKind::RackEdge => [on_flank + flank.q * (on_flank - on_tip) / (tip.q - flank.q), 0.0],
-            _ => [rate, 0.0],
-        }
-    }
-
-    /// Derivative-free maximum over generators, for flank form.
-    fn search(&self, pose: &Pose, lo: f64, hi: f64) -> Option<Touch> {
-        let scale = self.base_radius;
-        // generators off the flank rank below all others, the nearer ones higher
-        let value = |delta: f64| match self.demand(pose, delta) {
-            Generator::Some { demand, .. } => demand,
-            Generator::None { gap, .. } => -1e3 * scale + 1e3 * gap,
-        };
-        let delta = golden(lo, hi, &value);
-        match self.demand(pose, delta) {
-            Generator::Some { demand, rate, kind, w, on_tip, .. } => {
-                let spot = Spot { delta, w, kind, on_tip };
-                Some(Touch { demand, rate, kind, spot, other: None, spread: 0.0, vertex: None })
-            }
-            Generator::None { .. } => None,
-        }
-    }
-}
-
-/// Maximum of a unimodal function by golden section. The value is good to rounding, the place to its root.
-fn golden(lo: f64, hi: f64, value: &impl Fn(f64) -> f64) -> f64 {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let (mut a, mut b) = (lo, hi);
-    let (mut x, mut y) = (b - RATIO * (b - a), a + RATIO * (b - a));
-    let (mut fx, mut fy) = (value(x), value(y));
-    // 0.618^75 = 2e-16
-    for _ in 0..75 {
-        if fx >= fy {
-            b = y;
-            (y, fy) = (x, fx);
-            x = b - RATIO * (b - a);
-            fx = value(x);
-        } else {
-            a = x;
-            (x, fx) = (y, fy);
-            y = a + RATIO * (b - a);
-            fy = value(y);
-        }
-    }
-    let middle = 0.5 * (a + b);
-    let mut best = (middle, value(middle));
-    for end in [lo, hi] {
-        let at_end = value(end);
-        if at_end > best.1 {
-            best = (end, at_end);
-        }
-    }
-    best.0
 }

@@ -333,3 +333,68 @@ fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, f64) {
         (low.angle + 0.5 * width, f64::NEG_INFINITY)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::{Eccentricity, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
+    use crate::gear::{Pair, PairData, PinionData, RackData};
+    use crate::mesh::{Mesh, Support};
+    use crate::trig;
+
+    fn rolling(rack_helix: f64, pinion_helix: f64, lead: f64, eccentricity: f64) -> Mesh {
+        let radius = 20.0 / trig::cos(pinion_helix);
+        let pair = Pair::new(&PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: 0.35,
+            rack: RackData {
+                helix_angle_rad: rack_helix,
+                face_width_mm: 20.0,
+                addendum_mm: 1.9,
+                tooth_thickness_mm: None,
+            },
+            pinion: PinionData {
+                teeth: 20,
+                helix_angle_rad: pinion_helix,
+                profile_shift: 0.2,
+                tip_diameter_mm: 2.0 * radius + 4.6,
+                root_form_diameter_mm: Some(2.0 * radius - 1.8),
+                face_width_mm: 26.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        })
+        .expect("a valid pair");
+        let lead = RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Lead(lead) };
+        let rack = RackFlanks::new(&pair, &[lead]).expect("a small lead");
+        let off_axis = Eccentricity { amount_mm: eccentricity, tooth: 3 };
+        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[off_axis]).expect("a small eccentricity");
+        Mesh::new(pair, rack, pinion, Support::FreeRoll { axis_depth_mm: 8.0 }).expect("teeth in order")
+    }
+
+    /// Spur, helical on parallel axes, and crossed; with and without eccentricity.
+    #[test]
+    fn the_derivative_by_the_roll_is_that_of_differences() {
+        let (mut compared, mut worst) = (0, 0.0_f64);
+        for (rack, pinion) in [(0.0, 0.0), (-0.35, 0.35), (0.0, 0.37), (0.2, 0.3)] {
+            for (lead, eccentricity) in [(0.004, 0.0), (0.004, 0.05), (-0.007, 0.02)] {
+                let mesh = rolling(rack, pinion, lead, eccentricity);
+                let mut sampler = Sampler::new(&mesh);
+                for step in 0..12 {
+                    let stroke = 0.77 * f64::from(step);
+                    for angle in [-0.05, -0.02, -0.004, 0.003, 0.013, 0.031, 0.06] {
+                        let h = 1e-5;
+                        let mut at = |angle| sampler.at_roll(stroke, angle, 8.0).expect("contact");
+                        let (before, here, after) = (at(angle - h), at(angle), at(angle + h));
+                        // across a kink there is no derivative
+                        if before.rolling.at == after.rolling.at {
+                            compared += 1;
+                            worst = worst.max(((after.value - before.value) / (2.0 * h) - here.slope).abs());
+                        }
+                    }
+                }
+            }
+        }
+        println!("{compared} derivatives, largest difference {worst:e} mm/rad");
+        assert!(compared > 900 && worst < 1e-5, "{compared} {worst:e}");
+    }
+}

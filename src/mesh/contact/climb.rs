@@ -248,7 +248,16 @@ impl FlankContact {
     /// Names the contact and mixes the derivatives where two edges meet.
     fn settle(&self, mut touch: Touch, (lo, hi): (f64, f64), below: Option<Sample>, above: Option<Sample>) -> Touch {
         if self.kappa == 0.0 && (touch.spot.delta == lo || touch.spot.delta == hi) {
-            // the generators end at the involute's ends; on them the bound on w makes a corner unless it is free
+            // the generators end at the involute's ends, which turn with it; on them the bound on w makes a corner unless it
+            // is free
+            let ends = [below, above].into_iter().flatten();
+            for Sample { x, generator } in ends {
+                if let Generator::Some { slope, .. } = generator
+                    && x == touch.spot.delta
+                {
+                    touch.rate += slope;
+                }
+            }
             touch.kind = if self.fits {
                 if touch.spot.delta == hi { ContactKind::TipEdge } else { ContactKind::RootEdge }
             } else {
