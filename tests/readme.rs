@@ -12,6 +12,9 @@ fn root() -> PathBuf {
 
 /// Holds the README's text between `<!-- name -->` and `<!-- end -->` against `text`, or replaces it.
 fn check(name: &str, text: &str) {
+    // the tests run side by side, and each replaces its own part
+    static ONE_AT_A_TIME: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _one = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let path = root().join("README.md");
     let readme = std::fs::read_to_string(&path).unwrap();
     let begin = format!("<!-- {name} -->\n");
