@@ -218,7 +218,7 @@ impl Report for ClassReport {
             let mut cells = vec![
                 permissible.deviation.to_string(),
                 permissible.symbol().to_owned(),
-                plain(permissible.value_um().to_f64()),
+                shown_um(permissible),
                 format!("{:.3}", permissible.unrounded_um().to_f64()),
                 ranges_text(&permissible.ranges),
                 row.delta_cd.as_ref().map_or_else(|_| "-".to_owned(), |delta_cd| unsigned(delta_cd.mm())),
@@ -252,6 +252,12 @@ impl Report for ClassReport {
 
 fn unsigned(mm: f64) -> String {
     millimetres(mm).trim_start_matches('+').to_owned()
+}
+
+/// A permissible value for people: as its standard rounds it, or with the digits of the unrounded one where that is unknown.
+fn shown_um(permissible: &Permissible) -> String {
+    let text = plain(permissible.value_um().to_f64());
+    if permissible.is_rounded() { text } else { format!("{:.3}", permissible.unrounded_um().to_f64()) }
 }
 
 /// The grades that measured values reach.
@@ -327,7 +333,7 @@ impl Report for ObtainedReport {
                     || format!("beyond {}", one.coarsest.grade),
                     |permissible| permissible.grade.to_string(),
                 ),
-                plain(shown.value_um().to_f64()),
+                shown_um(shown),
                 one.origin.clone(),
             ]
         });

@@ -37,9 +37,11 @@ impl Spec {
         }
         if self.errors.is_empty() {
             let place = self.source.text.find("[errors]").map_or(0..0, |start| start..start + "[errors]".len());
-            let diagnostic =
-                Diagnostic::error(Code::NoErrors, "the spec gives no error, so there is nothing to evaluate")
-                    .at(&self.source, place, "");
+            let diagnostic = Diagnostic::error(
+                Code::NoErrors,
+                "the spec gives no error, so there is nothing to evaluate",
+            )
+            .at(&self.source, place, "");
             let help = if self.has_deviations() {
                 "deviations of single teeth are for the exact mesh: `rackmesh mesh`; the formulas take an entry such as \
                  `rack_pitch = \"+20 um\"` below [errors]"
