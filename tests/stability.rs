@@ -564,7 +564,9 @@ fn extreme_pairs_have_an_answer_or_an_error() {
                         }
                     }
                     Err(MeshError::NoContact { .. } | MeshError::RackToothOrder { .. }) => {}
-                    Err(other) => panic!("seed {seed}, stroke {s}: {other}"),
+                    // the flanks of a single tooth start above its middle; crossed faces narrower than a module may hold no flank
+                    Err(MeshError::TipOnTip { .. }) if disturbed || teeth == 1 || faces.0.min(faces.1) < 1.0 => {}
+                    Err(other) => panic!("seed {seed}, stroke {s}, disturbed {disturbed}: {other}\n{pair:?}"),
                 }
             }
         }

@@ -268,7 +268,7 @@ fn recoded(mut bytes: Box<dyn Read + Send>) -> io::Result<(Box<dyn Read + Send>,
         Encoding::Utf16 { big_endian } => {
             let code = if big_endian { encoding_rs::UTF_16BE } else { encoding_rs::UTF_16LE };
             let decoder = code.new_decoder_without_bom_handling();
-            let read = Recoded { bytes, decoder, raw: vec![0; 1 << 13], from: 0, to: 0, ended: false };
+            let read = Recoded { bytes, decoder, raw: vec![0; 1 << 13], from: 0, to: 0, ended: false, finished: false };
             (Box::new(read), encoding)
         }
     })
@@ -280,12 +280,15 @@ struct Recoded {
     raw: Vec<u8>,
     from: usize,
     to: usize,
+    /// Whether the bytes are at their end.
     ended: bool,
+    /// Whether the decoder was told so, which it bears only once.
+    finished: bool,
 }
 
 impl Read for Recoded {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        loop {
+        while !self.finished {
             if self.from == self.to && !self.ended {
                 self.from = 0;
                 self.to = self.bytes.read(&mut self.raw)?;
@@ -293,10 +296,12 @@ impl Read for Recoded {
             }
             let (state, read, written, _) = self.decoder.decode_to_utf8(&self.raw[self.from..self.to], out, self.ended);
             self.from += read;
-            if written > 0 || (self.ended && state == encoding_rs::CoderResult::InputEmpty) || out.is_empty() {
+            self.finished = self.ended && state == encoding_rs::CoderResult::InputEmpty;
+            if written > 0 || out.is_empty() {
                 return Ok(written);
             }
         }
+        Ok(0)
     }
 }
 

@@ -168,6 +168,11 @@ pub(super) struct Hint {
 }
 
 impl Touch {
+    /// Whether what touches lies over the rack tooth's tip plane, away from its flank.
+    pub(super) fn is_on_tip(&self) -> bool {
+        self.spot.on_tip && self.other.is_none_or(|(spot, _)| spot.on_tip)
+    }
+
     /// Whether the contact goes with the flank's edge.
     pub(super) fn is_carried(&self) -> bool {
         self.vertex.is_some()

@@ -114,6 +114,20 @@ pub enum MeshError {
         /// The side without contact.
         side: FlankSide,
     },
+    /// On both sides the pinion stands on the rack's tip plane: its teeth do not enter the spaces, and nothing holds its
+    /// rotation.
+    #[error(
+        "stroke {} mm: the pinion stands on the tips of rack teeth {right} and {left}, its teeth do not enter the spaces",
+        Rounded(*.stroke_mm)
+    )]
+    TipOnTip {
+        /// The stroke.
+        stroke_mm: f64,
+        /// The tooth that carries right flanks.
+        right: i64,
+        /// The tooth that carries left flanks.
+        left: i64,
+    },
     /// Deviations are so large that a rack tooth has passed its neighbour, or its own flanks have.
     #[error("stroke {} mm: rack tooth {tooth} is displaced beyond its neighbour or has no thickness", Rounded(*.stroke_mm))]
     RackToothOrder {

@@ -246,6 +246,9 @@ impl<'a> Sampler<'a> {
             }
             offset = next;
         };
+        if right.touch.is_on_tip() && left.touch.is_on_tip() {
+            return Err(MeshError::TipOnTip { stroke_mm, right: right.tooth, left: left.tooth });
+        }
         // where both tangents cross; without a step the larger demand, which certainly suffices
         let a = if step == 0.0 { right.value.max(left.value) } else { right.value + right.rate * step };
         self.last = Some((offset, displacement));
