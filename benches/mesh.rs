@@ -19,17 +19,27 @@ use rackmesh::mesh::{Curve, Mesh, Sampler, Support};
 
 /// A steering pair: m_n = 2, z = 8, β_p = 21°, straight rack.
 fn pair() -> Pair {
+    pair_with(0.0, 21.0, 8)
+}
+
+fn pair_with(rack_helix: f64, pinion_helix: f64, teeth: u32) -> Pair {
     let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
+    let reference = 2.0 * f64::from(teeth) / radians(pinion_helix).cos();
     Pair::new(&PairData {
         normal_module_mm: 2.0,
         normal_pressure_angle_rad: radians(19.9),
-        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 19.7, addendum_mm: 1.7, tooth_thickness_mm: None },
+        rack: RackData {
+            helix_angle_rad: radians(rack_helix),
+            face_width_mm: 19.7,
+            addendum_mm: 1.7,
+            tooth_thickness_mm: None,
+        },
         pinion: PinionData {
-            teeth: 8,
-            helix_angle_rad: radians(21.0),
+            teeth,
+            helix_angle_rad: radians(pinion_helix),
             profile_shift: 0.3,
-            tip_diameter_mm: 19.738,
-            root_form_diameter_mm: Some(16.2),
+            tip_diameter_mm: reference + 2.6,
+            root_form_diameter_mm: (teeth == 8).then_some(16.2),
             face_width_mm: 30.0,
             tooth_thickness_deviation_mm: 0.0,
         },
@@ -67,6 +77,44 @@ fn positions(c: &mut Criterion) {
         group.bench_function(format!("{name} on all cores"), |b| b.iter(|| mesh.sample(black_box(&strokes))));
     }
     group.finish();
+}
+
+/// Positions per second on one core for pairs without a tilted flank, where gap functions are linear between changes of
+/// contact: with each kind of deviation, and with strokes far apart and close together.
+fn untilted(_: &mut Criterion) {
+    use RackDeviationKind::{OverRoller, Pitch, Thickness};
+    let (all, third, fourth_on) =
+        (ToothRange::ALL, ToothRange::single(3).expect("small"), ToothRange::new(Some(4), None).expect("small"));
+    let rack = |teeth, kind| vec![RackDeviation { teeth, kind }];
+    let kinds = [
+        ("nominal", pair(), Vec::new()),
+        ("over-roller, from tooth 4 on", pair(), rack(fourth_on, OverRoller(0.02))),
+        ("thickness of one tooth", pair(), rack(third, Thickness(0.02))),
+        ("one pitch step", pair(), rack(third, Pitch(0.02))),
+        ("accumulated pitch, from tooth 4 on", pair(), rack(fourth_on, Pitch(0.02))),
+        ("accumulated pitch, every tooth", pair(), rack(all, Pitch(0.02))),
+        ("the same, spur, z = 17", pair_with(0.0, 0.0, 17), rack(all, Pitch(0.02))),
+        ("the same, parallel 20°, z = 30", pair_with(20.0, -20.0, 30), rack(all, Pitch(0.02))),
+        ("the same, crossed 10° and 25°, z = 12", pair_with(10.0, 25.0, 12), rack(all, Pitch(0.02))),
+    ];
+    println!("positions/s, one core                  0.1 mm apart   0.01 mm apart");
+    for (name, pair, deviations) in kinds {
+        let rack = RackFlanks::new(&pair, &deviations).expect("small deviations");
+        let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), Support::Fixed).expect("teeth in order");
+        let rate = |step: f64| {
+            let strokes: Vec<f64> = (0..200_000).map(|i| (f64::from(i) * step) % 50.0).collect();
+            let mut time = f64::INFINITY;
+            for _ in 0..5 {
+                let mut sampler = Sampler::new(&mesh);
+                let started = Instant::now();
+                let sum: f64 = strokes.iter().map(|&s| sampler.at(black_box(s)).expect("contact").delta_cd_mm).sum();
+                black_box(sum);
+                time = time.min(started.elapsed().as_secs_f64());
+            }
+            200_000.0 / time
+        };
+        println!("{name:37} {:13.0} {:15.0}", rate(0.1), rate(0.01));
+    }
 }
 
 /// Run time against error: adaptive curves at several tolerances, and their largest error against the brute-force solution
@@ -123,5 +171,5 @@ fn joined(curve: &Curve, stroke_mm: f64) -> f64 {
     p.delta_cd_mm + share * (q.delta_cd_mm - p.delta_cd_mm)
 }
 
-criterion_group!(benches, positions, curves);
+criterion_group!(benches, positions, untilted, curves);
 criterion_main!(benches);

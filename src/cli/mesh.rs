@@ -68,6 +68,9 @@ pub(super) fn unsolved(error: &MeshError) -> Failure {
         MeshError::NoContact { .. } => diagnostic
             .help("check the diameters, the addendum and the deviations: the teeth do not reach each other")
             .into(),
+        MeshError::TipOnTip { .. } => diagnostic
+            .help("check the tooth thicknesses and the deviations: the teeth are wider than the spaces")
+            .into(),
         _ => diagnostic.into(),
     }
 }

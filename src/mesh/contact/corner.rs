@@ -122,7 +122,10 @@ impl FlankContact {
         }
         let zero = pose.c - self.nu;
         let end = if self.kappa == 0.0 { 0.0 } else { self.half_face.copysign(self.kappa) };
-        let (mut w, mut on_face_end) = (end, false);
+        // on parallel axes the rack's face ends at one place along the pinion
+        let parallel = self.across.t == 0.0;
+        let face_end = if parallel { self.across.half_width / self.across.w } else { f64::INFINITY };
+        let (mut w, mut on_face_end) = (end.clamp(-face_end, face_end), end.abs() > face_end);
         let start = hint.map_or(0.1, |delta| delta) - zero + self.kappa * w;
         let mut roll = start.clamp(self.start_roll.max(1e-3), self.tip_roll);
         for step in 0..MAX_STEPS {
@@ -136,6 +139,13 @@ impl FlankContact {
                 [0.0, 0.0, 1.0]
             };
             let (by_roll, by_w) = solved([at.excess, y[0]], at.excess_by, [y[1], y[2]]);
+            // the crossing lies between both values here, and neither reaches what carries already
+            let bound = at.demand.max(at.demand - at.excess);
+            if (parallel || !on_face_end) && bound <= floor && self.keeps_out_the_rest(pose, floor, &at, on_face_end) {
+                let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, on_tip: false };
+                let (rate, kind, spread) = (at.demand_rate, spot.kind, by_roll.abs());
+                return Some(Touch { demand: bound, rate, kind, spot, other: None, spread, vertex: None });
+            }
             (roll, w) = ((roll - by_roll).min(self.tip_roll), w - by_w);
             if roll.is_nan() || roll <= self.start_roll {
                 return None;
@@ -178,10 +188,31 @@ impl FlankContact {
         }
     }
 
+    /// Whether no other point of the flank asks for more than the larger of both planes' demands at a point of its end with
+    /// the smallest δ, or than the floor.
+    fn keeps_out_the_rest(&self, pose: &Pose, floor: f64, at: &RackPoint, on_face_end: bool) -> bool {
+        let RackPoint { roll, w, delta, sin, cos, demand, .. } = *at;
+        if delta < 0.0 || cos <= 0.0 {
+            return false;
+        }
+        if self.kappa != 0.0 {
+            let outside = if on_face_end { w.abs() > self.half_face } else { at.y.abs() > self.across.half_width };
+            if outside || at.again || self.reach_of_root(pose) > demand.max(floor) {
+                return false;
+            }
+        }
+        // along the rack's face end δ grows by 1 ± q τ as τ does; tan γ − τ is the smallest where the involute starts
+        let turn = (self.kappa * self.across.t).abs();
+        let q = turn * self.base_radius / (self.across.w - turn * self.base_radius * (1.0 + self.tip_roll));
+        let lowest = delta - (roll - self.start_roll) * (1.0 + q * roll);
+        let (lowest_sin, lowest_cos) = trig::sin_cos(self.nu + lowest);
+        q >= 0.0 && (1.0 - q * roll) * cos > q * sin * sin && lowest_sin >= self.start_roll * lowest_cos
+    }
+
     /// The touch at the rack's tip edge, unless something else could touch or a condition of the proof fails.
     fn rack_touch(&self, pose: &Pose, floor: f64, at: &RackPoint, on_face_end: bool) -> Option<Touch> {
-        let RackPoint { roll, mut w, delta, sin, cos, demand, .. } = *at;
-        if delta < 0.0 || cos <= 0.0 {
+        let RackPoint { mut w, delta, demand, .. } = *at;
+        if !self.keeps_out_the_rest(pose, floor, at, on_face_end) {
             return None;
         }
         if self.kappa == 0.0 {
@@ -190,19 +221,6 @@ impl FlankContact {
                 return None;
             }
             w = 0.5 * (low + high);
-        } else {
-            let outside = if on_face_end { w.abs() > self.half_face } else { at.y.abs() > self.across.half_width };
-            if outside || at.again || self.reach_of_root(pose) > demand.max(floor) {
-                return None;
-            }
-        }
-        // along the rack's face end δ grows by 1 ± q τ as τ does
-        let turn = (self.kappa * self.across.t).abs();
-        let q = turn * self.base_radius / (self.across.w - turn * self.base_radius * (1.0 + self.tip_roll));
-        let lowest = delta - (roll - self.start_roll) * (1.0 + q * roll);
-        let (lowest_sin, lowest_cos) = trig::sin_cos(self.nu + lowest);
-        if !(q >= 0.0 && (1.0 - q * roll) * cos > q * sin * sin) || lowest_sin < roll * lowest_cos {
-            return None;
         }
         let y = if on_face_end { [at.y_rate, at.y_roll, at.y_w] } else { [0.0, 0.0, 1.0] };
         let (by_roll, by_w) = solved([at.demand_rate - at.tip_rate, y[0]], at.excess_by, [y[1], y[2]]);
