@@ -24,7 +24,7 @@ fn pair() -> Pair {
 
 fn pair_with(rack_helix: f64, pinion_helix: f64, teeth: u32) -> Pair {
     let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
-    let reference = 2.0 * f64::from(teeth) / radians(pinion_helix).cos();
+    let reference = 2.0 * f64::from(teeth) / rackmesh::trig::cos(radians(pinion_helix));
     Pair::new(&PairData {
         normal_module_mm: 2.0,
         normal_pressure_angle_rad: radians(19.9),
