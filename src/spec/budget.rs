@@ -1,10 +1,12 @@
-//! `[budget]`: which tolerances are fixed, which are sought, and how they add up.
+//! `[budget]`: which tolerances are fixed, which are sought, and how they add up. Resolved for `rackmesh budget`; allocates
+//! nothing.
 
 use toml::de::DeValue;
 
+use super::errors::read_error_value;
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
-use super::{Located, Spec, WrittenError, read_error_value};
+use super::{Located, Spec, WrittenError};
 use crate::decision::LimitTarget;
 use crate::decision::budget::simulation::Spread;
 use crate::decision::budget::{Entry, Freedom};

@@ -1,4 +1,5 @@
-//! `[[rack.deviation]]`, `[[pinion.deviation]]` and the flanks' form, as written.
+//! `[[rack.deviation]]`, `[[pinion.deviation]]` and the flanks' form, as written. Called by the readers of `[rack]` and
+//! `[pinion]`; puts nothing on a flank.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

@@ -1,5 +1,5 @@
 //! Every key of the spec, declared once: the reader, the JSON Schema and the suggestions for misspelt
-//! keys all follow this table.
+//! keys all follow this table. It holds names, kinds of values and their domains, and reads nothing.
 
 mod scatter;
 mod simulation;

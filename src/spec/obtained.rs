@@ -1,4 +1,4 @@
-//! What a spec says was measured, as deviations that standards limit.
+//! What a spec says was measured, as deviations that standards limit. Called by `class --obtained`; knows no grades.
 
 use std::collections::BTreeMap;
 

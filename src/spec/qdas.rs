@@ -1,4 +1,5 @@
-//! What a Q-DAS file says where the spec is silent: nominal values and limits.
+//! What a Q-DAS file says where the spec is silent: nominal values and limits. Called by `paste` and `batch`; what the spec says
+//! is never replaced.
 
 use super::{Located, Spec};
 use crate::cmm::paste::Field;

@@ -1,4 +1,5 @@
-//! Reads one section of a spec: typed values by key, collecting every problem on the way.
+//! Reads one section of a spec: typed values by key, collecting every problem on the way. Called by the files of the sections;
+//! never ends at the first problem and requires no key.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -6,8 +7,8 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::LARGEST_CLASS;
 use super::Located;
+use super::errors::LARGEST_CLASS;
 use super::keys::{Kind, SECTIONS, Section, Unit};
 use super::uncertainty::source_of;
 use crate::decision::class::RackDiameter;

@@ -1,11 +1,12 @@
-//! The spec's JSON Schema, from the same table as the reader.
+//! The spec's JSON Schema, from the same table as the reader. Printed by `rackmesh schema`; names no key by itself.
 
 use serde_json::{Map, Value, json};
 
+use super::errors::{LARGEST_CLASS, error_table_forms};
 use super::keys::{Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use super::uncertainty::source_of;
-use super::{ErrorKind, LARGEST_CLASS, error_table_forms};
 use crate::decision::uncertainty::Source;
+use crate::deviation::ErrorKind;
 use crate::quantity::{Bound, Domain};
 use crate::standard::Standard;
 

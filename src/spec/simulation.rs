@@ -1,4 +1,4 @@
-//! `[simulation]` as written, and the scene that follows from it.
+//! `[simulation]` as written, and the scene that follows from it. Resolved for `simulate` and `report`; runs nothing.
 
 use std::ops::Range;
 

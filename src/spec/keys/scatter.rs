@@ -1,4 +1,4 @@
-//! The keys of `[scatter]`.
+//! The keys of `[scatter]`: a part of the table in [`keys`](super).
 
 use super::{Key, Kind, Section, key};
 use crate::deviation::ErrorKind;

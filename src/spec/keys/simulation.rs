@@ -1,4 +1,4 @@
-//! The keys of `[simulation]`.
+//! The keys of `[simulation]`: a part of the table in [`keys`](super).
 
 use super::{Kind, Section, Unit, key};
 use crate::quantity::{Bound, Domain};

@@ -1,0 +1,235 @@
+//! `[errors]` as written: a deviation each, or what one follows from. Called by [`Spec::parse`](super::Spec::parse) and by
+//! the reader of `[budget]`; computes no ΔCD and asks for no gear data.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Located;
+use super::keys;
+use super::reader::{SectionReader, similar};
+use crate::decision::uncertainty as uncertain;
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::RackLead;
+use crate::quantity::{Angle, Length};
+
+/// An entry of `[errors]`, as far as it can be understood without the gear data.
+#[derive(Debug, Clone)]
+pub enum WrittenError {
+    /// A deviation in length, given or measured minus nominal.
+    Length(Length),
+    /// A deviation in angle.
+    Angle(Angle),
+    /// An over-roller measure whose nominal is to be computed.
+    OverRoller {
+        /// The measure M.
+        measured: Length,
+        /// The roller's diameter.
+        roller: Length,
+    },
+    /// A grade of the standard in `[tolerance]`.
+    Class(u8),
+}
+
+/// The entries of `[errors]`: values, nominal values, and uncertainties of values that stand elsewhere.
+pub(super) type Errors =
+    (Vec<(ErrorKind, Located<WrittenError>)>, Vec<(ErrorKind, Located<ErrorValue>)>, Vec<(ErrorKind, Range<usize>)>);
+
+/// Reads `[errors]`.
+pub(super) fn read(reader: &mut SectionReader<'_>) -> Errors {
+    let nominals = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
+    let nominals: Vec<_> = nominals.collect();
+    let unmeasured: Vec<_> =
+        ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
+    let alone = |kind| {
+        reader.table.and_then(|table| only_nominal(table, kind)).is_some()
+            || unmeasured.iter().any(|(other, _)| *other == kind)
+    };
+    let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
+    let errors = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
+    (errors, nominals, unmeasured)
+}
+
+/// Reads one entry of `[errors]`.
+fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<WrittenError>> {
+    let value = reader.table?.get(kind.key())?;
+    let written = read_error_value(reader, kind, value)?;
+    Some(Located { value: written, span: value.span() })
+}
+
+/// Reads the value of an error: a deviation, or a table from which it follows.
+pub(super) fn read_error_value(
+    reader: &mut SectionReader<'_>,
+    kind: ErrorKind,
+    value: &Spanned<DeValue<'_>>,
+) -> Option<WrittenError> {
+    let name = kind.key();
+    let is_angle = kind == ErrorKind::RackLead;
+    let written = match value.get_ref() {
+        DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
+        _ if is_angle => WrittenError::Angle(reader.angle_value(name, value)?),
+        _ => WrittenError::Length(reader.length_value(name, value)?),
+    };
+    if let WrittenError::Angle(angle) = &written {
+        reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
+    }
+    Some(written)
+}
+
+/// The entry of an error that has nothing but a nominal value.
+fn only_nominal<'t>(table: &'t DeTable<'_>, kind: ErrorKind) -> Option<&'t DeTable<'t>> {
+    let entry = table.get(kind.key())?.get_ref().as_table()?;
+    let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
+    (entry.len() == 1 + uncertain && entry.contains_key("nominal")).then_some(entry)
+}
+
+/// The nominal value in an entry of `[errors]`. A value that cannot be read is reported here if it stands alone, and
+/// with the measured one otherwise.
+fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<ErrorValue>> {
+    let table = reader.table?;
+    let entry = table.get(kind.key())?.get_ref().as_table()?;
+    let value = entry.get("nominal")?;
+    let known = reader.diagnostics.len();
+    let nominal = match kind {
+        ErrorKind::RackLead => reader.angle_value("nominal", value).map(ErrorValue::Angle),
+        _ => reader.length_value("nominal", value).map(ErrorValue::Length),
+    };
+    if only_nominal(table, kind).is_none() {
+        reader.diagnostics.truncate(known);
+    } else {
+        // the uncertainty of the measured values to come
+        let source = uncertain::Source::Error(kind);
+        reader.note_uncertainty(kind.key(), entry, value.span(), source, source.is_angle(), 1.0);
+    }
+    Some(Located { value: nominal?, span: value.span() })
+}
+
+/// Reads an entry of an error that has nothing but an uncertainty: where it stands.
+fn read_unmeasured(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Range<usize>> {
+    let written = reader.table?.get(kind.key())?;
+    let entry = written.get_ref().as_table()?;
+    let only =
+        !entry.is_empty() && entry.iter().all(|(key, _)| keys::UNCERTAINTY_KEYS.contains(&key.get_ref().as_ref()));
+    if !only {
+        return None;
+    }
+    let source = uncertain::Source::Error(kind);
+    reader.note_uncertainty(kind.key(), entry, written.span(), source, source.is_angle(), 1.0);
+    Some(written.span())
+}
+
+/// The keys that the table form of an error may have, in the combinations that make an error.
+pub(super) fn error_table_forms(kind: ErrorKind) -> &'static [&'static [&'static str]] {
+    match kind {
+        ErrorKind::RackOverRoller => {
+            &[&["value"], &["measured", "nominal"], &["measured", "roller"], &["nominal"], &["class"]]
+        }
+        ErrorKind::RackLead => {
+            &[&["value"], &["measured", "nominal"], &["f_h_beta", "length"], &["nominal"], &["class"]]
+        }
+        _ => &[&["value"], &["measured", "nominal"], &["nominal"], &["class"]],
+    }
+}
+
+/// The coarsest grade of any standard.
+pub(super) const LARGEST_CLASS: u8 = 12;
+
+fn read_error_table(
+    reader: &mut SectionReader<'_>,
+    kind: ErrorKind,
+    entry: &DeTable<'_>,
+    span: Range<usize>,
+) -> Option<WrittenError> {
+    let forms = error_table_forms(kind);
+    let mut known = true;
+    for (key, _) in entry {
+        let name = key.get_ref().as_ref();
+        let all = forms.iter().flat_map(|form| form.iter().copied()).chain(keys::UNCERTAINTY_KEYS);
+        if !all.clone().any(|candidate| candidate == name) {
+            known = false;
+            let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{}` has no key `{name}`", kind.key()));
+            let diagnostic = match similar(name, all) {
+                Some(similar) => diagnostic.help(format!("did you mean `{similar}`?")),
+                None => diagnostic.help(format!("write {}", forms_in_words(forms))),
+            };
+            reader.report(diagnostic, key.span(), "unknown key");
+        }
+    }
+    if !known {
+        return None;
+    }
+    let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
+    let makes = |form: &&&[&str]| form.len() + uncertain == entry.len() && form.iter().all(|k| entry.contains_key(*k));
+    let Some(form) = forms.iter().find(makes) else {
+        let message = format!("`{}` is a table that makes no error", kind.key());
+        let diagnostic =
+            Diagnostic::error(Code::BadErrorEntry, message).help(format!("write {}", forms_in_words(forms)));
+        reader.report(diagnostic, span, "");
+        return None;
+    };
+    let noted = uncertain::Source::Error(kind);
+    if *form == ["class"] {
+        if uncertain > 0 {
+            let message = format!("`{}` is a class: what is permitted has no measuring uncertainty", kind.key());
+            reader.report(Diagnostic::error(Code::BadUncertainty, message), span, "");
+            return None;
+        }
+        return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class);
+    }
+    if *form != ["f_h_beta", "length"] {
+        reader.note_uncertainty(kind.key(), entry, span.clone(), noted, noted.is_angle(), 1.0);
+    }
+    let mut length = |name: &str| reader.length_value(name, entry.get(name)?);
+    match form {
+        ["f_h_beta", "length"] => {
+            let (slope, over) = (length("f_h_beta")?, length("length")?);
+            match RackLead::error_from_slope(&slope, &over) {
+                Ok(angle) => {
+                    // d(atan(f/L))/df = L/(L² + f²)
+                    let (f, l) = (slope.mm(), over.mm());
+                    let degrees_per_mm = (180.0 / std::f64::consts::PI) * l / (l * l + f * f);
+                    reader.note_uncertainty(kind.key(), entry, span, noted, false, degrees_per_mm);
+                    Some(WrittenError::Angle(angle))
+                }
+                Err(error) => {
+                    reader.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
+                    None
+                }
+            }
+        }
+        ["measured", "roller"] => {
+            let measured = length("measured");
+            let roller = entry.get("roller")?;
+            let roller = reader.uncertain("roller", roller, Some(uncertain::Source::Roller))?;
+            let roller = reader.length_value("roller", roller)?;
+            let roller_span = entry.get("roller").map_or(span, Spanned::span);
+            reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(&roller), roller_span)?;
+            Some(WrittenError::OverRoller { measured: measured?, roller })
+        }
+        ["value"] if kind == ErrorKind::RackLead => {
+            Some(WrittenError::Angle(reader.angle_value("value", entry.get("value")?)?))
+        }
+        ["value"] => Some(WrittenError::Length(length("value")?)),
+        _ if kind == ErrorKind::RackLead => {
+            let mut angle = |name: &str| reader.angle_value(name, entry.get(name)?);
+            let (measured, nominal) = (angle("measured"), angle("nominal"));
+            Some(WrittenError::Angle(&measured? - &nominal?))
+        }
+        _ => {
+            let (measured, nominal) = (length("measured"), length("nominal"));
+            Some(WrittenError::Length(&measured? - &nominal?))
+        }
+    }
+}
+
+fn forms_in_words(forms: &[&[&str]]) -> String {
+    let table = |form: &&[&str]| {
+        let keys: Vec<_> = form.iter().map(|name| format!("{name} = …")).collect();
+        format!("{{ {} }}", keys.join(", "))
+    };
+    // a nominal value alone is for tables of measured values, and no error by itself
+    let tables: Vec<_> = forms.iter().filter(|form| ***form != ["nominal"]).map(table).collect();
+    format!("a deviation, or {}", tables.join(" or "))
+}

@@ -1,0 +1,83 @@
+//! `[limits]` as written. Called by [`Spec::parse`](super::Spec::parse); judges nothing.
+
+use toml::de::DeValue;
+
+use super::Located;
+use super::keys::Kind;
+use super::reader::{self, SectionReader};
+use crate::decision::{Limit, LimitTarget};
+use crate::deviation::ErrorKind;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Length;
+
+/// Reads `[limits]`: of the combined ΔCD, and of the errors.
+pub(super) fn read(reader: &mut SectionReader<'_>) -> Vec<(LimitTarget, Located<Limit>)> {
+    let targets = ErrorKind::ALL.into_iter().map(LimitTarget::Error);
+    std::iter::once(LimitTarget::CenterDistance)
+        .chain(targets)
+        .filter_map(|target| Some((target, read_limit(reader, target.key())?)))
+        .collect()
+}
+
+/// Reads one entry of `[limits]`: `"±0.05"`, or a table with `lower`, `upper` or both.
+fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Located<Limit>> {
+    debug_assert!(reader.section.keys.iter().any(|key| key.name == name && matches!(key.kind, Kind::Limit)));
+    let value = reader.table?.get(name)?;
+    let help = "write \"±0.05\", or { lower = -0.05, upper = 0.05 }";
+    let bad = |message: String| Diagnostic::error(Code::BadLimit, message).help(help);
+    let limit = match value.get_ref() {
+        DeValue::String(text) => {
+            let magnitude = ["±", "+-", "+/-"].iter().find_map(|sign| text.trim().strip_prefix(sign));
+            let Some(magnitude) = magnitude else {
+                reader.report(bad(format!("`{name}` is \"{text}\", which is not a limit")), value.span(), "");
+                return None;
+            };
+            match magnitude.parse::<Length>() {
+                Ok(magnitude) if !magnitude.is_negative() => Limit::symmetric(&magnitude),
+                Ok(_) => {
+                    reader.report(bad(format!("`{name}` has two signs")), value.span(), "");
+                    return None;
+                }
+                Err(error) => {
+                    reader.report(bad(format!("`{name}`: {error}")), value.span(), "");
+                    return None;
+                }
+            }
+        }
+        DeValue::Table(ends) => {
+            for (key, _) in ends {
+                let end = key.get_ref().as_ref();
+                if !matches!(end, "lower" | "upper") {
+                    let diagnostic =
+                        Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{end}`")).help(help);
+                    reader.report(diagnostic, key.span(), "unknown key");
+                    return None;
+                }
+            }
+            let mut end = |name: &str| match ends.get(name) {
+                Some(value) => reader.length_value(name, value).map(Some),
+                None => Some(None),
+            };
+            let (lower, upper) = (end("lower"), end("upper"));
+            let limit = Limit { lower: lower?, upper: upper? };
+            match (&limit.lower, &limit.upper) {
+                (None, None) => {
+                    reader.report(bad(format!("`{name}` limits nothing")), value.span(), "");
+                    return None;
+                }
+                (Some(lower), Some(upper)) if lower > upper => {
+                    let message = format!("the lower limit {lower} is above the upper limit {upper}");
+                    reader.report(bad(message), value.span(), "");
+                    return None;
+                }
+                _ => limit,
+            }
+        }
+        other => {
+            let message = format!("`{name}` is {}; a limit has two ends", reader::type_in_words(other));
+            reader.report(bad(message), value.span(), "");
+            return None;
+        }
+    };
+    Some(Located { value: limit, span: value.span() })
+}
