@@ -28,7 +28,7 @@ pub struct Curve {
     pub tolerance_mm: f64,
     /// Strokes solved to find them.
     pub solved: usize,
-    /// Whether the tolerance holds everywhere; `false` if refining was given up at [`Mesh::curve`]'s limit of points, or
+    /// Whether the tolerance holds everywhere; `false` if refining was given up at [`Mesh::curve`]'s limit of work, or
     /// at a stroke whose own residual is larger than the tolerance.
     pub resolved: bool,
 }
@@ -41,8 +41,10 @@ const KINK_WIDTH: f64 = 1e-10;
 const CROWDED: f64 = 1e-6;
 /// First steps that are refined together, on one core: the curve does not depend on how many cores there are.
 const BLOCK: usize = 64;
-/// Strokes that may be solved in all beyond 64 for each first step.
-const SPARE: usize = 200_000;
+/// Rotations of the pinion that may be tried in refining, for each first step and in all: a fixed rack takes two or three for
+/// a stroke, a rolling one some 200, and thousands where edges leave each other's faces at every roll.
+const ROTATIONS_PER_STEP: u64 = 4_000;
+const ROTATIONS: u64 = 1_000_000;
 /// First steps at most; longer ranges start coarser.
 const MAX_STEPS: f64 = 4e6;
 /// Halvings of a first step at most: 2⁻³⁵ of 1/32 pitch is below the width of a kink.
@@ -77,7 +79,7 @@ impl Mesh {
         let strokes: Vec<f64> = (0..=steps as u32).map(|step| at(f64::from(step))).collect();
         let first: Vec<MeshPoint> = self.sample(&strokes).into_iter().collect::<Result<_, _>>()?;
         let blocks = first.len().div_ceil(BLOCK);
-        let budget = 64 * BLOCK + SPARE / blocks;
+        let budget = ROTATIONS_PER_STEP * BLOCK as u64 + ROTATIONS / blocks as u64;
         let refined = |(): &mut (), block: usize| {
             let ends = &first[block * BLOCK..first.len().min((block + 1) * BLOCK + 1)];
             let curve =
@@ -103,8 +105,8 @@ struct Refiner<'a> {
     tolerance: f64,
     pitch: f64,
     curve: Curve,
-    /// Strokes that may still be solved; keeps a curve that is rough at every scale from running forever.
-    budget: usize,
+    /// Rotations that may be tried; keeps a curve that is rough at every scale from running forever.
+    budget: u64,
 }
 
 impl Refiner<'_> {
@@ -124,12 +126,11 @@ impl Refiner<'_> {
             self.keep(b, kinked);
             return Ok(());
         }
-        if self.budget == 0 {
+        if self.sampler.work().rotations >= self.budget {
             self.curve.resolved = false;
             self.keep(b, false);
             return Ok(());
         }
-        self.budget -= 1;
         self.curve.solved += 1;
         let m = self.sampler.at(middle)?;
         // where a solve says that its own error is larger, halving resolves nothing
