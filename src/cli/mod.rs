@@ -59,7 +59,8 @@ macro_rules! subcommand {
         Subcommand {
             name: $name,
             about: $module::ABOUT,
-            arguments: $module::Args::augment_args,
+            // a set of arguments taken in by another one would put its own description in place of the subcommand's
+            arguments: |command| $module::Args::augment_args(command).about($module::ABOUT).long_about(None::<&str>),
             run: |matches, output| $module::Args::from_arg_matches(matches).map_err(Failure::Usage)?.run(output),
         }
     };
@@ -155,6 +156,22 @@ fn read_spec(path: &str) -> Result<Spec, Failure> {
         Err(error) => {
             let at = error.utf8_error().valid_up_to();
             Err(unreadable(format!("it is not text in UTF-8 (byte {at})")).into())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_help_of_each_subcommand_begins_with_what_it_does() {
+        for subcommand in SUBCOMMANDS {
+            let mut command = (subcommand.arguments)(Command::new(subcommand.name));
+            for help in [command.render_help(), command.render_long_help()] {
+                let help = help.to_string();
+                assert!(help.starts_with(subcommand.about), "{}: {help}", subcommand.name);
+            }
         }
     }
 }
