@@ -150,6 +150,28 @@ fn many_bad_rows_are_counted_and_some_shown() {
 }
 
 #[test]
+fn what_a_message_shows_of_a_field_is_short_and_as_written() {
+    let long = "x".repeat(200_000);
+    let escape = '\u{1b}';
+    let table = format!("part_id;over_roller;dp\nA;{long};0\nB;{escape}[31m7;0\nC;25,01;0\nD;25.0 {long};0\n");
+    let output = batch(&[SPEC, "--columns", "part_id"], table.as_bytes());
+    let messages = text(&output.stderr);
+    assert!(messages.len() < 1500 && !messages.contains(escape), "{messages}");
+    assert!(messages.contains(&format!("`{}…` is not a length", &long[..60])), "{messages}");
+    assert!(messages.contains("`\\u{1b}[31m7` is not a length: that is not a decimal number\n"), "{messages}");
+    assert!(
+        messages.contains("`25,01` is not a length") && messages.contains("or say --decimal-comma\n"),
+        "{messages}"
+    );
+    let comma = batch(&[SPEC, "--decimal-comma"], b"part_id;over_roller;dp\nA;1.025,01;0\nB;1,2,3;0\n");
+    let messages = text(&comma.stderr);
+    for written in ["1.025,01", "1,2,3"] {
+        let message = format!("`{written}` is not a length: that is not a decimal number\n");
+        assert!(messages.contains(&message), "{messages}");
+    }
+}
+
+#[test]
 fn a_field_of_100_mb_is_refused_in_little_memory() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
         .args(["batch", SPEC])
@@ -252,6 +274,9 @@ fn several_tables_and_what_pipelines_show() {
     let junit = std::fs::read_to_string(&junit).unwrap();
     assert!(junit.contains("tests=\"4\" failures=\"2\" errors=\"1\""), "{junit}");
     assert!(junit.contains("name=\"Q2 &lt;&amp;&gt;\""), "{junit}");
+    // the attributes that every pipeline's schema has
+    let case = junit.lines().filter(|line| line.starts_with("<testcase"));
+    assert!(case.clone().all(|line| !line.contains(" file=") && !line.contains(" line=")), "{junit}");
 }
 
 #[test]

@@ -21,6 +21,7 @@ use crate::decision::uncertainty::Spreads;
 use crate::decision::{Evaluation, LimitTarget, Rule, Verdict, evaluate};
 use crate::deviation::ErrorValue;
 use crate::formula::{Fixed, PartError};
+use crate::quantity::shown;
 
 /// Some records of a table.
 #[derive(Debug, Default)]
@@ -453,7 +454,7 @@ impl<'a> Evaluator<'a> {
 
     fn problem(&mut self, record: u64, line: u64, column: Option<String>, content: &[u8], message: String) {
         if self.tally.problems.len() < self.plan.request.problems_kept {
-            let (file, text) = (Arc::clone(&self.file), shortened(content));
+            let (file, text) = (Arc::clone(&self.file), shown(&text(content)));
             self.tally.problems.push(Problem { file, line, record, place: None, column, text, message });
         }
     }
@@ -477,15 +478,4 @@ impl<'a> Evaluator<'a> {
         }
         self.tally.lines = memchr::memchr_iter(b'\n', &chunk.bytes).count() as u64;
     }
-}
-
-/// The start of a text, for a message.
-fn shortened(bytes: &[u8]) -> String {
-    const LONGEST: usize = 60;
-    let text = text(bytes);
-    let mut short: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
-    if text.chars().count() > LONGEST {
-        short.push('…');
-    }
-    short
 }

@@ -8,7 +8,7 @@ use crate::cmm::name_and_unit;
 use crate::cmm::paste::{self, Holds};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, QuantityError, Rational};
+use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, NumberError, QuantityError, Rational};
 use crate::spec::{Reading, Spec};
 
 /// The unit of a column.
@@ -217,17 +217,16 @@ impl Column {
     /// The exact deviation that a field's text means.
     pub(super) fn exact(&self, text: &str, reading: &Reading, mark: u8) -> Result<ErrorValue, String> {
         let text = text.trim();
-        let text = if mark == b',' { text.replacen(',', ".", 1) } else { text.to_owned() };
         match self.unit {
             Unit::Length(unit) => {
-                let value: Length = quantity(&text, unit.symbol())?;
+                let value: Length = quantity(text, unit.symbol(), mark)?;
                 Ok(ErrorValue::Length(match reading {
                     Reading::Measured(ErrorValue::Length(nominal)) => &value - nominal,
                     _ => value,
                 }))
             }
             Unit::Angle(unit) => {
-                let value: Angle = quantity(&text, unit.symbol())?;
+                let value: Angle = quantity(text, unit.symbol(), mark)?;
                 Ok(ErrorValue::Angle(match reading {
                     Reading::Measured(ErrorValue::Angle(nominal)) => &value - nominal,
                     _ => value,
@@ -248,14 +247,26 @@ impl Column {
 }
 
 /// A quantity from a cell; a number without a unit has that of the column.
-fn quantity<Q: std::str::FromStr<Err = QuantityError>>(text: &str, unit: &str) -> Result<Q, String> {
-    if text.is_empty() {
+fn quantity<Q: std::str::FromStr<Err = QuantityError>>(written: &str, unit: &str, mark: u8) -> Result<Q, String> {
+    if written.is_empty() {
         return Err("the field is empty".to_owned());
     }
+    let text = if mark == b',' { written.replacen(',', ".", 1) } else { written.to_owned() };
     let bare = text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
-    let read: Result<Q, QuantityError> = if bare { [text, unit].concat().parse() } else { text.parse() };
-    // the message shows the text as it was written
-    read.map_err(|error| text.parse::<Q>().err().unwrap_or(error).to_string())
+    let read: Result<Q, QuantityError> = if bare { [&text, unit].concat().parse() } else { text.parse() };
+    read.map_err(|error| match error {
+        // the message shows the text as it was written
+        QuantityError::Number { expected, reason, .. } => {
+            let (reason, told) = match reason {
+                NumberError::Comma if mark == b',' => (NumberError::NotANumber, ""),
+                NumberError::Comma => (reason, ", or say --decimal-comma"),
+                _ => (reason, ""),
+            };
+            let error = QuantityError::Number { text: written.to_owned(), expected, reason };
+            format!("{error}{told}")
+        }
+        error => error.to_string(),
+    })
 }
 
 /// The column of an error and its unit; `None` if the table has none.

@@ -27,9 +27,9 @@ mod rounded;
 pub use angle::{Angle, AngleUnit};
 pub use domain::{Bound, Domain, DomainError};
 pub use length::{Length, LengthUnit};
-#[cfg(feature = "spec")]
-pub(crate) use parse::split_number;
 pub use parse::{NumberError, QuantityError};
+#[cfg(feature = "spec")]
+pub(crate) use parse::{shown, split_number};
 pub use rational::Rational;
 pub(crate) use rounded::{Degrees, Rounded};
 

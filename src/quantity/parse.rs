@@ -34,7 +34,7 @@ pub enum NumberError {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum QuantityError {
     /// The number itself cannot be read.
-    #[error("`{text}` is not {expected}: {reason}")]
+    #[error("`{}` is not {expected}: {reason}", shown(text))]
     Number {
         /// The text as written.
         text: String,
@@ -44,7 +44,7 @@ pub enum QuantityError {
         reason: NumberError,
     },
     /// The unit is none of those known.
-    #[error("`{unit}` is not a unit of {expected}: write {units}")]
+    #[error("`{}` is not a unit of {expected}: write {units}", shown(unit))]
     UnknownUnit {
         /// The unit as written.
         unit: String,
@@ -54,7 +54,7 @@ pub enum QuantityError {
         units: &'static str,
     },
     /// The unit measures something else.
-    #[error("`{unit}` is a unit of {measures}, and {expected} is needed: write {units}")]
+    #[error("`{}` is a unit of {measures}, and {expected} is needed: write {units}", shown(unit))]
     OtherDimension {
         /// The unit as written.
         unit: String,
@@ -79,6 +79,24 @@ pub enum QuantityError {
         /// The quantity that overflows.
         what: &'static str,
     },
+}
+
+/// A text as a message shows it: its first 60 characters, on one line, and nothing that a terminal would obey.
+pub(crate) fn shown(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut shown = String::new();
+    for (count, c) in text.chars().enumerate() {
+        if count == LONGEST {
+            shown.push('…');
+            break;
+        }
+        if c.is_control() {
+            shown.extend(c.escape_debug());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
 }
 
 /// Splits `text` into its leading number and what follows, both trimmed.
