@@ -43,7 +43,7 @@ const CROWDED: f64 = 1e-6;
 const BLOCK: usize = 64;
 /// Rotations of the pinion that may be tried in refining, for each first step and in all: a fixed rack takes two or three for
 /// a stroke, a rolling one some 200, and thousands where edges leave each other's faces at every roll.
-const ROTATIONS_PER_STEP: u64 = 4_000;
+const ROTATIONS_PER_STEP: u64 = 20_000;
 const ROTATIONS: u64 = 1_000_000;
 /// First steps at most; longer ranges start coarser.
 const MAX_STEPS: f64 = 4e6;
