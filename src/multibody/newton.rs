@@ -30,6 +30,8 @@ pub(super) struct Limits {
     pub(super) force: f64,
     /// Longest step, mm.
     pub(super) step: f64,
+    /// What rounding makes of the potential, N mm: of two positions this near in it neither is the lower one.
+    pub(super) noise: f64,
     /// Iterations at most.
     pub(super) iterations: u32,
 }
@@ -49,9 +51,8 @@ pub(super) struct Solution<T> {
 const NUDGES: u32 = 3;
 const NUDGE: f64 = 0.05;
 
-/// The potential must fall by this share of what the slope promises, but for this share of rounding.
+/// The potential must fall by this share of what the slope promises.
 const FALL: f64 = 1e-4;
-const ROUNDING: f64 = 1e-14;
 
 /// Steps below this are rounding, mm.
 const SMALLEST: f64 = 2e-14;
@@ -201,9 +202,14 @@ pub(super) fn newton<T: Copy>(
             let next = balance(&trial);
             let (r_next, _) = scaled(&next);
             let power_next = dot(&r_next, &d);
+            let by_power = power_next < -0.7 * power && norm(&r_next) > 0.7 * size;
             let overshot = match (here.potential, next.potential) {
-                (Some(before), Some(after)) => after > before - FALL * share * power + ROUNDING * before.abs(),
-                _ => power_next < -0.7 * power && norm(&r_next) > 0.7 * size,
+                // a fall that rounding hides is left to the power
+                (Some(before), Some(after)) if after <= before + limits.noise => {
+                    by_power && after > before - FALL * share * power
+                }
+                (Some(before), Some(after)) => after > before - FALL * share * power,
+                _ => by_power,
             };
             if !overshot || share < 1e-9 {
                 x = trial;
@@ -234,7 +240,7 @@ mod tests {
     /// V = (x² − 1)² + y², whose hill is at x = 0.
     #[test]
     fn a_balance_on_a_hill_is_left() {
-        let limits = Limits { unknowns: 2, scale: [1.0; 3], force: 1e-12, step: 0.1, iterations: 100 };
+        let limits = Limits { unknowns: 2, scale: [1.0; 3], force: 1e-12, step: 0.1, noise: 1e-14, iterations: 100 };
         let solution = newton([0.0, 0.3, 0.0], &limits, |x| Balance {
             residual: [-4.0 * x[0] * (x[0] * x[0] - 1.0), -2.0 * x[1], 0.0],
             tangent: [[12.0 * x[0] * x[0] - 4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0; 3]],

@@ -12,6 +12,8 @@ use super::{Scene, SimulationError};
 
 /// Unbalanced force over the closing force: it moves a contact by less than 1e-6 of its penetration.
 const BALANCE: f64 = 1e-6;
+/// Rounding errors of the centre distance in a potential, times the closing force.
+const ROUNDINGS: f64 = 4.0;
 /// Iterations after which a rack that rolls is solved roll by roll, and how many of those there are.
 const QUICK: u32 = 12;
 const ROLLS: u32 = 60;
@@ -92,6 +94,7 @@ impl Scene {
             scale: [pair.pinion().base_radius_mm, 1.0, 0.5 * pair.rack().face_width_mm],
             force,
             step: 0.01 * pair.normal_module_mm(),
+            noise: ROUNDINGS * f64::EPSILON * pair.nominal_center_distance_mm() * self.load_n(),
             iterations: ITERATIONS,
         }
     }
