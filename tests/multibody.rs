@@ -290,6 +290,38 @@ fn without_losses_energy_is_kept() {
     }
 }
 
+/// Along the equilibria their work is what the energy falls by, whatever touches and leaves on the way: face, edge or corner.
+#[test]
+fn forces_are_the_gradient_of_the_energy() {
+    let roll = Support::FreeRoll { axis_depth_mm: 8.0 };
+    let short = Parameters { start_mm: 36.0, stroke_mm: 1.6, ..Parameters::default() };
+    let strips = ContactModel::Analytic(StripGrid { strips: 48 });
+    for (support, contact) in [(Support::Fixed, short.contact), (roll, short.contact), (roll, strips)] {
+        let kind = RackDeviationKind::Lead(0.25_f64.to_radians());
+        let scene = paper::scene(Some(kind), Parameters { support, contact, ..short });
+        let outcome = scene.quasi_static(&mut go_on);
+        let (mut gained, mut exchanged) = (0.0, 0.0);
+        for two in outcome.samples.windows(2) {
+            let at = |s: &Sample| [s.pinion_angle_rad, s.center_distance_mm, s.roll_rad, s.stroke_mm];
+            let (from, to) = (at(&two[0]), at(&two[1]));
+            let way: [f64; 4] = std::array::from_fn(|i| to[i] - from[i]);
+            let forces = |share: f64| {
+                let [pinion_angle, center_distance, roll, stroke] = std::array::from_fn(|i| from[i] + share * way[i]);
+                let at = Coordinates { pinion_angle, center_distance, roll, stroke };
+                scene.forces(&at, &Coordinates::default())
+            };
+            let work = |f: &Forces| (0..4).map(|i| f.generalized[i] * way[i]).sum::<f64>();
+            let (first, last) = (forces(0.0), forces(1.0));
+            const PARTS: u32 = 1600;
+            let inner: f64 = (1..PARTS).map(|k| work(&forces(f64::from(k) / f64::from(PARTS)))).sum();
+            gained += last.energy - first.energy + (inner + 0.5 * (work(&first) + work(&last))) / f64::from(PARTS);
+            exchanged += first.along * way[3];
+        }
+        println!("{gained:e} N mm of {exchanged} N mm");
+        assert!(gained.abs() < 5e-6 * exchanged, "{gained:e} of {exchanged}");
+    }
+}
+
 #[test]
 fn errors_fall_as_theory_says() {
     for convergence in convergence::all() {

@@ -22,6 +22,19 @@
 //! from one roll to another) shows in the error of the step, which is made again, shorter, until the event lies
 //! between two steps as closely as the tolerance asks.
 //!
+//! # A rack that rocks
+//! With a lead deviation the equilibrium of a rack that may roll lies in a kink: one flank flat on the pinion's. The first
+//! deviating tooth snaps the rack into it, and since nothing but the contact damps the roll, it goes on rocking from one
+//! end of the face width to the other, about 6 ms from impact to impact, for the rest of the stroke. Each of these times
+//! takes some 25 steps, those at the impacts as short as 20 µs: thousands in 50 mm of stroke, where a rack that
+//! cannot roll takes 500. They resolve what happens; a tolerance ten times as large saves two thirds of them and moves
+//! the steady ΔCD by 0.3 µm.
+//!
+//! Without damping the impacts excite vibrations of the contacts that do not die. The forces are the gradient of the energy
+//! (their work along a path is its fall to a few 1e-6 of what is exchanged, the closer the finer the path is divided), but steps of a
+//! millionth of the run, below which the energy shortens none, damp what they do not resolve: the energy then drifts by
+//! up to 1e-4, and the report says so. Where the rack cannot roll the drift stays below 1e-6.
+//!
 //! # The explicit scheme
 //! Velocity Verlet; its step is bound by the largest frequency and damping rate of the present tangent.
 
