@@ -24,9 +24,9 @@ pub struct Chart {
 }
 
 const WIDTH: f64 = 900.0;
-const HEIGHT: f64 = 340.0;
-/// Left, right, top, bottom.
-const MARGIN: (f64, f64, f64, f64) = (72.0, 16.0, 22.0, 48.0);
+const HEIGHT: f64 = 364.0;
+/// Left, right, top, bottom: room for the largest letters, those of a phone.
+const MARGIN: (f64, f64, f64, f64) = (76.0, 16.0, 30.0, 64.0);
 /// Points of a line at most: more than the picture has pixels.
 const MOST_POINTS: usize = 2000;
 
@@ -77,9 +77,8 @@ impl Chart {
             let at = y.at(tick);
             svg += &format!("<path class=\"g\" d=\"M{left} {at:.1}H{right}\"/>");
             svg += &format!(
-                "<text class=\"t\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                "<text class=\"t\" x=\"{:.1}\" y=\"{at:.1}\" dy=\".35em\" text-anchor=\"end\">{}</text>",
                 left - 8.0,
-                at + 4.5,
                 number(tick, decimals)
             );
         }
@@ -87,10 +86,11 @@ impl Chart {
         for tick in ticks.into_iter().filter(|tick| !self.counts || *tick >= 1.0) {
             // a number at the edge stays in the picture
             let anchor = if x.at(tick) > right - 24.0 { "end" } else { "middle" };
+            // below the axis by its own height, however large the letters are
             svg += &format!(
-                "<text class=\"t\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+                "<text class=\"t\" x=\"{:.1}\" y=\"{:.1}\" dy=\".8em\" text-anchor=\"{anchor}\">{}</text>",
                 x.at(tick),
-                bottom + 18.0,
+                bottom + 8.0,
                 number(tick, decimals)
             );
         }
