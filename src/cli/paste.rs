@@ -86,8 +86,8 @@ fn read_block(file: Option<&str>, output: &mut Output) -> Result<String, Failure
             let start = bytes.len();
             let count = lines.read_until(b'\n', &mut bytes).map_err(|error| unreadable(error.to_string()))?;
             let blank = bytes[start..].trim_ascii().is_empty();
-            // empty lines before the block do not end it
-            if count == 0 || (blank && !bytes.trim_ascii().is_empty()) {
+            // a line without its end is the last: Ctrl-D came behind it; empty lines before the block do not end it
+            if count == 0 || !bytes.ends_with(b"\n") || (blank && !bytes.trim_ascii().is_empty()) {
                 break;
             }
         }
