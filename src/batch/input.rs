@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::chunk::Chunker;
 use super::split::{self, Field};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::shown;
 
 /// How a table is written, where the user says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -69,6 +70,20 @@ pub struct Header {
     /// The header as it stands in the file, with its line end.
     pub(super) raw: Vec<u8>,
     pub(super) encoding: Encoding,
+}
+
+impl Header {
+    /// The columns as a message lists them, as many as it has room for; one without a name (the margin of a sheet) is none
+    /// to choose.
+    pub(super) fn names(&self) -> String {
+        const MOST: usize = 30;
+        let named = || self.columns.iter().filter(|name| !name.is_empty());
+        let mut list = named().take(MOST).map(|name| shown(name)).collect::<Vec<_>>().join(", ");
+        if let more @ 1.. = named().count().saturating_sub(MOST) {
+            list += &format!(" and {more} more");
+        }
+        list
+    }
 }
 
 /// Where a record is, in words: the place of a record by its number and line.

@@ -388,7 +388,7 @@ pub(super) fn find_id(spec: &Spec, header: &Header, asked: Option<&str>) -> Resu
     match (field, named) {
         (None, Some(name)) => {
             let message = format!("{} has no column `{name}` that names the part", header.name);
-            Err(Diagnostic::error(Code::BadTable, message).help(format!("it has {}", header.columns.join(", "))))
+            Err(Diagnostic::error(Code::BadTable, message).help(format!("it has {}", header.names())))
         }
         (Some(field), _) => Ok(Some(field)),
         (None, None) => {
@@ -432,12 +432,8 @@ fn find_name(header: &Header, wanted: &str) -> Result<Option<usize>, Diagnostic>
 fn missing(spec: &Spec, header: &Header, kind: ErrorKind) -> Diagnostic {
     let column = spec.batch_column(kind);
     let name = column.and_then(|column| column.value.name.as_deref()).unwrap_or(kind.key());
-    let diagnostic =
-        Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", header.name)).help(format!(
-            "it has {}; name another: [batch.columns] {} = {{ name = \"…\" }}",
-            header.columns.join(", "),
-            kind.key()
-        ));
+    let diagnostic = Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", header.name))
+        .help(format!("it has {}; name another: [batch.columns] {} = {{ name = \"…\" }}", header.names(), kind.key()));
     match column {
         Some(column) => diagnostic.at(&spec.source, column.span.clone(), "promised here"),
         None => diagnostic,

@@ -168,12 +168,7 @@ impl Asked {
                         .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
                 }
                 return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write")).help(
-                    format!(
-                        "the results are {}; {} also has {}",
-                        known.join(", "),
-                        header.name,
-                        header.columns.join(", ")
-                    ),
+                    format!("the results are {}; {} also has {}", known.join(", "), header.name, header.names()),
                 ));
             }
         }

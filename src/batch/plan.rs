@@ -359,7 +359,7 @@ fn no_column(header: &Header) -> Diagnostic {
     let known: Vec<_> = ErrorKind::ALL.into_iter().map(ErrorKind::key).collect();
     Diagnostic::error(Code::BadTable, message).help(format!(
         "it has {}; name its columns {}, or say what they are: [batch.columns] rack_pitch = {{ name = \"…\" }}",
-        header.columns.join(", "),
+        header.names(),
         known.join(", ")
     ))
 }

@@ -507,7 +507,7 @@ fn no_teeth(header: &Header) -> Diagnostic {
         format!(
             "it has {}; a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; \
              a pinion tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
-            header.columns.join(", ")
+            header.names()
         ),
     )
 }
