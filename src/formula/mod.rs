@@ -14,6 +14,8 @@
 //! | pinion radial error | `r - r_nom` | [`pinion_radial`] |
 //! | pinion single pitch error | `\|f_p\| cos β_p / (2 tan α_n)` | [`pinion_pitch`] |
 //!
+//! The exact ones are derived in [`mesh::relations`](crate::mesh::relations).
+//!
 //! # Accuracy
 //! Inputs are exact ([`Length`], [`Angle`](crate::quantity::Angle)), trigonometric functions have 50
 //! correct digits, and a result is carried as a decimal number of 40

@@ -1,5 +1,7 @@
 #![doc = include_str!("over_roller.md")]
 //!
+//! Derived in [`mesh::relations`](crate::mesh::relations), section 4.
+//!
 //! # Example
 //! Table 3 of the paper:
 //! ```

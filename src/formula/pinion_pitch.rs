@@ -1,5 +1,7 @@
 #![doc = include_str!("pinion_pitch.md")]
 //!
+//! Derived in [`mesh::relations`](crate::mesh::relations), section 4.
+//!
 //! # Example
 //! The formula is that of the rack's pitch error, so Table 1 of the paper holds for it too
 //! (α_n = 19.9°, not printed in the paper, and β_p = 0):

@@ -1,5 +1,7 @@
 #![doc = include_str!("pinion_radial.md")]
 //!
+//! Derived in [`mesh::relations`](crate::mesh::relations), section 4.
+//!
 //! # Example
 //! ```
 //! use rackmesh::formula::pinion_radial;

@@ -1,5 +1,7 @@
 #![doc = include_str!("rack_lead.md")]
 //!
+//! Derived in [`mesh::relations`](crate::mesh::relations), section 6.
+//!
 //! # Example
 //! Table 2 of the paper, with α_n = 19.9° and k = 19.7 mm (the paper prints neither):
 //! ```

@@ -1,5 +1,7 @@
 #![doc = include_str!("rack_pitch.md")]
 //!
+//! Derived in [`mesh::relations`](crate::mesh::relations), section 4.
+//!
 //! # Example
 //! Table 1 of the paper, with α_n = 19.9° (the paper does not print it):
 //! ```

@@ -12,12 +12,15 @@
 //! pinion turns away from them, left ones for more, and the minimum is where both ask for the same. ΔCD = a − a_0.
 //! The bodies are rigid; the rack's fixed unless [`Support::FreeRoll`] lets it roll about its own axis, which is
 //! minimised over too.
+//!
+//! What follows from this in closed form, with figures: [`relations`].
 
 mod contact;
 mod curve;
 mod measure;
 mod outcome;
 mod prepare;
+pub mod relations;
 mod roll;
 mod sample;
 mod solve;
