@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::CATALOGUE;
+use crate::report::{Column, Table, table_text, wrap};
 
 pub(super) const ABOUT: &str = "Print the documentation of a diagnostic code or a formula";
 
@@ -22,7 +23,7 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let text = match &self.topic {
             None => list(),
-            Some(topic) => page(topic).ok_or_else(|| unknown(topic))?,
+            Some(topic) => for_screen(&page(topic).ok_or_else(|| unknown(topic))?, output.screen().width),
         };
         output.text(&text)?;
         Ok(Status::Pass)
@@ -34,27 +35,60 @@ fn page(topic: &str) -> Option<String> {
     let topic = topic.trim().to_lowercase().replace('_', "-");
     let formula = CATALOGUE.iter().find(|page| page.name == topic || page.aliases.contains(&topic.as_str()));
     if let Some(page) = formula {
-        return Some(format!("# {}\n\n{}", page.name, for_screen(page.text)));
+        return Some(format!("# {}\n\n{}", page.name, page.text));
     }
     Code::ALL.iter().find(|code| code.name() == topic).map(|code| code.page().to_owned())
 }
 
-/// Fenced code indented instead, as it reads on a screen.
-fn for_screen(text: &str) -> String {
-    let mut inside = false;
+/// Markdown as it reads on a screen: code indented instead of fenced; and where there is a width, paragraphs broken to fit it
+/// and tables drawn.
+fn for_screen(text: &str, width: Option<u16>) -> String {
+    /// Longer lines are tiring to read.
+    const WIDEST: u16 = 100;
+    let width = width.map(|width| width.min(WIDEST));
     let mut out = String::new();
-    for line in text.lines() {
+    let mut lines = text.lines().peekable();
+    while let Some(line) = lines.next() {
         if line.starts_with("```") {
-            inside = !inside;
-            continue;
+            for line in lines.by_ref().take_while(|line| !line.starts_with("```")) {
+                out.push_str(&format!("    {line}\n"));
+            }
+        } else if width.is_some() && line.starts_with('|') {
+            let mut table = vec![line];
+            while let Some(line) = lines.next_if(|line| line.starts_with('|')) {
+                table.push(line);
+            }
+            out.push_str(&table_text(&table_of(&table), width));
+            out.push('\n');
+        } else if width.is_some() && !line.is_empty() && !line.starts_with('#') {
+            let mut paragraph = line.to_owned();
+            while let Some(line) = lines.next_if(|line| {
+                !(line.is_empty() || line.starts_with(['|', '#', '-', '`']) || line.starts_with("    "))
+            }) {
+                paragraph.push(' ');
+                paragraph.push_str(line.trim_start());
+            }
+            out.push_str(&wrap(&paragraph, width));
+            out.push('\n');
+        } else {
+            out.push_str(line);
+            out.push('\n');
         }
-        if inside {
-            out.push_str("    ");
-        }
-        out.push_str(line);
-        out.push('\n');
     }
     out
+}
+
+/// The lines of a Markdown table: a header, a rule, rows. `\|` is no end of a cell.
+fn table_of(lines: &[&str]) -> Table {
+    let cells = |line: &str| -> Vec<String> {
+        let line = line.replace("\\|", "\u{0}");
+        let inner = line.trim().trim_matches('|');
+        inner.split('|').map(|cell| cell.trim().replace('\u{0}', "|")).collect()
+    };
+    Table {
+        columns: lines.first().map_or_else(Vec::new, |line| cells(line).into_iter().map(Column::text).collect()),
+        rows: lines.iter().skip(2).map(|line| cells(line)).collect(),
+    }
 }
 
 fn list() -> String {
@@ -88,4 +122,34 @@ fn unknown(topic: &str) -> Diagnostic {
         Some((_, name)) => format!("did you mean `{name}`?"),
         None => "`rackmesh explain` lists them all".to_owned(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_page_fits_a_narrow_screen() {
+        let topics = CATALOGUE.iter().map(|page| page.name).chain(Code::ALL.iter().map(|code| code.name()));
+        for topic in topics {
+            let page = page(topic).expect("a topic has a page");
+            let text = for_screen(&page, Some(72));
+            // code is shown as it is
+            let wide = text.lines().find(|line| line.chars().count() > 72 && !line.starts_with("    "));
+            assert_eq!(wide, None, "{topic}:\n{text}");
+            let words = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).count();
+            let fences = page.matches("```text").count() * "text".len();
+            assert_eq!(words(&text) + fences, words(&page), "{topic}:\n{text}");
+        }
+    }
+
+    #[test]
+    fn a_page_for_a_file_stays_markdown() {
+        assert_eq!(
+            for_screen("a\nb\n```text\nx = 1\n```\n| a |\n|---|\n| \\|b\\| |\n", None),
+            "a\nb\n    x = 1\n| a |\n|---|\n| \\|b\\| |\n"
+        );
+        let cells = table_of(&["| a | b |", "|---|---|", "| \\|x\\| | 1 |"]);
+        assert_eq!(cells.rows, [["|x|", "1"]]);
+    }
 }

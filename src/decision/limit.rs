@@ -85,6 +85,18 @@ impl Limit {
     }
 }
 
+/// `-0.03 … 0.05 mm`, `at most 0.05 mm`, `at least -0.03 mm` or `none`.
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (&self.lower, &self.upper) {
+            (Some(lower), Some(upper)) => write!(f, "{} … {upper}", lower.mm()),
+            (None, Some(upper)) => write!(f, "at most {upper}"),
+            (Some(lower), None) => write!(f, "at least {lower}"),
+            (None, None) => f.write_str("none"),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,6 +115,17 @@ mod tests {
             let beyond = &deviation + &"1e-9".parse().unwrap();
             assert_eq!(Limit::symmetric(&limit).judge(&beyond, &beyond), Verdict::Fail, "{measured:?}");
         }
+    }
+
+    #[test]
+    fn a_limit_reads_as_one_would_say_it() {
+        let (lower, upper): (Length, Length) = ("-0.03".parse().unwrap(), "50 um".parse().unwrap());
+        let text = |lower: Option<&Length>, upper: Option<&Length>| {
+            Limit { lower: lower.cloned(), upper: upper.cloned() }.to_string()
+        };
+        assert_eq!(text(Some(&lower), Some(&upper)), "-0.03 … 0.05 mm");
+        assert_eq!(text(None, Some(&upper)), "at most 0.05 mm");
+        assert_eq!(text(Some(&lower), None), "at least -0.03 mm");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::batch::{grouped, whereabouts};
-use super::number::{millimetres, plain};
+use super::number::millimetres;
 use crate::batch::{Outcome, Part};
 use crate::decision::{Limits, Verdict};
 
@@ -61,9 +61,7 @@ pub fn junit(title: Option<&str>, judged_by: &str, limits: &Limits, outcome: &Ou
     }
     property(&mut xml, "judged by", judged_by);
     for (on, limit) in limits {
-        let end = |end: &Option<crate::quantity::Length>| end.as_ref().map_or("open".to_owned(), |end| plain(end.mm()));
-        let ends = format!("{} … {} mm", end(&limit.lower), end(&limit.upper));
-        property(&mut xml, &format!("limit {}", on.key()), &ends);
+        property(&mut xml, &format!("limit {}", on.key()), &limit.to_string());
     }
     xml.push_str("</properties>\n");
     let all = match (counts.unjudged > 0, rest == 1) {

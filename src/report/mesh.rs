@@ -180,18 +180,14 @@ impl Report for MeshReport<'_> {
                 plain(self.curve.tolerance_mm)
             )));
         }
-        if let Some(verdict) = self.verdict() {
-            let range = format!("{} … {} mm", millimetres(summary.min_mm), millimetres(summary.max_mm));
-            let end =
-                |end: Option<&Length>| end.map_or_else(|| "open".to_owned(), |end| format!("{} mm", plain(end.mm())));
-            let limit = self.limit.map_or_else(String::new, |limit| {
-                format!("{} … {}", end(limit.lower.as_ref()), end(limit.upper.as_ref()))
-            });
-            let sentence = match verdict {
-                Verdict::Pass => format!("ΔCD {range} is within the limits {limit}"),
-                Verdict::Fail => format!("ΔCD {range} is not within the limits {limit}"),
-                Verdict::Indeterminate => format!("ΔCD {range} is too near the limits {limit}"),
+        if let (Some(verdict), Some(limit)) = (self.verdict(), self.limit) {
+            let how = match verdict {
+                Verdict::Pass => "within",
+                Verdict::Fail => "not within",
+                Verdict::Indeterminate => "too near",
             };
+            let (min, max) = (millimetres(summary.min_mm), millimetres(summary.max_mm));
+            let sentence = format!("ΔCD {min} … {max} mm is {how} the limit ({limit})");
             blocks.push(Block::Verdict(verdict, sentence));
         }
         blocks

@@ -54,6 +54,8 @@ pub use racks::RacksReport;
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
 pub use table::{Align, Block, Column, Table};
+#[cfg(feature = "cli")]
+pub(crate) use table::{table_text, wrap};
 pub use uncertainty::UncertaintyPart;
 
 use serde_json::Value;

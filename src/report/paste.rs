@@ -379,17 +379,11 @@ impl Report for SpacesReport<'_> {
             rows,
         }));
         if let (Some(verdict), Some(limit)) = (self.verdict(), self.limit) {
-            let end = |end: &Option<Length>| end.as_ref().map_or_else(|| "open".to_owned(), |end| format!("{end}"));
             let word = if verdict == Verdict::Pass { "within" } else { "not within" };
+            let (low, high) = (millimetres(low.mm()), millimetres(high.mm()));
             blocks.push(Block::Verdict(
                 verdict,
-                format!(
-                    "ΔCD {} … {} mm by formula is {word} the limits {} … {}",
-                    millimetres(low.mm()),
-                    millimetres(high.mm()),
-                    end(&limit.lower),
-                    end(&limit.upper)
-                ),
+                format!("ΔCD {low} … {high} mm by formula is {word} the limit ({limit})"),
             ));
         }
         blocks

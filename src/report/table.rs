@@ -1,7 +1,10 @@
 //! Text and tables for people: on a screen, and in Markdown.
 
 use anstyle::{AnsiColor, Style};
-use comfy_table::{CellAlignment, ContentArrangement, ContentLineStyle, LineStyle, Table as Grid, TableStyle, presets};
+use comfy_table::{
+    CellAlignment, ColumnConstraint, ContentArrangement, ContentLineStyle, LineStyle, Table as Grid, TableStyle, Width,
+    presets,
+};
 
 use super::Screen;
 use crate::decision::Verdict;
@@ -107,19 +110,59 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
                 out.push_str(&wrap(&format!("{word}: {sentence}"), screen.width));
             }
             Block::Table(table) => {
-                let mut grid = grid(table, PLAIN, (1, 0));
-                if let Some(width) = screen.width {
-                    grid.set_width(width).set_content_arrangement(ContentArrangement::Dynamic);
-                } else {
-                    grid.set_content_arrangement(ContentArrangement::Disabled);
-                }
-                let lines: Vec<_> = grid.lines().map(|line| line.trim_end().to_owned()).collect();
-                out.push_str(&lines.join("\n"));
+                out.push_str(&table_text(table, screen.width));
             }
         }
         out.push('\n');
     }
     out
+}
+
+/// A table for a screen that is `width` wide, without the last line's end.
+pub(crate) fn table_text(table: &Table, width: Option<u16>) -> String {
+    let mut grid = grid(table, PLAIN, (1, 0));
+    if let Some(width) = width {
+        grid.set_width(width).set_content_arrangement(ContentArrangement::Dynamic);
+        if let Some(widths) = column_widths(table, width.into()) {
+            for (column, width) in grid.column_iter_mut().zip(widths) {
+                let width = u16::try_from(width).unwrap_or(u16::MAX);
+                column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width)));
+            }
+        }
+    } else {
+        grid.set_content_arrangement(ContentArrangement::Disabled);
+    }
+    let lines: Vec<_> = grid.lines().map(|line| line.trim_end().to_owned()).collect();
+    lines.join("\n")
+}
+
+/// The columns' widths, with the blank before each, such that lines break between words only; nothing if no line needs to, or if
+/// there is no room for the longest words.
+fn column_widths(table: &Table, room: usize) -> Option<Vec<usize>> {
+    let texts = |column: usize| {
+        let cells = table.rows.iter().filter_map(move |row| row.get(column));
+        cells.chain(std::iter::once(&table.columns[column].heading)).map(String::as_str)
+    };
+    let longest = |parts: &mut dyn Iterator<Item = &str>| 1 + parts.map(|part| part.chars().count()).max().unwrap_or(0);
+    let columns = 0..table.columns.len();
+    let full: Vec<_> = columns.clone().map(|column| longest(&mut texts(column).flat_map(str::lines))).collect();
+    let mut widths: Vec<_> =
+        columns.map(|column| longest(&mut texts(column).flat_map(str::split_whitespace))).collect();
+    // a blank stands between columns, too
+    let room = (room + 1).checked_sub(widths.len())?;
+    let mut left = room.checked_sub(widths.iter().sum())?;
+    if full.iter().sum::<usize>() <= room {
+        return None;
+    }
+    // who needs least is served first, so that few columns break
+    let mut order: Vec<_> = (0..widths.len()).collect();
+    order.sort_by_key(|&column| full[column] - widths[column]);
+    for (served, &column) in order.iter().enumerate() {
+        let share = (full[column] - widths[column]).min(left / (order.len() - served));
+        widths[column] += share;
+        left -= share;
+    }
+    Some(widths)
 }
 
 pub(super) fn markdown(blocks: &[Block]) -> String {
@@ -165,15 +208,21 @@ fn mark_alignment(rule: &str, columns: &[Column]) -> String {
     format!("|{}|", marked.collect::<Vec<_>>().join("|"))
 }
 
+/// Characters that take room: all but escape sequences for colours.
+fn visible(word: &str) -> usize {
+    let mut parts = word.split('\u{1b}');
+    let first = parts.next().map_or(0, |text| text.chars().count());
+    first + parts.map(|rest| rest.split_once('m').map_or(0, |(_, text)| text.chars().count())).sum::<usize>()
+}
+
 /// Breaks text at blanks to fit `width`.
-fn wrap(text: &str, width: Option<u16>) -> String {
+pub(crate) fn wrap(text: &str, width: Option<u16>) -> String {
     let Some(width) = width else { return text.to_owned() };
     let width = usize::from(width.max(20));
     let mut out = String::new();
     let mut column = 0;
     for word in text.split(' ') {
-        // escape sequences stand only around the verdict's word, which comes first
-        let length = word.chars().count();
+        let length = visible(word);
         if column > 0 && column + 1 + length > width {
             out.push('\n');
             column = 0;
@@ -185,4 +234,38 @@ fn wrap(text: &str, width: Option<u16>) -> String {
         column += length;
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn narrow_columns_break_between_words() {
+        let table = Table {
+            columns: vec![Column::text("what"), Column::number("value\n[mm]"), Column::text("verdict")],
+            rows: vec![vec![
+                "a long name of a deviation".to_owned(),
+                "+0.0382 … +0.0549".to_owned(),
+                "indeterminate".to_owned(),
+            ]],
+        };
+        for width in 36..60 {
+            let text = table_text(&table, Some(width));
+            assert!(text.lines().all(|line| line.chars().count() <= usize::from(width)), "{width}:\n{text}");
+            assert!(
+                ["deviation", "+0.0382", "+0.0549", "indeterminate"].iter().all(|word| text.contains(word)),
+                "{width}:\n{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn colours_take_no_room() {
+        assert_eq!(visible("\u{1b}[1m\u{1b}[32mPASS\u{1b}[0m:"), 5);
+        assert_eq!(
+            wrap("\u{1b}[1mPASS\u{1b}[0m: the limit is met by far", Some(20)),
+            "\u{1b}[1mPASS\u{1b}[0m: the limit is\nmet by far"
+        );
+    }
 }

@@ -103,12 +103,7 @@ impl Spec {
         };
         match limit {
             Some(limit) => {
-                let end = |end: &Option<Length>| end.as_ref().map_or_else(|| "open".to_owned(), ToString::to_string);
-                notes.push(format!(
-                    "{kind}: limits of its ΔCD {} … {} from the file (K2110, K2111)",
-                    end(&limit.lower),
-                    end(&limit.upper)
-                ));
+                notes.push(format!("{kind}: limit of its ΔCD from the file (K2110, K2111): {limit}"));
                 self.limits.push((target, Located { value: limit, span: 0..0 }));
             }
             None => notes.push(format!(
