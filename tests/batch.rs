@@ -180,6 +180,16 @@ fn the_columns_that_a_table_has_are_listed_as_far_as_they_have_names() {
 }
 
 #[test]
+fn a_table_of_no_row_or_one_is_summed_up_in_plain_words() {
+    let none = batch(&[SPEC, "--summary"], b"part_id,over_roller,dp\n");
+    assert!(text(&none.stdout).ends_with("No verdict: the table has no rows.\n"), "{}", text(&none.stdout));
+    let one = batch(&[SPEC, "--summary"], b"part_id,over_roller,dp\nA,25,0\n");
+    let page = text(&one.stdout);
+    assert!(page.contains("\n1 part is too few for capability indices"), "{page}");
+    assert!(page.ends_with("PASS: the part is inside the limits (judged by range)\n"), "{page}");
+}
+
+#[test]
 fn a_field_of_100_mb_is_refused_in_little_memory() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
         .args(["batch", SPEC])

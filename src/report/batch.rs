@@ -253,8 +253,9 @@ impl<'a> BatchReport<'a> {
         let Some(first) = limited.first() else { return notes };
         let parts = first.statistics.count();
         if parts < FEWEST_PARTS as u64 {
+            let parts = if parts == 1 { "1 part is".to_owned() } else { format!("{parts} parts are") };
             notes.push(format!(
-                "{parts} parts are too few for capability indices: at least {FEWEST_PARTS} are needed, {PRELIMINARY_PARTS} or more are customary."
+                "{parts} too few for capability indices: at least {FEWEST_PARTS} are needed, {PRELIMINARY_PARTS} or more are customary."
             ));
             return notes;
         }
@@ -326,10 +327,18 @@ impl<'a> BatchReport<'a> {
             return Block::Verdict(Verdict::Indeterminate, sentence);
         }
         if counts.unjudged > 0 || parts == 0 || counts.rejected > 0 {
-            let why = if self.basis.limits.is_empty() { "there is no limit" } else { "not every row could be judged" };
+            let why = match (counts.rows, self.basis.limits.is_empty()) {
+                (0, _) => "the table has no rows",
+                (_, true) => "there is no limit",
+                (_, false) => "not every row could be judged",
+            };
             return Block::Note(format!("No verdict: {why}{rejected}."));
         }
-        Block::Verdict(Verdict::Pass, format!("all {} parts are inside the limits {judged_by}", grouped(parts)))
+        let parts = match parts {
+            1 => "the part is".to_owned(),
+            parts => format!("all {} parts are", grouped(parts)),
+        };
+        Block::Verdict(Verdict::Pass, format!("{parts} inside the limits {judged_by}"))
     }
 
     fn notes(&self) -> Vec<String> {

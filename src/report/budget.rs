@@ -149,8 +149,12 @@ impl BudgetReport<'_> {
     }
 }
 
+/// Assemblies outside the limit from which their share is known to about a tenth.
+const FEWEST_SEEN: f64 = 100.0;
+
+/// A fraction in percent; nearly all is not shown as all.
 fn percent(fraction: f64) -> f64 {
-    (fraction * 1e6).round() / 1e4
+    (fraction * 1e12).round() / 1e10
 }
 
 impl Report for BudgetReport<'_> {
@@ -292,6 +296,14 @@ impl Report for BudgetReport<'_> {
         }
         blocks.extend(self.classes.iter().map(|class| Block::Note(format!("class: {}", class.in_words()))));
         blocks.extend(self.grades.iter().map(|class| Block::Note(format!("within: {}", class.in_words()))));
+        if let Rule::Simulation(settings) = &self.rule
+            && (1.0 - settings.conforming) * f64::from(settings.draws) < FEWEST_SEEN
+        {
+            blocks.push(Block::Note(format!(
+                "note: fewer than {FEWEST_SEEN} of {} assemblies may fail, which is too few to know their share well; --stack worst leaves none",
+                settings.draws
+            )));
+        }
         blocks.push(if feasible {
             Block::Verdict(crate::decision::Verdict::Pass, self.sentence())
         } else {
