@@ -77,6 +77,7 @@ pub const PRINTED: [Printed; 18] = [
 
 /// Why a row has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReproductionError {
     /// A formula.
     #[error(transparent)]

@@ -315,6 +315,47 @@ fn a_lead_error_of_a_helical_rack_lifts_the_pinion() {
 }
 
 /// What a pin sees of the rack, fed back as measured, gives the same curve.
+// as `mesh::relations` derives it: both valleys of a rolling spur rack lie where one side's flanks fit again
+#[test]
+fn a_rack_that_may_roll_sinks_by_the_versine_of_its_roll() {
+    let pair = table_pair();
+    let (lead, depth) = (0.25_f64.to_radians(), 8.0);
+    let rack = rack_with(&pair, ToothRange::ALL, &[RackDeviationKind::Lead(lead)]);
+    let pinion = PinionFlanks::nominal(&pair);
+    let fixed = mesh(&pair, rack.clone(), pinion.clone()).at(0.0).unwrap();
+    let free = Mesh::new(pair, rack, pinion, Support::FreeRoll { axis_depth_mm: depth }).unwrap().at(0.0).unwrap();
+    let roll = lead / pair.normal_pressure_angle_rad().tan();
+    assert_abs_diff_eq!(free.roll_rad.abs(), roll, epsilon = 0.02 * roll);
+    let sunk = fixed.delta_cd_mm - free.delta_cd_mm;
+    assert_abs_diff_eq!(sunk, depth * roll * roll / 2.0, epsilon = 0.1 * sunk);
+}
+
+// the exception of `mesh::relations`: a pinion tooth alone in the space that is too wide
+#[test]
+fn a_single_pitch_error_can_sink_the_pinion() {
+    let pair = Pair::new(&PairData {
+        normal_module_mm: 2.0,
+        normal_pressure_angle_rad: 20.0_f64.to_radians(),
+        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 1.0, tooth_thickness_mm: None },
+        pinion: PinionData {
+            teeth: 20,
+            helix_angle_rad: 0.0,
+            profile_shift: 0.0,
+            tip_diameter_mm: 43.8,
+            root_form_diameter_mm: None,
+            face_width_mm: 20.0,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    })
+    .unwrap();
+    let step = RackDeviationKind::Pitch(0.02);
+    let rack = rack_with(&pair, "4".parse().unwrap(), &[step]);
+    let curve = mesh(&pair, rack, PinionFlanks::nominal(&pair)).curve(5.0, 40.0, 1e-6).unwrap();
+    let by_formula = 0.02 / (2.0 * pair.normal_pressure_angle_rad().tan());
+    let lowest = curve.points.iter().map(|point| point.delta_cd_mm).fold(0.0, f64::min);
+    assert_abs_diff_eq!(lowest, -by_formula, epsilon = 1e-9);
+}
+
 #[test]
 fn the_virtual_measuring_machine_closes_the_loop() {
     let pair = table_pair();

@@ -274,6 +274,7 @@ fn rack_kind(kind: RackDeviationKind, length: impl Fn(f64) -> f64, angle: impl F
         R::Left(v) => R::Left(length(v)),
         R::Right(v) => R::Right(length(v)),
         R::Lead(v) => R::Lead(angle(v)),
+        other => panic!("{other:?} is new: say how it scales"),
     }
 }
 
@@ -290,6 +291,7 @@ fn pinion_kind(
         P::Right(v) => P::Right(length(v)),
         P::Radial(v) => P::Radial(length(v)),
         P::Lead(v) => P::Lead(angle(v)),
+        other => panic!("{other:?} is new: say how it scales"),
     }
 }
 

@@ -39,7 +39,7 @@
 //! let mut rows = Vec::new();
 //! let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
 //! let mut batch = Batch::new(&plan, sinks, None);
-//! batch.run(input, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
+//! batch.run(input, &layout, &AtomicBool::new(false), &mut |_| {})?;
 //! let (outcome, _) = batch.finish();
 //! assert_eq!((outcome.counts.pass, outcome.counts.fail), (1, 1));
 //! let rows = String::from_utf8(rows).expect("CSV is text");

@@ -6,6 +6,7 @@ use std::io::{self, Write as _};
 
 /// How output is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Packing {
     /// As it is.
     #[default]

@@ -15,6 +15,7 @@ use ::parquet::schema::types::{ColumnPath, Type};
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ColumnKind {
     /// Text.
     Text,

@@ -62,6 +62,7 @@ impl Rows {
 
 /// How rows are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum RowFormat {
     /// Comma-separated values with a header.
     #[default]

@@ -215,12 +215,15 @@ impl<'a> Batch<'a> {
 }
 
 /// Why a table was not run to its end.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// It cannot be read.
-    Read(io::Error),
+    #[error("the table cannot be read")]
+    Read(#[source] io::Error),
     /// The results cannot be written.
-    Write(io::Error),
+    #[error("the results cannot be written")]
+    Write(#[source] io::Error),
 }
 
 /// What workers take chunks from.

@@ -26,6 +26,7 @@ use crate::trig::precise;
 
 /// Which diameter stands for a rack in a standard for toothed wheels. There is no default.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RackDiameter {
     /// The reference diameter of the mating pinion.
     Pinion,
@@ -37,6 +38,7 @@ pub enum RackDiameter {
 
 /// Where a diameter comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum DiameterSource {
     /// The pinion's own reference diameter m_n z / cos β.
     Own,
@@ -139,6 +141,7 @@ pub struct Meshing {
 
 /// How a ΔCD follows from a deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Effect {
     /// By the formula of an error of that size.
     Formula,
@@ -178,6 +181,7 @@ impl Effect {
 
 /// Why a deviation's ΔCD is not known.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NoEffect {
     /// No formula takes this deviation.
     #[error("no formula takes it")]

@@ -14,6 +14,7 @@ use crate::trig;
 
 /// Why a deviation was not solved.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum NoMeshEffect {
     /// No arrangement on the teeth stands for the deviation.
     #[error("no arrangement on the teeth stands for it")]

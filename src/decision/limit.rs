@@ -16,6 +16,7 @@ pub struct Limit {
 
 /// What a limit is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum LimitTarget {
     /// The combined ΔCD.
     CenterDistance,

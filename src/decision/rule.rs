@@ -29,6 +29,7 @@ pub const ISO_14253_PROBABILITY: f64 = 0.95;
 
 /// How a verdict is reached.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Rule {
     /// By the measured value alone.
     #[default]

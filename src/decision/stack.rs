@@ -7,6 +7,7 @@ use crate::quantity::{Length, QuantityError, Rational};
 
 /// How errors are combined to the result that is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Stack {
     /// What these measured errors can do at some point of the stroke: over-roller and radial errors
     /// always act, with their sign; pitch and lead errors add between 0 and their value.

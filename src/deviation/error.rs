@@ -6,6 +6,7 @@ use crate::quantity::{Degrees, Rounded};
 
 /// What a deviation's number is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum DeviationQuantity {
     /// A displacement in mm.
     Displacement,

@@ -26,6 +26,7 @@ impl Part {
 
 /// A kind of manufacturing error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum ErrorKind {
     /// Over-roller error of the rack: a shift of its pitch line.
     RackOverRoller,

@@ -18,6 +18,7 @@ pub struct PinionDeviation {
 /// What a deviation does to a pinion tooth. Lengths in mm, angles in rad; lengths other than `Radial` are arcs at
 /// the reference circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum PinionDeviationKind {
     /// The tooth shifted towards higher index.
     Shift(f64),

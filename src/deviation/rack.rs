@@ -19,6 +19,7 @@ pub struct RackDeviation {
 
 /// What a deviation does to a rack tooth. Lengths in mm, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum RackDeviationKind {
     /// Both flank planes shifted along Z; the tip plane stays.
     OverRoller(f64),

@@ -78,6 +78,7 @@ impl fmt::Display for Model {
 
 /// An input of a formula, as sensitivities name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Input {
     /// The error itself (mm, or degrees for a lead error).
     Error,

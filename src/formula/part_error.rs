@@ -6,6 +6,7 @@ use crate::quantity::{Angle, DomainError, Length};
 
 /// One error of a rack or pinion and, where it needs one, its prepared formula.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum PartError {
     /// Over-roller error of the rack.
     RackOverRoller(Length),
@@ -116,6 +117,7 @@ impl PartError {
 
 /// The formula of one kind of error, prepared for a gear, without an error's value.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum PartFormula {
     /// Over-roller error of the rack.
     RackOverRoller,

@@ -6,6 +6,7 @@ use crate::quantity::{Degrees, Rounded};
 
 /// A quantity of the pair's drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Quantity {
     /// Normal module m_n.
     NormalModule,

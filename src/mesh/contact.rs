@@ -52,6 +52,7 @@ pub(super) struct Across {
 
 /// Where on the flanks a contact is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum ContactKind {
     /// Along a whole generator: flank against flank.
     Line,

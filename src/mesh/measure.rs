@@ -67,18 +67,6 @@ impl PinionReading {
             lead_rad: None,
         }
     }
-
-    /// The row of measured data with the pitches only.
-    #[must_use]
-    pub fn pitch_row(&self) -> PinionToothRow {
-        PinionToothRow {
-            radial_mm: None,
-            position_mm: None,
-            left_pitch_mm: Some(self.left_pitch_mm),
-            right_pitch_mm: Some(self.right_pitch_mm),
-            ..self.row()
-        }
-    }
 }
 
 impl Mesh {

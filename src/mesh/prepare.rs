@@ -9,6 +9,7 @@ use crate::trig;
 
 /// How the rack is held.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub enum Support {
     /// It cannot roll.
     #[default]

@@ -8,6 +8,7 @@ use crate::mesh::MeshError;
 /// A number of [`Parameters`](super::Parameters).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // each is the parameter of the same name
+#[non_exhaustive]
 pub enum ParameterName {
     Start,
     Stroke,

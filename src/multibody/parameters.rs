@@ -28,6 +28,7 @@ pub struct StripGrid {
 
 /// How two flanks touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum ContactModel {
     /// Spheres on the pinion against triangles of the rack; the stiffness is that of one sphere, N/mm^a.
     Spheres(SphereGrid),
@@ -83,6 +84,7 @@ impl Default for Yoke {
 
 /// How the parts are held.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub enum Support {
     /// The rack cannot roll; the pinion's slider is pressed on by the preload.
     #[default]
@@ -111,6 +113,7 @@ pub struct Masses {
 
 /// How time is stepped through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Integrator {
     /// TR-BDF2 (Bank et al. 1985, with the error estimate of Hosea and Shampine 1996): implicit, second order, L-stable.
     #[default]

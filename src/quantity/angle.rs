@@ -27,6 +27,7 @@ pub struct Angle {
 
 /// A unit of angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AngleUnit {
     /// `deg`, `°`.
     Degree,

@@ -32,6 +32,7 @@ pub struct Domain {
 
 /// A value outside its domain, or a result outside the numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum DomainError {
     /// The value lies outside the quantity's domain.
     #[error("the {} {} is {value}; it must be {bounds}", .domain.name, .domain.symbol)]

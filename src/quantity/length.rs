@@ -25,6 +25,7 @@ pub struct Length {
 
 /// A unit of length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LengthUnit {
     /// `um`, `µm`: 0.001 mm.
     Micrometre,

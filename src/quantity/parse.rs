@@ -6,6 +6,7 @@ use super::Rational;
 
 /// Why a text is not a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum NumberError {
     /// There is no number in the text.
     #[error("there is no number")]
@@ -32,6 +33,7 @@ pub enum NumberError {
 
 /// Why a text or a number is not the quantity that it should be.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum QuantityError {
     /// The number itself cannot be read.
     #[error("`{}` is not {expected}: {reason}", shown(text))]

@@ -40,6 +40,7 @@ pub struct Computed {
 
 /// The unit of a result, in the spelling in which it was asked for.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum ResultUnit {
     /// A length.
     Length(LengthUnit, String),

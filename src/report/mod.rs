@@ -63,6 +63,7 @@ use serde_json::Value;
 /// An output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[non_exhaustive]
 pub enum Format {
     /// Aligned tables for people.
     #[default]

@@ -11,6 +11,7 @@ use crate::decision::Verdict;
 
 /// A piece of a report.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum Block {
     /// The report's title.
     Title(String),

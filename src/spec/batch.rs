@@ -9,7 +9,7 @@ use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Model, PartFormula, PinionPitch, RackLead, RackPitch, formula_text};
-use crate::quantity::{Angle, AngleUnit, Length, LengthUnit};
+use crate::quantity::{Angle, Length};
 use std::ops::Range;
 
 /// `[batch]`.
@@ -36,6 +36,7 @@ pub struct BatchColumn {
 
 /// What the numbers of a column are.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Reading {
     /// The error itself.
     Deviation,
@@ -67,20 +68,6 @@ fn column(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Bat
         },
         kind: reader.word("kind"),
     })
-}
-
-impl BatchColumn {
-    /// The unit of a column of lengths.
-    #[must_use]
-    pub fn length_unit(&self) -> Option<LengthUnit> {
-        self.unit.as_ref().and_then(|unit| LengthUnit::from_symbol(unit.value))
-    }
-
-    /// The unit of a column of angles.
-    #[must_use]
-    pub fn angle_unit(&self) -> Option<AngleUnit> {
-        self.unit.as_ref().and_then(|unit| AngleUnit::from_symbol(unit.value))
-    }
 }
 
 impl Spec {

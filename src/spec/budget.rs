@@ -30,6 +30,7 @@ pub struct BudgetSection {
 
 /// One error of `[budget]`.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum WrittenTolerance {
     /// A given tolerance, or a class.
     Fixed(WrittenError),

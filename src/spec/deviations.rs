@@ -24,6 +24,7 @@ pub struct TipRelief {
 
 /// One deviation of the pinion: of some teeth, or of the whole part.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum WrittenPinionDeviation {
     /// Of some teeth.
     Teeth(PinionDeviation),

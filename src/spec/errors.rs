@@ -17,6 +17,7 @@ use crate::quantity::{Angle, Length};
 
 /// An entry of `[errors]`, as far as it can be understood without the gear data.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum WrittenError {
     /// A deviation in length, given or measured minus nominal.
     Length(Length),

@@ -29,6 +29,7 @@ pub struct MeasuredTables {
 
 /// Where the deviations of a mesh come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Origin {
     /// Deviations per tooth: `deviation` and `measured`; none at all is a perfect pair.
     Teeth,

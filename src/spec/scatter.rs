@@ -14,6 +14,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 
 /// A spread as written.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum WrittenSpread {
     /// A standard deviation or a half-width, mm or degrees.
     Spread(Uncertainty),

@@ -4,6 +4,7 @@ use std::fmt;
 
 /// A deviation of a toothed wheel that a standard limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Deviation {
     /// Single pitch deviation f_pt (± in the standards).
     SinglePitch,

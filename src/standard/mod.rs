@@ -69,6 +69,7 @@ use crate::quantity::{Angle, Length, Rational};
 
 /// A standard and its edition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Standard {
     /// ISO 1328-1:1995, the same as ANSI/AGMA ISO 1328-1.
     Iso1328Part1Of1995,

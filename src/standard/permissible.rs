@@ -21,6 +21,7 @@ pub struct RangeUse {
 
 /// What the reader of a value should know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Remark {
     /// The size lies outside the tabulated ranges, and practice takes the size itself.
     ActualSizeOutsideRanges(Size),

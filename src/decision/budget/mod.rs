@@ -33,6 +33,7 @@ use simulation::{Assembly, Simulated, Simulation};
 
 /// How tolerances add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Rule {
     /// The sum of magnitudes.
     WorstCase,
@@ -140,6 +141,7 @@ impl Budget {
 
 /// Why there is no budget at all.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum BudgetError {
     /// The limit does not allow ΔCD to be zero, or allows nothing else.
     #[error("the limit of ΔCD leaves nothing to distribute: 0 must lie inside it, with room to either side")]

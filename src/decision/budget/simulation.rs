@@ -14,6 +14,7 @@ use crate::parallel;
 
 /// How errors spread within their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Spread {
     /// Every value alike: all that is known is the tolerance.
     #[default]

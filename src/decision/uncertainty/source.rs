@@ -5,6 +5,7 @@ use crate::deviation::ErrorKind;
 
 /// A quantity that ΔCD follows from and that may be uncertain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Source {
     /// A measured error.
     Error(ErrorKind),
@@ -78,6 +79,7 @@ impl std::fmt::Display for Source {
 
 /// How the values that a quantity may have are distributed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Distribution {
     /// Normal; Student's t where the degrees of freedom are finite (JCGM 101, 6.4.9).
     Normal,

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Why there is no picture.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PlotError {
     /// There are no two points to draw a line between.
     #[error("a plot needs at least two points with different strokes")]
