@@ -173,8 +173,8 @@ fn what_a_message_shows_of_a_field_is_short_and_as_written() {
 
 #[test]
 fn the_columns_that_a_table_has_are_listed_as_far_as_they_have_names() {
-    let many: String = (0..40).map(|column| format!(",c{column}")).collect();
-    let output = batch(&[SPEC], format!(",serial{many}\n").as_bytes());
+    let many = (0..40).map(|column| format!("c{column}")).collect::<Vec<_>>().join(",");
+    let output = batch(&[SPEC], format!(",serial,{many}\n").as_bytes());
     let messages = text(&output.stderr);
     assert!(messages.contains("it has serial, c0, c1,") && messages.contains("c28 and 11 more; name"), "{messages}");
 }
