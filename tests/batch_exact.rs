@@ -239,6 +239,7 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
         }
         Stack::WorstCase => add("worst_case", &propagation.upper),
         Stack::Rss => add("rss", &propagation.upper),
+        other => panic!("{other:?} is new: say what it writes"),
     }
     row.push(("linear".to_owned(), propagation.upper.folded.is_empty().to_string()));
     for check in &evaluation.limits {

@@ -50,6 +50,7 @@ impl Written {
             LengthUnit::Micrometre => Self { text: decimal(count, 4) + " um", units: count },
             LengthUnit::Inch => Self { text: decimal(count, 6) + " in", units: 254 * count },
             LengthUnit::Mil => Self { text: decimal(count, 3) + " mil", units: 254 * count },
+            other => panic!("{other:?} is new: say what it is"),
         }
     }
 

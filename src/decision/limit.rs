@@ -16,7 +16,6 @@ pub struct Limit {
 
 /// What a limit is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum LimitTarget {
     /// The combined ΔCD.
     CenterDistance,

@@ -108,7 +108,6 @@ pub struct Counters {
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum RunEnd {
     /// The whole stroke is there.
     Completed,

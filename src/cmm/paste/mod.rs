@@ -72,7 +72,6 @@ pub struct PastedPart {
 
 /// What a block holds.
 #[derive(Debug, Clone)]
-#[non_exhaustive]
 pub enum Pasted {
     /// One value per error, for one part or several.
     Parts(Vec<PastedPart>),
