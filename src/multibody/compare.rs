@@ -2,7 +2,8 @@
 //! tests; solves nothing of its own.
 
 use super::Steady;
-use crate::mesh::{Mesh, MeshPoint};
+use crate::mesh::{Mesh, Sampler, Support};
+use crate::parallel;
 use crate::trig;
 
 /// Cells per pitch at first: a tooth's passage takes several.
@@ -11,25 +12,50 @@ const CELLS_PER_PITCH: f64 = 48.0;
 const MOST: f64 = 1e6;
 /// How often a cell may be halved.
 const HALVINGS: u32 = 4;
-/// A cell whose middle lies this near to its chord (mm) is straight enough: the mean is then right to as much.
+/// Cells whose ends lie this near to a straight line (mm), and means of a cell and its halves this near to each other, are
+/// near enough: the mean is then right to as much.
 const STRAIGHT: f64 = 2e-7;
 
-/// A cell's ends: strokes and ΔCD.
-type Cell = [(f64, f64); 2];
+/// Strokes that are solved one after the other from a fresh start, whatever the number of threads.
+const PART: usize = 8;
+
+/// A cell's ends and middle: strokes and ΔCD.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    from: (f64, f64),
+    mid: (f64, f64),
+    to: (f64, f64),
+}
+
+impl Cell {
+    fn width(&self) -> f64 {
+        self.to.0 - self.from.0
+    }
+
+    /// By Simpson's rule.
+    fn integral(&self) -> f64 {
+        self.width() * (self.from.1 + 4.0 * self.mid.1 + self.to.1) / 6.0
+    }
+}
 
 /// The mean ΔCD of the exact mesh over the strokes of a steady value, mm; `None` where the mesh has no solution.
 ///
-/// By trapezoids over the 48th part of a pitch, which are halved up to four times where the curve bends: right to a few
-/// nanometres where it jumps. Where all teeth are alike one pitch stands for the others.
+/// By trapezoids over the 48th part of a pitch, and where the curve bends by Simpson's rule, over cells that are halved
+/// up to four times until it agrees with that over the halves: right to a few nanometres where it jumps. Where all teeth are alike one pitch stands for the others.
 #[must_use]
 pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
     let (from_mm, to_mm) = one_pitch(mesh, steady).unwrap_or((steady.from_mm, steady.to_mm));
     let length = to_mm - from_mm;
     let solve = |strokes: &[f64]| -> Option<Vec<f64>> {
-        mesh.sample(strokes)
-            .into_iter()
-            .map(|point| point.ok().map(|MeshPoint { delta_cd_mm, .. }| delta_cd_mm))
-            .collect()
+        // a stroke of a rack that rolls is worth sharing out, others are not worth a thread
+        let threads = if mesh.support() == Support::Fixed { 1 } else { parallel::cores() };
+        let part = |(): &mut (), index: usize| -> Option<Vec<f64>> {
+            let mut sampler = Sampler::new(mesh);
+            let part = &strokes[index * PART..strokes.len().min((index + 1) * PART)];
+            part.iter().map(|&stroke| sampler.at(stroke).ok().map(|point| point.delta_cd_mm)).collect()
+        };
+        let (parts, _) = parallel::map(threads, strokes.len().div_ceil(PART), || (), part);
+        parts.into_iter().collect::<Option<Vec<_>>>().map(|parts| parts.concat())
     };
     let count = (length / mesh.pair().rack().pitch_mm * CELLS_PER_PITCH).ceil().clamp(1.0, MOST);
     // whole and at most a million
@@ -44,30 +70,45 @@ pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
             && index + 1 < values.len()
             && (0.5 * (values[index - 1] + values[index + 1]) - values[index]).abs() > STRAIGHT
     };
-    let (mut sum, mut bent): (f64, Vec<Cell>) = (0.0, Vec::new());
-    let mut add = |[(from, start), (to, end)]: Cell| sum += 0.5 * (start + end) * (to - from);
+    let (mut sum, mut bent): (f64, Vec<[(f64, f64); 2]>) = (0.0, Vec::new());
     for index in 1..values.len() {
-        let cell = [(strokes[index - 1], values[index - 1]), (strokes[index], values[index])];
-        if bends(index - 1) || bends(index) { bent.push(cell) } else { add(cell) }
+        let [from, to] = [index - 1, index].map(|index| (strokes[index], values[index]));
+        if bends(index - 1) || bends(index) {
+            bent.push([from, to]);
+        } else {
+            sum += 0.5 * (from.1 + to.1) * (to.0 - from.0);
+        }
     }
+    let middle = |[from, to]: &[(f64, f64); 2]| 0.5 * (from.0 + to.0);
+    let middles: Vec<f64> = bent.iter().map(middle).collect();
+    let found = solve(&middles)?;
+    let mut cells: Vec<Cell> = bent
+        .iter()
+        .zip(middles.into_iter().zip(found))
+        .map(|([from, to], mid)| Cell { from: *from, mid, to: *to })
+        .collect();
     for _ in 0..HALVINGS {
-        let middles: Vec<f64> = bent.iter().map(|[(from, _), (to, _)]| 0.5 * (from + to)).collect();
+        let halves: Vec<_> = cells.iter().flat_map(|cell| [[cell.from, cell.mid], [cell.mid, cell.to]]).collect();
+        let middles: Vec<f64> = halves.iter().map(middle).collect();
         let found = solve(&middles)?;
+        let halves: Vec<_> = halves
+            .iter()
+            .zip(middles.into_iter().zip(found))
+            .map(|([from, to], mid)| Cell { from: *from, mid, to: *to })
+            .collect();
         let mut next = Vec::new();
-        for ((cell, middle), value) in bent.iter().zip(middles).zip(found) {
-            let halves = [[cell[0], (middle, value)], [(middle, value), cell[1]]];
-            if (0.5 * (cell[0].1 + cell[1].1) - value).abs() > STRAIGHT {
-                next.extend(halves);
+        for (cell, halves) in cells.iter().zip(halves.chunks(2)) {
+            let finer: f64 = halves.iter().map(Cell::integral).sum();
+            if (finer - cell.integral()).abs() > STRAIGHT * cell.width() {
+                next.extend_from_slice(halves);
             } else {
-                halves.into_iter().for_each(&mut add);
+                sum += finer;
             }
         }
-        bent = next;
+        cells = next;
     }
     // what is still bent takes the value in its middle: beside a jump at an end of the range the curve is not drawn in
-    let middles: Vec<f64> = bent.iter().map(|[(from, _), (to, _)]| 0.5 * (from + to)).collect();
-    let widths = bent.iter().map(|[(from, _), (to, _)]| to - from);
-    sum += solve(&middles)?.into_iter().zip(widths).map(|(value, width)| value * width).sum::<f64>();
+    sum += cells.iter().map(|cell| cell.mid.1 * cell.width()).sum::<f64>();
     Some(sum / length)
 }
 
