@@ -94,6 +94,38 @@ impl CurvePlot {
         Ok([x, (y.0 - air, y.1 + air)])
     }
 
+    /// The corner where the legend hides least of the curves; of equals the first.
+    fn legend_corner(&self, [x, y]: [(f64, f64); 2], labels: usize) -> SeriesLabelPosition {
+        /// What the legend takes of the width, and a label of the height, with some room.
+        const WIDTH: f64 = 0.16;
+        const HEIGHT: f64 = 0.06;
+        // no plot has many labels
+        #[expect(clippy::cast_precision_loss, reason = "a handful")]
+        let (width, height) = (WIDTH * (x.1 - x.0), HEIGHT * (labels as f64 + 0.5) * (y.1 - y.0));
+        let (left, right) = ((x.0, x.0 + width), (x.1 - width, x.1));
+        let (lower, upper) = ((y.0, y.0 + height), (y.1 - height, y.1));
+        // the length along the stroke for which a segment is behind the legend, drawn as high as it goes there
+        let hidden = |two: &[(f64, f64)], across: (f64, f64), up: (f64, f64)| {
+            let [(a, b), (c, d)] = [two[0], two[1]];
+            let (from, to) = (a.min(c).max(across.0), a.max(c).min(across.1));
+            let at = |v: f64| if c == a { b } else { b + (d - b) * (v - a) / (c - a) };
+            let (low, high) = (at(from).min(at(to)), at(from).max(at(to)));
+            if to > from && high >= up.0 && low <= up.1 { to - from } else { 0.0 }
+        };
+        let corners = [
+            (SeriesLabelPosition::UpperRight, right, upper),
+            (SeriesLabelPosition::LowerRight, right, lower),
+            (SeriesLabelPosition::UpperLeft, left, upper),
+            (SeriesLabelPosition::LowerLeft, left, lower),
+        ];
+        let covered = corners.map(|(corner, across, up)| {
+            let curves = self.curves.iter().flat_map(|curve| curve.points.windows(2));
+            (corner, curves.map(|two| hidden(two, across, up)).sum::<f64>())
+        });
+        let least = covered.into_iter().reduce(|best, other| if other.1 < best.1 { other } else { best });
+        least.map_or(SeriesLabelPosition::UpperRight, |(corner, _)| corner)
+    }
+
     /// A dot at each mark, and its label where there is room for it.
     fn draw_marks<DB: DrawingBackend>(
         &self,
@@ -148,7 +180,8 @@ impl Drawing for CurvePlot {
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));
         }
         self.draw_marks(&mut chart)?;
-        legend(chart, area, SeriesLabelPosition::UpperRight)
+        let labels = self.curves.len() + usize::from(self.band.is_some()) + usize::from(!self.limits.is_empty());
+        legend(chart, area, self.legend_corner([x, y], labels))
     }
 }
 
@@ -168,6 +201,23 @@ mod tests {
             y_label: "ΔCD [mm]",
             marks: vec![Mark { stroke_mm: 10.5, delta_cd_mm: 0.027, label: "r4".to_owned() }],
         }
+    }
+
+    #[test]
+    fn the_legend_stands_where_no_curve_is() {
+        let corner = |points: Vec<(f64, f64)>| {
+            let plot = CurvePlot { curves: vec![Series { label: String::new(), points }], ..CurvePlot::default() };
+            plot.legend_corner(plot.ranges().unwrap(), 2)
+        };
+        let name = |position: SeriesLabelPosition| match position {
+            SeriesLabelPosition::UpperRight => "upper right",
+            SeriesLabelPosition::LowerRight => "lower right",
+            SeriesLabelPosition::UpperLeft => "upper left",
+            _ => "another",
+        };
+        assert_eq!(name(corner(vec![(0.0, 0.0), (50.0, 0.0)])), "upper right");
+        assert_eq!(name(corner(vec![(0.0, 0.0), (20.0, 0.0), (25.0, 0.1), (50.0, 0.1)])), "lower right");
+        assert_eq!(name(corner(vec![(0.0, 0.0), (44.0, 0.0), (50.0, 1.0)])), "upper left");
     }
 
     #[test]
