@@ -82,7 +82,9 @@ impl Row {
     fn why(&self) -> Option<String> {
         let (mesh, multibody) = (self.mesh_mm()?, self.multibody_mm()?);
         let outcome = &self.simulated.as_ref().ok()?.outcome;
-        let micrometres = |mm: f64| format!("{} µm", signed(1000.0 * mm, 2));
+        let micrometres = |mm: f64| {
+            if mm.abs() < 5e-6 { "less than 0.01 µm".to_owned() } else { format!("{} µm", signed(1000.0 * mm, 2)) }
+        };
         // what the load takes off the second part more than off the first
         let elastic = outcome.difference_mm().zip(outcome.rigid_difference_mm()).map(|(all, rigid)| all - rigid);
         let left = outcome.rigid_difference_mm().map(|rigid| rigid - mesh);
@@ -219,9 +221,9 @@ impl Report for Reproduction {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = vec![Block::Title(
-            "Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing: ΔCD [mm]".to_owned(),
-        )];
+        let mut blocks =
+            vec![Block::Title("Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing".to_owned())];
+        blocks.push(Block::Note("ΔCD in mm, as the paper prints it and as it is computed here".to_owned()));
         let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| signed(value, 5));
         for table in TABLES {
             let (_, heading, _, why) = of_table(table);
