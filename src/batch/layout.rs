@@ -1,4 +1,5 @@
-//! Where one table has what: columns found by name, with their units.
+//! Where one table has what: columns found by name, with their units. Made once per table from the plan and the header;
+//! reads no row.
 
 use super::input::Header;
 use super::number::{Scale, degrees_per_integer, read};

@@ -1,4 +1,5 @@
-//! What a batch came to: counts that add up, what is wrong with which row, the parts to look at.
+//! What a batch came to: counts that add up, what is wrong with which row, the parts to look at. Filled by the run,
+//! read by the reports; decides nothing.
 
 use std::fmt;
 use std::sync::Arc;

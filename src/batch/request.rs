@@ -1,4 +1,4 @@
-//! What is asked of a batch.
+//! What is asked of a batch. Filled by the command line, read by the plan; knows no table.
 
 use super::number::Decimals;
 use crate::decision::monte_carlo::Settings;

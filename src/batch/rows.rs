@@ -1,4 +1,4 @@
-//! The row that is written for a part.
+//! The row that is written for a part. Called by the row evaluator; computes nothing.
 
 use super::evaluate::{Evaluator, Row};
 use super::number::Decimals;

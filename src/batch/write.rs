@@ -1,4 +1,4 @@
-//! Text as the formats of rows write it.
+//! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
 
 use super::buffer::Buffer;
 use super::input;

@@ -1,4 +1,5 @@
-//! One part's errors, evaluated: ΔCD of each, combined, and judged.
+//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line, the batch where its fast way does
+//! not decide, and budgets; takes formulas as they are.
 
 use thiserror::Error;
 

@@ -1,4 +1,4 @@
-//! The stack-up: what several errors do together.
+//! The stack-up: what several errors do together. Called by the evaluation; sums and comparisons are exact, and it judges nothing.
 
 use std::fmt;
 

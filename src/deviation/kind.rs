@@ -1,4 +1,4 @@
-//! The kinds of manufacturing error that the formulas know, one value per part.
+//! The kinds of manufacturing error that the formulas know, one value per part. Named by every layer above; holds no formula.
 
 use std::fmt;
 

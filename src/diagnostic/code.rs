@@ -1,4 +1,4 @@
-//! The kinds of problems and their documentation.
+//! The kinds of problems and their documentation. Every diagnostic has one; `explain` prints its page, a test keeps names unique.
 
 use std::fmt;
 

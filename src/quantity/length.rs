@@ -1,4 +1,4 @@
-//! Lengths.
+//! Lengths: rational numbers of millimetres, with their units. Used by every module; rounded only where they leave.
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,4 +1,4 @@
-//! Numbers as text.
+//! Numbers as text. Called by all reports: how many digits a column has is decided here.
 
 /// A length in mm for people: signed, to 0.1 µm; a value too small for that in powers of ten, so that
 /// nothing but zero is printed as zero.

@@ -1,4 +1,4 @@
-//! A small plot in the terminal, drawn with braille dots.
+//! A small plot in the terminal, drawn with braille dots. Called by the reports of curves where the screen can show it.
 
 use super::number::signed;
 

@@ -1,4 +1,5 @@
-//! Text and tables for people: on a screen, and in Markdown.
+//! Text and tables for people: on a screen, and in Markdown. Called by the writer of reports; knows widths and colours, and no
+//! result.
 
 use anstyle::{AnsiColor, Style};
 use comfy_table::{

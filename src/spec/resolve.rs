@@ -247,11 +247,12 @@ impl MissingKeys {
             let MissingKey { section, name, needed_by, place } = key;
             let verb = if needed_by.len() == 1 { "needs" } else { "need" };
             let message = format!("`{section}.{name}` is missing; {} {verb} it", needed_by.join(", "));
-            let diagnostic =
-                Diagnostic::error(Code::MissingKey, message).help(format!("add `{name} = …` below [{section}]"));
+            let diagnostic = Diagnostic::error(Code::MissingKey, message);
+            let help = format!("add `{name} = …` below [{section}]");
             match place {
-                Some((span, label)) => diagnostic.at(source, span.clone(), label.as_str()),
-                None => diagnostic,
+                Some((span, label)) => diagnostic.help(help).at(source, span.clone(), label.as_str()),
+                // nothing in the spec asked for it: the file is named at least
+                None => diagnostic.help(format!("{help} in {}", source.name)),
             }
         })
     }

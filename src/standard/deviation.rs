@@ -1,4 +1,4 @@
-//! The deviations that the standards limit, with their symbols.
+//! The deviations that the standards limit, with their symbols. Named by all files of standards; holds no values.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! A permissible value with all that it came from.
+//! A permissible value with all that it came from. Made by the files of the standards, shown by the reports of classes.
 
 use std::fmt;
 

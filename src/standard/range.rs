@@ -1,4 +1,4 @@
-//! Ranges of sizes: over one limit, up to and including the next.
+//! Ranges of sizes: over one limit, up to and including the next. Asked by the files of the standards; extrapolates nothing.
 
 use crate::quantity::Rational;
 

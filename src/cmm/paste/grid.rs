@@ -1,4 +1,5 @@
-//! A pasted text cut into records and cells, once for each separator that it may have.
+//! A pasted text cut into records and cells, once for each separator that it may have. Called by
+//! [`understand`](super::understand); knows no names and no numbers.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Reads Q-DAS ASCII text, line by line.
+//! Reads Q-DAS ASCII text, line by line. Called by [`read`](fn@super::read); keeps what is said, and judges nothing.
 
 use std::sync::Arc;
 

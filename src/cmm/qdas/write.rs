@@ -1,4 +1,5 @@
-//! Writes results as Q-DAS ASCII, for the statistics software that the measured values came from.
+//! Writes results as Q-DAS ASCII, for the statistics software that the measured values came from. Called by the reports of
+//! `paste` and `batch`; opens no file.
 
 use super::PartDefinition;
 

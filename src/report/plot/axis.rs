@@ -1,4 +1,4 @@
-//! A linear axis with round tick marks, found without the platform's logarithm, and a logarithmic one.
+//! A linear axis with round tick marks, found without the platform's logarithm, and a logarithmic one. Called by the plots.
 
 use std::ops::Range;
 
