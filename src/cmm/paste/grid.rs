@@ -168,7 +168,11 @@ fn by_line(text: &str, separator: Separator) -> Vec<Record> {
             continue;
         }
         let cells = match separator {
-            Separator::Lines => vec![line.clone()],
+            // one column of a table whose cells are in quotes
+            Separator::Lines => match quoted(text, line.span.start, '\n') {
+                Some((cell, _)) if cell.span == line.span => vec![cell],
+                _ => vec![line.clone()],
+            },
             Separator::AlignedBlanks => aligned(text, &line.span),
             _ => joined(text, tokens(text, &line.span)),
         };
@@ -256,6 +260,7 @@ mod tests {
         assert_eq!(cells("a b   c\n1     - 2 um", Separator::AlignedBlanks), [vec!["a b", "c"], vec!["1", "- 2 um"]]);
         assert_eq!(cells("rack pitch: - 12,5 µm 13 µm", Separator::Blanks), [vec!["rack pitch", "- 12,5 µm", "13 µm"]]);
         assert_eq!(cells("a \"b\" c\n\n", Separator::Lines), [vec!["a \"b\" c"]]);
+        assert_eq!(cells("\"a\"\n \"25,013\"\r\n\"b\" c\n", Separator::Lines), [["a"], ["25,013"], ["\"b\" c"]]);
         assert_eq!(cells("\"open, 1\n2", Separator::Comma), [vec!["\"open", "1"], vec!["2"]]);
     }
 }
