@@ -70,7 +70,7 @@ impl Rational {
         if exponent < 0 { Self::from_parts(IBig::ONE, power) } else { Self(Relaxed::from(power)) }
     }
 
-    /// Reads a decimal number, exactly: `25.0131`, `-3`, `+1.5e-3`, `1_000`.
+    /// Reads a decimal number, exactly: `25.0131`, `-3`, `+1.5e-3`, `1_000` (an underscore stands between two digits).
     ///
     /// # Errors
     /// [`NumberError`] if the text is not a decimal number, or is too large or too small for an `f64`.
@@ -88,7 +88,11 @@ impl Rational {
         };
         let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
         let digits: String = whole.chars().chain(fraction.chars()).filter(|c| *c != '_').collect();
-        if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        if digits.is_empty()
+            || !groups_digits(whole)
+            || !groups_digits(fraction)
+            || !digits.bytes().all(|b| b.is_ascii_digit())
+        {
             return Err(match text.to_ascii_lowercase().trim_start_matches(['+', '-']) {
                 "" => NumberError::Empty,
                 "inf" | "infinity" | "nan" => NumberError::NotFinite,
@@ -311,6 +315,11 @@ impl fmt::Debug for Rational {
     }
 }
 
+/// Whether each underscore stands between two digits.
+fn groups_digits(digits: &str) -> bool {
+    !digits.contains('_') || digits.split('_').all(|group| !group.is_empty())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -332,6 +341,11 @@ mod tests {
     #[test]
     fn what_is_no_number_says_why() {
         for (text, error) in [
+            ("1_", NumberError::NotANumber),
+            ("_1", NumberError::NotANumber),
+            ("1__0", NumberError::NotANumber),
+            ("25_.013", NumberError::NotANumber),
+            ("25._013", NumberError::NotANumber),
             ("", NumberError::Empty),
             ("-", NumberError::Empty),
             ("0,4", NumberError::Comma),

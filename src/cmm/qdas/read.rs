@@ -175,7 +175,7 @@ impl Reader {
         if NUMBERS.contains(&line.key) && !text.is_empty() {
             // no thousands marks, so that a comma is a decimal comma
             let plain = text.replace(',', ".");
-            if Rational::parse_decimal(&plain).is_err() || normalise(&plain, DecimalMark::Point).is_none() {
+            if !is_number(&plain) || normalise(&plain, DecimalMark::Point).is_none() {
                 let span = line.start..line.start + line.text.len();
                 return Err(self.bad(span, format!("K{:04}/{}: `{text}` is not a number", line.key, line.index)));
             }
@@ -248,7 +248,7 @@ impl Reader {
         let span = start..start + text.len();
         let trimmed = text.trim();
         let plain = trimmed.replace(',', ".");
-        if !trimmed.is_empty() && Rational::parse_decimal(&plain).is_err() {
+        if !trimmed.is_empty() && !is_number(&plain) {
             let shown: String = trimmed.chars().take(40).collect();
             return Err(self.bad(span, format!("K0001: `{shown}` is not a number")));
         }
@@ -326,6 +326,11 @@ impl Reader {
             part_names: self.part_names,
         })
     }
+}
+
+/// Whether a text with a decimal point is a number as these files write them, without grouping of digits.
+fn is_number(text: &str) -> bool {
+    !text.contains('_') && Rational::parse_decimal(text).is_ok()
 }
 
 /// The nominal value and an allowance as one decimal number; rational arithmetic keeps every digit.
