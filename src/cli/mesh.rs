@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::output::{Failure, Output, Status};
 use crate::cmm;
 use crate::decision::{LimitTarget, Prediction, Verdict};
+use crate::deviation::RackDeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
@@ -121,7 +122,6 @@ pub(super) fn prediction(input: &MeshInput) -> Prediction {
 
 /// Remarks on the input, and on why mesh and formulas differ.
 pub(super) fn notes(input: &MeshInput) -> Vec<String> {
-    use crate::deviation::RackDeviationKind;
     let mut notes = Vec::new();
     if input.origin == Origin::Errors {
         notes.push(
@@ -159,6 +159,22 @@ pub(super) fn notes(input: &MeshInput) -> Vec<String> {
     notes
 }
 
+/// A remark where a pinion tooth carries alone in a space that is too wide, which the formulas do not know.
+fn sinks(input: &MeshInput, curve: &Curve, prediction: &Prediction) -> Option<String> {
+    use crate::deviation::RackDeviationKind::{Lead, Pitch, Shift};
+    let kind = |of: fn(&RackDeviationKind) -> bool| input.rack_deviations.iter().any(|deviation| of(&deviation.kind));
+    let lowest = curve.points.iter().map(|point| point.delta_cd_mm).fold(f64::INFINITY, f64::min);
+    let below = lowest < prediction.range_mm().0 - curve.tolerance_mm.max(1e-6);
+    let ratio = input.mesh.pair().contact_ratio().total;
+    (below && ratio < 2.0 && kind(|kind| matches!(kind, Pitch(_) | Shift(_))) && !kind(|kind| matches!(kind, Lead(_))))
+        .then(|| {
+            format!(
+                "the exact mesh goes below the formulas: with a contact ratio of {ratio:.2} a pinion tooth sometimes carries \
+                 alone, and in a space that is too wide it sinks"
+            )
+        })
+}
+
 /// A list longer than this is for programs, not for a table.
 const MOST_LISTED: u64 = 1000;
 
@@ -177,6 +193,7 @@ impl Args {
         let curve = self.range.curve(&input.mesh)?;
         let prediction = prediction(&input);
         let mut notes = notes(&input);
+        notes.extend(sinks(&input, &curve, &prediction));
         let mut listed: Vec<ListedPoint> = Vec::new();
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
             if strokes.count <= MOST_LISTED {
