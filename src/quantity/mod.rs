@@ -27,11 +27,11 @@ mod rounded;
 pub use angle::{Angle, AngleUnit};
 pub use domain::{Bound, Domain, DomainError};
 pub use length::{Length, LengthUnit};
-pub use parse::{NumberError, QuantityError};
 #[cfg(feature = "batch")]
 pub(crate) use parse::shown;
 #[cfg(feature = "spec")]
 pub(crate) use parse::split_number;
+pub use parse::{NumberError, QuantityError};
 pub use rational::Rational;
 pub(crate) use rounded::{Degrees, Rounded};
 
