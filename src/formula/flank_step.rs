@@ -73,3 +73,34 @@ impl FlankStep {
         Ok(all)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(alpha: &str, beta: &str) -> FlankStep {
+        FlankStep::new(&alpha.parse().unwrap(), &beta.parse().unwrap(), &domain::RACK_HELIX_ANGLE).unwrap()
+    }
+
+    /// cos 30°/(2 tan 30°) = 3/4: the error that reaches the limit exactly is allowed, the next `f64` is not.
+    #[test]
+    fn the_largest_error_may_reach_the_limit() {
+        let mm = |value| Length::from_mm(value).unwrap();
+        let step = step("30", "30");
+        assert_eq!(step.largest_error(&mm(0.75), Model::Exact).unwrap(), mm(1.0));
+        let largest = step.largest_error(&mm(0.03), Model::Exact).unwrap();
+        assert!(step.delta_cd(&largest, Model::Exact).unwrap() <= mm(0.03), "0.04 rounded to an f64 would be above");
+        assert_eq!(step.largest_error(&mm(0.0), Model::Exact).unwrap(), mm(0.0));
+    }
+
+    /// The paper's model knows no helix, so it has no derivative by it.
+    #[test]
+    fn the_helix_angle_counts_in_the_exact_model_only() {
+        let inputs = |model| {
+            let all = step("20", "15").sensitivities(&Length::from_mm(0.02).unwrap(), model).unwrap();
+            all.iter().map(|sensitivity| sensitivity.input).collect::<Vec<_>>()
+        };
+        assert!(inputs(Model::Exact).contains(&Input::HelixAngle));
+        assert!(!inputs(Model::Paper).contains(&Input::HelixAngle));
+    }
+}

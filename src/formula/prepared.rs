@@ -372,6 +372,9 @@ mod tests {
         for degrees in [45.1, f64::NAN, f64::INFINITY] {
             assert_eq!(prepared(lead).fixed_from_degrees(degrees), None);
         }
+        // a rack a hundred metres wide turned by 40° would be beyond the largest number of units
+        let wide = RackLead::new(&angle("20"), &Angle::ZERO, &"1e5".parse().unwrap()).unwrap();
+        assert_eq!(prepared(&PartFormula::RackLead(wide)).fixed_from_degrees(40.0), None);
         let tiny = PartFormula::RackPitch(RackPitch::new(&angle("1e-300"), &Angle::ZERO).unwrap());
         assert_eq!(prepared(&tiny).fixed(1), None);
     }

@@ -159,3 +159,16 @@ impl RackLead {
         Ok(all)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With k/(2 tan 45°) = 10 mm an error of 30° reaches 5 mm exactly, and is allowed.
+    #[test]
+    fn the_largest_error_may_reach_the_limit() {
+        let lead = RackLead::new(&"45".parse().unwrap(), &Angle::ZERO, &Length::from_mm(20.0).unwrap()).unwrap();
+        let largest = lead.largest_error(&Length::from_mm(5.0).unwrap(), Model::Exact).unwrap();
+        assert_eq!(largest, Angle::from_degrees(30.0).unwrap());
+    }
+}
