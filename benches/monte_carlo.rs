@@ -1,5 +1,5 @@
-//! Draws per second of the Monte Carlo simulation on the formulas (all five errors), and racks per second through the exact
-//! mesh, on one thread and on all.
+//! Draws per second of the Monte Carlo simulation on the formulas (all five errors), and racks per second through the
+//! exact mesh, on one thread and on all.
 #![allow(missing_docs)]
 
 use std::hint::black_box;

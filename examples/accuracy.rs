@@ -1,8 +1,8 @@
 //! How accurate everything is: the formulas against big floats, the exact mesh against brute force.
 //!
-//! `cargo run --release --example accuracy > benches/results/accuracy.md` writes the tables that the README shows; tests hold
-//! the README to them and the solver to the table. Every case comes from a seed. The multibody model has its orders of convergence against
-//! those that theory gives.
+//! `cargo run --release --example accuracy > benches/results/accuracy.md` writes the tables that the README shows;
+//! tests hold the README to them and the solver to the table. Every case comes from a seed. The multibody model has its
+//! orders of convergence against those that theory gives.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

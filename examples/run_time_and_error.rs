@@ -3,8 +3,8 @@
 //! `cargo run --release --example run_time_and_error [FOLDER]` prints a table, and writes it as CSV with one log-log
 //! picture for each kind of error into FOLDER (default `benches/results`).
 //!
-//! The error of a model is the root mean square, over the strokes at which only teeth with deviations are in contact, of
-//! its ΔCD less that of the exact mesh at the same stroke. A simulation's ΔCD is taken with its elastic indentation
+//! The error of a model is the root mean square, over the strokes at which only teeth with deviations are in contact,
+//! of its ΔCD less that of the exact mesh at the same stroke. A simulation's ΔCD is taken with its elastic indentation
 //! added back. The run time is the median of several runs, for one core and 50 mm of stroke.
 
 use std::error::Error;

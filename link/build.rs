@@ -1,12 +1,12 @@
 //! The order in which the program's functions are linked on Linux, so that `rackmesh eval` starts at once.
 //!
-//! Starting is mostly page faults, and the system brings in code by blocks of 64 KiB. What `eval` runs is an eighth of the
-//! program; spread all over it, nearly every block was brought in. `start-order` holds the names of those functions, as
-//! `record` saw them run, and this script has the linker put them one behind the other. Without it `eval` takes 1.2 times as
-//! long and peaks at 5.1 instead of 3.3 MiB (`cargo bench --bench startup`).
+//! Starting is mostly page faults, and the system brings in code by blocks of 64 KiB. What `eval` runs is an eighth of
+//! the program; spread all over it, nearly every block was brought in. `start-order` holds the names of those
+//! functions, as `record` saw them run, and this script has the linker put them one behind the other. Without it `eval`
+//! takes 1.2 times as long and peaks at 5.1 instead of 3.3 MiB (`cargo bench --bench startup`).
 //!
-//! It is an order and nothing else: a name that no longer exists costs a little time. Where a linker was chosen (a linker in
-//! Cargo's configuration, `-C linker`, `-fuse-ld`) it is left alone, because not every linker reads scripts.
+//! It is an order and nothing else: a name that no longer exists costs a little time. Where a linker was chosen (a
+//! linker in Cargo's configuration, `-C linker`, `-fuse-ld`) it is left alone, because not every linker reads scripts.
 
 use std::path::Path;
 
@@ -26,8 +26,8 @@ fn main() {
     }
 }
 
-/// A linker script that puts the named functions before the rest of the code. Functions that the compiler thinks unlikely
-/// stand in sections of their own.
+/// A linker script that puts the named functions before the rest of the code. Functions that the compiler thinks
+/// unlikely stand in sections of their own.
 fn order(names: &str) -> String {
     let mut script = "SECTIONS {\n  .text.start : {\n".to_owned();
     for name in names.lines() {

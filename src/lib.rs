@@ -49,7 +49,6 @@
 //! assert_eq!(evaluation.verdict, Some(Verdict::Pass)); // equal to the limit is inside it
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//!
 #![cfg_attr(
     feature = "spec",
     doc = r#"

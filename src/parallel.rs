@@ -1,5 +1,5 @@
-//! Work shared out over the machine's cores. Called by the mesh for many strokes and by whatever repeats a simulation; knows
-//! nothing of what is worked on. Results come in the order of the work, whichever thread was faster.
+//! Work shared out over the machine's cores. Called by the mesh for many strokes and by whatever repeats a simulation;
+//! knows nothing of what is worked on. Results come in the order of the work, whichever thread was faster.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,8 +9,8 @@ pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Makes something of each number below `count` on up to so many threads. `start` makes what a thread keeps from one number
-/// to the next. Returns what was made, in order, and what the threads kept, in no order.
+/// Makes something of each number below `count` on up to so many threads. `start` makes what a thread keeps from one
+/// number to the next. Returns what was made, in order, and what the threads kept, in no order.
 pub(crate) fn map<T: Send, W: Send>(
     threads: usize,
     count: usize,

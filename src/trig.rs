@@ -1,4 +1,5 @@
-//! The only place that computes trigonometric functions. Called by everything that needs one; angles are in rad unless they are exact.
+//! The only place that computes trigonometric functions. Called by everything that needs one; angles are in rad unless
+//! they are exact.
 //!
 //! The platform's own functions differ in the last bits between C libraries, so they are banned by
 //! lint (`clippy.toml`); the ones here are pure Rust and give the same bits everywhere.

@@ -1,7 +1,8 @@
 //! What rackmesh is built from: licences that go with its own, and no C.
 //!
-//! `RACKMESH_UPDATE=1 cargo test --test dependencies` writes the list in `LICENSE-THIRD-PARTY.md` anew. Nothing is asked of the
-//! network: Cargo knows the licence of every package that it has built. The list is that of 64-bit Linux with every feature.
+//! `RACKMESH_UPDATE=1 cargo test --test dependencies` writes the list in `LICENSE-THIRD-PARTY.md` anew. Nothing is
+//! asked of the network: Cargo knows the licence of every package that it has built. The list is that of 64-bit Linux
+//! with every feature.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #![allow(missing_docs)]
 
@@ -39,7 +40,8 @@ fn metadata() -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The packages by name and version that the library and the program need, with those that only their tests need or without.
+/// The packages by name and version that the library and the program need, with those that only their tests need or
+/// without.
 fn packages<'a>(metadata: &'a Value, with_tests: bool) -> BTreeMap<(&'a str, &'a str), &'a Value> {
     let by_id = |list: &'a Value| -> BTreeMap<&'a str, &'a Value> {
         list.as_array().unwrap().iter().map(|item| (item["id"].as_str().unwrap(), item)).collect()

@@ -189,8 +189,8 @@ fn every_subcommands_help_shows_an_example() {
     }
 }
 
-/// Rows are written as they are solved, in order, by as many cores as there are; a program that reads the first ones may
-/// go away.
+/// Rows are written as they are solved, in order, by as many cores as there are; a program that reads the first ones
+/// may go away.
 #[test]
 fn a_long_list_of_strokes_comes_in_order_and_whole() {
     let mesh = |format: &str| {

@@ -1,5 +1,6 @@
 //! Numerical stability of the formulas and the exact mesh: inputs at the edges of every domain, relations between
-//! related inputs that hold whatever the numbers are, monotone where physics says so, and the work that an answer takes.
+//! related inputs that hold whatever the numbers are, monotone where physics says so, and the work that an answer
+//! takes.
 //!
 //! The default run is short; `RACKMESH_LONG_TESTS=1` runs 40 times as many cases.
 #![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
@@ -566,7 +567,8 @@ fn extreme_pairs_have_an_answer_or_an_error() {
                         }
                     }
                     Err(MeshError::NoContact { .. } | MeshError::RackToothOrder { .. }) => {}
-                    // the flanks of a single tooth start above its middle; crossed faces narrower than a module may hold no flank
+                    // the flanks of a single tooth start above its middle; crossed faces narrower than a module may
+                    // hold no flank
                     Err(MeshError::TipOnTip { .. }) if disturbed || teeth == 1 || faces.0.min(faces.1) < 1.0 => {}
                     Err(other) => panic!("seed {seed}, stroke {s}, disturbed {disturbed}: {other}\n{pair:?}"),
                 }
@@ -577,8 +579,8 @@ fn extreme_pairs_have_an_answer_or_an_error() {
     assert!(solved * 2 > tried && solved > 300 && unsettled * 8 < solved, "{solved} of {tried}, {unsettled}");
 }
 
-/// Where a flank pair reaches the end of its contact the curve goes on: the line of contact meets the tip edge there, and
-/// one stroke of rounding decides which of them is named.
+/// Where a flank pair reaches the end of its contact the curve goes on: the line of contact meets the tip edge there,
+/// and one stroke of rounding decides which of them is named.
 #[test]
 fn contact_exactly_at_an_edge_is_as_contact_next_to_it() {
     // the roll angle at the contact is ν − c, linear in the stroke: at the tip for this one
@@ -637,8 +639,8 @@ fn tied_teeth_do_not_flicker() {
     }
 }
 
-/// Faces that cover each other at one point only, crossed at a right angle: there is contact when a flank stands just there,
-/// and none otherwise.
+/// Faces that cover each other at one point only, crossed at a right angle: there is contact when a flank stands just
+/// there, and none otherwise.
 #[test]
 fn faces_that_never_meet_are_no_contact() {
     let eighth = std::f64::consts::FRAC_PI_4;

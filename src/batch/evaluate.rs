@@ -409,8 +409,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Evaluates errors exactly, with their uncertainties where these are needed; else the column that is to blame, if one
-    /// is, and what is wrong.
+    /// Evaluates errors exactly, with their uncertainties where these are needed; else the column that is to blame, if
+    /// one is, and what is wrong.
     fn evaluated(&self, errors: &[PartError]) -> Result<(Evaluation, Option<Known>), (Option<String>, String)> {
         let plan = self.plan;
         let mut evaluation = evaluate(errors, &plan.limits, plan.model, plan.stack).map_err(|error| {

@@ -73,8 +73,8 @@ pub struct Header {
 }
 
 impl Header {
-    /// The columns as a message lists them, as many as it has room for; one without a name (the margin of a sheet) is none
-    /// to choose.
+    /// The columns as a message lists them, as many as it has room for; one without a name (the margin of a sheet) is
+    /// none to choose.
     pub(super) fn names(&self) -> String {
         const MOST: usize = 30;
         let named = || self.columns.iter().filter(|name| !name.is_empty());

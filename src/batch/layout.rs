@@ -325,8 +325,8 @@ pub(super) fn find_column(spec: &Spec, header: &Header, kind: ErrorKind) -> Resu
     }
 }
 
-/// The column whose heading means an error, in English or German: `Rollenmaß [mm]`, `rack pitch error (um)`. A heading of one
-/// letter means nothing here: a table may have any columns.
+/// The column whose heading means an error, in English or German: `Rollenmaß [mm]`, `rack pitch error (um)`. A heading
+/// of one letter means nothing here: a table may have any columns.
 fn find_meaning(spec: &Spec, header: &Header, kind: ErrorKind) -> Result<Option<Found>, Diagnostic> {
     let field = paste::Field::Error(kind);
     let mut found: Option<(Found, &String)> = None;

@@ -1,4 +1,5 @@
-//! Limits in integers of 1e-15 mm, for results with a bound on their error. Made by the plan, asked by the row evaluator.
+//! Limits in integers of 1e-15 mm, for results with a bound on their error. Made by the plan, asked by the row
+//! evaluator.
 
 use crate::decision::{Limit, LimitTarget, Limits, Rule};
 use crate::deviation::ErrorKind;

@@ -1,4 +1,5 @@
-//! What can be written for a part, and what of it was asked for. Called by the plan; names columns and computes nothing.
+//! What can be written for a part, and what of it was asked for. Called by the plan; names columns and computes
+//! nothing.
 
 use super::input::Header;
 use super::request::Request;

@@ -1,7 +1,7 @@
 //! Rows as a Parquet file. Given to a batch as the writer of its rows; the command line ends it.
 //!
-//! Takes the rows as CSV, with their header, and writes groups of [`GROUP`] rows, so that memory does not depend on how many
-//! there are. Numbers become doubles: what a program reads is what the CSV says. An empty field is null.
+//! Takes the rows as CSV, with their header, and writes groups of [`GROUP`] rows, so that memory does not depend on how
+//! many there are. Numbers become doubles: what a program reads is what the CSV says. An empty field is null.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};

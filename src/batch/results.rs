@@ -1,5 +1,5 @@
-//! The results of one part in integers of 1e-15 mm, and what they say about the limits. Called by the row evaluator; says
-//! nothing where its bounds do not decide.
+//! The results of one part in integers of 1e-15 mm, and what they say about the limits. Called by the row evaluator;
+//! says nothing where its bounds do not decide.
 
 use super::layout::Layout;
 use super::limits::{Holds, Judged};

@@ -111,8 +111,8 @@ impl Statistics {
         self.gauge = (self.gauge.0.saturating_add(units), self.gauge.1 + 1);
     }
 
-    /// The standard uncertainty of a value from measuring alone, mm: the root of the mean of the variances; `None` where no
-    /// uncertainty is given.
+    /// The standard uncertainty of a value from measuring alone, mm: the root of the mean of the variances; `None`
+    /// where no uncertainty is given.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum of many")]
     pub fn gauge_mm(&self) -> Option<f64> {
@@ -125,8 +125,8 @@ impl Statistics {
         self.moving = (self.moving.0.saturating_add(moving.sum), self.moving.1 + moving.count);
     }
 
-    /// The mean moving range: of the magnitudes of the differences of successive values, mm; `None` where these were not
-    /// followed, or if there are no two values.
+    /// The mean moving range: of the magnitudes of the differences of successive values, mm; `None` where these were
+    /// not followed, or if there are no two values.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum of many")]
     pub fn moving_range_mm(&self) -> Option<f64> {
@@ -134,8 +134,8 @@ impl Statistics {
         (count > 0 && self.is_known()).then(|| 1e-15 * (sum as f64 / count as f64))
     }
 
-    /// Whether the values look normally distributed; `None` where there are fewer than ten, or the mean is so far from 0
-    /// that the quantiles' bins are too wide for the spread.
+    /// Whether the values look normally distributed; `None` where there are fewer than ten, or the mean is so far from
+    /// 0 that the quantiles' bins are too wide for the spread.
     #[must_use]
     pub fn normality(&self) -> Option<Normality> {
         let (mean, deviation) = self.mean_mm().zip(self.standard_deviation_mm())?;

@@ -1,5 +1,5 @@
-//! What is uncertain about the parts of a batch, and what that makes of one part in the exact way. Made by the plan, asked by
-//! the row evaluator; decides nothing.
+//! What is uncertain about the parts of a batch, and what that makes of one part in the exact way. Made by the plan,
+//! asked by the row evaluator; decides nothing.
 
 use super::plan::Source;
 use super::request::Request;

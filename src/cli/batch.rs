@@ -39,13 +39,13 @@ indeterminate and none worse.")]
 pub(super) struct Args {
     /// The gear spec (TOML).
     spec: String,
-    /// Tables with a header and a row per part, gzip and zstd included; Excel workbooks (.xlsx) and Q-DAS files (.dfq, .dfd
-    /// with .dfx); `-` or none reads standard input.
+    /// Tables with a header and a row per part, gzip and zstd included; Excel workbooks (.xlsx) and Q-DAS files (.dfq,
+    /// .dfd with .dfx); `-` or none reads standard input.
     files: Vec<String>,
     #[command(flatten)]
     place: office::Place,
-    /// Write the rows (or the summary) here; `.tsv`, `.jsonl`, `.parquet`, `.xlsx` and `.dfq` name a format, `.gz` and `.zst`
-    /// pack.
+    /// Write the rows (or the summary) here; `.tsv`, `.jsonl`, `.parquet`, `.xlsx` and `.dfq` name a format, `.gz` and
+    /// `.zst` pack.
     #[arg(long, short)]
     output: Option<String>,
     /// The format of rows (csv, tsv, jsonl, parquet) or of a summary (table, markdown, json, csv).
@@ -360,8 +360,8 @@ impl Args {
         }
     }
 
-    /// A table, whatever file it is in, and the spec with what the file says where it is silent; that is said where there
-    /// is an `output`.
+    /// A table, whatever file it is in, and the spec with what the file says where it is silent; that is said where
+    /// there is an `output`.
     fn table(
         &self,
         file: &str,

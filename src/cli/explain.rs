@@ -40,8 +40,8 @@ fn page(topic: &str) -> Option<String> {
     Code::ALL.iter().find(|code| code.name() == topic).map(|code| code.page().to_owned())
 }
 
-/// Markdown as it reads on a screen: code indented instead of fenced; and where there is a width, paragraphs broken to fit it
-/// and tables drawn.
+/// Markdown as it reads on a screen: code indented instead of fenced; and where there is a width, paragraphs broken to
+/// fit it and tables drawn.
 fn for_screen(text: &str, width: Option<u16>) -> String {
     /// Longer lines are tiring to read.
     const WIDEST: u16 = 100;

@@ -1,5 +1,5 @@
-//! Where results and messages go, and what the exit status becomes. Made once per run; every subcommand writes through it, and
-//! nothing else prints.
+//! Where results and messages go, and what the exit status becomes. Made once per run; every subcommand writes through
+//! it, and nothing else prints.
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;

@@ -1,5 +1,5 @@
-//! A table of text cells with named columns, as workbooks and files of statistics software hold them. Made by their readers;
-//! understood as a pasted block.
+//! A table of text cells with named columns, as workbooks and files of statistics software hold them. Made by their
+//! readers; understood as a pasted block.
 
 /// A table.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -15,8 +15,8 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// The table as lines of cells between tabs, for [`understand`](super::paste::understand); each stands on its own line
-    /// number where that is possible, so that messages name it.
+    /// The table as lines of cells between tabs, for [`understand`](super::paste::understand); each stands on its own
+    /// line number where that is possible, so that messages name it.
     #[must_use]
     pub fn tabbed(&self) -> String {
         const LONGEST_GAP: u32 = 10_000;

@@ -1,5 +1,5 @@
-//! Reads a separated table: finds the separator, the columns and the decimal mark. Called by the readers of measured spaces and
-//! teeth; does not know what a column means.
+//! Reads a separated table: finds the separator, the columns and the decimal mark. Called by the readers of measured
+//! spaces and teeth; does not know what a column means.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! Tables with a row per tooth or space of one part. Called for the files that a spec names and for each part of a batch of
-//! teeth; makes rows of quantities, and no deviations of them.
+//! Tables with a row per tooth or space of one part. Called for the files that a spec names and for each part of a
+//! batch of teeth; makes rows of quantities, and no deviations of them.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Excel workbooks (`.xlsx`).
 //!
-//! The command line reads the file and calls [`Workbook::open`]; [`Workbook::rows`] streams one sheet, the first that has the
-//! columns unless one is named. Numbers come out as the shortest decimal that is the same double, which is what was
-//! typed into the cell. A workbook is unpacked once to count its bytes before anything is parsed, so that a small
+//! The command line reads the file and calls [`Workbook::open`]; [`Workbook::rows`] streams one sheet, the first that
+//! has the columns unless one is named. Numbers come out as the shortest decimal that is the same double, which is what
+//! was typed into the cell. A workbook is unpacked once to count its bytes before anything is parsed, so that a small
 //! file that unpacks to a huge one is refused.
 
 use std::io::{Cursor, Read as _};

@@ -1,5 +1,5 @@
-//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line, the batch where its fast way does
-//! not decide, and budgets; takes formulas as they are.
+//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line, the batch where its
+//! fast way does not decide, and budgets; takes formulas as they are.
 
 use thiserror::Error;
 
@@ -78,7 +78,8 @@ pub struct Evaluation {
     pub combined: Combined,
     /// One per limit.
     pub limits: Vec<LimitCheck>,
-    /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else pass.
+    /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else
+    /// pass.
     pub verdict: Option<Verdict>,
 }
 
@@ -88,8 +89,8 @@ impl Evaluation {
         self.limits.iter().filter(|check| check.verdict.is_none()).map(|check| check.on)
     }
 
-    /// Judges every limit again by a decision rule, with the uncertainty of the results and, if they were simulated, the
-    /// simulated probabilities of conformance (one per limit, NaN where there is none).
+    /// Judges every limit again by a decision rule, with the uncertainty of the results and, if they were simulated,
+    /// the simulated probabilities of conformance (one per limit, NaN where there is none).
     ///
     /// # Errors
     /// [`QuantityError`] if a guard band is beyond the range of numbers.

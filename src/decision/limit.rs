@@ -1,4 +1,5 @@
-//! Limits of ΔCD and the verdict against them. Built by the spec layer, asked by everything that judges; an equal value is inside.
+//! Limits of ΔCD and the verdict against them. Built by the spec layer, asked by everything that judges; an equal value
+//! is inside.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
-//! A rack measured space by space, or a pinion tooth by tooth, and what each deviation does by its formula. Built by the
-//! spec layer from a table, written by the reports.
+//! A rack measured space by space, or a pinion tooth by tooth, and what each deviation does by its formula. Built by
+//! the spec layer from a table, written by the reports.
 
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::Model;

@@ -7,15 +7,15 @@
 //! | `iso14253` | inside by the guard band g = 1.65 u_c | outside by it |
 //! | `guard=VALUE` | inside by the given guard band | outside by it |
 //!
-//! Between both lies indeterminate. ISO 14253-1:2017 takes a conformance probability of 95 % unless agreed otherwise, which
-//! at one limit is 1.65 standard uncertainties; older practice took U = 2 u_c. Where the result was simulated, `iso14253`
-//! holds the simulated probability of conformance against 95 % instead, which needs no normal distribution.
+//! Between both lies indeterminate. ISO 14253-1:2017 takes a conformance probability of 95 % unless agreed otherwise,
+//! which at one limit is 1.65 standard uncertainties; older practice took U = 2 u_c. Where the result was simulated,
+//! `iso14253` holds the simulated probability of conformance against 95 % instead, which needs no normal distribution.
 //!
 //! # Probabilities
-//! The probability of conformance p_c is that of the true value lying inside the limits, given the measured value and its
-//! uncertainty and nothing else (JCGM 106:2012, 7.2). The specific consumer's risk 1 − p_c is the probability that this
-//! part, if accepted, does not conform; the specific producer's risk p_c the probability that it, if rejected, does
-//! (JCGM 106:2012, 3.3.13 to 3.3.16 and 9.3).
+//! The probability of conformance p_c is that of the true value lying inside the limits, given the measured value and
+//! its uncertainty and nothing else (JCGM 106:2012, 7.2). The specific consumer's risk 1 − p_c is the probability that
+//! this part, if accepted, does not conform; the specific producer's risk p_c the probability that it, if rejected,
+//! does (JCGM 106:2012, 3.3.13 to 3.3.16 and 9.3).
 
 use super::statistics::{bivariate_normal_cdf, normal_cdf};
 use super::{Limit, Verdict};
@@ -157,8 +157,8 @@ impl Conformance {
 /// How a rule decided about one limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {
-    /// The guard bands at the lower and the upper limit, mm; `None` where the rule has none, or a simulated probability
-    /// decided.
+    /// The guard bands at the lower and the upper limit, mm; `None` where the rule has none, or a simulated
+    /// probability decided.
     pub guard_mm: Option<(f64, f64)>,
     /// The probability of conformance, where uncertainties are given.
     pub conformance: Option<Conformance>,
@@ -167,7 +167,8 @@ pub struct Decision {
 }
 
 /// Decides about one limit: `result` from its lower to its upper end is exact, `ends` is the same with its uncertainty,
-/// `simulated` the probability of conformance if it was simulated. Without uncertainty `iso14253` has a guard band of 0.
+/// `simulated` the probability of conformance if it was simulated. Without uncertainty `iso14253` has a guard band of
+/// 0.
 ///
 /// # Errors
 /// [`QuantityError`] if a guard band is beyond the range of numbers.

@@ -1,4 +1,5 @@
-//! The stack-up: what several errors do together. Called by the evaluation; sums and comparisons are exact, and it judges nothing.
+//! The stack-up: what several errors do together. Called by the evaluation; sums and comparisons are exact, and it
+//! judges nothing.
 
 use std::fmt;
 

@@ -1,9 +1,9 @@
 //! Distribution functions and quantiles: normal, Student's t, χ², bivariate normal. Called by the uncertainty, decision
 //! rules and capability of this module; knows nothing of gears.
 //!
-//! Everything rests on the pure-Rust `libm` (erf, erfc) and `special` (incomplete beta and gamma functions), so that results
-//! are the same bits on every platform. Accuracy: distribution functions to 1e-14 absolute, the normal one to 1e-15
-//! relative, quantiles as far as those allow; the tests hold them against printed tables and against each other.
+//! Everything rests on the pure-Rust `libm` (erf, erfc) and `special` (incomplete beta and gamma functions), so that
+//! results are the same bits on every platform. Accuracy: distribution functions to 1e-14 absolute, the normal one to
+//! 1e-15 relative, quantiles as far as those allow; the tests hold them against printed tables and against each other.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
@@ -11,8 +11,8 @@ use special::{Beta as _, Gamma as _};
 
 use crate::trig;
 
-/// Above this many degrees of freedom Student's distribution is expanded about the normal one: the incomplete beta function
-/// takes time in proportion to them.
+/// Above this many degrees of freedom Student's distribution is expanded about the normal one: the incomplete beta
+/// function takes time in proportion to them.
 const EXPANDED: f64 = 1000.0;
 
 /// Φ(z): the probability that a standard normal variable is at most `z`.
@@ -90,8 +90,8 @@ pub fn student_quantile(p: f64, dof: f64) -> f64 {
 
 /// Student's t from the normal quantile z, by falling powers of ν.
 ///
-/// Source: Abramowitz and Stegun, 26.7.5; the first term left out is below 1e-13 for the ν and z that it is asked for, while the
-/// incomplete beta function takes time in proportion to ν.
+/// Source: Abramowitz and Stegun, 26.7.5; the first term left out is below 1e-13 for the ν and z that it is asked for,
+/// while the incomplete beta function takes time in proportion to ν.
 fn expanded_student_quantile(z: f64, dof: f64) -> f64 {
     let s = z * z;
     let terms = [
@@ -155,8 +155,8 @@ fn rising(from: f64, missing: impl Fn(f64) -> f64) -> f64 {
 
 /// P(X ≤ h and Y ≤ k) of two standard normal variables with correlation `rho`.
 ///
-/// Source: Φ(h) Φ(k) + 1/(2π) ∫ exp(−(h² − 2 h k sin θ + k²)/(2 cos² θ)) dθ from 0 to arcsin ρ (Plackett 1954; Drezner and
-/// Wesolowsky 1990), integrated to 1e-12.
+/// Source: Φ(h) Φ(k) + 1/(2π) ∫ exp(−(h² − 2 h k sin θ + k²)/(2 cos² θ)) dθ from 0 to arcsin ρ (Plackett 1954; Drezner
+/// and Wesolowsky 1990), integrated to 1e-12.
 #[must_use]
 pub fn bivariate_normal_cdf(h: f64, k: f64, rho: f64) -> f64 {
     if h == f64::INFINITY {

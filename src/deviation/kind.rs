@@ -1,4 +1,5 @@
-//! The kinds of manufacturing error that the formulas know, one value per part. Named by every layer above; holds no formula.
+//! The kinds of manufacturing error that the formulas know, one value per part. Named by every layer above; holds no
+//! formula.
 
 use std::fmt;
 

@@ -28,8 +28,8 @@ pub struct PinionToothRow {
     pub tooth: i64,
     /// Radial deviation of the space after it, mm, if measured.
     pub radial_mm: Option<f64>,
-    /// Position of a pin in that space less its nominal one, as arc at the reference circle towards higher index, mm, if
-    /// measured.
+    /// Position of a pin in that space less its nominal one, as arc at the reference circle towards higher index, mm,
+    /// if measured.
     pub position_mm: Option<f64>,
     /// Single pitch deviation f_p of the left flanks, from the tooth before to this one, mm, if measured.
     pub left_pitch_mm: Option<f64>,
@@ -65,10 +65,10 @@ pub fn rack_flanks_from_spaces(pair: &Pair, rows: &[RackSpaceRow]) -> Result<BTr
 
 /// The displacements of pinion flanks that rows of one turn tell, tooth 0 first.
 ///
-/// Radial values move both flanks of their space into it by r tan α_t, positions of a pin both along with it. Single pitch deviations of a flank are summed;
-/// since the pitches of a turn must close, their mean is removed first, and since a sum starts at an
-/// arbitrary tooth and says nothing about thickness, the mean of the sums is removed too. Positive ones displace a
-/// flank towards higher index.
+/// Radial values move both flanks of their space into it by r tan α_t, positions of a pin both along with it. Single
+/// pitch deviations of a flank are summed; since the pitches of a turn must close, their mean is removed first, and
+/// since a sum starts at an arbitrary tooth and says nothing about thickness, the mean of the sums is removed too.
+/// Positive ones displace a flank towards higher index.
 ///
 /// # Errors
 /// [`DeviationError::NoSuchTooth`] for an index outside 0..z−1, [`DeviationError::IncompleteTurn`] if pitches are

@@ -1,4 +1,5 @@
-//! The kinds of problems and their documentation. Every diagnostic has one; `explain` prints its page, a test keeps names unique.
+//! The kinds of problems and their documentation. Every diagnostic has one; `explain` prints its page, a test keeps
+//! names unique.
 
 use std::fmt;
 

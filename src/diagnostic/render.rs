@@ -1,4 +1,5 @@
-//! Diagnostics as people read them: the line, a caret, what to do. Called by the command line; the words are in the diagnostic.
+//! Diagnostics as people read them: the line, a caret, what to do. Called by the command line; the words are in the
+//! diagnostic.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 

@@ -1,5 +1,5 @@
-//! The quantities that the formulas take, and the values that each may have. Checked by the formulas, shown by the JSON Schema
-//! and the command line; each bound stands here only.
+//! The quantities that the formulas take, and the values that each may have. Checked by the formulas, shown by the JSON
+//! Schema and the command line; each bound stands here only.
 
 use crate::quantity::{Bound, Domain, DomainError, Length, Rational};
 

@@ -1,5 +1,5 @@
-//! An error of a part together with the formula that maps it to ΔCD. Built by the spec layer, evaluated by the decision module;
-//! holds no number that the formulas do not.
+//! An error of a part together with the formula that maps it to ΔCD. Built by the spec layer, evaluated by the decision
+//! module; holds no number that the formulas do not.
 
 use super::{Model, PinionPitch, RackLead, RackPitch, Sensitivity, over_roller, pinion_radial};
 use crate::deviation::{ErrorKind, ErrorValue};

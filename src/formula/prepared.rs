@@ -5,8 +5,8 @@
 //! bound on its error, and what the bound cannot decide is left to the exact formula:
 //!
 //! - [`Prepared::delta_cd_mm`]: in double precision, within [`Prepared::RELATIVE_ERROR`];
-//! - [`Prepared::fixed`], [`Prepared::fixed_from_degrees`]: in integers of 1e-15 mm ([`Fixed`]), in which
-//!   decimal measurements, their differences and sums are exact.
+//! - [`Prepared::fixed`], [`Prepared::fixed_from_degrees`]: in integers of 1e-15 mm ([`Fixed`]), in which decimal
+//!   measurements, their differences and sums are exact.
 //!
 //! It must not decide a rounding or a verdict that lies within the bound.
 

@@ -80,8 +80,8 @@ const THIN_TIP: f64 = 0.2;
 const SENSITIVE: f64 = 3.0;
 
 impl Pair {
-    /// How far the centre distance moves when one flank of every tooth moves along the reference plane by 1: the condition
-    /// number of the exact mesh by its flanks, 1 / (2 tan α_n).
+    /// How far the centre distance moves when one flank of every tooth moves along the reference plane by 1: the
+    /// condition number of the exact mesh by its flanks, 1 / (2 tan α_n).
     #[must_use]
     pub fn gain(&self) -> f64 {
         0.5 / trig::tan(self.normal_pressure_angle_rad())

@@ -1,4 +1,5 @@
-//! Angles: rational numbers of degrees, with their units. Used by every module; trigonometry is in [`trig`](crate::trig).
+//! Angles: rational numbers of degrees, with their units. Used by every module; trigonometry is in
+//! [`trig`](crate::trig).
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,5 +1,5 @@
-//! Domains: which values of a quantity make sense, and the error that says so. Declared by the formulas and the spec; corrects
-//! nothing.
+//! Domains: which values of a quantity make sense, and the error that says so. Declared by the formulas and the spec;
+//! corrects nothing.
 
 use std::fmt;
 

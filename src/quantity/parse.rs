@@ -1,5 +1,5 @@
-//! Reading quantities from text: a number and an optional unit. Called by `FromStr` of lengths and angles and by the readers of
-//! tables; decimal points only, and never `nan` or `inf`.
+//! Reading quantities from text: a number and an optional unit. Called by `FromStr` of lengths and angles and by the
+//! readers of tables; decimal points only, and never `nan` or `inf`.
 
 use thiserror::Error;
 

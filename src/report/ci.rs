@@ -25,8 +25,8 @@ fn sentence(part: &Part) -> String {
 
 /// The batch as a JUnit report. The parts that did not pass and the rejected rows are test cases of their own,
 /// as far as the outcome lists them; one more stands for all others, so that a pipeline has something to show
-/// where everything passes. `judged_by` says what the limits were held against. File and line stand in the class name and
-/// the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
+/// where everything passes. `judged_by` says what the limits were held against. File and line stand in the class name
+/// and the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
 #[must_use]
 pub fn junit(title: Option<&str>, judged_by: &str, limits: &Limits, outcome: &Outcome) -> String {
     let counts = &outcome.counts;

@@ -254,7 +254,8 @@ fn unsigned(mm: f64) -> String {
     millimetres(mm).trim_start_matches('+').to_owned()
 }
 
-/// A permissible value for people: as its standard rounds it, or with the digits of the unrounded one where that is unknown.
+/// A permissible value for people: as its standard rounds it, or with the digits of the unrounded one where that is
+/// unknown.
 fn shown_um(permissible: &Permissible) -> String {
     let text = plain(permissible.value_um().to_f64());
     if permissible.is_rounded() { text } else { format!("{:.3}", permissible.unrounded_um().to_f64()) }

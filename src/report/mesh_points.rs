@@ -134,7 +134,8 @@ pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>) -> Value {
     }
 }
 
-/// The points as elements of the array in [`MeshReport::json_around`](super::MeshReport::json_around), a comma before each.
+/// The points as elements of the array in [`MeshReport::json_around`](super::MeshReport::json_around), a comma before
+/// each.
 #[must_use]
 pub fn json_elements(points: &[ListedPoint]) -> String {
     let mut text = String::new();

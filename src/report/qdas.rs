@@ -1,11 +1,12 @@
-//! Rows of a report as a Q-DAS file: lengths become characteristics, for the statistics software that the values came from.
+//! Rows of a report as a Q-DAS file: lengths become characteristics, for the statistics software that the values came
+//! from.
 
 use crate::cmm::qdas::{Column, PartDefinition, write};
 use crate::decision::{LimitTarget, Limits};
 use crate::quantity::Length;
 
-/// A `.dfq` of rows with a header: the columns in mm and degrees, with the limits that hold for them, a row per part named by
-/// its `part_id` (or its first column).
+/// A `.dfq` of rows with a header: the columns in mm and degrees, with the limits that hold for them, a row per part
+/// named by its `part_id` (or its first column).
 #[must_use]
 pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
     let Some((header, rows)) = rows.split_first() else { return Vec::new() };

@@ -13,8 +13,8 @@ pub struct SimulationReport<'a> {
     pub title: Option<&'a str>,
     /// What was simulated.
     pub parameters: &'a Parameters,
-    /// Inertia of the pinion's rotation, mass of what moves along Z, inertia of the rack's roll, in N s²/mm and N mm s², as
-    /// the scene took or computed them.
+    /// Inertia of the pinion's rotation, mass of what moves along Z, inertia of the rack's roll, in N s²/mm and N mm
+    /// s², as the scene took or computed them.
     pub inertias: [f64; 3],
     /// Whether it was solved as an equilibrium at each stroke.
     pub quasi_static: bool,

@@ -1,5 +1,5 @@
-//! Text and tables for people: on a screen, and in Markdown. Called by the writer of reports; knows widths and colours, and no
-//! result.
+//! Text and tables for people: on a screen, and in Markdown. Called by the writer of reports; knows widths and colours,
+//! and no result.
 
 use anstyle::{AnsiColor, Style};
 use comfy_table::{
@@ -138,8 +138,8 @@ pub(crate) fn table_text(table: &Table, width: Option<u16>) -> String {
     lines.join("\n")
 }
 
-/// The columns' widths, with the blank before each, such that lines break between words only; nothing if no line needs to, or if
-/// there is no room for the longest words.
+/// The columns' widths, with the blank before each, such that lines break between words only; nothing if no line needs
+/// to, or if there is no room for the longest words.
 fn column_widths(table: &Table, room: usize) -> Option<Vec<usize>> {
     let texts = |column: usize| {
         let cells = table.rows.iter().filter_map(move |row| row.get(column));

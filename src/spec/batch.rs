@@ -1,5 +1,5 @@
-//! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and the
-//! reader of pasted blocks; reads no table.
+//! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
+//! the reader of pasted blocks; reads no table.
 
 use super::keys::{self, Section};
 use super::reader::SectionReader;

@@ -1,5 +1,5 @@
-//! `[budget]`: which tolerances are fixed, which are sought, and how they add up. Resolved for `rackmesh budget`; allocates
-//! nothing.
+//! `[budget]`: which tolerances are fixed, which are sought, and how they add up. Resolved for `rackmesh budget`;
+//! allocates nothing.
 
 use toml::de::DeValue;
 

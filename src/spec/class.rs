@@ -1,5 +1,5 @@
-//! `{ class = 7 }` and `[tolerance]`: what a class in a spec comes to. Called where errors are resolved; it finds the size of the
-//! wheel and asks [`standard`](crate::standard), and chooses neither a standard nor a rack's diameter.
+//! `{ class = 7 }` and `[tolerance]`: what a class in a spec comes to. Called where errors are resolved; it finds the
+//! size of the wheel and asks [`standard`](crate::standard), and chooses neither a standard nor a rack's diameter.
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
-//! `[errors]` as written: a deviation each, or what one follows from. Called by [`Spec::parse`](super::Spec::parse) and by
-//! the reader of `[budget]`; computes no ΔCD and asks for no gear data.
+//! `[errors]` as written: a deviation each, or what one follows from. Called by [`Spec::parse`](super::Spec::parse) and
+//! by the reader of `[budget]`; computes no ΔCD and asks for no gear data.
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
-//! `[pair]`, `[rack]`, `[pinion]` and `[support]` as written. Read by [`Spec::parse`](super::Spec::parse); what they mean
-//! together is decided where it is asked for.
+//! `[pair]`, `[rack]`, `[pinion]` and `[support]` as written. Read by [`Spec::parse`](super::Spec::parse); what they
+//! mean together is decided where it is asked for.
 
 use super::Located;
 use super::deviations::{self, TipRelief, WrittenPinionDeviation};

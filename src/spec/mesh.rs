@@ -1,5 +1,6 @@
-//! What a spec means for the exact mesh: the pair, its deviations, and the rack's support. Called by the subcommands that solve
-//! the mesh or simulate; it gets the text of measured tables from its caller, opens no file and solves nothing.
+//! What a spec means for the exact mesh: the pair, its deviations, and the rack's support. Called by the subcommands
+//! that solve the mesh or simulate; it gets the text of measured tables from its caller, opens no file and solves
+//! nothing.
 
 use std::ops::Range;
 

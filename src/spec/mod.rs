@@ -84,7 +84,8 @@ pub struct Spec {
     /// The nominal values that `[errors]` gives, with a measured value or alone: then a batch or a pasted block
     /// holds the measured ones.
     pub nominals: Vec<(ErrorKind, Located<ErrorValue>)>,
-    /// The entries of `[errors]` that give nothing but the uncertainty of values to come from a batch or a pasted block.
+    /// The entries of `[errors]` that give nothing but the uncertainty of values to come from a batch or a pasted
+    /// block.
     pub unmeasured: Vec<(ErrorKind, Range<usize>)>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,

@@ -1,5 +1,5 @@
-//! What a Q-DAS file says where the spec is silent: nominal values and limits. Called by `paste` and `batch`; what the spec says
-//! is never replaced.
+//! What a Q-DAS file says where the spec is silent: nominal values and limits. Called by `paste` and `batch`; what the
+//! spec says is never replaced.
 
 use super::{Located, Spec};
 use crate::cmm::paste::Field;
@@ -25,9 +25,9 @@ impl Spec {
     /// The spec with what a file says of the characteristics that are its errors, and remarks on what was taken and
     /// what was not. What the spec says itself stays.
     ///
-    /// Limits of a characteristic are limits of its error. They become limits of its ΔCD: those of an over-roller or radial
-    /// error as they are, those of a pitch or lead error by its formula if they lie as far above as below, because its ΔCD
-    /// follows from its magnitude.
+    /// Limits of a characteristic are limits of its error. They become limits of its ΔCD: those of an over-roller or
+    /// radial error as they are, those of a pitch or lead error by its formula if they lie as far above as below,
+    /// because its ΔCD follows from its magnitude.
     #[must_use]
     pub fn completed_by(&self, qdas: &Qdas, model: Model) -> (Self, Vec<String>) {
         let mut spec = self.clone();

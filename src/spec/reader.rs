@@ -1,5 +1,5 @@
-//! Reads one section of a spec: typed values by key, collecting every problem on the way. Called by the files of the sections;
-//! never ends at the first problem and requires no key.
+//! Reads one section of a spec: typed values by key, collecting every problem on the way. Called by the files of the
+//! sections; never ends at the first problem and requires no key.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! What a spec means: the errors with their formulas, and the limits. Called once the spec is read, for what is asked; here a
-//! key becomes required, and the message says by what.
+//! What a spec means: the errors with their formulas, and the limits. Called once the spec is read, for what is asked;
+//! here a key becomes required, and the message says by what.
 
 use std::ops::Range;
 use std::sync::Arc;

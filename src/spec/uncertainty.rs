@@ -1,7 +1,7 @@
 //! Uncertainties as written beside the values they belong to, and `[[correlation]]`.
 //!
-//! A measured error or a size of the gear may be a table: `{ value = "20 deg", u = "0.02 deg" }`, or with the measured and
-//! nominal values of an error. The reader calls this for the keys that follow the value.
+//! A measured error or a size of the gear may be a table: `{ value = "20 deg", u = "0.02 deg" }`, or with the measured
+//! and nominal values of an error. The reader calls this for the keys that follow the value.
 
 use std::ops::Range;
 

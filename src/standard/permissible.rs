@@ -75,7 +75,8 @@ impl Permissible {
         self.standard.symbol(self.deviation)
     }
 
-    /// Whether the standard's rounding is known, so that [`value_um`](Self::value_um) is the number a table of it prints.
+    /// Whether the standard's rounding is known, so that [`value_um`](Self::value_um) is the number a table of it
+    /// prints.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
         !self.remarks.contains(&Remark::ScopeAndRoundingUnknown)

@@ -1,4 +1,5 @@
-//! Ranges of sizes: over one limit, up to and including the next. Asked by the files of the standards; extrapolates nothing.
+//! Ranges of sizes: over one limit, up to and including the next. Asked by the files of the standards; extrapolates
+//! nothing.
 
 use crate::quantity::Rational;
 

@@ -1,4 +1,5 @@
-//! An independent solution by brute force: the rack as a height field, each pinion flank maximised over the whole patch.
+//! An independent solution by brute force: the rack as a height field, each pinion flank maximised over the whole
+//! patch.
 //!
 //! It shares with the library only the input data (`Pair`, and where each flank is). Nothing is known here of
 //! generators, contact lines or derivatives: a point of the flank is computed from its radius and its place along
@@ -16,8 +17,8 @@ pub struct Brute<'a> {
     pub roll: Roll,
 }
 
-/// The rack turned about an axis along X, at Y = 0 and `depth` below its reference plane. Which points of the pinion lie over
-/// its face then depends on the centre distance, for which one is assumed.
+/// The rack turned about an axis along X, at Y = 0 and `depth` below its reference plane. Which points of the pinion
+/// lie over its face then depends on the centre distance, for which one is assumed.
 #[derive(Clone, Copy, Default)]
 pub struct Roll {
     pub angle: f64,
@@ -61,8 +62,8 @@ fn maximum(lo: f64, hi: f64, cells: usize, rounds: usize, f: &mut dyn FnMut(f64)
 }
 
 impl Brute<'_> {
-    /// What the rack's solid tooth asks of a point of the pinion at (x, y, z), y within the face; `y_rack` is measured in
-    /// the rolled rack. The pinion's surface stands back by `removed`, along the flank's normal.
+    /// What the rack's solid tooth asks of a point of the pinion at (x, y, z), y within the face; `y_rack` is measured
+    /// in the rolled rack. The pinion's surface stands back by `removed`, along the flank's normal.
     fn demand_of(&self, tooth: &RackTooth, centre: f64, [x, y, z]: [f64; 3], y_rack: f64, removed: f64) -> f64 {
         let rack = self.pair.rack();
         let half = rack.tooth_thickness_mm / 2.0 / trig::cos(rack.helix_angle_rad);
@@ -183,7 +184,8 @@ impl Brute<'_> {
         maximum(t0, t1, cells, if rough { 0 } else { 42 }, &mut by_roll)
     }
 
-    /// The largest demand of all left (−1) or right (+1) pinion flanks with the pinion at `offset` from its nominal angle.
+    /// The largest demand of all left (−1) or right (+1) pinion flanks with the pinion at `offset` from its nominal
+    /// angle.
     pub fn demand(&self, stroke: f64, side: f64, offset: f64, rack_teeth: &[i64]) -> f64 {
         let (rack, p) = (self.pair.rack(), self.pair.pinion());
         let pitch = std::f64::consts::TAU / f64::from(p.teeth);

@@ -49,7 +49,8 @@ fn error(kind: Option<RackDeviationKind>, parameters: Parameters, rigid: bool) -
     (outcome.samples.iter().map(square).sum::<f64>() / outcome.samples.len() as f64).sqrt()
 }
 
-/// Spheres over the profile, on nominal flanks: between two of them a line of contact sinks by the square of the distance.
+/// Spheres over the profile, on nominal flanks: between two of them a line of contact sinks by the square of the
+/// distance.
 pub fn profile() -> Convergence {
     let at = |nodes: u32| {
         let grid = SphereGrid { profile_nodes: nodes, width_nodes: 24, ..SphereGrid::default() };

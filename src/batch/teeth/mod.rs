@@ -1,9 +1,9 @@
 //! Tables with many rows per part: each part's teeth or spaces, through the exact mesh.
 //!
-//! The command line makes one [`Teeth`] per run and hands it table after table. The rows of a part follow each other; its
-//! columns are those of [`crate::cmm`]'s tables, by their names or by what their headings mean, with one more that names
-//! the part. A part of which a row is bad is rejected with all of its rows. Parts are solved side by side and written in
-//! the tables' order.
+//! The command line makes one [`Teeth`] per run and hands it table after table. The rows of a part follow each other;
+//! its columns are those of [`crate::cmm`]'s tables, by their names or by what their headings mean, with one more that
+//! names the part. A part of which a row is bad is rejected with all of its rows. Parts are solved side by side and
+//! written in the tables' order.
 
 mod read;
 
@@ -244,8 +244,8 @@ impl<'a> Teeth<'a> {
     /// Runs one table. `stop` ends the run after the parts that were begun.
     ///
     /// # Errors
-    /// A diagnostic if the table's columns are not those of a rack or a pinion; [`RunError`] if it cannot be read to its
-    /// end, or the results cannot be written. What was computed before is kept.
+    /// A diagnostic if the table's columns are not those of a rack or a pinion; [`RunError`] if it cannot be read to
+    /// its end, or the results cannot be written. What was computed before is kept.
     pub fn run(
         &mut self,
         input: Input,

@@ -40,8 +40,8 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// Reads the rows below a header, of which `columns` are the names that tables of one part have and `id` is the place of
-    /// the part's name.
+    /// Reads the rows below a header, of which `columns` are the names that tables of one part have and `id` is the
+    /// place of the part's name.
     pub(super) fn new(mut input: Input, columns: &[String], id: usize) -> Self {
         input.chunks.set_separator(input.header.separator);
         let separator = if input.header.separator == b'|' { b'\t' } else { input.header.separator };

@@ -3,8 +3,8 @@
 //! The command line calls [`understand`] with the text and with what the spec expects ([`Want`]). Every way in
 //! which the text can be a table is tried: each separator, rows or columns, decimal comma or point. If all that
 //! are possible give the same values, that is the reading; if they do not, and neither another cell nor a nominal
-//! value of the spec settles it, the block is refused with the readings shown. The computer's locale is never asked, and no
-//! line is passed over without being named in the [`Account`]. Nothing here knows gear geometry.
+//! value of the spec settles it, the block is refused with the readings shown. The computer's locale is never asked,
+//! and no line is passed over without being named in the [`Account`]. Nothing here knows gear geometry.
 
 mod grid;
 mod layout;

@@ -1,16 +1,17 @@
 //! Q-DAS ASCII files (AQDEF): `.dfq`, or a `.dfd` with definitions and its `.dfx` with values.
 //!
-//! The command line reads the files and calls [`read`]; what comes out is a [`Qdas`], from which [`Qdas::table`] makes a table
-//! with a row per measured part. Results go back with [`write`](fn@write). Nothing here knows formulas.
+//! The command line reads the files and calls [`read`]; what comes out is a [`Qdas`], from which [`Qdas::table`] makes
+//! a table with a row per measured part. Results go back with [`write`](fn@write). Nothing here knows formulas.
 //!
 //! # The format, as far as it is read
-//! A line `Kxxxx/i text` says something of characteristic (K2xxx, K0xxx) or part (K1xxx) i; `/0` says it of all. K0100 counts the
-//! characteristics; K1001 and K1002 number and name the part; K2001 and K2002 number and name a characteristic, K2101 is its
-//! nominal value, K2110 and K2111 its limits (K2112 and K2113 as allowances from nominal), counted where K2120 and K2121 are not 0, K2106 its expanded
-//! uncertainty, K2142 its unit. Values are either K0001 lines, with attribute K0002, date K0004 and
-//! the part's name K0014, or lines without a key: characteristics in their order between bytes 0x0F, and for each value,
-//! attribute and date between bytes 0x14. Attribute 255 marks what is no value. Numbers have a decimal point or comma and no
-//! thousands marks; text is UTF-8 or Latin-1. Keys that are not listed are passed over.
+//! A line `Kxxxx/i text` says something of characteristic (K2xxx, K0xxx) or part (K1xxx) i; `/0` says it of all. K0100
+//! counts the characteristics; K1001 and K1002 number and name the part; K2001 and K2002 number and name a
+//! characteristic, K2101 is its nominal value, K2110 and K2111 its limits (K2112 and K2113 as allowances from nominal),
+//! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. Values are either K0001
+//! lines, with attribute K0002, date K0004 and the part's name K0014, or lines without a key: characteristics in their
+//! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. Attribute 255 marks what is no
+//! value. Numbers have a decimal point or comma and no thousands marks; text is UTF-8 or Latin-1. Keys that are not
+//! listed are passed over.
 
 mod read;
 mod write;
@@ -123,8 +124,8 @@ impl Qdas {
         )
     }
 
-    /// The values as a table: a row per measured part, a column per characteristic with its unit. Columns of errors have
-    /// the error's name.
+    /// The values as a table: a row per measured part, a column per characteristic with its unit. Columns of errors
+    /// have the error's name.
     #[must_use]
     pub fn table(self, own: &[(String, Field)]) -> QdasTable {
         let mut columns = vec!["part_id".to_owned()];

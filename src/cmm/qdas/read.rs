@@ -50,7 +50,8 @@ struct Line<'t> {
 /// Reads a file, or a file of definitions and the file of its values: name and text of each, in that order.
 ///
 /// # Errors
-/// What is wrong, with the file, the line and the key: a line that is neither, an index beyond K0100, a number that is none.
+/// What is wrong, with the file, the line and the key: a line that is neither, an index beyond K0100, a number that is
+/// none.
 pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
     let mut reader = Reader {
         sources: Vec::new(),

@@ -1,5 +1,5 @@
-//! Writes results as Q-DAS ASCII, for the statistics software that the measured values came from. Called by the reports of
-//! `paste` and `batch`; opens no file.
+//! Writes results as Q-DAS ASCII, for the statistics software that the measured values came from. Called by the reports
+//! of `paste` and `batch`; opens no file.
 
 use super::PartDefinition;
 
@@ -21,7 +21,8 @@ pub struct Column {
 }
 
 /// A `.dfq` file: definitions, then a line of values per row with its part's name. A value that is `None` or not
-/// finite is written as empty, with attribute 255. Latin-1, as the format's readers expect; characters beyond it become `?`.
+/// finite is written as empty, with attribute 255. Latin-1, as the format's readers expect; characters beyond it become
+/// `?`.
 #[must_use]
 pub fn write<'r>(
     part: &PartDefinition,

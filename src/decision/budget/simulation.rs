@@ -1,10 +1,10 @@
 //! Random assemblies: which fraction conforms.
 //!
 //! Each error is drawn from its distribution within plus and minus its tolerance, independently of the others. An
-//! assembly conforms if the range of its ΔCD — over-roller and radial errors always, pitch and lead errors between nothing
-//! and their value — lies inside the limit, which is what `eval` judges of measured parts. The draws are the same for
-//! every set of tolerances and depend on the seed and the number of errors only, so that fractions can be compared and
-//! repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
+//! assembly conforms if the range of its ΔCD — over-roller and radial errors always, pitch and lead errors between
+//! nothing and their value — lies inside the limit, which is what `eval` judges of measured parts. The draws are the
+//! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
+//! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
 use super::{BudgetError, Entry, Request, base_value};
 use crate::decision::monte_carlo::{BLOCK, Random, Ziggurat};

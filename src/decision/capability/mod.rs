@@ -8,8 +8,8 @@
 //!
 //! σ̂_w is the pooled standard deviation of consecutive subgroups; for single parts the mean moving range divided by
 //! d_2 = 2/√π. The indices say what they seem to say only of a stable process and a normal distribution: the normality
-//! indication comes with them. Confidence intervals: χ² for Cp and Pp, the normal approximation of Bissell (1990) for Cpk
-//! and Ppk. The measuring uncertainty is part of the spread; its share of the variance is the gauge share.
+//! indication comes with them. Confidence intervals: χ² for Cp and Pp, the normal approximation of Bissell (1990) for
+//! Cpk and Ppk. The measuring uncertainty is part of the spread; its share of the variance is the gauge share.
 
 mod normality;
 
@@ -173,8 +173,8 @@ pub enum CapabilityError {
 /// uncertainty of a value, if it is known. An incomplete last subgroup counts for Pp and Ppk only.
 ///
 /// # Errors
-/// [`CapabilityError`] if there are fewer than [`FEWEST_PARTS`] values, they are all the same, or not finite, or the limit
-/// or subgroups make no sense.
+/// [`CapabilityError`] if there are fewer than [`FEWEST_PARTS`] values, they are all the same, or not finite, or the
+/// limit or subgroups make no sense.
 pub fn capability(
     values_mm: &[f64],
     limit: &Limit,
@@ -246,8 +246,8 @@ pub fn short_term(
 }
 
 /// Pp and Ppk of so many parts of which mean and standard deviation are known, against limits in mm; for batches whose
-/// values are not kept. The first is `None` unless both limits are given; both are with fewer than [`FEWEST_PARTS`] parts, without
-/// limits, or without spread.
+/// values are not kept. The first is `None` unless both limits are given; both are with fewer than [`FEWEST_PARTS`]
+/// parts, without limits, or without spread.
 #[must_use]
 pub fn performance(
     parts: u64,

@@ -80,8 +80,8 @@ impl Normality {
         Some(Self::with_statistic(n, n * statistic, moments))
     }
 
-    /// With the p-value of D'Agostino and Stephens, *Goodness-of-Fit Techniques* (1986), table 4.9, for mean and deviation
-    /// estimated from the values.
+    /// With the p-value of D'Agostino and Stephens, *Goodness-of-Fit Techniques* (1986), table 4.9, for mean and
+    /// deviation estimated from the values.
     fn with_statistic(n: f64, statistic: f64, [m2, m3, m4]: [f64; 3]) -> Self {
         let a = statistic * (1.0 + 0.75 / n + 2.25 / (n * n));
         let p_value = if a >= 0.6 {
@@ -110,8 +110,8 @@ impl Normality {
     }
 }
 
-/// ∫ (G − F)² / (F (1 − F)) dF from z_0 to z_1, where G rises linearly in z from `from` to `to`, by Gauss's rule on pieces
-/// of a quarter of a standard deviation.
+/// ∫ (G − F)² / (F (1 − F)) dF from z_0 to z_1, where G rises linearly in z from `from` to `to`, by Gauss's rule on
+/// pieces of a quarter of a standard deviation.
 fn distance(z_0: f64, z_1: f64, from: f64, to: f64) -> f64 {
     // abscissae and weights of three points on -1 to 1: 0, ±√(3/5); 8/9, 5/9
     const POINTS: [(f64, f64); 3] =

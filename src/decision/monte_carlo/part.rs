@@ -1,5 +1,5 @@
-//! A part's formulas as a model to simulate: errors and gear data in, ΔCD of each error and both ends of the combination
-//! out. In plain `f64`, a few operations per error: a draw needs no exact decimals.
+//! A part's formulas as a model to simulate: errors and gear data in, ΔCD of each error and both ends of the
+//! combination out. In plain `f64`, a few operations per error: a draw needs no exact decimals.
 
 use super::{Band, MonteCarloError, Outcome, Settings, Simulated, Simulation, Variables, simulate};
 use crate::decision::uncertainty::{Distribution, Part, Source, Uncertainties, UncertaintyError};

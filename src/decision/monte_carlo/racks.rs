@@ -2,10 +2,10 @@
 //! stroke. Called by `rackmesh monte-carlo`; draws deviations and summarises curves, the mesh solves them.
 //!
 //! # What is drawn
-//! Every tooth by itself. A pitch deviation is the step from one tooth to the next: teeth are placed independently, so that
-//! the difference of neighbours has the standard deviation asked for, or stays within the half-width asked for, and
-//! errors do not add up along the rack. Thickness, lead and over-roller deviations are drawn per tooth. A pinion's runout is twice
-//! its eccentricity, in a random direction.
+//! Every tooth by itself. A pitch deviation is the step from one tooth to the next: teeth are placed independently, so
+//! that the difference of neighbours has the standard deviation asked for, or stays within the half-width asked for,
+//! and errors do not add up along the rack. Thickness, lead and over-roller deviations are drawn per tooth. A pinion's
+//! runout is twice its eccentricity, in a random direction.
 //!
 //! # How a curve is followed
 //! At equal steps, [`STEPS_PER_PITCH`] to a pitch. While the flanks are not tilted, ΔCD of a set of carrying flanks is
@@ -141,7 +141,8 @@ pub enum RacksError {
 /// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. One result per rack, in order.
 ///
 /// # Errors
-/// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such rack.
+/// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
+/// rack.
 pub fn simulate_racks(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -> Result<Vec<RackResult>, RacksError> {
     if scatter.is_empty() {
         return Err(RacksError::NothingScatters);
@@ -290,8 +291,8 @@ pub struct Quantile {
 
 /// Quantiles of values; at least one is needed.
 ///
-/// The interval's ends are the order statistics X_(l) and X_(u) with P(B < l) ≤ 2.5 % and P(B ≥ u) ≤ 2.5 % for a binomial B(n, p):
-/// it holds whatever the distribution (David and Nagaraja, *Order Statistics*, 7.1).
+/// The interval's ends are the order statistics X_(l) and X_(u) with P(B < l) ≤ 2.5 % and P(B ≥ u) ≤ 2.5 % for a
+/// binomial B(n, p): it holds whatever the distribution (David and Nagaraja, *Order Statistics*, 7.1).
 #[must_use]
 pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
     let mut sorted = values.to_vec();

@@ -1,9 +1,9 @@
 //! Random numbers: a generator per block, and the distributions drawn from it. Called by the simulation only.
 //!
 //! Every block of draws has its own generator, seeded from the run's seed and the block's number, so that the draws are
-//! the same whichever thread makes them. The generator is xoshiro256++ (Blackman and Vigna 2019), from its reference crate. The
-//! normal distribution is drawn by the ziggurat method (Marsaglia and Tsang 2000) with 256 layers, here because what
-//! exists elsewhere takes its exponentials from the platform, which are not the same bits everywhere.
+//! the same whichever thread makes them. The generator is xoshiro256++ (Blackman and Vigna 2019), from its reference
+//! crate. The normal distribution is drawn by the ziggurat method (Marsaglia and Tsang 2000) with 256 layers, here
+//! because what exists elsewhere takes its exponentials from the platform, which are not the same bits everywhere.
 
 use std::f64::consts::TAU;
 

@@ -62,8 +62,8 @@ impl Uncertainties {
     /// Checks and combines uncertainties and the correlations between pairs of them.
     ///
     /// # Errors
-    /// [`UncertaintyError`] if a number is out of its domain, a quantity is named twice or not at all, or the correlation
-    /// matrix is not positive semidefinite.
+    /// [`UncertaintyError`] if a number is out of its domain, a quantity is named twice or not at all, or the
+    /// correlation matrix is not positive semidefinite.
     pub fn new(
         inputs: Vec<(Source, Uncertainty)>,
         correlations: &[(Source, Source, f64)],

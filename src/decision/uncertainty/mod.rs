@@ -32,8 +32,8 @@ use crate::quantity::DomainError;
 /// The coverage probability of `k = 2` for a normal distribution, erf(√2).
 pub const COVERAGE: f64 = 0.954_499_736_103_641_6;
 
-/// A magnitude whose error is nearer to zero than this many standard uncertainties is not linear: at three the ends of a
-/// 95 % interval are off by 0.0005 u, which two digits do not show.
+/// A magnitude whose error is nearer to zero than this many standard uncertainties is not linear: at three the ends of
+/// a 95 % interval are off by 0.0005 u, which two digits do not show.
 pub const FOLD: f64 = 3.0;
 
 /// What one input contributes to a result's uncertainty.
@@ -60,7 +60,8 @@ pub struct Linear {
     pub value_mm: f64,
     /// Standard uncertainty u(y), mm.
     pub standard_mm: f64,
-    /// Effective degrees of freedom ν_eff; `None` where correlated inputs have finite ones, for which there is no formula.
+    /// Effective degrees of freedom ν_eff; `None` where correlated inputs have finite ones, for which there is no
+    /// formula.
     pub dof: Option<f64>,
     /// Coverage factor k.
     pub coverage_factor: f64,
@@ -276,8 +277,8 @@ fn linear(uncertainties: &Uncertainties, value_mm: f64, derivatives: &[f64], fol
     Linear { value_mm, standard_mm, dof, coverage_factor, contributions, folded }
 }
 
-/// The Welch-Satterthwaite formula: ν_eff = u⁴ / Σ (c_i u_i)⁴ / ν_i for independent contributions c_i u_i; infinite where
-/// every ν_i is. Source: JCGM 100:2008, clause G.4.1.
+/// The Welch-Satterthwaite formula: ν_eff = u⁴ / Σ (c_i u_i)⁴ / ν_i for independent contributions c_i u_i; infinite
+/// where every ν_i is. Source: JCGM 100:2008, clause G.4.1.
 #[must_use]
 pub fn effective_dof(combined: f64, contributions: &[f64], dofs: &[f64]) -> f64 {
     if combined == 0.0 {
@@ -300,8 +301,8 @@ pub fn coverage_factor(dof: f64) -> f64 {
     if dof.is_finite() { student_quantile(0.5 + 0.5 * COVERAGE, whole_dof(dof)) } else { 2.0 }
 }
 
-/// Degrees of freedom rounded down to a whole number of at least 1 (clause G.6.4); rounding of the binary number before does
-/// not make 9 of them 8.
+/// Degrees of freedom rounded down to a whole number of at least 1 (clause G.6.4); rounding of the binary number before
+/// does not make 9 of them 8.
 fn whole_dof(dof: f64) -> f64 {
     (dof * (1.0 + 1e-12)).floor().max(1.0)
 }

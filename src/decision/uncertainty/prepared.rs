@@ -1,5 +1,5 @@
-//! Linear propagation for many parts of one gear: what [`propagate`](super::propagate) gives, as far as a table of parts
-//! needs it, in a few hundred nanoseconds. Called by the batch engine; the values of a part come from its caller.
+//! Linear propagation for many parts of one gear: what [`propagate`](super::propagate) gives, as far as a table of
+//! parts needs it, in a few hundred nanoseconds. Called by the batch engine; the values of a part come from its caller.
 //!
 //! Every formula is a gain, which follows from the gear, times a function of the error alone:
 //!
@@ -61,7 +61,8 @@ pub struct Spreads {
     pub upper: Spread,
     /// The correlation of both ends.
     pub end_correlation: f64,
-    /// Whether every coverage factor and every `folded` is certain; where not, [`propagate`](super::propagate) decides.
+    /// Whether every coverage factor and every `folded` is certain; where not, [`propagate`](super::propagate)
+    /// decides.
     pub certain: bool,
 }
 

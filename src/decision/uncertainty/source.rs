@@ -1,5 +1,5 @@
-//! The quantities that ΔCD follows from, and how uncertain one of them is. Built by the spec layer and by callers; holds
-//! numbers only, and knows nothing of formulas.
+//! The quantities that ΔCD follows from, and how uncertain one of them is. Built by the spec layer and by callers;
+//! holds numbers only, and knows nothing of formulas.
 
 use crate::deviation::ErrorKind;
 

@@ -1,7 +1,7 @@
 //! Reports as one page that needs nothing else: no network, no script, no font.
 //!
-//! The command line fills a [`Page`] with the blocks of other reports and with charts; [`Page::html`] writes it. Colours follow the
-//! reader's light or dark setting, and print is always light. All text goes through [`escape`].
+//! The command line fills a [`Page`] with the blocks of other reports and with charts; [`Page::html`] writes it.
+//! Colours follow the reader's light or dark setting, and print is always light. All text goes through [`escape`].
 
 mod chart;
 

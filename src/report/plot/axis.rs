@@ -1,4 +1,5 @@
-//! A linear axis with round tick marks, found without the platform's logarithm, and a logarithmic one. Called by the plots.
+//! A linear axis with round tick marks, found without the platform's logarithm, and a logarithmic one. Called by the
+//! plots.
 
 use std::ops::Range;
 
