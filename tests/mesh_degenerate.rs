@@ -3,27 +3,11 @@
 
 mod common;
 
+use common::pairs::{spur, steering};
 use common::random::{self, Random};
 use rackmesh::deviation::*;
-use rackmesh::gear::{GeometryError, Pair, PairData, PinionData, RackData};
+use rackmesh::gear::{GeometryError, Pair, PairData};
 use rackmesh::mesh::{Mesh, MeshError, Sampler, Support};
-
-fn spur() -> PairData {
-    PairData {
-        normal_module_mm: 2.0,
-        normal_pressure_angle_rad: 20.0_f64.to_radians(),
-        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 2.0, tooth_thickness_mm: None },
-        pinion: PinionData {
-            teeth: 20,
-            helix_angle_rad: 0.0,
-            profile_shift: 0.2,
-            tip_diameter_mm: 44.8,
-            root_form_diameter_mm: Some(38.2),
-            face_width_mm: 20.0,
-            tooth_thickness_deviation_mm: 0.0,
-        },
-    }
-}
 
 const ODD: [f64; 12] = [
     f64::NAN,
@@ -258,28 +242,10 @@ fn flanks_that_never_meet_are_no_contact() {
     }
 }
 
-/// A steering pair with a total contact ratio above 2.
-fn steering() -> Pair {
-    let mut data = spur();
-    data.normal_pressure_angle_rad = 19.9_f64.to_radians();
-    data.rack.face_width_mm = 19.7;
-    data.rack.addendum_mm = 1.7;
-    data.pinion = PinionData {
-        teeth: 8,
-        helix_angle_rad: 21.0_f64.to_radians(),
-        profile_shift: 0.3,
-        tip_diameter_mm: 19.738,
-        root_form_diameter_mm: None,
-        face_width_mm: 30.0,
-        tooth_thickness_deviation_mm: 0.0,
-    };
-    Pair::new(&data).unwrap()
-}
-
 /// Never above the fixed rack, two mirror rolls, about half a percent lower.
 #[test]
 fn a_rolling_rack_takes_one_of_two_mirror_rolls_half_a_percent_lower() {
-    let pair = steering();
+    let pair = Pair::new(&steering()).unwrap();
     let lead = RackDeviation {
         teeth: ToothRange::new(Some(4), None).unwrap(),
         kind: RackDeviationKind::Lead(0.25_f64.to_radians()),
@@ -304,7 +270,7 @@ fn a_rolling_rack_takes_one_of_two_mirror_rolls_half_a_percent_lower() {
 /// Each piece of a single pitch step's curve is known: 0, or |Δp| / (2 tan α).
 #[test]
 fn the_summary_of_a_pitch_step_is_known() {
-    let pair = steering();
+    let pair = Pair::new(&steering()).unwrap();
     let step = RackDeviation { teeth: ToothRange::single(4).unwrap(), kind: RackDeviationKind::Pitch(0.01) };
     let mesh = with(&pair, &[step], Support::Fixed);
     let p = pair.rack().pitch_mm;

@@ -4,6 +4,7 @@
 mod common;
 
 use approx::assert_abs_diff_eq;
+use common::pairs;
 use common::random::{self, Random};
 use proptest::prelude::*;
 use rackmesh::deviation::*;
@@ -28,23 +29,8 @@ fn from(first: i64) -> ToothRange {
     ToothRange::new(Some(first), None).unwrap()
 }
 
-/// The pair that reproduces the paper's Table 1.
 fn table_pair() -> Pair {
-    Pair::new(&PairData {
-        normal_module_mm: 2.0,
-        normal_pressure_angle_rad: 19.9_f64.to_radians(),
-        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 19.7, addendum_mm: 1.70, tooth_thickness_mm: None },
-        pinion: PinionData {
-            teeth: 8,
-            helix_angle_rad: 21.0_f64.to_radians(),
-            profile_shift: 0.3,
-            tip_diameter_mm: 19.738,
-            root_form_diameter_mm: None,
-            face_width_mm: 30.0,
-            tooth_thickness_deviation_mm: 0.0,
-        },
-    })
-    .unwrap()
+    Pair::new(&pairs::steering()).unwrap()
 }
 
 /// Whether flank meets flank on both sides, as the relations suppose: edges bind where a tip reaches too far.
@@ -289,22 +275,11 @@ fn a_lead_error_of_a_straight_rack_lifts_the_pinion() {
 /// Relation 7 for a helical rack: k |sin Δβ| / (2 cos β_rack tan α_n) within 2 %.
 #[test]
 fn a_lead_error_of_a_helical_rack_lifts_the_pinion() {
-    let r = 8.0 / 21.0_f64.to_radians().cos();
-    let pair = Pair::new(&PairData {
-        normal_module_mm: 2.0,
-        normal_pressure_angle_rad: 19.9_f64.to_radians(),
-        rack: RackData { helix_angle_rad: 0.15, face_width_mm: 19.7, addendum_mm: 1.7, tooth_thickness_mm: None },
-        pinion: PinionData {
-            teeth: 8,
-            helix_angle_rad: 21.0_f64.to_radians(),
-            profile_shift: 0.3,
-            tip_diameter_mm: 2.0 * r + 2.6,
-            root_form_diameter_mm: None,
-            face_width_mm: 34.0,
-            tooth_thickness_deviation_mm: 0.0,
-        },
-    })
-    .unwrap();
+    let mut data = pairs::steering();
+    data.rack.helix_angle_rad = 0.15;
+    data.pinion.tip_diameter_mm = 2.0 * 8.0 / 21.0_f64.to_radians().cos() + 2.6;
+    data.pinion.face_width_mm = 34.0;
+    let pair = Pair::new(&data).unwrap();
     let lead = 0.25_f64.to_radians();
     let mesh =
         mesh(&pair, rack_with(&pair, ToothRange::ALL, &[RackDeviationKind::Lead(lead)]), PinionFlanks::nominal(&pair));
@@ -314,7 +289,6 @@ fn a_lead_error_of_a_helical_rack_lifts_the_pinion() {
     assert!((largest / expected - 1.0).abs() < 0.02, "{largest} {expected}");
 }
 
-/// What a pin sees of the rack, fed back as measured, gives the same curve.
 // as `mesh::relations` derives it: both valleys of a rolling spur rack lie where one side's flanks fit again
 #[test]
 fn a_rack_that_may_roll_sinks_by_the_versine_of_its_roll() {
@@ -333,21 +307,12 @@ fn a_rack_that_may_roll_sinks_by_the_versine_of_its_roll() {
 // the exception of `mesh::relations`: a pinion tooth alone in the space that is too wide
 #[test]
 fn a_single_pitch_error_can_sink_the_pinion() {
-    let pair = Pair::new(&PairData {
-        normal_module_mm: 2.0,
-        normal_pressure_angle_rad: 20.0_f64.to_radians(),
-        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 1.0, tooth_thickness_mm: None },
-        pinion: PinionData {
-            teeth: 20,
-            helix_angle_rad: 0.0,
-            profile_shift: 0.0,
-            tip_diameter_mm: 43.8,
-            root_form_diameter_mm: None,
-            face_width_mm: 20.0,
-            tooth_thickness_deviation_mm: 0.0,
-        },
-    })
-    .unwrap();
+    // short teeth, so that at times one tooth carries alone
+    let mut data = pairs::spur();
+    data.rack.addendum_mm = 1.0;
+    data.pinion.profile_shift = 0.0;
+    data.pinion.tip_diameter_mm = 43.8;
+    let pair = Pair::new(&data).unwrap();
     let step = RackDeviationKind::Pitch(0.02);
     let rack = rack_with(&pair, "4".parse().unwrap(), &[step]);
     let curve = mesh(&pair, rack, PinionFlanks::nominal(&pair)).curve(5.0, 40.0, 1e-6).unwrap();
@@ -356,6 +321,7 @@ fn a_single_pitch_error_can_sink_the_pinion() {
     assert_abs_diff_eq!(lowest, -by_formula, epsilon = 1e-9);
 }
 
+/// What a pin sees of the rack, fed back as measured, gives the same curve.
 #[test]
 fn the_virtual_measuring_machine_closes_the_loop() {
     let pair = table_pair();

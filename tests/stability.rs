@@ -7,6 +7,7 @@
 
 mod common;
 
+use common::pairs::spur;
 use common::random::{self, Random};
 use rackmesh::deviation::*;
 use rackmesh::formula::{Input, Model, PinionPitch, RackLead, RackPitch, over_roller};
@@ -477,23 +478,6 @@ fn material_only_ever_lifts_the_pinion() {
 }
 
 // ---- the mesh: edges of its domain -----------------------------------------------------------------
-
-fn spur() -> PairData {
-    PairData {
-        normal_module_mm: 2.0,
-        normal_pressure_angle_rad: 20.0_f64.to_radians(),
-        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 2.0, tooth_thickness_mm: None },
-        pinion: PinionData {
-            teeth: 20,
-            helix_angle_rad: 0.0,
-            profile_shift: 0.2,
-            tip_diameter_mm: 44.8,
-            root_form_diameter_mm: Some(38.2),
-            face_width_mm: 20.0,
-            tooth_thickness_deviation_mm: 0.0,
-        },
-    }
-}
 
 /// A pair for almost any numbers: diameters that suit them.
 fn pair_of(module: f64, alpha: f64, helices: (f64, f64), teeth: u32, faces: (f64, f64)) -> Option<Pair> {

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use super::decision::DecisionArgs;
 use super::eval::{self, ModelArg, StackArg};
 use super::output::{Failure, Output, Status};
-use super::{batch, mesh, office};
+use super::{batch, mesh, office, stream};
 use crate::batch::{Batch, Dialect, Input, Layout, Packing, Plan, Request, Rows, RunError, Sink, Sinks};
 use crate::decision::{LimitTarget, Stack};
 use crate::deviation::ErrorKind;
@@ -250,7 +250,7 @@ impl Args {
         output: Option<&mut Output>,
     ) -> Result<(Input, Arc<Spec>), Failure> {
         let Some(found) = office::open(file, spec, &self.place)? else {
-            return Ok((Input::open(file, batch::open(file, stop)?, Dialect::default())?, Arc::clone(spec)));
+            return Ok((Input::open(file, stream::open(file, stop)?, Dialect::default())?, Arc::clone(spec)));
         };
         let (completed, notes) = found.completed(spec, self.model.into());
         if let Some(output) = output {

@@ -1,10 +1,34 @@
-//! Standard input that Ctrl-C can end, and standard output without a line buffer.
+//! Tables as bytes: files, standard input that Ctrl-C can end, and standard output without a line buffer.
 
+use std::fs::File;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
+
+use super::output::Failure;
+use crate::diagnostic::{Code, Diagnostic};
+
+/// A file, or standard input for `-`.
+pub(super) fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
+    if path == "-" {
+        return Ok(Box::new(Stdin::new(Arc::clone(stop))));
+    }
+    let unreadable = |error: &dyn std::fmt::Display| {
+        Failure::from(Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {error}")))
+    };
+    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
+        return Err(unreadable(&"it is a folder"));
+    }
+    Ok(Box::new(file))
+}
+
+/// What messages call it.
+pub(super) fn name(path: &str) -> &str {
+    if path == "-" { "<stdin>" } else { path }
+}
 
 /// Standard input, read by a thread of its own: a slow pipe does not keep the program from ending.
 pub(super) struct Stdin {

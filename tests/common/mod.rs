@@ -4,5 +4,6 @@
 pub mod brute;
 pub mod convergence;
 pub mod kinds;
+pub mod pairs;
 pub mod paper;
 pub mod random;

@@ -1,25 +1,14 @@
 //! The pair chosen for the paper's tables, with one deviation from tooth 4 on.
 
+use super::pairs;
 use rackmesh::deviation::*;
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
 use rackmesh::multibody::{Outcome, Parameters, Scene, Steady};
 
 pub fn pair() -> Pair {
-    Pair::new(&PairData {
-        normal_module_mm: 2.0,
-        normal_pressure_angle_rad: 19.9_f64.to_radians(),
-        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 19.7, addendum_mm: 1.70, tooth_thickness_mm: None },
-        pinion: PinionData {
-            teeth: 8,
-            helix_angle_rad: 21_f64.to_radians(),
-            profile_shift: 0.3,
-            tip_diameter_mm: 19.738,
-            root_form_diameter_mm: None,
-            face_width_mm: 25.0,
-            tooth_thickness_deviation_mm: 0.0,
-        },
-    })
-    .unwrap()
+    let mut data = pairs::steering();
+    data.pinion.face_width_mm = 25.0;
+    Pair::new(&data).unwrap()
 }
 
 /// A spur pair with short teeth: over most of a pitch one tooth touches on each side.

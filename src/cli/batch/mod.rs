@@ -1,7 +1,10 @@
-//! `rackmesh batch`: tables with a row per part, through the formulas.
+//! `rackmesh batch`: tables with a row per part, through the formulas; with `--teeth` through the exact mesh.
 
-use std::fs::File;
-use std::io::{self, Read, Write};
+mod bar;
+mod targets;
+mod teeth;
+
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -10,16 +13,14 @@ use clap::ValueEnum;
 use super::decision::DecisionArgs;
 use super::eval::{ModelArg, StackArg};
 use super::output::{Failure, Output, Status};
-use super::stream::Stdin;
-use super::{long, office};
+use super::{long, office, stream};
 use crate::batch::{
-    Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Progress, Request, RowFormat, Rows,
-    RunError, Sink, Sinks, Teeth, TeethRequest,
+    Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError,
 };
-use crate::decision::LimitTarget;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::report::{self, Basis, BatchReport, Format};
 use crate::spec::{Spec, WrittenError};
+use bar::Bar;
 
 pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinations and a verdict for every part";
 
@@ -149,7 +150,7 @@ fn separator(text: &str) -> Result<u8, String> {
 const NO_LIMITS: &str = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
 
 fn unread(file: &str, error: &io::Error) -> Diagnostic {
-    Diagnostic::error(Code::FileAccess, format!("cannot read {} to its end: {error}", name(file)))
+    Diagnostic::error(Code::FileAccess, format!("cannot read {} to its end: {error}", stream::name(file)))
 }
 
 fn unwritable(name: &str, error: &io::Error) -> Failure {
@@ -230,128 +231,6 @@ impl Args {
         Ok(status(&outcome, !failed.is_empty(), !plan.unjudged().is_empty()))
     }
 
-    /// Where rows and rejected rows go.
-    fn targets(&self, collected: &office::Collected, kinds: &dyn Fn() -> Kinds) -> Result<Targets, Failure> {
-        let rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
-            (_, true) => None,
-            (Some(path), false) if office::is_office(path) => Some(Box::new(collected.clone())),
-            (Some(path), false) => Some(Box::new(File::create(path).map_err(|error| unwritable(path, &error))?)),
-            (None, false) => Some(Box::new(super::stream::Stdout)),
-        };
-        let (rows, parquet) = match rows {
-            Some(rows) if self.is_parquet() => {
-                let parquet = parquet(rows, kinds())?;
-                let writer: Box<dyn Write + Send> = Box::new(parquet.clone());
-                (Some(writer), Some(parquet))
-            }
-            rows => (rows, None),
-        };
-        let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
-        let rejects = self.rejects.as_ref().map(|path| File::create(path).map_err(|error| unwritable(path, &error)));
-        Ok(Targets {
-            rows,
-            parquet,
-            rejects: rejects.transpose()?,
-            packing: packing(&self.output),
-            rejects_packing: packing(&self.rejects),
-        })
-    }
-
-    /// Parts with their teeth, through the exact mesh.
-    fn run_teeth(
-        &self,
-        spec: &Arc<Spec>,
-        files: &[&str],
-        (format, summary_format): (RowFormat, Format),
-        stop: &Arc<AtomicBool>,
-        output: &mut Output,
-    ) -> Result<Status, Failure> {
-        let rows = self.request(format, spec)?;
-        if rows.rule.needs_uncertainty() {
-            let message = format!("a mesh has no uncertainty of its own for the rule {}", rows.rule);
-            return Err(Diagnostic::error(Code::BadRule, message)
-                .help("give the guard band: --rule guard=VALUE")
-                .into());
-        }
-        let request = TeethRequest {
-            stroke_mm: (self.range.from.mm(), self.range.to.mm()),
-            tolerance_mm: self.range.tolerance.mm(),
-            decimals: self.decimals,
-            format,
-            columns: rows.columns,
-            rows: rows.rows,
-            statistics: rows.statistics,
-            rule: rows.rule.clone(),
-            id: self.id.clone(),
-            strict: self.strict,
-            failures_kept: rows.failures_kept,
-            problems_kept: rows.problems_kept,
-        };
-        if self.only_failures && !spec.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance) {
-            output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
-        }
-        let tables = super::mesh::measured_tables(spec, &self.spec)?;
-        let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
-        let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let workers = self.threads.map_or_else(cores, usize::from);
-        let collected = office::Collected::default();
-        #[cfg(feature = "parquet")]
-        let kinds = || Teeth::column_kinds(self.columns.as_deref());
-        #[cfg(not(feature = "parquet"))]
-        let kinds = || ();
-        let mut targets = self.targets(&collected, &kinds)?;
-        let mut teeth = Teeth::new(spec, &tables, request, targets.sinks(), workers)?;
-        let mut failed = Vec::new();
-        let mut bar = Bar::new(files, "parts");
-        for file in files {
-            let input = self.table(file, spec, stop, dialect, None).map_err(failures);
-            if let Ok((input, _)) = &input {
-                let understood = teeth.understood(&input.header);
-                if !understood.is_empty() {
-                    output.remark(&format!("{}: {}", input.header.name, understood.join(", ")));
-                }
-            }
-            match input.and_then(|(input, _)| {
-                teeth.run(input, stop, &mut |progress| bar.show(progress)).map_err(|diagnostic| vec![diagnostic])
-            }) {
-                Ok(Ok(())) => {}
-                Ok(Err(RunError::Read(error))) => failed.push(unread(file, &error)),
-                Ok(Err(RunError::Write(error))) => return Err(Failure::Write(error)),
-                Err(diagnostics) => failed.extend(diagnostics),
-            }
-            bar.next();
-            if teeth.is_over() {
-                break;
-            }
-        }
-        bar.finish();
-        let (outcome, written) = teeth.finish();
-        written?;
-        targets.finish()?;
-        self.write_office(&collected, spec)?;
-        for diagnostic in &failed {
-            output.diagnostic(diagnostic);
-        }
-        let limits = spec.limits();
-        let judged = limits.into_iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).collect();
-        let basis = Basis {
-            model: "exact mesh",
-            stack: None,
-            rule: rows.rule,
-            limits: judged,
-            quantity_limits: Teeth::quantity_limits(spec),
-            taken_as_exact: Vec::new(),
-        };
-        self.report(spec, &basis, &outcome, summary_format, output)?;
-        Ok(status(&outcome, !failed.is_empty(), false))
-    }
-
-    /// Whether the rows become a Parquet file.
-    fn is_parquet(&self) -> bool {
-        let named = || self.output.as_deref().is_some_and(|path| path.to_ascii_lowercase().ends_with(".parquet"));
-        !self.summary && (self.format == Some(BatchFormat::Parquet) || (self.format.is_none() && named()))
-    }
-
     /// Writes the rows that were collected for a workbook or a Q-DAS file.
     fn write_office(&self, collected: &office::Collected, spec: &Spec) -> Result<(), Failure> {
         match self.output.as_deref().filter(|path| !self.summary && office::is_office(path)) {
@@ -371,7 +250,7 @@ impl Args {
         output: Option<&mut Output>,
     ) -> Result<(Input, Arc<Spec>), Failure> {
         let Some(found) = office::open(file, spec, &self.place)? else {
-            return Ok((Input::open(name(file), open(file, stop)?, dialect)?, Arc::clone(spec)));
+            return Ok((Input::open(stream::name(file), stream::open(file, stop)?, dialect)?, Arc::clone(spec)));
         };
         let (completed, notes) = found.completed(spec, self.model.into());
         if let Some(output) = output {
@@ -536,56 +415,6 @@ impl Args {
     }
 }
 
-/// What the columns of a Parquet file hold.
-#[cfg(feature = "parquet")]
-type Kinds = Vec<crate::batch::ColumnKind>;
-#[cfg(feature = "parquet")]
-type Parquet = crate::batch::ParquetRows;
-
-/// There are no Parquet files without the feature.
-#[cfg(not(feature = "parquet"))]
-type Kinds = ();
-#[cfg(not(feature = "parquet"))]
-type Parquet = office::Collected;
-
-#[cfg(feature = "parquet")]
-#[expect(clippy::unnecessary_wraps, reason = "without the feature it fails")]
-fn parquet(rows: Box<dyn Write + Send>, kinds: Kinds) -> Result<Parquet, Failure> {
-    Ok(Parquet::new(rows, kinds))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn parquet(_: Box<dyn Write + Send>, (): Kinds) -> Result<Parquet, Failure> {
-    Err(Diagnostic::error(Code::Usage, "this rackmesh was built without the feature `parquet`")
-        .help("build it with `cargo install --path . --features parquet`, or write csv")
-        .into())
-}
-
-/// Files that are written.
-struct Targets {
-    rows: Option<Box<dyn Write + Send>>,
-    /// The rows, too, if they become a Parquet file, which has an end of its own.
-    parquet: Option<Parquet>,
-    rejects: Option<File>,
-    packing: Packing,
-    rejects_packing: Packing,
-}
-
-impl Targets {
-    /// Ends the files that have an end of their own.
-    fn finish(self) -> Result<(), Failure> {
-        self.parquet.map_or(Ok(()), |parquet| Ok(parquet.finish()?))
-    }
-
-    fn sinks(&mut self) -> Sinks<'_> {
-        let (packing, rejects_packing) = (self.packing, self.rejects_packing);
-        Sinks {
-            rows: self.rows.as_mut().map(|writer| Sink { writer, packing }),
-            rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
-        }
-    }
-}
-
 /// The counts in one line.
 fn in_words(counts: &Counts, row: &str) -> String {
     let mut parts = Vec::new();
@@ -629,84 +458,10 @@ pub(super) fn status(outcome: &Outcome, unread: bool, unjudged: bool) -> Status 
     }
 }
 
-/// What messages call a file.
-fn name(path: &str) -> &str {
-    if path == "-" { "<stdin>" } else { path }
-}
-
 fn failures(failure: Failure) -> Vec<Diagnostic> {
     match failure {
         Failure::Diagnostics(diagnostics) => diagnostics,
         Failure::Usage(error) => Diagnostics::from(Diagnostic::error(Code::Usage, error.to_string())).0,
         Failure::Write(error) => Diagnostics::from(Diagnostic::error(Code::FileAccess, error.to_string())).0,
-    }
-}
-
-pub(super) fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
-    if path == "-" {
-        return Ok(Box::new(Stdin::new(Arc::clone(stop))));
-    }
-    let unreadable = |error: &dyn std::fmt::Display| {
-        Failure::from(Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {error}")))
-    };
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
-    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        return Err(unreadable(&"it is a folder"));
-    }
-    Ok(Box::new(file))
-}
-
-/// How far the run is, where somebody watches.
-struct Bar {
-    shown: long::Bar,
-    /// The sizes of the files, as far as they have one.
-    sizes: Vec<Option<u64>>,
-    file: usize,
-    done: u64,
-    /// What is counted.
-    unit: &'static str,
-}
-
-impl Bar {
-    fn new(files: &[&str], unit: &'static str) -> Self {
-        let sizes = files.iter().map(|path| {
-            let (packing, _) = Packing::of_name(path);
-            let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
-            (packing == Packing::None).then_some(metadata.len())
-        });
-        Self { shown: long::Bar::new(), sizes: sizes.collect(), file: 0, done: 0, unit }
-    }
-
-    #[expect(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "for people"
-    )]
-    fn show(&mut self, progress: &Progress) {
-        let total: Option<u64> = self.sizes.iter().copied().sum();
-        let share = total.filter(|total| *total > 0);
-        let share = share.map(|total| (self.done + progress.bytes) as f64 / total as f64);
-        let (seconds, unit) = (self.shown.seconds(), self.unit);
-        self.shown.show(share, || {
-            let rate = if seconds > 0.0 { (progress.rows as f64 / seconds) as u64 } else { 0 };
-            let mut message = format!("{} {}  {}/s", long::counted(progress.rows), unit, long::counted(rate));
-            if progress.failures > 0 {
-                message.push_str(&format!("  {} failed", long::counted(progress.failures)));
-            }
-            if progress.rejected > 0 {
-                message.push_str(&format!("  {} rejected", long::counted(progress.rejected)));
-            }
-            message
-        });
-    }
-
-    fn next(&mut self) {
-        self.done += self.sizes.get(self.file).copied().flatten().unwrap_or(0);
-        self.file += 1;
-    }
-
-    fn finish(&self) {
-        self.shown.finish();
     }
 }

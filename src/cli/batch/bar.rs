@@ -1,0 +1,59 @@
+//! How far a batch is, where somebody watches.
+
+use crate::batch::{Packing, Progress};
+use crate::cli::long;
+
+/// How far the run is, where somebody watches.
+pub(super) struct Bar {
+    shown: long::Bar,
+    /// The sizes of the files, as far as they have one.
+    sizes: Vec<Option<u64>>,
+    file: usize,
+    done: u64,
+    /// What is counted.
+    unit: &'static str,
+}
+
+impl Bar {
+    pub(super) fn new(files: &[&str], unit: &'static str) -> Self {
+        let sizes = files.iter().map(|path| {
+            let (packing, _) = Packing::of_name(path);
+            let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+            (packing == Packing::None).then_some(metadata.len())
+        });
+        Self { shown: long::Bar::new(), sizes: sizes.collect(), file: 0, done: 0, unit }
+    }
+
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "for people"
+    )]
+    pub(super) fn show(&mut self, progress: &Progress) {
+        let total: Option<u64> = self.sizes.iter().copied().sum();
+        let share = total.filter(|total| *total > 0);
+        let share = share.map(|total| (self.done + progress.bytes) as f64 / total as f64);
+        let (seconds, unit) = (self.shown.seconds(), self.unit);
+        self.shown.show(share, || {
+            let rate = if seconds > 0.0 { (progress.rows as f64 / seconds) as u64 } else { 0 };
+            let mut message = format!("{} {}  {}/s", long::counted(progress.rows), unit, long::counted(rate));
+            if progress.failures > 0 {
+                message.push_str(&format!("  {} failed", long::counted(progress.failures)));
+            }
+            if progress.rejected > 0 {
+                message.push_str(&format!("  {} rejected", long::counted(progress.rejected)));
+            }
+            message
+        });
+    }
+
+    pub(super) fn next(&mut self) {
+        self.done += self.sizes.get(self.file).copied().flatten().unwrap_or(0);
+        self.file += 1;
+    }
+
+    pub(super) fn finish(&self) {
+        self.shown.finish();
+    }
+}
