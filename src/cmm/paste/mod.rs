@@ -317,7 +317,12 @@ fn readings(
     let has_decimals = cells().any(|cell| cell.text.contains(['.', ',']));
     let mut candidates = Vec::new();
     let mut failure = None;
+    let mut mixed = None;
     for (mark, settled_by) in choices {
+        if let Some(cell) = doubtful_thousands(layout, mark, want) {
+            mixed = Some(cell);
+            continue;
+        }
         let read = match read::read(source, layout, mark, want) {
             Ok(read) => read,
             Err(diagnostic) => {
@@ -341,6 +346,14 @@ fn readings(
         let understood = Understood { pasted: read.pasted, account };
         candidates.push(Candidate { understood, values: read.values, doubt: read.implausible });
     }
+    if let Some(cell) = mixed.filter(|_| candidates.iter().all(|candidate| candidate.doubt.is_some())) {
+        let message =
+            format!("the block has decimal points and commas, so that `{}` can be read in two ways", cell.text);
+        let label = format!("{} or {}?", cell.text.replace(',', "."), cell.text.replace([',', '.'], ""));
+        return Err(Diagnostic::error(Code::AmbiguousBlock, message)
+            .at(source, cell.span.clone(), label)
+            .help("write every number in the same way, or say which mark counts: --decimal comma or --decimal point"));
+    }
     if several {
         // what rules out one mark settles the other
         let doubt = candidates.iter().find_map(|candidate| candidate.doubt.clone());
@@ -354,6 +367,30 @@ fn readings(
         Some(failure) if candidates.is_empty() => Err(failure),
         _ => Ok(candidates),
     }
+}
+
+/// A number that this decimal mark makes a thousandfold, because it has the other one, with nothing that speaks for
+/// that: no number shows that the other mark groups thousands, and no nominal value is near.
+fn doubtful_thousands<'a>(layout: &'a Layout, mark: DecimalMark, want: &Want) -> Option<&'a grid::Cell> {
+    let told = want.decimal.is_some();
+    let (decimal, other) = match mark {
+        DecimalMark::Point => ('.', ','),
+        DecimalMark::Comma => (',', '.'),
+    };
+    let values = || layout.columns.iter().filter(|column| !column.field.is_index());
+    let cells =
+        || values().flat_map(|column| column.cells.iter().flatten()).filter(|cell| marks(&cell.text) != Marks::None);
+    let groups = |text: &str| text.contains(other) && (text.contains(decimal) || text.matches(other).count() > 1);
+    if told || !cells().any(|cell| cell.text.contains(decimal)) || cells().any(|cell| groups(&cell.text)) {
+        return None;
+    }
+    let nominal = |column: &layout::Column| {
+        let given = || want.nominals.iter().any(|(kind, _)| column.field == Field::Error(*kind));
+        column.holds != Some(Holds::Deviation) && (column.nominal.is_some() || given())
+    };
+    let unsure = values().filter(|column| !nominal(column)).flat_map(|column| column.cells.iter().flatten());
+    let mut unsure = unsure.filter(|cell| cell.text.contains(other) && marks(&cell.text) == Marks::Differ);
+    unsure.next()
 }
 
 /// The refusal of a block that can be read in more than one way.

@@ -100,10 +100,30 @@ fn what_is_ambiguous_is_refused_with_its_readings() {
         ("pitch\n0.01\n", &two, "`pitch` could be rack_pitch or pinion_pitch", "--as rack_pitch"),
         ("1\t2\n3\t4\n", &two, "as many rows as columns", "--parts rows or --parts columns"),
         ("Zahn\tTeilung\n0\t0.01\n", &two, "could be", ""),
+        // one of the two is a thousandfold of what it was meant to be, and nothing says which
+        ("0,5 um;1.234 um", &two, "points and commas, so that `1.234 um` can be read in two ways", "--decimal comma"),
+        (
+            "1.25 um;25,013 um",
+            &two,
+            "points and commas, so that `25,013 um` can be read in two ways",
+            "--decimal point",
+        ),
+        ("25,013;1.234", &two, "points and commas", "write every number in the same way"),
     ] {
         let found = parts(text, want);
         assert!(found[0].contains("error[ambiguous-block]") && found[0].contains(message), "{found:?}");
         assert!(found[0].contains(readings), "{found:?}");
+    }
+    // a nominal value, or another number with both marks, says that thousands are grouped; so does the user
+    let nominal =
+        Want { nominals: vec![(ErrorKind::RackPitch, ErrorValue::Length("25 mm".parse().unwrap()))], ..two.clone() };
+    let told = Want { decimal: Some(DecimalMark::Comma), ..two.clone() };
+    for (text, want, values) in [
+        ("25.013 um;0,5 um", &nominal, "rack_pitch 0.013 mm pinion_pitch 0.0005 mm"),
+        ("1.234 um;1.000,5 um", &two, "rack_pitch 1.234 mm pinion_pitch 1.0005 mm"),
+        ("1.234 um;0,5 um", &told, "rack_pitch 1.234 mm pinion_pitch 0.0005 mm"),
+    ] {
+        assert_eq!(parts(text, want), [values], "{text}");
     }
     // what settles it, and is said
     let settled = |text: &str, want: &Want| understand("block", text, want).unwrap().account.settled_by;
