@@ -25,6 +25,7 @@ mod roll;
 mod sample;
 mod solve;
 mod summary;
+mod trail;
 
 pub use contact::ContactKind;
 pub use curve::{Curve, Kink};

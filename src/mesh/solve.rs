@@ -4,6 +4,7 @@
 use super::contact::{ContactKind, Hint, Pose, PoseRates, Touch};
 use super::prepare::{Prepared, Roll};
 use super::roll::Valleys;
+use super::trail::Trail;
 use super::{Carrier, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support, Work};
 use crate::trig;
 
@@ -18,6 +19,7 @@ pub struct Sampler<'a> {
     pub(super) assumed: f64,
     /// Rotation offset and rack displacement of the last solution.
     last: Option<(f64, f64)>,
+    trail: Option<Trail>,
     /// Rack teeth that carried last, right and left.
     pub(super) carried: [i64; 2],
     /// For a rack that rolls: how the last solution changes with the roll, and what is known of its rolls.
@@ -140,6 +142,7 @@ impl<'a> Sampler<'a> {
             roll: Roll::NONE,
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
+            trail: None,
             carried: [0; 2],
             rolling: Rolling::default(),
             valleys: Valleys::default(),
@@ -204,6 +207,12 @@ impl<'a> Sampler<'a> {
             _ => guess,
         };
         let (mut low, mut high) = (guess - 0.75 * angular_pitch, guess + 0.75 * angular_pitch);
+        if let Some(expected) = self.trail.and_then(|trail| trail.offset_at(stroke_mm))
+            && expected > low
+            && expected < high
+        {
+            offset = expected;
+        }
         let mut iterations = 0;
         let mut before: Option<(f64, f64)> = None;
         let (right, left, step, ending) = loop {
@@ -252,7 +261,10 @@ impl<'a> Sampler<'a> {
         // where both tangents cross; without a step the larger demand, which certainly suffices
         let a = if step == 0.0 { right.value.max(left.value) } else { right.value + right.rate * step };
         self.last = Some((offset, displacement));
-        if self.mesh.support() != Support::Fixed {
+        let carriers = (self.carrier(FlankSide::Right, &right), self.carrier(FlankSide::Left, &left));
+        if self.mesh.support() == Support::Fixed {
+            self.trail = Some(Trail::extended(self.trail, stroke_mm, offset + step, carriers.0, carriers.1));
+        } else {
             self.rolling = self.rolling(&right, &left);
         }
         let error = -(offset + step);
@@ -263,8 +275,8 @@ impl<'a> Sampler<'a> {
             pinion_angle_rad: stroke_mm * angle_per_mm + error,
             transmission_error_rad: error,
             roll_rad: self.roll.angle,
-            right: self.carrier(FlankSide::Right, &right),
-            left: self.carrier(FlankSide::Left, &left),
+            right: carriers.0,
+            left: carriers.1,
             residual_mm: right.value - left.value,
             iterations,
             ending,
