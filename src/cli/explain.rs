@@ -1,23 +1,63 @@
-//! `rackmesh explain`: the documentation of a diagnostic or a formula.
+//! `rackmesh explain`: the documentation of a formula, a method or a diagnostic.
 
 use std::fmt::Write as _;
 
 use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::CATALOGUE;
+use crate::formula::{CATALOGUE, FormulaPage as Page};
 use crate::report::{Column, Table, table_text, wrap};
 
-pub(super) const ABOUT: &str = "Print the documentation of a diagnostic code or a formula";
+pub(super) const ABOUT: &str = "Print the documentation of a formula, a method or a diagnostic code";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh explain                lists every topic
   rackmesh explain rack-lead      a formula: equation, symbols, domain, source
+  rackmesh explain cpk            a method: how the number is made, by which standard
   rackmesh explain missing-key    a diagnostic: what is wrong and what to do")]
 pub(super) struct Args {
-    /// A formula or a diagnostic code; without one, all are listed.
+    /// A formula, a method or a diagnostic code; without one, all are listed.
     topic: Option<String>,
 }
+
+/// What makes numbers out of several formulas; each is the documentation of its module.
+const METHODS: &[Page] = &[
+    Page {
+        name: "combination",
+        aliases: &["range", "worst-case", "worst", "rss", "stack"],
+        text: include_str!("../decision/stack.md"),
+    },
+    Page { name: "uncertainty", aliases: &["gum", "u", "k"], text: include_str!("../decision/uncertainty/method.md") },
+    Page {
+        name: "rule",
+        aliases: &["iso14253", "guard", "simple", "conformance", "risk"],
+        text: include_str!("../decision/rule.md"),
+    },
+    Page {
+        name: "monte-carlo",
+        aliases: &["simulation-of-errors"],
+        text: include_str!("../decision/monte_carlo/method.md"),
+    },
+    Page {
+        name: "capability",
+        aliases: &["cp", "cpk", "pp", "ppk"],
+        text: include_str!("../decision/capability/method.md"),
+    },
+    Page { name: "budget", aliases: &["tolerance"], text: include_str!("../decision/budget/method.md") },
+    Page {
+        name: "permissible",
+        aliases: &["standard", "iso1328", "din3962", "jisb1702", "f-p", "f-pt", "f-r", "f-beta"],
+        text: include_str!("../standard/method.md"),
+    },
+    Page { name: "class", aliases: &["grade"], text: include_str!("../decision/class.md") },
+    Page { name: "mesh", aliases: &["exact-mesh"], text: include_str!("../mesh/method.md") },
+    Page {
+        name: "curve",
+        aliases: &["composite", "f-i", "f-i''", "fi''", "transmission-error"],
+        text: include_str!("../mesh/summary.md"),
+    },
+    Page { name: "simulate", aliases: &["multibody", "simulation"], text: include_str!("../multibody/method.md") },
+];
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
@@ -33,8 +73,8 @@ impl Args {
 /// The page of a topic; underscores serve as hyphens, so that the keys of a spec are topics too.
 fn page(topic: &str) -> Option<String> {
     let topic = topic.trim().to_lowercase().replace('_', "-");
-    let formula = CATALOGUE.iter().find(|page| page.name == topic || page.aliases.contains(&topic.as_str()));
-    if let Some(page) = formula {
+    let mut pages = CATALOGUE.iter().chain(METHODS);
+    if let Some(page) = pages.find(|page| page.name == topic || page.aliases.contains(&topic.as_str())) {
         return Some(format!("# {}\n\n{}", page.name, page.text));
     }
     Code::ALL.iter().find(|code| code.name() == topic).map(|code| code.page().to_owned())
@@ -51,7 +91,8 @@ fn for_screen(text: &str, width: Option<u16>) -> String {
     while let Some(line) = lines.next() {
         if line.starts_with("```") {
             for line in lines.by_ref().take_while(|line| !line.starts_with("```")) {
-                out.push_str(&format!("    {line}\n"));
+                out.push_str(format!("    {line}").trim_end());
+                out.push('\n');
             }
         } else if width.is_some() && line.starts_with('|') {
             let mut table = vec![line];
@@ -92,10 +133,14 @@ fn table_of(lines: &[&str]) -> Table {
 }
 
 fn list() -> String {
-    let mut text = "Formulas:\n".to_owned();
-    for page in CATALOGUE {
-        // writing to a string cannot fail
-        let _ = writeln!(text, "  {:<18}{}", page.name, first_sentence(page.text));
+    let mut text = String::new();
+    for (heading, pages) in [("Formulas:", CATALOGUE), ("\nMethods:", METHODS)] {
+        text.push_str(heading);
+        text.push('\n');
+        for page in pages {
+            // writing to a string cannot fail
+            let _ = writeln!(text, "  {:<18}{}", page.name, first_sentence(page.text));
+        }
     }
     text.push_str("\nDiagnostics:\n");
     for code in Code::ALL {
@@ -111,13 +156,17 @@ fn first_sentence(text: &str) -> String {
     text[..end.unwrap_or(text.len())].replace('\n', " ")
 }
 
+/// The names of all topics.
+fn names() -> impl Iterator<Item = &'static str> {
+    CATALOGUE.iter().chain(METHODS).map(|page| page.name).chain(Code::ALL.iter().map(|code| code.name()))
+}
+
 fn unknown(topic: &str) -> Diagnostic {
-    let names = CATALOGUE.iter().map(|page| page.name).chain(Code::ALL.iter().map(|code| code.name()));
-    let similar = names
+    let similar = names()
         .map(|name| (strsim::jaro_winkler(topic, name), name))
         .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0));
-    let message = format!("there is no formula or diagnostic `{topic}`");
+    let message = format!("there is no formula, method or diagnostic `{topic}`");
     Diagnostic::error(Code::UnknownTopic, message).help(match similar {
         Some((_, name)) => format!("did you mean `{name}`?"),
         None => "`rackmesh explain` lists them all".to_owned(),
@@ -130,8 +179,7 @@ mod tests {
 
     #[test]
     fn every_page_fits_a_narrow_screen() {
-        let topics = CATALOGUE.iter().map(|page| page.name).chain(Code::ALL.iter().map(|code| code.name()));
-        for topic in topics {
+        for topic in names() {
             let page = page(topic).expect("a topic has a page");
             let text = for_screen(&page, Some(72));
             // code is shown as it is
@@ -141,6 +189,14 @@ mod tests {
             let fences = page.matches("```text").count() * "text".len();
             assert_eq!(words(&text) + fences, words(&page), "{topic}:\n{text}");
         }
+    }
+
+    #[test]
+    fn no_name_or_alias_has_two_pages() {
+        let aliases = CATALOGUE.iter().chain(METHODS).flat_map(|page| page.aliases.iter().copied());
+        let mut all: Vec<_> = names().chain(aliases).collect();
+        all.sort_unstable();
+        assert!(all.windows(2).all(|two| two[0] != two[1]), "{all:?}");
     }
 
     #[test]

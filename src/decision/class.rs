@@ -1,22 +1,8 @@
-//! From classes to ΔCD: what each deviation of an accuracy standard does to the centre distance.
+#![doc = include_str!("class.md")]
 //!
 //! The spec resolves `{ class = 7 }` to an error with it, and `class` prints with it what ΔCD a grade allows.
 //! It takes permissible values ([`Permissible`]) and prepared formulas; it must not choose a standard or
 //! a rack's diameter.
-//!
-//! # Which deviation does what
-//! | deviation | ΔCD | why |
-//! |---|---|---|
-//! | f_pt | pitch formula | one flank stands f_pt beside its place, as the paper's pitch errors |
-//! | F_pz/8, F_p | pitch formula, a bound | two flanks in contact at the same time stand at most this apart |
-//! | f_Hβ | lead formula, tan Δβ = f_Hβ / b | the slope over the face width is a lead error |
-//! | F_β | the same, a bound | the whole helix deviation taken as slope |
-//! | F_r | itself, peak to peak | the probe that measures it rests on both flanks as the mating teeth do |
-//! | F_i'', f_i'' | itself, peak to peak | they *are* the variation of the centre distance, with a master, in a turn and over a tooth |
-//! | f_fα, f_Hα, F_α, f_fβ | none | where along profile and face the contact lies decides; the exact mesh takes f_Hα |
-//!
-//! F_r is taken whole: a single space may sit F_r beside all others, and the mean of a turn, which is not
-//! limited by F_r, is taken to be nominal. Of a pinion that is merely eccentric, half of it acts to either side.
 
 use crate::deviation::{ErrorKind, ErrorValue, Part};
 use crate::formula::{Model, PartError, RackLead, RackPitch};

@@ -1,21 +1,6 @@
-//! Decision rules: what a measured value with an uncertainty proves about a limit. Called after an evaluation with the
-//! uncertainty of its results; it propagates nothing itself.
+#![doc = include_str!("rule.md")]
 //!
-//! | rule | pass | fail |
-//! |---|---|---|
-//! | `simple` | inside the limits | outside |
-//! | `iso14253` | inside by the guard band g = 1.65 u_c | outside by it |
-//! | `guard=VALUE` | inside by the given guard band | outside by it |
-//!
-//! Between both lies indeterminate. ISO 14253-1:2017 takes a conformance probability of 95 % unless agreed otherwise,
-//! which at one limit is 1.65 standard uncertainties; older practice took U = 2 u_c. Where the result was simulated,
-//! `iso14253` holds the simulated probability of conformance against 95 % instead, which needs no normal distribution.
-//!
-//! # Probabilities
-//! The probability of conformance p_c is that of the true value lying inside the limits, given the measured value and
-//! its uncertainty and nothing else (JCGM 106:2012, 7.2). The specific consumer's risk 1 − p_c is the probability that
-//! this part, if accepted, does not conform; the specific producer's risk p_c the probability that it, if rejected,
-//! does (JCGM 106:2012, 3.3.13 to 3.3.16 and 9.3).
+//! Called after an evaluation with the uncertainty of its results; propagates nothing itself.
 
 use super::statistics::{bivariate_normal_cdf, normal_cdf};
 use super::{Limit, Verdict};

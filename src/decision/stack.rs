@@ -1,5 +1,6 @@
-//! The stack-up: what several errors do together. Called by the evaluation; sums and comparisons are exact, and it
-//! judges nothing.
+#![doc = include_str!("stack.md")]
+//!
+//! Called by the evaluation; judges nothing.
 
 use std::fmt;
 

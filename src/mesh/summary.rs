@@ -1,4 +1,6 @@
-//! What a curve amounts to. Called by reports; computes from solved points only.
+#![doc = include_str!("summary.md")]
+//!
+//! Called by reports; computes from solved points only.
 
 use super::{Curve, Mesh};
 

@@ -16,10 +16,7 @@
 //! | JIS B 1702-1976 | `jis_b_1702_1976.rs` | pitch | 0 … 8 |
 //!
 //! # How a value is made
-//! A formula gives the value of grade 5 in µm from module, diameter and face width in mm; the 1995 and 1997
-//! editions put in the geometric mean of the range that each lies in (`over … up to and including`), the 2013
-//! edition the size itself. The value of grade Q is the *unrounded* one of grade 5 times 2^((Q−5)/2), and is
-//! rounded after that: above 10 µm to whole µm, from 5 to 10 µm to 0.5 µm, below 5 µm to 0.1 µm, halves up.
+#![doc = include_str!("method.md")]
 //!
 //! # Exactness
 //! Sizes are rational, roots have 255 bits or are exact, and the power of two is exact for even steps of grade.

@@ -370,3 +370,15 @@ fn every_value_has_a_formula_and_a_clause() {
     assert_eq!(formula(ISO_1997, Deviation::Runout), "0.8 (0.3 m_n + 1.25 √d + 7)");
     assert_eq!(formula(ISO_2013, Deviation::TotalProfile), "√((0.4 m_n + 0.001 d + 4)² + (0.55 m_n + 5)²)");
 }
+
+/// What `explain permissible` prints is what is computed.
+#[test]
+fn the_formulas_are_documented_as_they_are_computed() {
+    let size = wheel("2.5", "100", "16", 40);
+    for standard in [ISO_1995, ISO_1997, ISO_2013] {
+        for deviation in standard.deviations() {
+            let formula = standard.permissible(deviation, 5, &size).unwrap().formula;
+            assert!(include_str!("method.md").contains(&formula), "{standard} {deviation}: {formula}");
+        }
+    }
+}

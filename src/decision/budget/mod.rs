@@ -1,23 +1,8 @@
-//! Tolerance budgets: from a ΔCD that is permitted to a tolerance for each error.
+#![doc = include_str!("method.md")]
 //!
 //! `budget` calls [`allocate`] with errors whose tolerances are fixed and errors whose tolerances are free; each free
 //! one gets a share of what the fixed ones leave. It evaluates with the formulas and combinations that
-//! [`evaluate`](super::evaluate) uses, and must not round a tolerance up.
-//!
-//! # Shares
-//! By worst case the magnitudes of ΔCD add up, Σ |ΔCD_i| = L; by RSS their squares do, Σ ΔCD_i² = L². What is left
-//! of L (or L²) after the fixed errors is divided so that the ΔCD of the free ones stand in the ratio of their weights.
-//! A relative cost c_i is that of holding a tolerance, c_i / ΔCD_i, and the sum of costs is smallest where ΔCD_i stands
-//! in the ratio of √c_i (worst case) or ∛c_i (RSS, and simulation, which is near it). An error with a limit of its own
-//! gets no more than that, and the others what it leaves.
-//!
-//! # Guarantees
-//! Tolerances are doubles whose decimals are rounded towards zero: evaluated forward as they are printed, in the exact
-//! arithmetic of the stack-up, they meet the limit. Nothing is held back: any free tolerance enlarged by 1 % breaks the
-//! limit, or its own.
-//!
-//! By simulation the largest scale of the shares is found at which the target fraction of random assemblies conforms,
-//! all with the same draws; see [`simulation`].
+//! [`evaluate`](super::evaluate) uses, and must not round a tolerance up. By simulation: [`simulation`].
 
 pub mod simulation;
 #[cfg(test)]

@@ -1,15 +1,6 @@
-//! Process capability of a batch: how the spread of one characteristic compares with its limits. Called by `batch` with
-//! the ΔCD of its parts; judges no single part and reads no file.
+#![doc = include_str!("method.md")]
 //!
-//! ```text
-//! Pp = (U − L) / (6 s)          Ppk = min(U − x̄, x̄ − L) / (3 s)          s: standard deviation of all parts
-//! Cp = (U − L) / (6 σ̂_w)        Cpk = min(U − x̄, x̄ − L) / (3 σ̂_w)        σ̂_w: of short duration
-//! ```
-//!
-//! σ̂_w is the pooled standard deviation of consecutive subgroups; for single parts the mean moving range divided by
-//! d_2 = 2/√π. The indices say what they seem to say only of a stable process and a normal distribution: the normality
-//! indication comes with them. Confidence intervals: χ² for Cp and Pp, the normal approximation of Bissell (1990) for
-//! Cpk and Ppk. The measuring uncertainty is part of the spread; its share of the variance is the gauge share.
+//! Called by `batch` with the ΔCD of its parts; judges no single part and reads no file.
 
 mod normality;
 

@@ -1,24 +1,8 @@
-//! Propagation of distributions by simulation: JCGM 101:2008.
+#![doc = include_str!("method.md")]
 //!
 //! [`simulate_part`] draws a part's errors and gear data from their distributions and gives the distribution of each
 //! ΔCD; it is called by the command line and the batch engine. [`simulate`] does the same for any [`Simulated`] model,
 //! which is how the worked examples of JCGM 101 are tested. Nothing here reads files or prints.
-//!
-//! # Reproducible
-//! Draws come in blocks of 10 000, each with a generator seeded from the run's seed and the block's number; sums
-//! are added up in the order of the blocks and histograms count. So the same seed gives the same bits at any number of
-//! threads, on any platform.
-//!
-//! # How many draws
-//! A given number, rounded up to whole blocks, or as many as are needed (clause 7.9): until twice the standard
-//! deviations of the mean, of u and of both ends of the 95 % interval are below a fifth of the tolerance δ of the
-//! stated number of digits of u, so that the result can validate a linear one (clause 8.2). It is looked at after 10,
-//! 20, 40, … blocks.
-//!
-//! # Quantiles
-//! Values are counted in 16 384 bins over three times the range of the first block, about 24 standard deviations, and
-//! interpolated linearly within a bin: an error below 1e-3 of a standard deviation where the density jumps, and far
-//! below that elsewhere. Memory does not depend on the number of draws.
 
 mod histogram;
 mod part;

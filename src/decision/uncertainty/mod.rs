@@ -1,17 +1,8 @@
-//! Measurement uncertainty of ΔCD by linear propagation: JCGM 100:2008 (GUM), clauses 5, 6 and G.4.
+#![doc = include_str!("method.md")]
 //!
 //! Called by the command line and the batch engine with the errors of a part and what is known of their uncertainty; it
 //! draws nothing at random ([`monte_carlo`](super::monte_carlo) does) and judges nothing ([`rule`](super::rule) does).
-//!
-//! ```text
-//! u²(y) = Σ_i Σ_j c_i c_j u(x_i) u(x_j) r_ij        c_i = ∂y/∂x_i              (clause 5.2.2)
-//! ν_eff = u⁴(y) / Σ_i (c_i u(x_i))⁴ / ν_i                                      (clause G.4.1)
-//! U = k u(y),  k = 2, or Student's t for 95.45 % at ν_eff rounded down          (clauses 6.2, G.6.4)
-//! ```
-//!
-//! ΔCD of a pitch or lead error is a magnitude, |Δp| or |sin Δβ|: it is folded at zero. Nearer to zero than three
-//! standard uncertainties the linear result is not the standard uncertainty but an upper bound of it, the mean of
-//! what the value may be lies above the value, and the result says so ([`Linear::folded`]).
+//! Where a result is folded at zero, [`Linear::folded`] says so.
 
 mod inputs;
 mod prepared;
