@@ -24,6 +24,7 @@
 mod climb;
 mod corner;
 mod form;
+mod rack_corner;
 mod roll_rate;
 
 pub(super) use form::Form;
@@ -31,6 +32,7 @@ pub(super) use roll_rate::{PoseRates, RollRates};
 
 use std::f64::consts::PI;
 
+use self::corner::Found;
 use crate::trig;
 
 /// A plane of the rack tooth, scaled so that it asks for the centre distance `d − t ξ − w_coefficient w − ζ`.
@@ -113,6 +115,12 @@ pub(super) struct FlankContact {
     pub(super) fits: bool,
     /// Whether it does and [`FlankContact::slides`] holds.
     pub(super) slides: bool,
+    /// r_b/sin ν.
+    pub(super) scale: f64,
+    /// See [`FlankContact::far_loss`].
+    pub(super) far_loss: f64,
+    /// atan τ_0.
+    pub(super) start_angle: f64,
     /// Bound of |w| from all end faces.
     pub(super) w_extent: f64,
     /// Slope of the demand along the generator δ = 0.
@@ -149,6 +157,8 @@ pub(super) struct Touch {
     pub(super) spread: f64,
     /// At a vertex of the patch: a generator beyond it and the demand's rate per rate of the gap there.
     pub(super) vertex: Option<(f64, f64)>,
+    /// Whether it is where the rack's tip edge ends the contact line.
+    pub(super) at_rack_edge: bool,
 }
 
 /// A point of contact: generator, place on it, and what bounds it there.
@@ -164,6 +174,8 @@ pub(super) struct Spot {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hint {
     pub(super) delta: f64,
+    pub(super) w: f64,
+    pub(super) at_rack_edge: bool,
     /// How far off it may be.
     pub(super) spread: f64,
 }
@@ -377,7 +389,7 @@ impl FlankContact {
     /// A demand that this pair cannot exceed: at each w the best generator is δ = 0, and where that lies off the
     /// involute by the roll angle η the edge stays clear of it by (r_b/sin ν)(τ η²/2 + …).
     pub(super) fn upper_bound(&self, pose: &Pose) -> f64 {
-        let scale = self.base_radius / self.sin_nu;
+        let scale = self.scale;
         let roll = self.nu - pose.c;
         let reach = self.kappa.abs() * self.w_extent;
         let beyond_tip = roll - reach - self.tip_roll;
@@ -409,9 +421,7 @@ impl FlankContact {
 
     /// The demand of the generator δ = 0 at w = 0, bounds ignored.
     fn unbounded(&self, pose: &Pose) -> f64 {
-        self.flank.d + pose.shift + self.base_radius / self.sin_nu * (self.nu - pose.c)
-            - self.flank.t * pose.offset.0
-            - pose.offset.1
+        self.flank.d + pose.shift + self.scale * (self.nu - pose.c) - self.flank.t * pose.offset.0 - pose.offset.1
     }
 
     /// The contact along a whole generator, if the helix fits and part of that generator is on both flanks.
@@ -455,7 +465,16 @@ impl FlankContact {
         }
         let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
         let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, on_tip: false };
-        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, spread: 0.0, vertex: None })
+        Some(Touch {
+            demand,
+            rate,
+            kind: ContactKind::Line,
+            spot,
+            other: None,
+            spread: 0.0,
+            vertex: None,
+            at_rack_edge: false,
+        })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.
@@ -474,15 +493,24 @@ impl FlankContact {
         }
         let mut best = self.line(pose);
         // peaks equal within rounding: the first found names the contact
-        let tie = 8.0 * DEMAND * self.base_radius / self.sin_nu;
+        let tie = 8.0 * DEMAND * self.scale;
         if self.kappa == 0.0 && best.is_some() {
             return best;
         }
-        if best.is_none()
-            && let Some(touch) =
-                self.corner(pose, floor).or_else(|| self.rack_corner(pose, floor, hint.map(|hint| hint.delta)))
-        {
-            return Some(touch);
+        if best.is_none() && self.slides {
+            let at_rack_edge =
+                hint.map_or(zero + 0.5 * (self.start_roll + self.tip_roll) > 0.0, |hint| hint.at_rack_edge);
+            if at_rack_edge && let Some(touch) = self.rack_corner(pose, floor, hint) {
+                return Some(touch);
+            }
+            match self.corner(pose, floor, hint) {
+                Found::Touch(touch) => return Some(touch),
+                Found::Nothing => return None,
+                Found::Unsure => {}
+            }
+            if !at_rack_edge && let Some(touch) = self.rack_corner(pose, floor, hint) {
+                return Some(touch);
+            }
         }
         let harmless = self.fits && self.reach_of_root(pose) <= best.map_or(floor, |best| best.demand.max(floor));
         let mut climb = |from: f64, to: f64| {

@@ -212,11 +212,15 @@ impl Mesh {
             cos_nu,
             fits: fits && form.is_none(),
             slides: false,
+            scale: pinion.base_radius_mm / sin_nu,
+            far_loss: 0.0,
+            start_angle: trig::atan(pinion.start_roll_rad),
             w_extent,
             tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
             form,
         };
-        contact.slides = contact.fits && contact.slides(pinion.tip_radius_mm, self.eccentricity());
+        contact.slides = contact.slides(pinion.tip_radius_mm);
+        contact.far_loss = contact.far_loss();
         let middle = |tooth: &crate::deviation::RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
         let thickness = 2.0 * half_x + tooth.right.along_x_mm - tooth.left.along_x_mm;
         Prepared {

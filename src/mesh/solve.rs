@@ -59,6 +59,8 @@ struct Seen {
     drift: f64,
     /// How far off both may be.
     spread: f64,
+    w: f64,
+    at_rack_edge: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -411,7 +413,12 @@ impl<'a> Sampler<'a> {
             let floor = best.map_or(f64::NEG_INFINITY, |best| best.value);
             let hint = seen.map(|seen| {
                 let by = pose.c - seen.c;
-                Hint { delta: seen.delta + seen.drift * by, spread: (0.1 * by.abs()).max(0.1 * seen.spread) }
+                Hint {
+                    delta: seen.delta + seen.drift * by,
+                    w: seen.w,
+                    at_rack_edge: seen.at_rack_edge,
+                    spread: (0.1 * by.abs()).max(0.1 * seen.spread),
+                }
             });
             let touch = prepared.contact.touch(&pose, floor, hint);
             let drift = |delta: f64, carried: bool| match *seen {
@@ -429,6 +436,8 @@ impl<'a> Sampler<'a> {
                 delta: touch.spot.delta,
                 drift: drift(touch.spot.delta, touch.is_carried()),
                 spread: touch.spread,
+                w: touch.spot.w,
+                at_rack_edge: touch.at_rack_edge,
             });
             self.work.searched += 1;
             if let Some(touch) = touch

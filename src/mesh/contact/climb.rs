@@ -59,13 +59,13 @@ fn reach(spread: f64, run: i32) -> f64 {
 impl FlankContact {
     /// Largest demand for δ in `lo..=hi`.
     pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64, hint: Option<Hint>) -> Option<Touch> {
-        let scale = self.base_radius / self.sin_nu;
+        let scale = self.scale;
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
         let mut best: Option<Touch> = None;
         // where the involute starts at its base circle the derivative vanishes whichever way it goes: look beside it
         let (mut x, spread) = match hint {
-            Some(Hint { delta, spread }) if delta > lo && delta < hi => (delta, spread.max(NARROW)),
+            Some(Hint { delta, spread, .. }) if delta > lo && delta < hi => (delta, spread.max(NARROW)),
             _ => (0.0_f64.clamp(lo + INSIDE.min(0.25 * (hi - lo)), hi), f64::INFINITY),
         };
         let mut width = f64::INFINITY;
@@ -79,7 +79,16 @@ impl FlankContact {
             if let Generator::Some { demand, rate, w, kind, slope, on_tip } = sample.generator {
                 if best.is_none_or(|best: Touch| demand > best.demand) {
                     let spot = Spot { delta: x, w, kind, on_tip };
-                    best = Some(Touch { demand, rate, kind, spot, other: None, spread: 0.0, vertex: None });
+                    best = Some(Touch {
+                        demand,
+                        rate,
+                        kind,
+                        spot,
+                        other: None,
+                        spread: 0.0,
+                        vertex: None,
+                        at_rack_edge: false,
+                    });
                 }
                 let roll = (self.nu - pose.c) + x + self.kappa * w;
                 if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {

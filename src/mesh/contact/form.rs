@@ -71,7 +71,7 @@ impl FlankContact {
         match self.demand(pose, delta) {
             Generator::Some { demand, rate, kind, w, on_tip, .. } => {
                 let spot = Spot { delta, w, kind, on_tip };
-                Some(Touch { demand, rate, kind, spot, other: None, spread: 0.0, vertex: None })
+                Some(Touch { demand, rate, kind, spot, other: None, spread: 0.0, vertex: None, at_rack_edge: false })
             }
             Generator::None { .. } => None,
         }

@@ -1,0 +1,198 @@
+//! The end of the contact line at the rack's tip edge, in closed form. Called by [`FlankContact::touch`] where the flanks fit
+//! and the pinion's flank goes deeper than the rack's teeth; says nothing where it is not sure. The setting and the
+//! names are those of [`corner`](super::corner).
+//!
+//! # Where it is
+//! Let E(τ) be the end of the flank with the smallest δ > 0 at each τ, at the pinion's end face or the rack's. Along it F,
+//! what the flank's plane asks for, falls with τ, and T = d + r_b (cos γ + τ sin γ), what the rack's tip plane asks
+//! for, grows, if cos γ > 0 and W cos γ > κ t r_b; they cross at τ*. Points with τ > τ* have a smaller F than that; those with
+//! τ < τ* have a smaller T, because T falls with δ at a fixed τ as long as tan γ > τ. So the crossing touches, if both faces
+//! are over each other there.
+//!
+//! # Early exit
+//! The same holds with any τ for τ*: no point asks for more than the larger of F and T at E(τ), nor at a place outside of the
+//! faces beyond E(τ). Where that is no more than the floor, some other pair's demand, the search ends and
+//! that bound is returned; it never carries.
+
+use super::corner::{SETTLED, turned};
+use super::{ContactKind, FlankContact, Hint, Pose, Spot, Touch};
+use crate::trig;
+
+/// Steps of Newton's method at most; two or three are enough.
+const MAX_STEPS: u32 = 12;
+
+/// A point of the flank with what both of the rack's planes ask for there, and the derivatives by τ (at a fixed w) and w.
+struct RackPoint {
+    roll: f64,
+    w: f64,
+    delta: f64,
+    /// Sine and cosine of γ.
+    sin: f64,
+    cos: f64,
+    demand: f64,
+    demand_by: [f64; 2],
+    /// F − T.
+    excess: f64,
+    excess_by: [f64; 2],
+    y: f64,
+    y_by: [f64; 2],
+    /// Derivatives by c.
+    demand_rate: f64,
+    tip_rate: f64,
+    y_rate: f64,
+}
+
+impl FlankContact {
+    /// The point where the rack's tip edge meets an end face (or, without a helix, one generator), if that is what touches.
+    pub(super) fn rack_corner(&self, pose: &Pose, floor: f64, hint: Option<Hint>) -> Option<Touch> {
+        if !self.slides {
+            return None;
+        }
+        let k = self.across.half_width;
+        let zero = pose.c - self.nu;
+        let side = 1.0_f64.copysign(self.kappa);
+        let end = if self.kappa == 0.0 { 0.0 } else { side * self.half_face };
+        let mut w = end;
+        let mut at_rack_end = false;
+        if let Some(hint) = hint
+            && hint.w * side < self.half_face * (1.0 - 1e-9)
+            && self.kappa != 0.0
+        {
+            (w, at_rack_end) = (hint.w, true);
+        }
+        let start = hint.map_or(0.1, |hint| hint.delta) - zero + self.kappa * w;
+        let mut roll = start.clamp(self.start_roll.max(1e-3), self.tip_roll);
+        let mut delta = zero + roll - self.kappa * w;
+        let mut angles = trig::sin_cos(self.nu + delta);
+        for step in 0..MAX_STEPS {
+            let at = self.rack_point(pose, (roll, w), delta, angles);
+            if step == 0 && self.kappa != 0.0 && side * at.y > k {
+                at_rack_end = true;
+            }
+            let y = if at_rack_end { [at.y - side * k, at.y_by[0], at.y_by[1]] } else { [0.0, 0.0, 1.0] };
+            let (by_roll, by_w) = solved([at.excess, y[0]], at.excess_by, [y[1], y[2]]);
+            if let Some(bound) = self.bound_beyond(&at, at_rack_end, side * y[0])
+                && bound <= floor
+                && self.keeps_out_the_rest(pose, floor, &at)
+            {
+                let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, on_tip: false };
+                let demand = if self.kappa == 0.0 { bound } else { bound.max(self.rest(pose, false)) };
+                return Some(Touch { demand, spread: by_roll.abs(), ..touch_at(&at, spot, at.demand_rate) });
+            }
+            (roll, w) = ((roll - by_roll).min(self.tip_roll), w - by_w);
+            if roll.is_nan() || roll <= self.start_roll {
+                return None;
+            }
+            let from = (delta, angles);
+            delta = zero + roll - self.kappa * w;
+            angles = turned(from.1, delta - from.0, self.nu + delta);
+            if by_roll.abs() <= SETTLED && (self.kappa * by_w).abs() <= SETTLED {
+                let at = self.rack_point(pose, (roll, w), delta, angles);
+                if at_rack_end && side * w > self.half_face {
+                    let from = (delta, angles);
+                    (w, at_rack_end) = (end, false);
+                    delta = zero + roll - self.kappa * w;
+                    angles = turned(from.1, delta - from.0, self.nu + delta);
+                } else if !at_rack_end && self.kappa != 0.0 && side * at.y > k {
+                    at_rack_end = true;
+                } else {
+                    return self.rack_touch(pose, floor, &at, at_rack_end);
+                }
+            }
+        }
+        None
+    }
+
+    fn rack_point(&self, pose: &Pose, (roll, w): (f64, f64), delta: f64, (sin, cos): (f64, f64)) -> RackPoint {
+        let (scale, r) = (self.scale, self.base_radius);
+        let (sin_d, cos_d) = (sin * self.cos_nu - cos * self.sin_nu, cos * self.cos_nu + sin * self.sin_nu);
+        let (along, turned) = (r * (cos + roll * sin), r * (roll * cos - sin));
+        let (by_delta, t) = (scale * (1.0 - cos_d - roll * sin_d), self.across.t);
+        let demand = self.unbounded(pose) + scale * (roll * (cos_d - 1.0) + delta - sin_d);
+        let tip = self.tip.d - pose.offset.1 + along;
+        let demand_by = [-scale * roll * sin_d, -self.kappa * by_delta];
+        RackPoint {
+            roll,
+            w,
+            delta,
+            sin,
+            cos,
+            demand,
+            demand_by,
+            excess: demand - tip,
+            excess_by: [demand_by[0] - r * roll * cos, demand_by[1] + self.kappa * turned],
+            y: t * (r * (sin - roll * cos) + pose.offset.0) + self.across.w * w,
+            y_by: [t * r * roll * sin, self.across.w - self.kappa * t * along],
+            demand_rate: by_delta - scale - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1,
+            tip_rate: turned - pose.offset_rate.1,
+            y_rate: t * (along + pose.offset_rate.0),
+        }
+    }
+
+    /// The larger of both planes' demands at the end of the flank with the roll angle of a point that is `over` outside of
+    /// the rack's face, or inside of it by as much as that is negative.
+    fn bound_beyond(&self, at: &RackPoint, at_rack_end: bool, over: f64) -> Option<f64> {
+        let bound = at.demand.max(at.demand - at.excess);
+        if !at_rack_end || over >= 0.0 {
+            return Some(bound);
+        }
+        // along the edge δ falls by κ dw, and with it both demands grow
+        let short = self.kappa.abs() * -over / at.y_by[1];
+        let grows = (at.demand_by[1].abs()).max((at.demand_by[1] - at.excess_by[1]).abs()) / self.kappa.abs();
+        let bends = (self.scale + self.base_radius) * (1.0 + self.tip_roll);
+        (at.y_by[1] > 0.0 && short < 0.1).then_some(bound + short * (1.2 * grows + bends * short))
+    }
+
+    /// Whether no other point of the flank asks for more than the larger of both planes' demands at a point of its end with
+    /// the smallest δ, or than the floor.
+    fn keeps_out_the_rest(&self, pose: &Pose, floor: f64, at: &RackPoint) -> bool {
+        let RackPoint { roll, delta, sin, cos, demand, .. } = *at;
+        if delta < 0.0 || cos <= 0.0 {
+            return false;
+        }
+        if self.kappa == 0.0 {
+            return true;
+        }
+        // along the end δ changes with τ by no more than this
+        let turn = self.turn() * self.base_radius;
+        let fastest = 1.0 + turn * roll * sin / (self.across.w - turn * (1.0 + self.tip_roll));
+        let lowest = self.nu + delta - fastest * (roll - self.start_roll);
+        fastest >= 1.0
+            && self.across.w * cos > turn
+            && lowest >= self.start_angle
+            && self.rest(pose, false) <= demand.max(floor)
+    }
+
+    /// The touch at the rack's tip edge, unless something else could touch or a condition of the proof fails.
+    fn rack_touch(&self, pose: &Pose, floor: f64, at: &RackPoint, at_rack_end: bool) -> Option<Touch> {
+        let (mut w, k) = (at.w, self.across.half_width);
+        if !self.keeps_out_the_rest(pose, floor, at) {
+            return None;
+        }
+        if self.kappa == 0.0 {
+            let (low, high) = self.widths_at(at.y - self.across.w * w);
+            if low > high {
+                return None;
+            }
+            w = 0.5 * (low + high);
+        } else if w.abs() > self.half_face || !at_rack_end && at.y.abs() > k {
+            return None;
+        }
+        let y = if at_rack_end { [at.y_rate, at.y_by[0], at.y_by[1]] } else { [0.0, 0.0, 1.0] };
+        let (by_roll, by_w) = solved([at.demand_rate - at.tip_rate, y[0]], at.excess_by, [y[1], y[2]]);
+        let rate = at.demand_rate - at.demand_by[0] * by_roll - at.demand_by[1] * by_w;
+        let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, on_tip: false };
+        let rest = if self.kappa == 0.0 { at.demand } else { self.rest(pose, false) };
+        Some(Touch { demand: at.demand.max(rest), ..touch_at(at, spot, rate) })
+    }
+}
+
+fn touch_at(at: &RackPoint, spot: Spot, rate: f64) -> Touch {
+    Touch { demand: at.demand, rate, kind: spot.kind, spot, other: None, spread: 0.0, vertex: None, at_rack_edge: true }
+}
+
+/// The solution of two linear equations.
+fn solved(right: [f64; 2], first: [f64; 2], second: [f64; 2]) -> (f64, f64) {
+    let inverse = 1.0 / (first[0] * second[1] - first[1] * second[0]);
+    ((right[0] * second[1] - first[1] * right[1]) * inverse, (first[0] * right[1] - right[0] * second[0]) * inverse)
+}
