@@ -25,7 +25,9 @@ mod climb;
 mod corner;
 mod form;
 mod rack_corner;
+mod reach;
 mod roll_rate;
+mod turned;
 
 pub(super) use form::Form;
 pub(super) use roll_rate::{PoseRates, RollRates};
@@ -33,6 +35,7 @@ pub(super) use roll_rate::{PoseRates, RollRates};
 use std::f64::consts::PI;
 
 use self::corner::Found;
+use self::reach::Reach;
 use crate::trig;
 
 /// A plane of the rack tooth, scaled so that it asks for the centre distance `d − t ξ − w_coefficient w − ζ`.
@@ -97,7 +100,7 @@ impl std::fmt::Display for ContactKind {
 }
 
 /// A flank pair, ready to be asked. `c` and the eccentric offsets are set for each position of the pinion.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FlankContact {
     pub(super) base_radius: f64,
     pub(super) kappa: f64,
@@ -119,8 +122,12 @@ pub(super) struct FlankContact {
     pub(super) scale: f64,
     /// See [`FlankContact::far_loss`].
     pub(super) far_loss: f64,
-    /// atan τ_0.
-    pub(super) start_angle: f64,
+    /// What bounds it from afar.
+    pub(super) reach: Reach,
+    /// 1/κ, or 0 without a helix.
+    pub(super) inverse_kappa: f64,
+    /// 1 over dy/dw on the contact line, or 0 if it runs along the rack.
+    pub(super) inverse_across: f64,
     /// Bound of |w| from all end faces.
     pub(super) w_extent: f64,
     /// Slope of the demand along the generator δ = 0.
@@ -386,15 +393,39 @@ impl FlankContact {
         }
     }
 
-    /// A demand that this pair cannot exceed: at each w the best generator is δ = 0, and where that lies off the
-    /// involute by the roll angle η the edge stays clear of it by (r_b/sin ν)(τ η²/2 + …).
-    pub(super) fn upper_bound(&self, pose: &Pose) -> f64 {
+    /// The same with everything that follows from what was given.
+    pub(super) fn completed(self, tip_radius: f64, eccentricity: f64) -> Self {
+        let mut contact = Self {
+            scale: self.base_radius / self.sin_nu,
+            inverse_kappa: if self.kappa == 0.0 { 0.0 } else { 1.0 / self.kappa },
+            ..self
+        };
+        let Across { t, w, z, half_width } = self.across;
+        let across = w - self.base_radius * self.kappa * (t * self.cos_nu + z * self.sin_nu);
+        if across.abs() * self.half_face > 1e-12 * half_width {
+            contact.inverse_across = 1.0 / across;
+        }
+        contact.slides = contact.slides(tip_radius);
+        if contact.slides {
+            contact.far_loss = contact.far_loss();
+            contact.reach = contact.reach(tip_radius, eccentricity);
+        }
+        contact
+    }
+
+    /// Whether this pair is certain not to ask for more than the mark.
+    pub(super) fn stays_below(&self, pose: &Pose, mark: f64) -> bool {
+        if self.slides { self.reaches_no(pose, mark) } else { self.bound_by_involute(pose) <= mark }
+    }
+
+    /// The same for any flank: at each w the best generator is δ = 0, and where that lies off the involute by the roll
+    /// angle η the edge stays clear of it by (r_b/sin ν)(τ η²/2 + …).
+    fn bound_by_involute(&self, pose: &Pose) -> f64 {
         let scale = self.scale;
         let roll = self.nu - pose.c;
         let reach = self.kappa.abs() * self.w_extent;
         let beyond_tip = roll - reach - self.tip_roll;
         let below_start = self.start_roll - reach - roll;
-        let beyond = |roll: f64, e: f64| e * e * (roll * (0.5 - e * e / 24.0));
         // at the involute's start the edge is clear by τ_0 η²/2 − η³/6, which turns negative where η > 3 τ_0; there the
         // rack's tip plane bounds what is asked if it is level
         let past_start = self.start_roll + reach - roll;
@@ -402,11 +433,11 @@ impl FlankContact {
         let loss = if again && !self.fits {
             -past_start * past_start * past_start / 6.0
         } else if beyond_tip > 0.0 {
-            beyond(self.tip_roll, beyond_tip.min(1.0))
+            clearance(self.tip_roll, beyond_tip.min(1.0))
         } else if below_start > 0.0 {
             // whatever τ_0 is, g ≤ 2 (δ/2 − tan(δ/2)) ≤ −δ³/12 where tan(δ/2) < τ
             let e = below_start.min(1.0);
-            (beyond(self.start_roll, e) - e * e * e / 6.0).max(e * e * e / 12.0)
+            (clearance(self.start_roll, e) - e * e * e / 6.0).max(e * e * e / 12.0)
         } else {
             0.0
         };
@@ -437,18 +468,16 @@ impl FlankContact {
         let (sin, cos) = (self.sin_nu, self.cos_nu);
         let xi = r * (sin - roll * cos) + pose.offset.0;
         let zeta = -r * (cos + roll * sin) + pose.offset.1;
-        let rk = r * self.kappa;
         let (mut lo, mut hi) = (-self.half_face, self.half_face);
         if self.kappa != 0.0 {
-            let (a, b) = ((self.start_roll - roll) / self.kappa, (self.tip_roll - roll) / self.kappa);
+            let (a, b) = ((self.start_roll - roll) * self.inverse_kappa, (self.tip_roll - roll) * self.inverse_kappa);
             lo = lo.max(a.min(b));
             hi = hi.min(a.max(b));
         }
         let y = self.across.t * xi + self.across.z * zeta + pose.across;
-        let y_w = self.across.w - rk * (self.across.t * cos + self.across.z * sin);
         let k = self.across.half_width;
-        if y_w.abs() * self.half_face > 1e-12 * k {
-            let (a, b) = ((-k - y) / y_w, (k - y) / y_w);
+        if self.inverse_across != 0.0 {
+            let (a, b) = ((-k - y) * self.inverse_across, (k - y) * self.inverse_across);
             lo = lo.max(a.min(b));
             hi = hi.min(a.max(b));
         } else if y.abs() > k {
@@ -459,11 +488,12 @@ impl FlankContact {
         }
         let demand = self.unbounded(pose);
         // the tip plane asks for tip.d − ζ (it is level whenever the helix fits); highest where ζ is lowest
-        let lowest = (zeta - rk * sin * lo).min(zeta - rk * sin * hi);
+        let down = r * self.kappa * sin;
+        let lowest = (zeta - down * lo).min(zeta - down * hi);
         if self.tip.d - lowest < demand {
             return None;
         }
-        let rate = -r / sin - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
+        let rate = -self.scale - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
         let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, on_tip: false };
         Some(Touch {
             demand,
@@ -552,4 +582,10 @@ impl FlankContact {
         }
         best
     }
+}
+
+/// What the edge at a roll angle stays clear of the contact line's generator by, beyond it by e, in units of r_b/sin ν, but
+/// for e³/6.
+fn clearance(roll: f64, e: f64) -> f64 {
+    e * e * (roll * (0.5 - e * e / 24.0))
 }

@@ -198,7 +198,7 @@ impl Mesh {
         let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
         let fits = flank.lead_rad == 0.0 && partner.lead_rad == 0.0 && roll.angle == 0.0;
         let form = self.form(inverse);
-        let mut contact = FlankContact {
+        let contact = FlankContact {
             base_radius: pinion.base_radius_mm,
             kappa,
             start_roll: pinion.start_roll_rad,
@@ -211,16 +211,12 @@ impl Mesh {
             sin_nu,
             cos_nu,
             fits: fits && form.is_none(),
-            slides: false,
-            scale: pinion.base_radius_mm / sin_nu,
-            far_loss: 0.0,
-            start_angle: trig::atan(pinion.start_roll_rad),
             w_extent,
             tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
             form,
-        };
-        contact.slides = contact.slides(pinion.tip_radius_mm);
-        contact.far_loss = contact.far_loss();
+            ..FlankContact::default()
+        }
+        .completed(pinion.tip_radius_mm, self.eccentricity());
         let middle = |tooth: &crate::deviation::RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
         let thickness = 2.0 * half_x + tooth.right.along_x_mm - tooth.left.along_x_mm;
         Prepared {

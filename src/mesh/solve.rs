@@ -63,6 +63,39 @@ struct Seen {
     at_rack_edge: bool,
 }
 
+impl Seen {
+    fn new(touch: &Touch, pose: &Pose, roll: f64, before: Option<&Self>) -> Self {
+        let delta = touch.spot.delta;
+        let drift = match before {
+            Some(before) if pose.c != before.c => ((delta - before.delta) / (pose.c - before.c)).clamp(-1.0, 2.0),
+            Some(before) => before.drift,
+            None => f64::from(u8::from(touch.is_carried())),
+        };
+        Self {
+            demand: touch.demand,
+            c: pose.c,
+            shift: pose.shift,
+            roll,
+            across: pose.across,
+            delta,
+            drift,
+            spread: touch.spread,
+            w: touch.spot.w,
+            at_rack_edge: touch.at_rack_edge,
+        }
+    }
+
+    fn hint(&self, c: f64) -> Hint {
+        let by = c - self.c;
+        Hint {
+            delta: self.delta + self.drift * by,
+            w: self.w,
+            at_rack_edge: self.at_rack_edge,
+            spread: (0.1 * by.abs()).max(0.1 * self.spread),
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy)]
 struct Constants {
     pitch: f64,
@@ -175,25 +208,27 @@ impl<'a> Sampler<'a> {
         self.roll = roll;
     }
 
+    #[inline]
     fn slot(&mut self, side: FlankSide, tooth: i64) -> &mut Slot {
-        let (mesh, roll) = (self.mesh, self.roll);
-        let slots = &mut self.cache[usize::from(side == FlankSide::Left)];
+        let of_side = usize::from(side == FlankSide::Left);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // only the low bits matter
-        let slot = (tooth as usize) & (slots.len() - 1);
-        let slot = &mut slots[slot];
-        if slot.as_ref().is_some_and(|slot| slot.tooth != tooth) {
-            *slot = None;
+        let index = (tooth as usize) & (self.cache[of_side].len() - 1);
+        let ready = |slot: &Slot| slot.tooth == tooth && slot.roll == self.roll.angle;
+        if !self.cache[of_side][index].as_ref().is_some_and(ready) {
+            self.fill(side, tooth, index);
         }
-        if let Some(slot) = slot.as_mut()
-            && slot.roll != roll.angle
-        {
-            self.work.prepared += 1;
-            (slot.prepared, slot.roll) = (mesh.prepare(side, tooth, &roll), roll.angle);
-        }
-        slot.get_or_insert_with(|| {
-            self.work.prepared += 1;
-            Slot { tooth, roll: roll.angle, prepared: mesh.prepare(side, tooth, &roll), seen: None }
-        })
+        let Some(slot) = &mut self.cache[of_side][index] else { unreachable!("it was filled") };
+        slot
+    }
+
+    /// Prepares a flank pair; what was seen of it at another roll is kept.
+    #[cold]
+    fn fill(&mut self, side: FlankSide, tooth: i64, index: usize) {
+        self.work.prepared += 1;
+        let prepared = self.mesh.prepare(side, tooth, &self.roll);
+        let slot = &mut self.cache[usize::from(side == FlankSide::Left)][index];
+        let seen = slot.as_ref().filter(|slot| slot.tooth == tooth).and_then(|slot| slot.seen);
+        *slot = Some(Slot { tooth, roll: self.roll.angle, prepared, seen });
     }
 
     /// The zero-backlash position at the present roll.
@@ -373,11 +408,17 @@ impl<'a> Sampler<'a> {
         #[allow(clippy::cast_possible_truncation)] // a few teeth
         let (from, to) = (from.ceil() as i64, to.floor() as i64);
         let mut best: Option<Demand> = None;
+        // what was found so far, and what others must exceed: of pairs that ask for the same within rounding the first
+        // carries, names of carriers must not flicker
+        let (mut floor, mut mark) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         // the pair that carried last first: it sets the mark that the others must reach
         let favourite = self.carried[usize::from(side == FlankSide::Left)];
         let favourite = favourite.wrapping_sub(position.tooth + ahead);
         let first = (from..=to).contains(&favourite).then_some(favourite);
-        for n in first.into_iter().chain((from..=to).filter(|&n| Some(n) != first)) {
+        for n in first.into_iter().chain(from..=to) {
+            if Some(n) == first && floor > f64::NEG_INFINITY {
+                continue;
+            }
             #[allow(clippy::cast_precision_loss)] // a few teeth
             let turned = angle + n as f64 * angular_pitch;
             let n = n + ahead;
@@ -396,53 +437,27 @@ impl<'a> Sampler<'a> {
                 offset_rate: rates,
                 across,
             };
-            // of pairs that ask for the same within rounding the first carries: names of carriers must not flicker
-            if best.is_some_and(|best| prepared.contact.upper_bound(&pose) <= best.value + tie) {
+            if best.is_some() && prepared.contact.stays_below(&pose, mark) {
                 continue;
             }
-            if let (Some(best), Some(seen)) = (best, *seen)
+            if let Some(seen) = seen
                 && seen.demand
                     + LIPSCHITZ * default_rate * (pose.c - seen.c).abs()
                     + (pose.shift - seen.shift).abs()
                     + roll_reach * (roll - seen.roll).abs()
                     + (pose.across - seen.across).abs()
-                    < best.value
+                    < floor
             {
                 continue;
             }
-            let floor = best.map_or(f64::NEG_INFINITY, |best| best.value);
-            let hint = seen.map(|seen| {
-                let by = pose.c - seen.c;
-                Hint {
-                    delta: seen.delta + seen.drift * by,
-                    w: seen.w,
-                    at_rack_edge: seen.at_rack_edge,
-                    spread: (0.1 * by.abs()).max(0.1 * seen.spread),
-                }
-            });
-            let touch = prepared.contact.touch(&pose, floor, hint);
-            let drift = |delta: f64, carried: bool| match *seen {
-                Some(seen) if pose.c != seen.c => ((delta - seen.delta) / (pose.c - seen.c)).clamp(-1.0, 2.0),
-                Some(seen) => seen.drift,
-                None => f64::from(u8::from(carried)),
-            };
+            let touch = prepared.contact.touch(&pose, floor, seen.as_ref().map(|seen| seen.hint(pose.c)));
             // a clipped demand is an upper bound, which is all that is asked of it
-            *seen = touch.map(|touch| Seen {
-                demand: touch.demand,
-                c: pose.c,
-                shift: pose.shift,
-                roll,
-                across: pose.across,
-                delta: touch.spot.delta,
-                drift: drift(touch.spot.delta, touch.is_carried()),
-                spread: touch.spread,
-                w: touch.spot.w,
-                at_rack_edge: touch.at_rack_edge,
-            });
+            *seen = touch.as_ref().map(|touch| Seen::new(touch, &pose, roll, seen.as_ref()));
             self.work.searched += 1;
             if let Some(touch) = touch
-                && best.is_none_or(|best| touch.demand > best.value + tie)
+                && touch.demand > mark
             {
+                (floor, mark) = (touch.demand, touch.demand + tie);
                 best = Some(Demand { value: touch.demand, rate: sign * touch.rate, tooth, touch, pose, place });
             }
         }

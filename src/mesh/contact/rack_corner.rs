@@ -5,18 +5,24 @@
 //! # Where it is
 //! Let E(τ) be the end of the flank with the smallest δ > 0 at each τ, at the pinion's end face or the rack's. Along it F,
 //! what the flank's plane asks for, falls with τ, and T = d + r_b (cos γ + τ sin γ), what the rack's tip plane asks
-//! for, grows, if cos γ > 0 and W cos γ > κ t r_b; they cross at τ*. Points with τ > τ* have a smaller F than that; those with
-//! τ < τ* have a smaller T, because T falls with δ at a fixed τ as long as tan γ > τ. So the crossing touches, if both faces
-//! are over each other there.
+//! for, grows, if cos γ > 0 and W cos γ > κ t r_b; they cross at τ*. What about other points of the flank?
+//!
+//! - τ > τ* and tan(δ/2) < τ: F is smaller than at E(τ), and there smaller than at the crossing.
+//! - τ > τ* and tan(δ/2) ≥ τ: T is at most d + r_b (cos ν − τ sin ν), less than at the crossing if tan(δ/2) < τ there.
+//! - τ < τ*: at a fixed τ, T is largest at tan γ = τ and falls with δ from there. Say that tan γ ≥ τ at the crossing. If so at
+//!   E(τ) too, T is smaller than at E(τ), and there smaller than at the crossing. If not, the two are equal
+//!   at some E between, where T is larger than anywhere at a smaller τ.
+//!
+//! So the crossing touches, if both faces are over each other there.
 //!
 //! # Early exit
 //! The same holds with any τ for τ*: no point asks for more than the larger of F and T at E(τ), nor at a place outside of the
 //! faces beyond E(τ). Where that is no more than the floor, some other pair's demand, the search ends and
 //! that bound is returned; it never carries.
 
-use super::corner::{SETTLED, turned};
+use super::corner::SETTLED;
+use super::turned::Turned;
 use super::{ContactKind, FlankContact, Hint, Pose, Spot, Touch};
-use crate::trig;
 
 /// Steps of Newton's method at most; two or three are enough.
 const MAX_STEPS: u32 = 12;
@@ -30,6 +36,8 @@ struct RackPoint {
     sin: f64,
     cos: f64,
     demand: f64,
+    /// Derivative by δ at a fixed τ.
+    by_delta: f64,
     demand_by: [f64; 2],
     /// F − T.
     excess: f64,
@@ -55,6 +63,7 @@ impl FlankContact {
         let mut w = end;
         let mut at_rack_end = false;
         if let Some(hint) = hint
+            && hint.at_rack_edge
             && hint.w * side < self.half_face * (1.0 - 1e-9)
             && self.kappa != 0.0
         {
@@ -62,10 +71,8 @@ impl FlankContact {
         }
         let start = hint.map_or(0.1, |hint| hint.delta) - zero + self.kappa * w;
         let mut roll = start.clamp(self.start_roll.max(1e-3), self.tip_roll);
-        let mut delta = zero + roll - self.kappa * w;
-        let mut angles = trig::sin_cos(self.nu + delta);
         for step in 0..MAX_STEPS {
-            let at = self.rack_point(pose, (roll, w), delta, angles);
+            let at = self.rack_point(pose, roll, w);
             if step == 0 && self.kappa != 0.0 && side * at.y > k {
                 at_rack_end = true;
             }
@@ -76,23 +83,17 @@ impl FlankContact {
                 && self.keeps_out_the_rest(pose, floor, &at)
             {
                 let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, on_tip: false };
-                let demand = if self.kappa == 0.0 { bound } else { bound.max(self.rest(pose, false)) };
+                let demand = if self.kappa == 0.0 { bound } else { bound.max(self.unbounded(pose) - self.far_loss) };
                 return Some(Touch { demand, spread: by_roll.abs(), ..touch_at(&at, spot, at.demand_rate) });
             }
             (roll, w) = ((roll - by_roll).min(self.tip_roll), w - by_w);
             if roll.is_nan() || roll <= self.start_roll {
                 return None;
             }
-            let from = (delta, angles);
-            delta = zero + roll - self.kappa * w;
-            angles = turned(from.1, delta - from.0, self.nu + delta);
             if by_roll.abs() <= SETTLED && (self.kappa * by_w).abs() <= SETTLED {
-                let at = self.rack_point(pose, (roll, w), delta, angles);
+                let at = self.rack_point(pose, roll, w);
                 if at_rack_end && side * w > self.half_face {
-                    let from = (delta, angles);
                     (w, at_rack_end) = (end, false);
-                    delta = zero + roll - self.kappa * w;
-                    angles = turned(from.1, delta - from.0, self.nu + delta);
                 } else if !at_rack_end && self.kappa != 0.0 && side * at.y > k {
                     at_rack_end = true;
                 } else {
@@ -103,14 +104,15 @@ impl FlankContact {
         None
     }
 
-    fn rack_point(&self, pose: &Pose, (roll, w): (f64, f64), delta: f64, (sin, cos): (f64, f64)) -> RackPoint {
+    fn rack_point(&self, pose: &Pose, roll: f64, w: f64) -> RackPoint {
         let (scale, r) = (self.scale, self.base_radius);
-        let (sin_d, cos_d) = (sin * self.cos_nu - cos * self.sin_nu, cos * self.cos_nu + sin * self.sin_nu);
+        let Turned { delta, sin_delta, versine, lag, sin, cos } =
+            self.turned((pose.c - self.nu) + roll - self.kappa * w);
         let (along, turned) = (r * (cos + roll * sin), r * (roll * cos - sin));
-        let (by_delta, t) = (scale * (1.0 - cos_d - roll * sin_d), self.across.t);
-        let demand = self.unbounded(pose) + scale * (roll * (cos_d - 1.0) + delta - sin_d);
+        let (by_delta, t) = (scale * (versine - roll * sin_delta), self.across.t);
+        let demand = self.unbounded(pose) + scale * (lag - roll * versine);
         let tip = self.tip.d - pose.offset.1 + along;
-        let demand_by = [-scale * roll * sin_d, -self.kappa * by_delta];
+        let demand_by = [-scale * roll * sin_delta, -self.kappa * by_delta];
         RackPoint {
             roll,
             w,
@@ -118,6 +120,7 @@ impl FlankContact {
             sin,
             cos,
             demand,
+            by_delta,
             demand_by,
             excess: demand - tip,
             excess_by: [demand_by[0] - r * roll * cos, demand_by[1] + self.kappa * turned],
@@ -150,17 +153,11 @@ impl FlankContact {
         if delta < 0.0 || cos <= 0.0 {
             return false;
         }
-        if self.kappa == 0.0 {
-            return true;
-        }
-        // along the end δ changes with τ by no more than this
-        let turn = self.turn() * self.base_radius;
-        let fastest = 1.0 + turn * roll * sin / (self.across.w - turn * (1.0 + self.tip_roll));
-        let lowest = self.nu + delta - fastest * (roll - self.start_roll);
-        fastest >= 1.0
-            && self.across.w * cos > turn
-            && lowest >= self.start_angle
-            && self.rest(pose, false) <= demand.max(floor)
+        self.kappa == 0.0
+            || sin >= roll * cos
+                && self.across.w * cos > self.turn() * self.base_radius
+                && at.by_delta <= 0.0
+                && self.unbounded(pose) - self.far_loss <= demand.max(floor)
     }
 
     /// The touch at the rack's tip edge, unless something else could touch or a condition of the proof fails.
@@ -182,8 +179,8 @@ impl FlankContact {
         let (by_roll, by_w) = solved([at.demand_rate - at.tip_rate, y[0]], at.excess_by, [y[1], y[2]]);
         let rate = at.demand_rate - at.demand_by[0] * by_roll - at.demand_by[1] * by_w;
         let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, on_tip: false };
-        let rest = if self.kappa == 0.0 { at.demand } else { self.rest(pose, false) };
-        Some(Touch { demand: at.demand.max(rest), ..touch_at(at, spot, rate) })
+        let far = if self.kappa == 0.0 { at.demand } else { self.unbounded(pose) - self.far_loss };
+        Some(Touch { demand: at.demand.max(far), ..touch_at(at, spot, rate) })
     }
 }
 
