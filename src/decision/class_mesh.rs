@@ -122,3 +122,27 @@ pub fn largest_delta_cd_mm(
     Ok(summary
         .map_or(0.0, |summary| summary.max_mm.abs().max(summary.min_mm.abs()).max(summary.max_mm - summary.min_mm)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::prediction::tests::pair;
+    use super::*;
+
+    fn solved(teeth: u32, part: Part, deviation: Deviation, pitches: i64) -> Option<f64> {
+        largest_delta_cd_mm(&pair(teeth, 0.0, 0.0), part, deviation, 0.02, 20.0, pitches).ok()
+    }
+
+    /// What is said in words is solved, and nothing else.
+    #[test]
+    fn each_arrangement_is_solved() {
+        for part in [Part::Rack, Part::Pinion] {
+            for deviation in Deviation::ALL {
+                let words = arrangement(deviation, part);
+                assert_eq!(words.is_some(), solved(20, part, deviation, 2).is_some(), "{deviation:?} {part:?}");
+                println!("{part:?} {deviation:?} {:?}", [1, 2, 3, 10].map(|k| solved(20, part, deviation, k)));
+                println!("  80: {:?}", [1, 2, 3, 10].map(|k| solved(80, part, deviation, k)));
+            }
+        }
+        assert!(arrangement(Deviation::SectorPitch, Part::Rack).unwrap().contains("its k pitches"));
+    }
+}

@@ -126,3 +126,45 @@ impl MeasuredPart {
         (low, &high + &pinion_pitch)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn effect(delta_cd: &str) -> Option<Effect> {
+        Some(Effect { deviation: ErrorValue::Length(Length::ZERO), delta_cd: length(delta_cd) })
+    }
+
+    #[test]
+    fn keys_are_names_in_one_word() {
+        use Feature::{Lead, LeftPitch, OverPin, Pitch, Radial, RightPitch};
+        for feature in [OverPin, Pitch, Lead, Radial, LeftPitch, RightPitch] {
+            assert_eq!(feature.key(), feature.name().replace([' ', '-'], "_"));
+        }
+    }
+
+    #[test]
+    fn the_largest_of_equals_is_the_first_and_pitches_of_both_flanks_count_once() {
+        let rows = [(3, "0.01", "-0.02", "0.03"), (4, "-0.02", "0.01", "0.05"), (5, "0.02", "-0.01", "0.01")];
+        let part = MeasuredPart {
+            is_rack: false,
+            model: Model::Exact,
+            features: vec![Feature::Radial, Feature::LeftPitch, Feature::RightPitch],
+            rows: rows
+                .map(|(number, radial, left, right)| MeasuredRow {
+                    number,
+                    effects: vec![effect(radial), effect(left), effect(right)],
+                })
+                .to_vec(),
+        };
+        let (number, largest) = part.largest(0).unwrap();
+        assert_eq!((number, &largest.delta_cd), (4, &length("-0.02")));
+        assert_eq!(part.range_of(0), Some((length("-0.02"), length("0.02"))));
+        assert_eq!(part.range_of(1), Some((Length::ZERO, length("0.01"))));
+        assert_eq!(part.range(), (length("-0.02"), length("0.07")));
+    }
+}

@@ -171,3 +171,154 @@ impl Gains {
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::gear::{PairData, PinionData, RackData};
+
+    /// A pair with tan α_n = 1/2, so that displacements in the normal plane count once.
+    pub(in crate::decision) fn pair(teeth: u32, rack_helix: f64, pinion_helix: f64) -> Pair {
+        let diameter = 2.0 * f64::from(teeth) / trig::cos(pinion_helix);
+        let data = PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: trig::atan(0.5),
+            rack: RackData {
+                helix_angle_rad: rack_helix,
+                face_width_mm: 20.0,
+                addendum_mm: 1.9,
+                tooth_thickness_mm: None,
+            },
+            pinion: PinionData {
+                teeth,
+                helix_angle_rad: pinion_helix,
+                profile_shift: 0.2,
+                tip_diameter_mm: diameter + 4.6,
+                root_form_diameter_mm: Some(diameter - 1.8),
+                face_width_mm: 26.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        };
+        Pair::new(&data).expect("a valid pair")
+    }
+
+    /// Names, and ranges in mm to twelve decimals.
+    fn terms(prediction: &Prediction) -> Vec<(&str, String)> {
+        let text = |term: &Predicted| format!("{:.12} {:.12}", term.lower_mm + 0.0, term.upper_mm + 0.0);
+        prediction.terms.iter().map(|term| (term.what.as_str(), text(term))).collect()
+    }
+
+    /// Every kind of deviation of 0.03 mm or rad, on all teeth and on some.
+    #[test]
+    fn each_deviation_has_the_gain_of_its_formula() {
+        let (rack_helix, pinion_helix) = (0.3, 0.4);
+        let pair = pair(20, rack_helix, pinion_helix);
+        let some = ToothRange::new(Some(4), None).unwrap();
+        let both = |lower: f64, upper: f64| format!("{lower:.12} {upper:.12}");
+        let (cos_rack, cos_pinion) = (trig::cos(rack_helix), trig::cos(pinion_helix));
+        for (kind, gain) in [
+            (RackDeviationKind::OverRoller(-0.03), -0.03),
+            (RackDeviationKind::Thickness(0.03), 0.03),
+            (RackDeviationKind::Left(-0.03), -0.03 * cos_rack),
+            (RackDeviationKind::Right(0.03), 0.03 * cos_rack),
+            (RackDeviationKind::Lead(0.03), trig::sin(0.03) * 20.0 / cos_rack),
+        ] {
+            for (teeth, expected) in [(ToothRange::ALL, (gain, gain)), (some, (gain.min(0.0), gain.max(0.0)))] {
+                let prediction = Prediction::new().rack(&pair, &[RackDeviation { teeth, kind }]);
+                assert_eq!(terms(&prediction)[0].1, both(expected.0, expected.1), "{kind:?}");
+            }
+        }
+        for (kind, gain) in [
+            (PinionDeviationKind::Radial(-0.03), -0.03),
+            (PinionDeviationKind::Thickness(0.03), 0.03 * cos_pinion),
+            (PinionDeviationKind::Left(-0.03), -0.03 * cos_pinion),
+            (PinionDeviationKind::Right(0.03), 0.03 * cos_pinion),
+        ] {
+            for (teeth, expected) in [(ToothRange::ALL, (gain, gain)), (some, (gain.min(0.0), gain.max(0.0)))] {
+                let prediction = Prediction::new().pinion(&pair, &[PinionDeviation { teeth, kind }]);
+                assert_eq!(terms(&prediction)[0].1, both(expected.0, expected.1), "{kind:?}");
+            }
+        }
+    }
+
+    /// Pitches push, whatever their sign; a shift of all teeth is none; a pinion's lead has no formula.
+    #[test]
+    fn pitches_push_and_a_shift_of_all_teeth_is_none() {
+        let pair = pair(20, 0.3, 0.4);
+        let some = ToothRange::new(Some(4), None).unwrap();
+        let rack = |teeth, kind| RackDeviation { teeth, kind };
+        let pushed = Prediction::new().rack(
+            &pair,
+            &[
+                rack(ToothRange::ALL, RackDeviationKind::Pitch(-0.03)),
+                rack(ToothRange::ALL, RackDeviationKind::Shift(-0.03)),
+                rack(some, RackDeviationKind::Shift(-0.03)),
+            ],
+        );
+        let gain = format!("{:.12} {:.12}", 0.0, 0.03 * trig::cos(0.3));
+        let none = format!("{:.12} {:.12}", 0.0, 0.0);
+        assert_eq!(terms(&pushed).into_iter().map(|term| term.1).collect::<Vec<_>>(), [&*gain, &none, &gain]);
+        let pinion = |teeth, kind| PinionDeviation { teeth, kind };
+        let pushed = Prediction::new()
+            .pinion(
+                &pair,
+                &[
+                    pinion(ToothRange::ALL, PinionDeviationKind::Shift(0.03)),
+                    pinion(some, PinionDeviationKind::Shift(-0.03)),
+                    pinion(ToothRange::ALL, PinionDeviationKind::Lead(0.01)),
+                ],
+            )
+            .eccentricity(&Eccentricity { amount_mm: -0.04, tooth: 0 });
+        let gain = format!("{:.12} {:.12}", 0.0, 0.03 * trig::cos(0.4));
+        let eccentricity = format!("{:.12} {:.12}", -0.04, 0.04);
+        let ranges: Vec<_> = terms(&pushed).into_iter().map(|term| term.1).collect();
+        assert_eq!(ranges, [none, gain, eccentricity]);
+        let (lower, upper) = pushed.range_mm();
+        assert_eq!(format!("{lower:.12} {upper:.12}"), format!("{:.12} {:.12}", -0.04, 0.04 + 0.03 * trig::cos(0.4)));
+    }
+
+    /// Steps are those between neighbours only, from the lower to the higher number, in whatever order the rows come.
+    #[test]
+    fn measured_rows_give_their_largest_steps() {
+        let pair = pair(20, 0.3, 0.4);
+        let space = |space, height_mm, position_mm, lead_rad| RackSpaceRow { space, height_mm, position_mm, lead_rad };
+        let rows = [
+            space(8, 0.01, 1.0, None),
+            space(2, -0.02, 0.0, Some(-0.004)),
+            space(1, 0.0, 0.011, Some(0.003)),
+            space(3, 0.005, 0.009, None),
+        ];
+        let range = |lower: f64, upper: f64| format!("{lower:.12} {upper:.12}");
+        let measured = Prediction::new().rack_rows(&pair, &rows);
+        let expected = [
+            ("rack over-pin, measured", range(-0.02, 0.01)),
+            ("rack pitch, measured", range(0.0, 0.011 * trig::cos(0.3))),
+            ("rack lead, measured", range(0.0, trig::sin(0.004) * 20.0 / trig::cos(0.3))),
+        ];
+        assert_eq!(terms(&measured), expected);
+        assert_eq!(Prediction::new().rack_rows(&pair, &[]).pinion_rows(&pair, &[]), Prediction::new());
+
+        let tooth = |tooth, radial_mm, position_mm, left_pitch_mm| PinionToothRow {
+            tooth,
+            radial_mm,
+            position_mm,
+            left_pitch_mm,
+            right_pitch_mm: None,
+            lead_rad: None,
+        };
+        let rows = [
+            tooth(3, Some(0.01), Some(0.03), Some(0.004)),
+            tooth(1, Some(-0.02), Some(0.01), None),
+            tooth(2, None, Some(0.015), Some(-0.002)),
+            tooth(9, None, Some(0.5), None),
+        ];
+        let measured = Prediction::new().pinion_rows(&pair, &rows);
+        let expected = [
+            ("pinion radial, measured", range(-0.02, 0.01)),
+            ("pinion pitch, measured", range(0.0, 0.015 * trig::cos(0.4))),
+        ];
+        assert_eq!(terms(&measured), expected);
+        let pitches = Prediction::new().pinion_rows(&pair, &[tooth(1, None, None, Some(-0.02))]);
+        assert_eq!(terms(&pitches), [("pinion pitch, measured", range(0.0, 0.02 * trig::cos(0.4)))]);
+    }
+}

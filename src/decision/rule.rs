@@ -263,6 +263,12 @@ mod tests {
             correlation: 0.0,
         };
         near(ends, normal_cdf(1.0) * normal_cdf(2.0));
+        // both ends on their limits: Sheppard's quarter, whatever goes together
+        for correlation in [0.8, -0.3, 1.0 - 1e-8, 1.0 - 1e-12, 1.0] {
+            let ends = Ends { lower_mm: -0.05, upper_mm: 0.05, correlation, ..ends };
+            let expected = 0.25 - crate::trig::asin(correlation) / std::f64::consts::TAU;
+            assert!((ends.conformance(&limit) - expected).abs() < 1e-5, "{correlation}");
+        }
         let open = Limit { lower: None, upper: Some(length("0.05")) };
         assert!((ends.conformance(&open) - normal_cdf(2.0)).abs() < 1e-12);
     }

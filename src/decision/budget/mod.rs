@@ -305,7 +305,7 @@ fn share_out(free: &mut [Free<'_>], mut left: Rational, squares: bool) -> Result
         let open: Vec<usize> = (0..free.len()).filter(|i| !free[*i].at_own_limit).collect();
         let weight = |ratio: &Rational| if squares { ratio.square() } else { ratio.clone() };
         let sum = open.iter().fold(Rational::ZERO, |sum, i| &sum + &weight(&free[*i].ratio));
-        if open.is_empty() || sum.is_zero() {
+        if sum.is_zero() {
             return Ok(());
         }
         let mut stopped = false;

@@ -115,6 +115,44 @@ fn an_own_limit_leaves_more_to_the_others() {
     assert!((budget.lines[0].delta_cd.mm() - 0.045).abs() < 1e-15);
 }
 
+/// Who gets no more than the budget would give anyway is not stopped by its own limit, and who has no weight gets nothing.
+#[test]
+fn a_share_that_equals_the_own_limit_and_one_of_nothing() {
+    let [over_roller, pitch, ..] = formulas("20", "0", "19.7");
+    let entries = vec![
+        Entry::Free(over_roller, weight(1)),
+        Entry::Free(pitch, weight(1)),
+        Entry::Free(PartFormula::PinionRadial, weight(0)),
+    ];
+    let mut request = request(entries, "0.05", Rule::WorstCase);
+    request.own_limits = vec![(ErrorKind::RackPitch, Limit { lower: None, upper: Some(length("0.025")) })];
+    let budget = allocate(&request).unwrap();
+    assert!(budget.lines.iter().all(|line| !line.at_own_limit));
+    assert_eq!(budget.lines[0].delta_cd, length("0.025"));
+    assert_eq!(budget.lines[2].delta_cd, Length::ZERO);
+    request.entries.drain(..2);
+    assert_eq!(allocate(&request).unwrap().lines[0].delta_cd, Length::ZERO);
+}
+
+#[test]
+fn a_fixed_tolerance_beyond_its_own_limit_breaks_the_budget() {
+    let simulated = Rule::Simulation(simulation(0.9, simulation::Spread::Uniform));
+    for rule in [Rule::WorstCase, Rule::Rss, simulated] {
+        for (fixed, broken) in [("0.009", false), ("0.01", false), ("0.0101", true), ("-0.0101", true)] {
+            let entries = vec![
+                Entry::Fixed(PartError::PinionRadial(length(fixed))),
+                Entry::Free(PartFormula::RackOverRoller, weight(1)),
+            ];
+            let mut request = request(entries, "0.05", rule);
+            request.own_limits = vec![(ErrorKind::PinionRadial, Limit::symmetric(&length("0.01")))];
+            let budget = allocate(&request).unwrap();
+            let expected: &[ErrorKind] = if broken { &[ErrorKind::PinionRadial] } else { &[] };
+            assert_eq!(budget.broken_by, expected, "{rule:?} {fixed}");
+            assert_eq!(budget.lines[1].delta_cd == Length::ZERO, broken, "{rule:?} {fixed}");
+        }
+    }
+}
+
 #[test]
 fn an_infeasible_budget_names_what_breaks_it() {
     let [over_roller, ..] = formulas("20", "0", "19.7");
@@ -201,6 +239,28 @@ fn simulated_tolerances_conform_and_no_more() {
     }
 }
 
+/// Of three errors, one is stopped by its own limit, one by the budget, and a fixed one by nothing.
+#[test]
+fn an_own_limit_in_a_simulated_budget() {
+    let settings = simulation(0.99, simulation::Spread::Uniform);
+    let [over_roller, pitch, ..] = formulas("20", "0", "19.7");
+    let entries = vec![
+        Entry::Free(over_roller, weight(1)),
+        Entry::Free(pitch, weight(1)),
+        Entry::Fixed(PartError::PinionRadial(length("0.004"))),
+    ];
+    let mut request = request(entries, "0.05", Rule::Simulation(settings));
+    request.own_limits = vec![
+        (ErrorKind::RackPitch, Limit { lower: None, upper: Some(length("0.005")) }),
+        (ErrorKind::PinionRadial, Limit::symmetric(&length("0.004"))),
+    ];
+    let budget = allocate(&request).unwrap();
+    assert_eq!(budget.lines.iter().map(|line| line.at_own_limit).collect::<Vec<_>>(), [false, true, false]);
+    let own = budget.lines[1].delta_cd.mm();
+    assert!(own <= 0.005 && own > 0.005 * (1.0 - 1e-12), "{own}");
+    assert!(budget.lines[0].delta_cd.mm() > 0.03);
+}
+
 #[test]
 fn an_infeasible_simulation_names_what_breaks_it() {
     let settings = simulation(0.99, simulation::Spread::Uniform);
@@ -211,6 +271,12 @@ fn an_infeasible_simulation_names_what_breaks_it() {
     ];
     let budget = allocate(&request(entries, "0.05", Rule::Simulation(settings))).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::RackOverRoller]);
+    let entries = vec![
+        Entry::Fixed(PartError::PinionRadial(length("0.2"))),
+        Entry::Fixed(PartError::RackOverRoller(length("0.9"))),
+    ];
+    let budget = allocate(&request(entries, "0.05", Rule::Simulation(settings))).unwrap();
+    assert_eq!(budget.broken_by, [ErrorKind::RackOverRoller, ErrorKind::PinionRadial]);
     // pushing errors never go below a lower limit
     let entries = vec![Entry::Free(formulas("20", "0", "19.7")[1].clone(), weight(1))];
     let mut request = request(entries, "0.05", Rule::Simulation(settings));

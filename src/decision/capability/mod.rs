@@ -179,7 +179,7 @@ pub fn capability(
     if parts < FEWEST_PARTS {
         return Err(CapabilityError::TooFewParts { parts });
     }
-    if subgroup == 0 || (subgroup > 1 && parts < 2 * subgroup) {
+    if subgroup == 0 || parts / 2 < subgroup {
         return Err(CapabilityError::Subgroup { subgroup, parts });
     }
     let (lower, upper) = (limit.lower.as_ref().map(Length::mm), limit.upper.as_ref().map(Length::mm));
@@ -385,6 +385,73 @@ mod tests {
             capability(&values, &limit("-1", "1"), 11, None),
             Err(CapabilityError::Subgroup { subgroup: 11, parts: 20 })
         );
+    }
+
+    /// Two subgroups are enough, three parts each leave two degrees of freedom each.
+    #[test]
+    fn the_fewest_subgroups_and_larger_ones() {
+        let values: Vec<f64> = (0..12).map(|i| f64::from(i % 3) * 0.002).collect();
+        for subgroup in [3, 6] {
+            let result = capability(&values, &limit("-1", "1"), subgroup, None).unwrap();
+            // each three consecutive parts have the squares 4 + 0 + 4 µm²
+            let within = if subgroup == 3 { 4.0 * 8e-6 / 8.0 } else { 2.0 * 16e-6 / 10.0 };
+            assert!((result.within_deviation_mm - f64::sqrt(within)).abs() < 1e-15, "{subgroup}");
+        }
+        let no_fit = capability(&values, &limit("-1", "1"), usize::MAX, None);
+        assert_eq!(no_fit, Err(CapabilityError::Subgroup { subgroup: usize::MAX, parts: 12 }));
+        // no spread within the subgroups is none, though they differ
+        let levels: Vec<f64> = (0..12).map(|i| f64::from(i / 6)).collect();
+        let no_spread = capability(&levels, &limit("-1", "2"), 6, None);
+        assert_eq!(no_spread, Err(CapabilityError::NoSpread { parts: 12 }));
+    }
+
+    /// A value on a limit is inside it.
+    #[test]
+    fn the_share_outside_is_counted() {
+        let mut values = vec![0.0; 20];
+        values[..5].copy_from_slice(&[-1.0, 1.0, -1.5, 1.25, 2.0]);
+        assert_eq!(capability(&values, &limit("-1", "1"), 1, None).unwrap().outside, 3.0 / 20.0);
+        let upper = Limit { lower: None, upper: Some("1".parse().unwrap()) };
+        assert_eq!(capability(&values, &upper, 1, None).unwrap().outside, 2.0 / 20.0);
+    }
+
+    /// Spread far from zero is spread: squares of the values themselves would have lost it.
+    #[test]
+    fn values_far_from_zero_lose_nothing() {
+        let far = normal_values(200, 1e6, 1e-3);
+        let near: Vec<f64> = far.iter().map(|value| value - 1e6).collect();
+        let deviation =
+            |values: &[f64]| capability(values, &limit("-2e6", "2e6"), 1, None).unwrap().overall_deviation_mm;
+        assert!((deviation(&far) / deviation(&near) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn indices_start_at_ten_parts_and_above_the_rounding() {
+        let ten = normal_values(10, 0.0, 1.0);
+        assert!(capability(&ten, &limit("-5", "5"), 1, None).is_ok());
+        assert!(performance(10, 0.0, 1.0, None, Some(5.0)).1.is_some());
+        // values near 4 are rounded by as much as this
+        let rounding = 16.0 * f64::EPSILON;
+        assert_eq!(performance(10, 4.0, rounding, None, Some(5.0)), (None, None));
+        assert!(performance(10, 4.0, rounding.next_up(), None, Some(5.0)).1.is_some());
+    }
+
+    #[test]
+    fn remarks_that_the_indices_need() {
+        let of = |parts, u| capability(&normal_values(parts, 0.0, 0.01), &limit("-0.05", "0.05"), 1, Some(u)).unwrap();
+        assert_eq!(of(50, 0.001).remarks(), Vec::<String>::new());
+        assert!(of(49, 0.001).remarks()[0].starts_with("49 parts make the indices preliminary"));
+        // 0.4² of the variance, and exactly a tenth, which is still usual
+        assert_eq!(of(400, 0.004).remarks(), ["16 % of the variance is measuring uncertainty"]);
+        let mut tenth = of(400, 0.001);
+        tenth.gauge = tenth.gauge.map(|gauge| Gauge { variance_share: 0.1, ..gauge });
+        assert_eq!(tenth.remarks(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_gauge_that_explains_everything_leaves_no_spread_of_the_parts() {
+        let gauge = Gauge::of(0.003, 0.003, 0.05, Some(0.1));
+        assert_eq!((gauge.part_deviation_mm, gauge.part_ppk), (Some(0.0), None));
     }
 
     #[test]

@@ -235,3 +235,133 @@ fn what_cannot_be_simulated_says_why() {
     let nine = Settings { digits: 9, ..Settings::default() };
     assert!(matches!(try_with(all_uncertain(), &nine), MonteCarloError::Setting { value: 9, .. }));
 }
+
+/// A symmetric 95 % interval leaves 250 of 10 000 values below and above.
+#[test]
+fn the_ends_of_a_block() {
+    let mut values: Vec<f64> = (0..10_000_u32).map(|i| f64::from((i * 3779) % 10_000)).collect();
+    assert_eq!(ends(&mut values), (250.0, 9749.0));
+}
+
+/// Four blocks, of which one statistic is ±m about its mean: its standard error is m/√3, and twice that may be a fifth
+/// of the tolerance of u = 2 to one digit, 0.5/5.
+#[test]
+fn blocks_have_settled_when_each_statistic_has() {
+    let variables = Variables::default();
+    let settings = Settings { digits: 1, ..Settings::default() };
+    let (model, ziggurat) = (Function(|_: &[f64]| 0.0), Ziggurat::new());
+    let run = Run {
+        model: &model,
+        variables: &variables,
+        bands: &[],
+        settings: &settings,
+        ziggurat: &ziggurat,
+        adaptive: true,
+    };
+    let pilot = [Pilot { center: 7.0, low: 0.0, high: 14.0 }];
+    let n = 10_000.0;
+    let block = |mean: f64, deviation: f64, ends: (f64, f64)| BlockSums {
+        sum: n * mean,
+        squares: (n - 1.0) * deviation * deviation + n * mean * mean,
+        ends,
+    };
+    for which in 0..4 {
+        for (factor, expected) in [(1.0 - 1e-6, true), (1.0 + 1e-6, false)] {
+            let blocks: Vec<Vec<BlockSums>> = [1.0, -1.0, 1.0, -1.0]
+                .map(|sign| {
+                    let mut of = [0.5, 2.0, -3.5, 4.5];
+                    of[which] += sign * factor * 0.05 * 3.0_f64.sqrt();
+                    vec![block(of[0], of[1], (of[2], of[3]))]
+                })
+                .to_vec();
+            assert_eq!(run.settled(&blocks, &pilot), expected, "{which} {factor}");
+        }
+    }
+    // what does not vary has settled
+    assert!(run.settled(&[vec![block(0.0, 0.0, (1.0, 1.0))], vec![block(0.0, 0.0, (2.0, 2.0))]], &pilot));
+}
+
+/// The ends of the interval have a standard error of 2.67 u/√n: to one digit, u = 9.5 takes 258 000 draws.
+#[test]
+fn rounds_double_until_the_digits_hold() {
+    let variables = Variables { variables: vec![(3.0, Uncertainty::standard(9.5))], factor: None };
+    let with = |draws| {
+        let settings = Settings { digits: 1, draws, ..Settings::default() };
+        simulate(&Function(|x: &[f64]| x[0]), &variables, &[], &settings).unwrap()
+    };
+    let adaptive = with(None);
+    assert_eq!((adaptive.draws, adaptive.reached), (400_000, Some(true)));
+    let given = with(Some(399_999));
+    assert_eq!((given.draws, given.reached), (400_000, None));
+    assert_eq!(given.results, adaptive.results);
+    let result = &given.results[0];
+    assert!((result.quantile(0.5) - 3.0).abs() < 0.1 && (result.quantile(0.841_344_746) - 12.5).abs() < 0.1);
+}
+
+/// Values where the quantity may be, with the deviations of their distributions.
+#[test]
+fn each_distribution_about_its_value() {
+    let uncertain = |distribution| (3.0, Uncertainty::half_width(0.5, distribution));
+    for (distribution, divisor) in
+        [(Distribution::Rectangular, 3.0_f64), (Distribution::Triangular, 6.0), (Distribution::Arcsine, 2.0)]
+    {
+        let result = run(|x| x[0], vec![uncertain(distribution)], 100_000);
+        assert!((result.mean - 3.0).abs() < 0.01, "{distribution:?} {}", result.mean);
+        assert!((result.standard * divisor.sqrt() / 0.5 - 1.0).abs() < 0.01, "{distribution:?} {}", result.standard);
+        let (least, most) = result.extremes;
+        assert!((2.5..2.51).contains(&least) && (3.49..=3.5).contains(&most), "{distribution:?}");
+    }
+    // Student's t of 10 degrees of freedom: √(10/8) as wide
+    let student = (3.0, Uncertainty { dof: 10.0, ..Uncertainty::standard(0.5) });
+    let result = run(|x| x[0], vec![student], 200_000);
+    assert!((result.mean - 3.0).abs() < 0.01 && (result.standard / 0.5 / 1.25_f64.sqrt() - 1.0).abs() < 0.02);
+    // among correlated ones, a variable that is not keeps its distribution
+    let normal = (0.0, Uncertainty::standard(1.0));
+    let variables = Variables {
+        variables: vec![normal, normal, uncertain(Distribution::Rectangular)],
+        factor: Some(vec![1.0, 0.0, 0.0, 0.6, 0.8, 0.0, 0.0, 0.0, 1.0]),
+    };
+    let settings = Settings { draws: Some(100_000), ..Settings::default() };
+    let third = simulate(&Function(|x: &[f64]| x[2]), &variables, &[], &settings).unwrap().results.remove(0);
+    assert!(third.extremes.0 >= 2.5 && third.extremes.1 <= 3.5, "{:?}", third.extremes);
+}
+
+/// Few enough draws without a result to miss the first block are found in the others; many end it after the first.
+#[test]
+fn draws_without_a_result_are_counted() {
+    let share = |furthest: f64, draws: u64| {
+        let variables = Variables { variables: vec![(0.0, Uncertainty::standard(1.0))], factor: None };
+        let settings = Settings { draws: Some(draws), ..Settings::default() };
+        let f = move |x: &[f64]| if x[0] > furthest { f64::NAN } else { x[0] };
+        match simulate(&Function(f), &variables, &[], &settings) {
+            Err(MonteCarloError::OutsideDomain { share }) => share,
+            other => panic!("{other:?}"),
+        }
+    };
+    let few = share(4.0, 200_000);
+    let count = few * 200_000.0;
+    assert!(few > 0.0 && few < 1e-4 && (count - count.round()).abs() < 1e-9, "{few}");
+    let many = share(1.0, 10_000);
+    assert!((many - normal_cdf(-1.0)).abs() < 0.02, "{many}");
+    assert_eq!(share(1.0, 1_000_000), many);
+}
+
+/// Both ends must agree.
+#[test]
+fn one_end_that_differs_is_not_validated() {
+    let mut simulation = run(|x| x[0], vec![(0.5, Uncertainty::standard(2.0))], 100_000);
+    let linear = Linear {
+        value_mm: 0.5,
+        standard_mm: 2.0,
+        dof: Some(f64::INFINITY),
+        coverage_factor: 2.0,
+        contributions: Vec::new(),
+        folded: Vec::new(),
+    };
+    assert!(validate(&linear, &simulation, 1).validated);
+    let (low, high) = simulation.symmetric;
+    for ends in [(low - 1.0, high), (low, high + 1.0)] {
+        simulation.symmetric = ends;
+        assert!(!validate(&linear, &simulation, 1).validated, "{ends:?}");
+    }
+}
