@@ -135,8 +135,8 @@ mod tests {
         text.parse().unwrap()
     }
 
-    fn effect(delta_cd: &str) -> Option<Effect> {
-        Some(Effect { deviation: ErrorValue::Length(Length::ZERO), delta_cd: length(delta_cd) })
+    fn effect(delta_cd: &str) -> Effect {
+        Effect { deviation: ErrorValue::Length(Length::ZERO), delta_cd: length(delta_cd) }
     }
 
     #[test]
@@ -157,7 +157,7 @@ mod tests {
             rows: rows
                 .map(|(number, radial, left, right)| MeasuredRow {
                     number,
-                    effects: vec![effect(radial), effect(left), effect(right)],
+                    effects: [radial, left, right].map(|delta_cd| Some(effect(delta_cd))).to_vec(),
                 })
                 .to_vec(),
         };

@@ -167,6 +167,16 @@ mod tests {
         assert_eq!(c.rss, "0.05".parse().unwrap());
     }
 
+    /// However many decimals an exact root has; another one is rounded to forty.
+    #[test]
+    fn a_long_decimal_root_is_exact_and_an_irrational_one_rounded() {
+        let (three, four) = (format!("3.{}3", "0".repeat(43)), format!("4.{}4", "0".repeat(43)));
+        let five: Length = format!("5.{}5", "0".repeat(43)).parse().unwrap();
+        assert_eq!(combined(&[(ErrorKind::RackOverRoller, &three), (ErrorKind::RackPitch, &four)]).rss, five);
+        let one = combined(&[(ErrorKind::RackOverRoller, "1"), (ErrorKind::RackPitch, "1")]).rss;
+        assert_eq!(one, "1.414213562373095048801688724209698078570".parse().unwrap());
+    }
+
     #[test]
     fn nothing_combines_to_nothing_and_overflow_is_an_error() {
         assert!(combined(&[]).rss.is_zero());

@@ -175,10 +175,8 @@ pub fn bivariate_normal_cdf(h: f64, k: f64, rho: f64) -> f64 {
         return (normal_cdf(h) - normal_cdf(-k)).max(0.0);
     }
     let integrand = |theta: f64| {
+        // the largest correlation below 1 leaves a cosine of 1.5e-8
         let (sin, cos) = trig::sin_cos(theta);
-        if cos.abs() < 1e-9 {
-            return if h == k { libm::exp(-h * h / (1.0 + sin)) } else { 0.0 };
-        }
         libm::exp(-(h * h - 2.0 * h * k * sin + k * k) / (2.0 * cos * cos))
     };
     let end = trig::asin(rho);
@@ -235,6 +233,36 @@ mod tests {
             assert!((normal_cdf(normal_quantile(p)) / p - 1.0).abs() < 1e-12, "1e-{exponent}");
         }
         assert!(normal_quantile(1.5).is_nan());
+        assert_eq!((normal_quantile(0.0), normal_quantile(1.0)), (f64::NEG_INFINITY, f64::INFINITY));
+    }
+
+    #[test]
+    fn student_quantiles_below_the_middle_and_at_the_ends() {
+        for dof in [3.0, 5000.0, f64::INFINITY] {
+            assert!((student_quantile(0.025, dof) + student_quantile(0.975, dof)).abs() < 1e-12, "{dof}");
+            assert!(student_quantile(0.5, dof).abs() < 1e-12, "{dof}");
+            assert_eq!(student_quantile(0.0, dof), f64::NEG_INFINITY, "{dof}");
+            assert_eq!(student_quantile(1.0, dof), f64::INFINITY, "{dof}");
+        }
+        // χ² of one degree of freedom is the square of a normal variable, Student's t of one is Cauchy's
+        assert!((student_quantile(0.75, 1.0) - 1.0).abs() < 1e-12);
+        assert!((chi_square_quantile(0.95, 1.0).sqrt() - normal_quantile(0.975)).abs() < 1e-12);
+    }
+
+    /// All four terms of the expansion, where they are large enough to be seen.
+    #[test]
+    fn the_expansion_of_students_quantile() {
+        for p in [0.75, 0.9] {
+            let expanded = expanded_student_quantile(normal_quantile(p), 100.0);
+            assert!((expanded - student_quantile(p, 100.0)).abs() < 2e-11, "{p} {expanded}");
+        }
+    }
+
+    /// The furthest quantiles that are asked for lie far above the first step of the search.
+    #[test]
+    fn quantiles_far_from_zero() {
+        assert!((chi_square_quantile(0.5, 1e6) - 1e6 + 2.0 / 3.0).abs() < 1e-2);
+        assert!((beta_quantile(0.5, 2.0, 2.0) - 0.5).abs() < 1e-12);
     }
 
     #[test]

@@ -190,3 +190,18 @@ pub fn formula_name(kind: ErrorKind) -> &'static str {
         ErrorKind::PinionPitch => "pinion-pitch",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::CATALOGUE;
+
+    /// Each kind's formula has a page, and the page is about it.
+    #[test]
+    fn every_formula_is_documented_under_its_name() {
+        for kind in ErrorKind::ALL {
+            let page = CATALOGUE.iter().find(|page| page.name == formula_name(kind));
+            assert!(page.is_some_and(|page| page.text.contains("ΔCD")), "{kind:?}");
+        }
+    }
+}

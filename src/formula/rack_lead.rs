@@ -171,4 +171,16 @@ mod tests {
         let largest = lead.largest_error(&Length::from_mm(5.0).unwrap(), Model::Exact).unwrap();
         assert_eq!(largest, Angle::from_degrees(30.0).unwrap());
     }
+
+    /// The paper's model knows no helix, so it has no derivative by it.
+    #[test]
+    fn the_helix_angle_counts_in_the_exact_model_only() {
+        let lead = RackLead::new(&"20".parse().unwrap(), &"15".parse().unwrap(), &Length::from_mm(20.0).unwrap());
+        let inputs = |model| {
+            let all = lead.as_ref().unwrap().sensitivities(&"0.1".parse().unwrap(), model).unwrap();
+            all.iter().map(|sensitivity| sensitivity.input).collect::<Vec<_>>()
+        };
+        assert!(inputs(Model::Exact).contains(&Input::HelixAngle));
+        assert!(!inputs(Model::Paper).contains(&Input::HelixAngle));
+    }
 }

@@ -207,6 +207,21 @@ fn a_single_uniform_error_conforms_up_to_its_quantile() {
     assert!((budget.lines[0].delta_cd.mm() - 0.05).abs() < 0.0003);
 }
 
+/// Within a fraction p of its tolerance lies 0.95 of a triangular error for 1 − (1 − p)² = 0.95, and of a normal one that
+/// is cut at three standard deviations for 2Φ(3p) − 1 = 0.95 (2Φ(3) − 1).
+#[test]
+fn other_distributions_conform_up_to_their_quantiles() {
+    use crate::decision::statistics::{normal_cdf, normal_quantile};
+    let normal = normal_quantile(0.5 + 0.475 * (2.0 * normal_cdf(3.0) - 1.0)) / 3.0;
+    for (spread, quantile) in
+        [(simulation::Spread::Triangular, 1.0 - 0.05_f64.sqrt()), (simulation::Spread::Normal, normal)]
+    {
+        let entries = vec![Entry::Free(PartFormula::RackOverRoller, weight(1))];
+        let budget = allocate(&request(entries, "0.05", Rule::Simulation(simulation(0.95, spread)))).unwrap();
+        assert!((budget.lines[0].delta_cd.mm() * quantile / 0.05 - 1.0).abs() < 0.01, "{spread:?}");
+    }
+}
+
 #[test]
 fn simulated_tolerances_conform_and_no_more() {
     let [over_roller, pitch, lead, radial, pinion_pitch] = formulas("20", "10", "19.7");

@@ -148,6 +148,69 @@ mod tests {
     use super::*;
     use crate::decision::statistics::normal_quantile;
 
+    fn p_value(statistic: f64) -> f64 {
+        Normality::with_statistic(f64::INFINITY, statistic, [1.0, 0.0, 3.0]).p_value
+    }
+
+    /// D'Agostino and Stephens, table 4.7: the points of A*² for mean and deviation estimated from the values.
+    #[test]
+    fn printed_points_of_the_statistic() {
+        for (statistic, p, within) in [
+            (0.341, 0.5, 6e-3),
+            (0.470, 0.25, 4e-3),
+            (0.561, 0.15, 3e-3),
+            (0.631, 0.10, 2e-3),
+            (0.752, 0.05, 1e-3),
+            (0.873, 0.025, 1e-3),
+            (1.035, 0.01, 1e-3),
+            (1.159, 0.005, 1e-3),
+        ] {
+            assert!((p_value(statistic) - p).abs() < within, "{statistic} {}", p_value(statistic));
+        }
+        // the lower pieces, which meet each other and the upper ones
+        assert!((p_value(0.15) - 0.963).abs() < 1e-3 && (p_value(0.27) - 0.678).abs() < 1e-3);
+        assert!((p_value(0.2) - p_value(0.2_f64.next_down())).abs() < 2e-4);
+        assert!((p_value(0.34) - p_value(0.34_f64.next_down())).abs() < 4e-3);
+        assert!((p_value(0.6) - p_value(0.6_f64.next_down())).abs() < 3e-3);
+        assert!(p_value(100.0) > 0.0 && p_value(400.0) == 0.0);
+        let five_percent = Normality { skewness: 0.0, excess_kurtosis: 0.0, anderson_darling: 0.752, p_value: 0.05 };
+        assert!(!five_percent.rejected());
+        // for ten values the statistic counts by a tenth more
+        let ten = Normality::with_statistic(10.0, 0.5, [4.0, 8.0, 48.0]);
+        assert!((ten.anderson_darling - 0.5 * 1.0975).abs() < 1e-12);
+        assert!((ten.skewness - 1.0).abs() < 1e-12 && ten.excess_kurtosis.abs() < 1e-12);
+    }
+
+    /// Of a distribution function that is c from F_0 to F_1:
+    /// ∫ (c − F)²/(F (1 − F)) dF = c² ln(F_1/F_0) − (1 − c)² ln((1 − F_1)/(1 − F_0)) − (F_1 − F_0).
+    #[test]
+    fn the_distance_of_a_step() {
+        for (z_0, z_1) in [(-3.0, 2.0), (-6.0, -4.0), (4.0, 6.0), (0.5, 0.6)] {
+            for c in [0.0, 0.3, 1.0] {
+                let (below_0, below_1) = (normal_cdf(z_0), normal_cdf(z_1));
+                let above = normal_cdf(-z_1) / normal_cdf(-z_0);
+                let expected = c * c * libm::log(below_1 / below_0)
+                    - (1.0 - c) * (1.0 - c) * libm::log(above)
+                    - (below_1 - below_0);
+                let found = distance(z_0, z_1, c, c);
+                assert!(
+                    (found - expected).abs() < 1e-7 * expected.abs().max(1e-3),
+                    "{z_0} {z_1} {c}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    /// Ten values all but equal to the mean: both tails are ln 2 − 1/2. And groups of a quarter of a deviation are narrow.
+    #[test]
+    fn one_narrow_group() {
+        let group = [(-1e-9, 1e-9, 10)];
+        let found = Normality::of_groups(&group, 0.0, 1.0).unwrap().anderson_darling;
+        assert!((found - 10.0 * 2.0 * (std::f64::consts::LN_2 - 0.5) * 1.0975).abs() < 1e-6, "{found}");
+        assert!(Normality::of_groups(&[(0.0, 0.5, 10)], 0.25, 2.0).is_some());
+        assert!(Normality::of_groups(&[(0.0, 0.51, 10)], 0.25, 2.0).is_none());
+    }
+
     #[test]
     fn groups_say_what_the_values_say() {
         // a normal and a skewed sample: the groups are a thousandth of a standard deviation wide

@@ -149,3 +149,60 @@ impl Histogram {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bins of width 1 from 0.
+    fn histogram(values: &[(f64, usize)]) -> Histogram {
+        let mut histogram = Histogram::new(0.0, 16_384.0);
+        for (value, count) in values {
+            histogram.count(&vec![*value; *count]);
+        }
+        histogram
+    }
+
+    /// Within a bin values are spread evenly, as far as they reach; beyond the bins up to the furthest one.
+    #[test]
+    fn quantiles_are_interpolated() {
+        let even = histogram(&(0..1000_u32).map(|i| (f64::from(i) + 0.5, 1)).collect::<Vec<_>>());
+        assert_eq!([0.0, 0.25, 0.5, 1.0].map(|p| even.quantile(p)), [0.5, 250.0, 500.0, 999.5]);
+        let beyond = histogram(&[(16_383.5, 4), (20_000.0, 4)]);
+        assert_eq!(beyond.quantile(0.25), 16_383.75);
+        assert_eq!(beyond.quantile(0.75), 0.5 * (16_384.0 + 20_000.0));
+        let below = histogram(&[(-10.0, 4), (0.25, 4)]);
+        assert_eq!(below.quantile(0.25), -5.0);
+        assert_eq!(Histogram::new(3.0, 3.0).counts.len(), 0);
+    }
+
+    #[test]
+    fn the_shortest_interval() {
+        // the dense end, whichever it is; nothing lies between
+        let dense_first = histogram(&[(100.25, 50), (100.75, 45), (500.5, 5)]);
+        assert_eq!(dense_first.shortest(0.95), (100.25, 101.0));
+        let dense_last = histogram(&[(10.5, 5), (300.5, 50), (300.75, 45)]);
+        assert_eq!(dense_last.shortest(0.95), (300.0, 300.75));
+        // not one value fewer than asked for
+        let lone = histogram(&[(10.5, 5), (290.5, 1), (301.5, 94)]);
+        assert_eq!(lone.shortest(0.95), (290.0, 301.5));
+        // of equals the first
+        let even =
+            histogram(&(0..10_u32).map(|i| (f64::from(i) + 0.5, 100)).chain([(0.0, 1), (10.0, 1)]).collect::<Vec<_>>());
+        let (low, high) = even.shortest(0.5);
+        assert!(low == 0.0 && (high - 5.0).abs() < 0.02, "{low} {high}");
+        assert_eq!(histogram(&[(5.5, 3)]).shortest(0.95), (5.5, 5.5));
+    }
+
+    /// p (1 − p)/n under the root, over the density: of a uniform distribution that is its width.
+    #[test]
+    fn the_errors_of_the_ends() {
+        let even = histogram(&(0..1000_u32).map(|i| (f64::from(i) + 0.5, 10)).collect::<Vec<_>>());
+        let simulation = even.simulation(500.0, 288.7, 10_000.0);
+        let expected = 1000.0 * (0.025_f64 * 0.975 / 10_000.0).sqrt();
+        assert!((simulation.end_errors.0 / expected - 1.0).abs() < 1e-9, "{:?}", simulation.end_errors);
+        assert!((simulation.end_errors.1 / expected - 1.0).abs() < 1e-9, "{:?}", simulation.end_errors);
+        let (low, high) = simulation.symmetric;
+        assert!((low - 25.0).abs() < 1e-9 && (high - 975.0).abs() < 1e-9, "{low} {high}");
+    }
+}

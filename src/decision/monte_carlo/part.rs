@@ -372,3 +372,69 @@ impl Simulated for PartModel {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decision::uncertainty::Uncertainty;
+    use crate::decision::uncertainty::tests::{SOURCES, Scene};
+
+    /// Each draw gives what the formulas give for a part with the drawn values.
+    #[test]
+    fn every_draw_is_a_part() {
+        // all quantities, those of no formula's geometry, one helix angle, and errors alone
+        for sources in [&SOURCES[..], &SOURCES[9..], &SOURCES[6..7], &SOURCES[..5]] {
+            for scene in Scene::all() {
+                let uncertain = sources.iter().map(|source| (*source, Uncertainty::standard(1.0))).collect();
+                let uncertainties = Uncertainties::new(uncertain, &[]).unwrap();
+                let (errors, over_pin) = (scene.errors(), scene.over_pin());
+                let part = Part { errors: &errors, over_pin: Some(&over_pin), model: scene.model, stack: scene.stack };
+                let model = PartModel::new(&part, &uncertainties).unwrap();
+                assert_eq!(model.outputs(), 7);
+                let mut inputs: Vec<Vec<f64>> = vec![Vec::new(); sources.len()];
+                let mut expected = Vec::new();
+                for draw in 0..8_u8 {
+                    let mut drawn = scene;
+                    for (value, source) in drawn.values.iter_mut().zip(SOURCES) {
+                        let Some(column) = sources.iter().position(|other| *other == source) else { continue };
+                        // a lead error of up to 1.5°, either side of what the series is for
+                        let far = if source == Source::Error(ErrorKind::RackLead) { 60.0 } else { 0.05 };
+                        let absent = source == Source::ToothThickness && !scene.thickness;
+                        assert!(absent || model.best_estimate(source) == *value, "{source:?}");
+                        *value *= 1.0
+                            + far
+                                * (f64::from(draw) / 4.0 - 1.0)
+                                * (1.0 - 0.05 * f64::from(u8::try_from(column).unwrap()));
+                        inputs[column].push(*value);
+                    }
+                    expected.push(drawn.delta_cd());
+                }
+                let mut outputs = vec![vec![0.0; expected.len()]; 7];
+                model.evaluate(&inputs, &mut outputs);
+                for (draw, expected) in expected.iter().enumerate() {
+                    for (which, expected) in expected.iter().enumerate() {
+                        let found = outputs[which][draw];
+                        let (stack, model) = (scene.stack, scene.model);
+                        assert!((found - expected).abs() < 1e-13, "{stack:?} {model:?} {which}: {found} {expected}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Outside the formulas' domain there is no ΔCD.
+    #[test]
+    fn gear_data_outside_the_domain_have_no_gain() {
+        let inside = Gear { alpha: 45.0, rack_helix: 12.0, pinion_helix: -89.9, face_width: 0.0 };
+        assert!(Gains::new(&inside, Model::Exact).lead.is_finite());
+        for outside in [
+            Gear { alpha: 0.0, ..inside },
+            Gear { alpha: 45.1, ..inside },
+            Gear { rack_helix: -90.0, ..inside },
+            Gear { pinion_helix: 90.0, ..inside },
+            Gear { face_width: -0.1, ..inside },
+        ] {
+            assert!(Gains::new(&outside, Model::Exact).lead.is_nan(), "{outside:?}");
+        }
+    }
+}

@@ -365,7 +365,7 @@ fn over_pin_source(input: Input) -> Option<Source> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::formula::{PinionPitch, RackLead, RackPitch};
     use crate::quantity::{Angle, Length};
@@ -391,6 +391,164 @@ mod tests {
 
     fn part(errors: &[PartError]) -> Part<'_> {
         Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range }
+    }
+
+    /// Every quantity that can be uncertain, in the order of a [`Scene`]'s values.
+    pub(in crate::decision) const SOURCES: [Source; 13] = [
+        Source::Error(ErrorKind::RackOverRoller),
+        Source::Error(ErrorKind::RackPitch),
+        Source::Error(ErrorKind::RackLead),
+        Source::Error(ErrorKind::PinionRadial),
+        Source::Error(ErrorKind::PinionPitch),
+        Source::NormalPressureAngle,
+        Source::RackHelixAngle,
+        Source::PinionHelixAngle,
+        Source::FaceWidth,
+        Source::NormalModule,
+        Source::Datum,
+        Source::Roller,
+        Source::ToothThickness,
+    ];
+
+    /// A part of which every quantity may change; mm and degrees.
+    #[derive(Clone, Copy)]
+    pub(in crate::decision) struct Scene {
+        pub(in crate::decision) values: [f64; 13],
+        pub(in crate::decision) thickness: bool,
+        pub(in crate::decision) tolerances: bool,
+        pub(in crate::decision) model: Model,
+        pub(in crate::decision) stack: Stack,
+    }
+
+    impl Scene {
+        pub(in crate::decision) const VALUES: [f64; 13] =
+            [-0.013, 0.012, 0.0255, 0.004, -0.009, 20.0, 12.0, 21.0, 19.7, 2.5, 21.5, 5.0, 3.9];
+
+        pub(in crate::decision) fn over_pin(&self) -> OverPin {
+            let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
+            OverPin {
+                normal_module: mm(9),
+                normal_pressure_angle: Angle::from_degrees(self.values[5]).unwrap(),
+                tooth_thickness: self.thickness.then(|| mm(12)),
+                pin_diameter: mm(11),
+                datum: mm(10),
+            }
+        }
+
+        /// Its errors; the measure over the roller stays what it is when its nominal value changes.
+        pub(in crate::decision) fn errors(&self) -> Vec<PartError> {
+            let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
+            let degrees = |index: usize| Angle::from_degrees(self.values[index]).unwrap();
+            let (alpha, rack, pinion) = (degrees(5), degrees(6), degrees(7));
+            let nominal = Self { values: Self::VALUES, ..*self }.over_pin().measure().unwrap();
+            let shift = &self.over_pin().measure().unwrap() - &nominal;
+            let errors = vec![
+                PartError::RackOverRoller(&mm(0) - &shift),
+                PartError::RackPitch(mm(1), RackPitch::new(&alpha, &rack).unwrap()),
+                PartError::RackLead(degrees(2), RackLead::new(&alpha, &rack, &mm(8)).unwrap()),
+                PartError::PinionRadial(mm(3)),
+                PartError::PinionPitch(mm(4), PinionPitch::new(&alpha, &pinion).unwrap()),
+            ];
+            let within = |error| if self.tolerances { PartError::Within(Box::new(error)) } else { error };
+            errors.into_iter().map(within).collect()
+        }
+
+        /// ΔCD of each error, and the lower and upper end of all, mm.
+        pub(in crate::decision) fn delta_cd(&self) -> Vec<f64> {
+            let terms: Vec<_> = self
+                .errors()
+                .iter()
+                .map(|error| {
+                    let delta_cd = error.delta_cd(self.model).unwrap();
+                    Term { kind: error.kind(), delta_cd, is_tolerance: error.is_tolerance() }
+                })
+                .collect();
+            let (lower, upper) = Combined::of(&terms).unwrap().interval(self.stack);
+            let each = terms.iter().map(|term| term.delta_cd.mm());
+            each.chain([lower.mm(), upper.mm()]).collect()
+        }
+
+        pub(in crate::decision) fn all() -> impl Iterator<Item = Self> {
+            let models = [Model::Exact, Model::Paper].into_iter();
+            let stacks = move |model| [Stack::Range, Stack::WorstCase, Stack::Rss].map(|stack| (model, stack));
+            models.flat_map(stacks).flat_map(|(model, stack)| {
+                let scene = |thickness| Self { values: Self::VALUES, thickness, tolerances: !thickness, model, stack };
+                [scene(true), scene(false)]
+            })
+        }
+    }
+
+    /// Each sensitivity of each result against the difference of two parts.
+    #[test]
+    fn sensitivities_are_those_of_differences() {
+        for scene in Scene::all() {
+            let inputs = SOURCES.map(|source| (source, Uncertainty::standard(1e-7))).to_vec();
+            let (errors, over_pin) = (scene.errors(), scene.over_pin());
+            let part = Part { errors: &errors, over_pin: Some(&over_pin), model: scene.model, stack: scene.stack };
+            let linear = propagate(&part, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+            let results: Vec<_> =
+                linear.errors.iter().map(|(_, linear)| linear).chain([&linear.lower, &linear.upper]).collect();
+            for (index, source) in SOURCES.into_iter().enumerate() {
+                let step = 1e-7 * scene.values[index].abs();
+                let beside = |sign: f64| {
+                    let mut beside = scene;
+                    beside.values[index] += sign * step;
+                    (beside.values[index], beside.delta_cd())
+                };
+                let ((from, low), (to, high)) = (beside(-1.0), beside(1.0));
+                for (which, result) in results.iter().enumerate() {
+                    let difference = (high[which] - low[which]) / (to - from);
+                    let found = result.contributions.iter().find(|of| of.source == source);
+                    let found = found.map_or(0.0, |of| of.sensitivity);
+                    assert!(
+                        (found - difference).abs() < 1e-8 + 1e-6 * difference.abs(),
+                        "{:?} {:?} {source:?} {which}: {found} {difference}",
+                        scene.model,
+                        scene.stack
+                    );
+                }
+            }
+        }
+    }
+
+    /// The root of squares of nothing has the slope of a single error, so that the uncertainty is not lost.
+    #[test]
+    fn the_root_of_squares_at_zero() {
+        let errors = [PartError::RackOverRoller(Length::ZERO)];
+        let inputs = vec![(Source::Error(ErrorKind::RackOverRoller), Uncertainty::standard(0.001))];
+        let rss = Part { stack: Stack::Rss, ..part(&errors) };
+        let result = propagate(&rss, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+        assert_eq!((result.upper.standard_mm, result.lower.standard_mm), (0.001, 0.001));
+        assert_eq!(result.end_correlation, -1.0);
+    }
+
+    /// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom there
+    /// is no ν_eff, for those results that depend on it.
+    #[test]
+    fn correlated_inputs_of_few_degrees_of_freedom_have_no_effective_one() {
+        let errors = five("0.012", "0.0255");
+        let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));
+        let pitch = Source::Error(ErrorKind::RackPitch);
+        let few = |dof| Uncertainty { dof, ..Uncertainty::standard(0.001) };
+        let inputs = vec![(a, few(5.0)), (b, Uncertainty::standard(0.002)), (pitch, few(7.0))];
+        let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[(a, b, 0.5)]).unwrap()).unwrap();
+        let dof = |index: usize| result.errors[index].1.dof;
+        assert_eq!((dof(0), dof(3)), (None, Some(f64::INFINITY)));
+        assert!((dof(1).unwrap() - 7.0).abs() < 1e-12);
+        assert_eq!((result.upper.dof, result.upper.coverage_factor), (None, 2.0));
+    }
+
+    /// Exactly three standard uncertainties from zero is far enough, and what has no uncertainty does not fold.
+    #[test]
+    fn three_standard_uncertainties_are_far_enough() {
+        let errors = [PartError::RackOverRoller(length("0.375"))];
+        let worst = Part { stack: Stack::WorstCase, ..part(&errors) };
+        let with = |u| Uncertainties::new(vec![(SOURCES[0], Uncertainty::standard(u))], &[]).unwrap();
+        assert!(propagate(&worst, &with(0.125)).unwrap().folded().is_empty());
+        assert!(!propagate(&worst, &with(0.126)).unwrap().folded().is_empty());
+        let zero = five("0", "0");
+        let result = propagate(&Part { stack: Stack::WorstCase, ..part(&zero) }, &with(0.001)).unwrap();
+        assert_eq!(result.folded(), []);
     }
 
     #[test]

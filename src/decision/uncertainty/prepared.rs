@@ -451,6 +451,54 @@ mod tests {
         }
     }
 
+    /// Only a part within rounding of a bound needs the exact way: nobody would wait for it otherwise.
+    #[test]
+    fn a_usual_part_is_certain_and_one_on_the_edge_is_not() {
+        assert_eq!(below(1.0, 2.0), (true, true));
+        assert_eq!(below(2.0, 1.0), (false, true));
+        assert_eq!(below(1.0, 1.0), (false, true));
+        assert_eq!(below(1.0_f64.next_down(), 1.0), (true, false));
+        assert_eq!(below(1.0_f64.next_up(), 1.0), (false, false));
+        let kinds = ErrorKind::ALL;
+        let prepared: Vec<_> = formulas().iter().map(|formula| Prepared::new(formula, Model::Exact)).collect();
+        for stack in [Stack::Range, Stack::WorstCase, Stack::Rss] {
+            let of = |dof: f64, correlations: &[(Source, Source, f64)]| {
+                let uncertainties = Uncertainties::new(inputs(dof), correlations).unwrap();
+                let propagator = Propagator::new(&prepared, None, uncertainties, stack).unwrap();
+                let points = [0.013, 0.012, 0.0255, -0.014, 0.009].map(|error| Point { error, delta_cd_mm: error });
+                propagator.spreads(&points)
+            };
+            let infinite = of(f64::INFINITY, &[]);
+            assert!(infinite.certain && infinite.errors.iter().all(|spread| spread.coverage_factor == 2.0));
+            // the lead error's 9 degrees of freedom are those of its own result, but for what the gear contributes
+            let few = of(9.5, &[]);
+            assert!(few.certain && few.errors[2].coverage_factor > 2.0 && few.errors[1].coverage_factor == 2.0);
+            let correlated = of(9.5, &[(Source::Error(kinds[2]), Source::Error(kinds[3]), 0.5)]);
+            assert!(correlated.errors.iter().all(|spread| spread.coverage_factor == 2.0));
+            let others = of(9.5, &[(Source::Error(kinds[1]), Source::Error(kinds[3]), 0.5)]);
+            assert!(others.errors[2].coverage_factor > 2.0);
+            assert_eq!(others.errors[2].coverage_factor, few.errors[2].coverage_factor);
+        }
+    }
+
+    /// Degrees of freedom that rounding could take for one fewer are looked at exactly.
+    #[test]
+    fn whole_degrees_of_freedom_are_not_certain() {
+        let formula = [Prepared::new(&PartFormula::PinionRadial, Model::Exact)];
+        let spreads = |dof| {
+            let radial = (Source::Error(ErrorKind::PinionRadial), Uncertainty { dof, ..Uncertainty::standard(0.5) });
+            let uncertainties = Uncertainties::new(vec![radial], &[]).unwrap();
+            let propagator = Propagator::new(&formula, None, uncertainties, Stack::Range).unwrap();
+            propagator.spreads(&[Point { error: 4.0, delta_cd_mm: 4.0 }])
+        };
+        // a whole number is one down to a part in 10¹² below it
+        let edge = 9.0 / (1.0 + 1e-12);
+        assert!(!spreads(edge).certain);
+        assert!(spreads(9.0).certain && spreads(9.5).certain && spreads(400.0).certain);
+        assert_eq!(spreads(9.0).upper.coverage_factor, coverage_factor(9.0));
+        assert_eq!(spreads(400.5).upper.coverage_factor, coverage_factor(400.0));
+    }
+
     #[test]
     fn on_the_edge_of_what_is_linear() {
         // 3 u of the pitch error is 1800 nm, of the lead error 3000e-6°
