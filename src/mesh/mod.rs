@@ -9,6 +9,7 @@
 
 mod contact;
 mod curve;
+mod demand;
 mod measure;
 mod outcome;
 mod prepare;

@@ -1,8 +1,9 @@
 //! The solve at one stroke: which rotation makes both sides ask for the same centre distance. Used through
 //! [`Mesh::at`], [`Mesh::sample`] and [`Sampler`]; allocates nothing per stroke once a sampler is warm.
 
-use super::contact::{ContactKind, Hint, Pose, PoseRates, Touch};
-use super::prepare::{Prepared, Roll};
+use super::contact::{ContactKind, PoseRates};
+use super::demand::{Demand, NEARBY, Slot};
+use super::prepare::Roll;
 use super::roll::Valleys;
 use super::trail::Trail;
 use super::{Carrier, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support, Work};
@@ -12,8 +13,8 @@ use crate::trig;
 #[derive(Debug, Clone)]
 pub struct Sampler<'a> {
     pub(super) mesh: &'a Mesh,
-    constants: Constants,
-    cache: [Vec<Option<Slot>>; 2],
+    pub(super) constants: Constants,
+    pub(super) cache: [Vec<Option<Slot>>; 2],
     pub(super) roll: Roll,
     /// Centre distance assumed where a rolled rack's end faces need one.
     pub(super) assumed: f64,
@@ -22,10 +23,12 @@ pub struct Sampler<'a> {
     trail: Option<Trail>,
     /// Rack teeth that carried last, right and left.
     pub(super) carried: [i64; 2],
+    /// The pairs in reach at this stroke that may carry at a rotation near the first one tried.
+    pub(super) near: [Vec<i64>; 2],
     /// For a rack that rolls: how the last solution changes with the roll, and what is known of its rolls.
     pub(super) rolling: Rolling,
     pub(super) valleys: Valleys,
-    work: Work,
+    pub(super) work: Work,
 }
 
 /// How a solution changes with the rack's roll.
@@ -37,110 +40,32 @@ pub(super) struct Rolling {
     pub(super) at: Option<[(i64, ContactKind, bool, bool); 2]>,
 }
 
-/// A flank pair, with what it asked for when it was last searched and where that was.
 #[derive(Debug, Clone, Copy)]
-struct Slot {
-    tooth: i64,
-    /// The rack's roll that it is prepared for.
-    roll: f64,
-    prepared: Prepared,
-    seen: Option<Seen>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Seen {
-    demand: f64,
-    c: f64,
-    shift: f64,
-    roll: f64,
-    across: f64,
-    /// The generator of the contact, and how it moved with the flank's angle between the last two searches.
-    delta: f64,
-    drift: f64,
-    /// How far off both may be.
-    spread: f64,
-    w: f64,
-    at_rack_edge: bool,
-}
-
-impl Seen {
-    fn new(touch: &Touch, pose: &Pose, roll: f64, before: Option<&Self>) -> Self {
-        let delta = touch.spot.delta;
-        let drift = match before {
-            Some(before) if pose.c != before.c => ((delta - before.delta) / (pose.c - before.c)).clamp(-1.0, 2.0),
-            Some(before) => before.drift,
-            None => f64::from(u8::from(touch.is_carried())),
-        };
-        Self {
-            demand: touch.demand,
-            c: pose.c,
-            shift: pose.shift,
-            roll,
-            across: pose.across,
-            delta,
-            drift,
-            spread: touch.spread,
-            w: touch.spot.w,
-            at_rack_edge: touch.at_rack_edge,
-        }
-    }
-
-    fn hint(&self, c: f64) -> Hint {
-        let by = c - self.c;
-        Hint {
-            delta: self.delta + self.drift * by,
-            w: self.w,
-            at_rack_edge: self.at_rack_edge,
-            spread: (0.1 * by.abs()).max(0.1 * self.spread),
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Constants {
-    pitch: f64,
-    angular_pitch: f64,
-    angle_per_mm: f64,
-    nominal: f64,
+pub(super) struct Constants {
+    pub(super) pitch: f64,
+    pub(super) angular_pitch: f64,
+    pub(super) angle_per_mm: f64,
+    pub(super) nominal: f64,
     /// Range of the pinion tooth's angle within which its flank can touch, for a right rack flank.
-    window: (f64, f64),
-    eccentricity: (f64, f64),
-    stroke_limit: f64,
-    default_rate: f64,
-    tolerance: f64,
+    pub(super) window: (f64, f64),
+    pub(super) eccentricity: (f64, f64),
+    pub(super) stroke_limit: f64,
+    pub(super) default_rate: f64,
+    pub(super) tolerance: f64,
     /// No demand changes faster than this with the rack's roll, mm/rad.
-    roll_reach: f64,
+    pub(super) roll_reach: f64,
 }
 
 /// A position of the pinion.
 #[derive(Debug, Clone, Copy)]
-struct Position {
+pub(super) struct Position {
     /// The rack tooth nearest to the pinion, and its nominal place.
-    tooth: i64,
-    place: f64,
+    pub(super) tooth: i64,
+    pub(super) place: f64,
     /// Angle of the pinion tooth of the same number at offset 0.
-    angle: f64,
+    pub(super) angle: f64,
     /// Angle of pinion tooth 0 less that.
-    to_first: f64,
-}
-
-/// A demand changes with the pinion's rotation by (r_b/sin ν)|cos δ + τ sin δ| at a point of the flank, and a little more
-/// where end faces sweep over it: this many times r_b / sin α_t is certainly enough.
-const LIPSCHITZ: f64 = 4.0;
-
-/// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
-const TIE: f64 = 1e-14;
-
-/// What one side asks for.
-#[derive(Debug, Clone, Copy)]
-struct Demand {
-    value: f64,
-    rate: f64,
-    tooth: i64,
-    touch: Touch,
-    pose: Pose,
-    /// The rack tooth's nominal place.
-    place: f64,
+    pub(super) to_first: f64,
 }
 
 /// Rotations tried at most; Newton needs two or three, a bisection of the whole range 60.
@@ -179,6 +104,7 @@ impl<'a> Sampler<'a> {
             last: None,
             trail: None,
             carried: [0; 2],
+            near: [Vec::with_capacity(slots), Vec::with_capacity(slots)],
             rolling: Rolling::default(),
             valleys: Valleys::default(),
             work: Work::default(),
@@ -208,29 +134,6 @@ impl<'a> Sampler<'a> {
         self.roll = roll;
     }
 
-    #[inline]
-    fn slot(&mut self, side: FlankSide, tooth: i64) -> &mut Slot {
-        let of_side = usize::from(side == FlankSide::Left);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // only the low bits matter
-        let index = (tooth as usize) & (self.cache[of_side].len() - 1);
-        let ready = |slot: &Slot| slot.tooth == tooth && slot.roll == self.roll.angle;
-        if !self.cache[of_side][index].as_ref().is_some_and(ready) {
-            self.fill(side, tooth, index);
-        }
-        let Some(slot) = &mut self.cache[of_side][index] else { unreachable!("it was filled") };
-        slot
-    }
-
-    /// Prepares a flank pair; what was seen of it at another roll is kept.
-    #[cold]
-    fn fill(&mut self, side: FlankSide, tooth: i64, index: usize) {
-        self.work.prepared += 1;
-        let prepared = self.mesh.prepare(side, tooth, &self.roll);
-        let slot = &mut self.cache[usize::from(side == FlankSide::Left)][index];
-        let seen = slot.as_ref().filter(|slot| slot.tooth == tooth).and_then(|slot| slot.seen);
-        *slot = Some(Slot { tooth, roll: self.roll.angle, prepared, seen });
-    }
-
     /// The zero-backlash position at the present roll.
     pub(super) fn solve(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
         let position = self.locate(stroke_mm)?;
@@ -252,11 +155,13 @@ impl<'a> Sampler<'a> {
         }
         let mut iterations = 0;
         let mut before: Option<(f64, f64)> = None;
+        let first = offset;
         let (right, left, step, ending) = loop {
             iterations += 1;
             self.work.rotations += 1;
-            let right = self.demand(FlankSide::Right, &position, offset, stroke_mm)?;
-            let left = self.demand(FlankSide::Left, &position, offset, stroke_mm)?;
+            let again = iterations > 1 && (offset - first).abs() <= NEARBY;
+            let right = self.demand(FlankSide::Right, &position, (offset, again), stroke_mm)?;
+            let left = self.demand(FlankSide::Left, &position, (offset, again), stroke_mm)?;
             let excess = right.value - left.value;
             let mut slope = right.rate - left.rate;
             if !slope.is_finite() || slope >= -0.1 * default_rate {
@@ -376,95 +281,6 @@ impl<'a> Sampler<'a> {
         #[allow(clippy::cast_precision_loss)] // at most 10 000 teeth
         let to_first = -(tooth.rem_euclid(teeth) as f64) * angular_pitch;
         Ok(Position { tooth, place, angle: 0.5 * angular_pitch + place * angle_per_mm, to_first })
-    }
-
-    /// The largest demand of one side with the pinion turned by `offset` against its nominal rotation.
-    fn demand(
-        &mut self,
-        side: FlankSide,
-        position: &Position,
-        offset: f64,
-        stroke_mm: f64,
-    ) -> Result<Demand, MeshError> {
-        let Constants { pitch, angular_pitch, window, eccentricity, default_rate, roll_reach, .. } = self.constants;
-        let roll = self.roll.angle;
-        let tie = TIE * default_rate;
-        let sign = side.sign();
-        let angle = position.angle + offset;
-        let (along, across) = eccentricity;
-        let (offsets, rates) = if along == 0.0 && across == 0.0 {
-            ((0.0, 0.0), (0.0, 0.0))
-        } else {
-            let (sin, cos) = trig::sin_cos(angle + position.to_first);
-            let turned = (along * sin + across * cos, along * cos - across * sin);
-            ((sign * turned.0, -turned.1), (turned.1, sign * turned.0))
-        };
-        let across = self.roll.sin * (self.roll.depth + self.assumed);
-        // rack tooth i meets pinion tooth i with its right flank, i − 1 with its left one
-        let (from, to, ahead) = match side {
-            FlankSide::Right => ((window.0 - angle) / angular_pitch, (window.1 - angle) / angular_pitch, 0),
-            FlankSide::Left => ((-window.1 - angle) / angular_pitch, (-window.0 - angle) / angular_pitch, 1),
-        };
-        #[allow(clippy::cast_possible_truncation)] // a few teeth
-        let (from, to) = (from.ceil() as i64, to.floor() as i64);
-        let mut best: Option<Demand> = None;
-        // what was found so far, and what others must exceed: of pairs that ask for the same within rounding the first
-        // carries, names of carriers must not flicker
-        let (mut floor, mut mark) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        // the pair that carried last first: it sets the mark that the others must reach
-        let favourite = self.carried[usize::from(side == FlankSide::Left)];
-        let favourite = favourite.wrapping_sub(position.tooth + ahead);
-        let first = (from..=to).contains(&favourite).then_some(favourite);
-        for n in first.into_iter().chain(from..=to) {
-            if Some(n) == first && floor > f64::NEG_INFINITY {
-                continue;
-            }
-            #[allow(clippy::cast_precision_loss)] // a few teeth
-            let turned = angle + n as f64 * angular_pitch;
-            let n = n + ahead;
-            let tooth = position.tooth + n;
-            #[allow(clippy::cast_precision_loss)] // a few teeth
-            let place = position.place + n as f64 * pitch;
-            self.work.in_reach += 1;
-            let Slot { prepared, seen, .. } = self.slot(side, tooth);
-            if !prepared.in_order {
-                return Err(MeshError::RackToothOrder { stroke_mm, tooth });
-            }
-            let pose = Pose {
-                c: sign * turned + prepared.start,
-                shift: prepared.per_shift * place,
-                offset: offsets,
-                offset_rate: rates,
-                across,
-            };
-            if best.is_some() && prepared.contact.stays_below(&pose, mark) {
-                continue;
-            }
-            if let Some(seen) = seen
-                && seen.demand
-                    + LIPSCHITZ * default_rate * (pose.c - seen.c).abs()
-                    + (pose.shift - seen.shift).abs()
-                    + roll_reach * (roll - seen.roll).abs()
-                    + (pose.across - seen.across).abs()
-                    < floor
-            {
-                continue;
-            }
-            let touch = prepared.contact.touch(&pose, floor, seen.as_ref().map(|seen| seen.hint(pose.c)));
-            // a clipped demand is an upper bound, which is all that is asked of it
-            *seen = touch.as_ref().map(|touch| Seen::new(touch, &pose, roll, seen.as_ref()));
-            self.work.searched += 1;
-            if let Some(touch) = touch
-                && touch.demand > mark
-            {
-                (floor, mark) = (touch.demand, touch.demand + tie);
-                best = Some(Demand { value: touch.demand, rate: sign * touch.rate, tooth, touch, pose, place });
-            }
-        }
-        if let Some(best) = best {
-            self.carried[usize::from(side == FlankSide::Left)] = best.tooth;
-        }
-        best.ok_or(MeshError::NoContact { stroke_mm, side })
     }
 }
 

@@ -18,7 +18,7 @@
 //! point: see [`rack_corner`](super::rack_corner). And where tan(δ/2) ≥ τ it asks for d + r_b (cos ν − τ sin ν) at most, as on the
 //! line at −τ_0.
 
-use super::{FlankContact, Pose, clearance};
+use super::{FlankContact, Pose};
 
 /// Constants of a flank pair seen from afar.
 #[derive(Debug, Clone, Copy, Default)]
@@ -87,4 +87,47 @@ impl FlankContact {
         let loss = (clearance(start, e) - e * e * e / 6.0).max(e * e * e / 12.0);
         kept_out && line - self.scale * loss <= mark
     }
+
+    /// Whether this pair is certain not to ask for more than the mark.
+    pub(in crate::mesh) fn stays_below(&self, pose: &Pose, mark: f64) -> bool {
+        if self.slides { self.reaches_no(pose, mark) } else { self.bound_by_involute(pose) <= mark }
+    }
+
+    /// The same for any flank: at each w the best generator is δ = 0, and where that lies off the involute by the roll
+    /// angle η the edge stays clear of it by (r_b/sin ν)(τ η²/2 + …).
+    fn bound_by_involute(&self, pose: &Pose) -> f64 {
+        let scale = self.scale;
+        let roll = self.nu - pose.c;
+        let reach = self.kappa.abs() * self.w_extent;
+        let beyond_tip = roll - reach - self.tip_roll;
+        let below_start = self.start_roll - reach - roll;
+        // at the involute's start the edge is clear by τ_0 η²/2 − η³/6, which turns negative where η > 3 τ_0; there the
+        // rack's tip plane bounds what is asked if it is level
+        let past_start = self.start_roll + reach - roll;
+        let again = past_start > 0.0 && past_start > 2.5 * self.start_roll;
+        let loss = if again && !self.fits {
+            -past_start * past_start * past_start / 6.0
+        } else if beyond_tip > 0.0 {
+            clearance(self.tip_roll, beyond_tip.min(1.0))
+        } else if below_start > 0.0 {
+            // whatever τ_0 is, g ≤ 2 (δ/2 − tan(δ/2)) ≤ −δ³/12 where tan(δ/2) < τ
+            let e = below_start.min(1.0);
+            (clearance(self.start_roll, e) - e * e * e / 6.0).max(e * e * e / 12.0)
+        } else {
+            0.0
+        };
+        let slope = if self.form.is_some_and(|form| form.profile_slope < 0.0) {
+            self.form.map_or(0.0, |form| -form.profile_slope)
+        } else {
+            0.0
+        };
+        let bound = self.unbounded(pose) + self.tilt.abs() * self.w_extent - scale * loss + slope;
+        if again && self.fits { bound.max(self.reach_of_root(pose)) } else { bound }
+    }
+}
+
+/// What the edge at a roll angle stays clear of the contact line's generator by, beyond it by e, in units of r_b/sin ν, but
+/// for e³/6.
+fn clearance(roll: f64, e: f64) -> f64 {
+    e * e * (roll * (0.5 - e * e / 24.0))
 }
