@@ -178,7 +178,18 @@ fn measure(case: &Case) -> Result<Vec<Row>, Box<dyn Error>> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "benches/results".to_owned()));
+    let folder = std::env::args().nth(1).unwrap_or_else(|| "benches/results".to_owned());
+    if folder.starts_with('-') {
+        let usage = "usage: cargo run --release --example run_time_and_error [FOLDER]";
+        if folder == "--help" || folder == "-h" {
+            println!(
+                "{usage}\n\nMeasures every model and writes a table and plots into FOLDER (default benches/results)."
+            );
+            return Ok(());
+        }
+        return Err(format!("'{folder}' is no folder; {usage}").into());
+    }
+    let folder = PathBuf::from(folder);
     std::fs::create_dir_all(&folder)?;
     let mut csv = "case,model,setting,time_s,rms_error_mm,on_front\n".to_owned();
     for case in cases() {

@@ -99,10 +99,13 @@ impl Args {
         Ok(match outcome.end {
             RunEnd::Completed => Status::Pass,
             RunEnd::Interrupted => {
-                let reached = outcome.samples.last().map_or(parameters.start_mm, |sample| sample.stroke_mm);
-                let message =
-                    format!("interrupted at a stroke of {reached:.1} mm; the positions up to there are printed");
-                output.diagnostic(&Diagnostic::warning(Code::NoSimulation, message));
+                // tables say so themselves
+                if matches!(self.format, Format::Csv | Format::Json) {
+                    let reached = outcome.samples.last().map_or(parameters.start_mm, |sample| sample.stroke_mm);
+                    let message =
+                        format!("interrupted at a stroke of {reached:.1} mm; the positions up to there are printed");
+                    output.diagnostic(&Diagnostic::warning(Code::NoSimulation, message));
+                }
                 Status::Undecided
             }
             RunEnd::Failed(error) => {

@@ -30,16 +30,17 @@
 //! cannot roll takes 500. They resolve what happens; a tolerance ten times as large saves two thirds of them and moves
 //! the steady ΔCD by 0.3 µm.
 //!
-//! Without damping the impacts excite vibrations of the contacts that do not die. The forces are the gradient of the energy
-//! (their work along a path is its fall to a few 1e-6 of what is exchanged, the closer the finer the path is divided), but steps of a
-//! millionth of the run, below which the energy shortens none, damp what they do not resolve: the energy then drifts by
-//! up to 1e-4, and the report says so. Where the rack cannot roll the drift stays below 1e-6.
+//! # Without losses
+//! Without damping and friction energy is an invariant, and its drift is kept below the parameters' `energy_tolerance`. The
+//! forces are the gradient of the energy, so steps of this scheme need only be short enough, until something rings that
+//! they would damp: then [`super::conserving`] follows it.
 //!
 //! # The explicit scheme
 //! Velocity Verlet; its step is bound by the largest frequency and damping rate of the present tangent.
 
 use std::ops::ControlFlow;
 
+use super::conserving::Following;
 use super::drive::Drive;
 use super::load::Work;
 use super::newton::{Balance, Limits, newton, solve};
@@ -65,11 +66,18 @@ const BALANCE: f64 = 1e-5;
 const ITERATIONS: u32 = 25;
 /// A step is made at most this much longer than the last one.
 const GROWTH: f64 = 4.0;
+/// One that follows a vibration at most this much: it is to be even.
+const STEADY: f64 = 1.25;
+/// Steps that damp are worth trying where they are so many times as long as those that follow vibrations.
+const WORTH: f64 = 8.0;
 /// Share of the step that the error would allow exactly.
 const SAFETY: f64 = 0.85;
 /// Share of the allowed drift that is planned with.
 const DRIFT: f64 = 0.3;
-/// The energy's error shortens no step below this share of the run.
+/// Share of it that steps may lose which damp,
+const LOST: f64 = 0.8;
+/// and the share of the run below which, as where they would follow vibrations, the energy's error shortens none of
+/// them until that is lost.
 const FINE: f64 = 1e-6;
 /// The smallest step, as a share of the run.
 const SMALLEST: f64 = 1e-13;
@@ -78,32 +86,32 @@ const EXPLICIT: f64 = 0.5;
 
 /// Positions and velocities with the forces there.
 #[derive(Debug, Clone, Copy)]
-struct State {
-    time: f64,
-    q: [f64; 3],
-    v: [f64; 3],
-    stroke: f64,
-    speed: f64,
+pub(super) struct State {
+    pub(super) time: f64,
+    pub(super) q: [f64; 3],
+    pub(super) v: [f64; 3],
+    pub(super) stroke: f64,
+    pub(super) speed: f64,
     /// Generalised forces, the closing force included.
-    f: [f64; 3],
-    contact: Forces,
+    pub(super) f: [f64; 3],
+    pub(super) contact: Forces,
 }
 
 /// One step's outcome.
-struct Step {
-    state: State,
+pub(super) struct Step {
+    pub(super) state: State,
     /// Largest error of a position, mm.
-    error: f64,
-    gained: Flow,
+    pub(super) error: f64,
+    pub(super) gained: Flow,
 }
 
 /// What flowed during a step.
 #[derive(Debug, Clone, Copy, Default)]
-struct Flow {
-    driven: f64,
-    dissipated: f64,
-    exchanged: f64,
-    impulse: f64,
+pub(super) struct Flow {
+    pub(super) driven: f64,
+    pub(super) dissipated: f64,
+    pub(super) exchanged: f64,
+    pub(super) impulse: f64,
 }
 
 impl Flow {
@@ -173,12 +181,14 @@ impl Scene {
             Integrator::Explicit => self.explicit_limit(&here, total)?,
         };
         let mut before: Option<State> = None;
+        let mut following = Following::default();
         for index in 1..=last {
             let until = drive.time(self.sample_stroke(index));
             while here.time < until {
                 let left = until - here.time;
+                let longest = if following.is_on() { step.min(self.following(&here)) } else { step };
                 // the rest in equal steps, none longer than allowed
-                let parts = (left / step * (1.0 - 1e-9)).ceil().max(1.0);
+                let parts = (left / longest * (1.0 - 1e-9)).ceil().max(1.0);
                 let end = if parts <= 1.0 { until } else { here.time + left / parts };
                 if work.counters.steps + work.counters.rejected >= p.max_steps {
                     let steps = work.counters.steps;
@@ -186,39 +196,41 @@ impl Scene {
                 }
                 let h = end - here.time;
                 let made = match p.integrator {
+                    Integrator::Implicit if following.is_on() => self.conserving(&drive, &here, end, work),
                     Integrator::Implicit => self.implicit(&drive, &here, before.as_ref(), end, work),
                     Integrator::Explicit => Some(self.explicit(&drive, &here, end, work)),
                 };
                 let ratio = made.as_ref().map_or(f64::INFINITY, |made| made.error / p.tolerance_mm);
-                let drift = match &made {
-                    Some(made) if conservative => {
-                        // errors of the work are random: their squares add up to that of the allowed drift
-                        let allowed = DRIFT * p.energy_tolerance * made.gained.exchanged * (total / h).sqrt();
-                        self.energy(&here, &made.state, &made.gained).drift.abs() / allowed.max(f64::MIN_POSITIVE)
-                    }
-                    _ => 0.0,
+                let (drift, spent) = match &made {
+                    Some(made) if conservative && !following.is_on() => self.drift(&start, &here, made, &flow, total),
+                    _ => (0.0, false),
                 };
-                if ratio > 1.0 || (drift > 1.0 && h > FINE * total) {
+                let floor = self.following(&here).max(FINE * total);
+                if ratio > 1.0 || (drift > 1.0 && (h > floor || spent)) {
                     work.counters.rejected += 1;
                     // the error is of third order in the step, that of the work between second and first
-                    let by_drift = if h > FINE * total { SAFETY / drift.sqrt() } else { 1.0 };
+                    let by_drift = if h > floor { SAFETY / drift.sqrt() } else { 1.0 };
                     let shrink = (SAFETY / libm::cbrt(ratio)).min(by_drift);
                     step = h * if ratio.is_finite() { shrink.clamp(0.1, 0.9) } else { 0.25 };
                     if step < SMALLEST * total {
                         let (time_s, stroke_mm) = (here.time, here.stroke);
                         return Err(SimulationError::StepTooSmall { time_s, stroke_mm, step_s: step });
                     }
+                    if spent && step < floor {
+                        following.begin();
+                    }
                     continue;
                 }
                 let Some(made) = made else { continue };
                 work.counters.steps += 1;
+                following.count(h > WORTH * self.following(&made.state));
                 self.check(made.state.stroke, &made.state.q, &made.state.contact)?;
                 flow.add(&made.gained);
                 step = match p.integrator {
                     Integrator::Implicit => {
-                        let by_error = h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, GROWTH);
-                        let by_drift = h * (SAFETY / drift.sqrt()).clamp(0.2, GROWTH);
-                        by_error.min(by_drift.max(FINE * total))
+                        let most = if following.is_on() { STEADY } else { GROWTH };
+                        let by_error = h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, most);
+                        by_error.min((h * (SAFETY / drift.sqrt()).clamp(0.2, most)).max(floor))
                     }
                     Integrator::Explicit => self.explicit_limit(&made.state, total)?,
                 };
@@ -232,8 +244,29 @@ impl Scene {
         Ok(RunEnd::Completed)
     }
 
+    /// What a step adds to the drift of the energy over what it may add, and whether the run has none left to lose.
+    fn drift(&self, start: &State, from: &State, made: &Step, flow: &Flow, total: f64) -> (f64, bool) {
+        let tolerance = self.parameters.energy_tolerance;
+        let h = made.state.time - from.time;
+        let before = self.energy(start, from, flow).drift;
+        let mut sum = *flow;
+        sum.add(&made.gained);
+        let after = self.energy(start, &made.state, &sum).drift;
+        // errors of the work are random: their squares add up to that of the allowed drift
+        let mut allowed = DRIFT * tolerance * made.gained.exchanged * (total / h).sqrt();
+        let mut spent = false;
+        if after.abs() > before.abs() {
+            // but what is damped is lost for good
+            let whole = LOST * tolerance * (flow.exchanged + made.gained.exchanged * (total - from.time) / h);
+            allowed *= (1.0 - before.abs() / whole).max(0.0);
+            // without masses there is nothing to follow
+            spent = after.abs() > whole && self.following(from) > 0.0;
+        }
+        ((after - before).abs() / allowed.max(f64::MIN_POSITIVE), spent)
+    }
+
     /// The forces in a position at a velocity.
-    fn state(&self, drive: &Drive, time: f64, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
+    pub(super) fn state(&self, drive: &Drive, time: f64, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
         let (stroke, speed) = drive.at(time);
         let rates = Coordinates::from_free(v, speed);
         let contact = self.contact(&self.law, &Coordinates::from_free(q, stroke), &rates, work);
@@ -370,13 +403,12 @@ impl Scene {
         }
     }
 
-    fn energy(&self, start: &State, now: &State, flow: &Flow) -> Energy {
+    pub(super) fn energy(&self, start: &State, now: &State, flow: &Flow) -> Energy {
         let stored = |state: &State| {
             let kinetic: f64 = (0..3).map(|i| 0.5 * self.inertia[i] * state.v[i] * state.v[i]).sum();
-            kinetic + state.contact.energy
+            kinetic + self.potential(state)
         };
-        let closing = self.closing_energy(now.q[1]) - self.closing_energy(start.q[1]);
-        let stored = stored(now) - stored(start) + closing;
+        let stored = stored(now) - stored(start);
         Energy {
             stored,
             driven: flow.driven,

@@ -9,6 +9,7 @@
 mod bound;
 mod closest;
 mod compare;
+mod conserving;
 mod drive;
 mod dynamics;
 mod error;

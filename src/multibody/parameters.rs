@@ -164,8 +164,8 @@ pub struct Parameters {
     /// Travel from one sample to the next, mm; default 0.1. The last one is at the end of the stroke.
     pub spacing_mm: f64,
     /// Largest drift of the energy in a run without damping and friction, as a share of the energy exchanged; default
-    /// 1e-6. It bounds the implicit scheme's steps down to a millionth of the run; 1 leaves it out. A rack that may roll and
-    /// has a lead deviation rings faster than that after every impact, and loses up to 1e-4.
+    /// 1e-6. The implicit scheme's steps are shortened, and vibrations that they would damp are followed, until it holds: most
+    /// such runs take a second, one whose contacts ring through all the stroke ten or more. 1 leaves it out.
     pub energy_tolerance: f64,
     /// Most steps of a dynamic run, rejected ones included; default 1 000 000.
     pub max_steps: u64,

@@ -218,7 +218,11 @@ impl SimulationReport<'_> {
     fn ending(&self) -> (&'static str, Option<String>) {
         match self.outcome.end {
             RunEnd::Completed => ("completed", None),
-            RunEnd::Interrupted => ("interrupted", Some("interrupted; the positions so far are right".to_owned())),
+            RunEnd::Interrupted => {
+                let reached = self.outcome.samples.last().map_or(self.parameters.start_mm, |sample| sample.stroke_mm);
+                let text = format!("interrupted at a stroke of {reached:.1} mm; the positions up to there are right");
+                ("interrupted", Some(text))
+            }
             RunEnd::Failed(error) => ("failed", Some(format!("stopped: {error}"))),
         }
     }
@@ -322,7 +326,7 @@ impl Report for SimulationReport<'_> {
         blocks.push(Block::Note(format!("model: {}", self.how())));
         blocks.push(Block::Note(format!("parameters: {}", given.join(", "))));
         blocks.push(Block::Note(format!("work: {}", self.work())));
-        if let Some(energy) = self.outcome.energy {
+        if let Some(energy) = self.outcome.energy.filter(|_| self.outcome.counters.steps > 0) {
             let off = if energy.exchanged > 0.0 { energy.drift.abs() / energy.exchanged } else { 0.0 };
             blocks.push(Block::Note(format!(
                 "energy: {:.1} N mm driven in, {:.1} N mm lost to damping and friction, balance off by {off:.1e} of what was \
@@ -330,7 +334,7 @@ impl Report for SimulationReport<'_> {
                 energy.driven,
                 energy.dissipated,
                 if self.missed(off) {
-                    "; the tolerance is not met: impacts ring faster than the shortest steps follow"
+                    "; the tolerance is not met"
                 } else {
                     ""
                 }
