@@ -165,7 +165,7 @@ pub struct Parameters {
     pub spacing_mm: f64,
     /// Largest drift of the energy in a run without damping and friction, as a share of the energy exchanged; default
     /// 1e-6. The implicit scheme's steps are shortened, and vibrations that they would damp are followed, until it holds: most
-    /// such runs take a second, one whose contacts ring through all the stroke ten or more. 1 leaves it out.
+    /// such runs take a second, one whose contacts ring through all the stroke ten to thirty. 1 leaves it out.
     pub energy_tolerance: f64,
     /// Most steps of a dynamic run, rejected ones included; default 1 000 000.
     pub max_steps: u64,
