@@ -9,10 +9,12 @@ use std::time::Instant;
 
 use common::brute::{Brute, Roll};
 use common::kinds::teeth;
+use common::random::{self, Random};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rackmesh::deviation::{
-    PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
+    Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks,
+    ToothRange,
 };
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
 use rackmesh::mesh::{Curve, Mesh, Sampler, Support};
@@ -80,7 +82,8 @@ fn positions(c: &mut Criterion) {
 }
 
 /// Positions per second on one core for pairs without a tilted flank, where gap functions are linear between changes of
-/// contact: with each kind of deviation, and with strokes far apart and close together.
+/// contact: with each kind of deviation, of many shapes, with strokes far apart and close together; and the slowest of
+/// random pairs with random deviations.
 fn untilted(_: &mut Criterion) {
     use RackDeviationKind::{OverRoller, Pitch, Thickness};
     let (all, third, fourth_on) =
@@ -96,25 +99,55 @@ fn untilted(_: &mut Criterion) {
         ("the same, spur, z = 17", pair_with(0.0, 0.0, 17), rack(all, Pitch(0.02))),
         ("the same, parallel 20°, z = 30", pair_with(20.0, -20.0, 30), rack(all, Pitch(0.02))),
         ("the same, crossed 10° and 25°, z = 12", pair_with(10.0, 25.0, 12), rack(all, Pitch(0.02))),
+        ("the same, crossed 10° and 25°, z = 30", pair_with(10.0, 25.0, 30), rack(all, Pitch(0.02))),
+        ("the same, crossed 25° and 25°, z = 30", pair_with(25.0, 25.0, 30), rack(all, Pitch(0.02))),
+        ("the same, crossed 30° and 30°, z = 60", pair_with(30.0, 30.0, 60), rack(all, Pitch(0.02))),
     ];
     println!("positions/s, one core                  0.1 mm apart   0.01 mm apart");
     for (name, pair, deviations) in kinds {
         let rack = RackFlanks::new(&pair, &deviations).expect("small deviations");
         let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), Support::Fixed).expect("teeth in order");
-        let rate = |step: f64| {
-            let strokes: Vec<f64> = (0..200_000).map(|i| (f64::from(i) * step) % 50.0).collect();
-            let mut time = f64::INFINITY;
-            for _ in 0..5 {
-                let mut sampler = Sampler::new(&mesh);
-                let started = Instant::now();
-                let sum: f64 = strokes.iter().map(|&s| sampler.at(black_box(s)).expect("contact").delta_cd_mm).sum();
-                black_box(sum);
-                time = time.min(started.elapsed().as_secs_f64());
-            }
-            200_000.0 / time
-        };
-        println!("{name:37} {:13.0} {:15.0}", rate(0.1), rate(0.01));
+        println!("{name:37} {:13.0} {:15.0}", rate(&mesh, 0.1, 200_000), rate(&mesh, 0.01, 200_000));
     }
+    for (name, shares) in [("eccentric pinion, z = 8", [0.0, 0.03]), ("every pinion tooth and eccentric", [0.01, 0.03])]
+    {
+        let pair = pair();
+        let teeth = (0..8).map(|tooth| PinionDeviation {
+            teeth: ToothRange::single(tooth).expect("small"),
+            kind: PinionDeviationKind::Shift(if tooth % 2 == 0 { shares[0] } else { -shares[0] }),
+        });
+        let pinion = PinionFlanks::new(&pair, &teeth.collect::<Vec<_>>()).expect("small deviations");
+        let pinion = pinion.with_eccentricity(&[Eccentricity { amount_mm: shares[1], tooth: 3 }]).expect("small");
+        let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, Support::Fixed).expect("teeth in order");
+        println!("{name:37} {:13.0} {:15.0}", rate(&mesh, 0.1, 200_000), rate(&mesh, 0.01, 200_000));
+    }
+    let random = (1..=200).map(|seed| {
+        let mut random = Random(seed);
+        let pair = random::pair(&mut random);
+        let (rack, pinion) = (random::rack(&mut random, &pair, false), random::pinion(&mut random, &pair, false));
+        let mesh = Mesh::new(pair, rack, pinion, Support::Fixed).expect("teeth in order");
+        (seed, rate(&mesh, 0.1, 4000), rate(&mesh, 0.01, 4000))
+    });
+    let random: Vec<(u64, f64, f64)> = random.collect();
+    let slowest = random.iter().min_by(|a, b| a.1.min(a.2).total_cmp(&b.1.min(b.2))).expect("200 of them");
+    let below = random.iter().filter(|(_, far, near)| far.min(*near) < 1e6).count();
+    let name = format!("the slowest of 200 random ones, no. {}", slowest.0);
+    println!("{name:37} {:13.0} {:15.0}", slowest.1, slowest.2);
+    println!("{below} of 200 random ones below 1 000 000");
+}
+
+/// Positions per second with strokes a step apart; the best of five runs, since the others were disturbed.
+fn rate(mesh: &Mesh, step: f64, positions: u32) -> f64 {
+    let strokes: Vec<f64> = (0..positions).map(|i| (f64::from(i) * step) % 50.0).collect();
+    let mut time = f64::INFINITY;
+    for _ in 0..5 {
+        let mut sampler = Sampler::new(mesh);
+        let started = Instant::now();
+        let sum: f64 = strokes.iter().map(|&s| sampler.at(black_box(s)).expect("contact").delta_cd_mm).sum();
+        black_box(sum);
+        time = time.min(started.elapsed().as_secs_f64());
+    }
+    f64::from(positions) / time
 }
 
 /// Run time against error: adaptive curves at several tolerances, and their largest error against the brute-force solution
