@@ -27,7 +27,8 @@ fn random_pairs_agree_with_brute_force() {
 
 #[test]
 fn flank_form_agrees_with_brute_force() {
-    let seeds: Vec<u64> = (1..if long() { 200 } else { 9 }).collect();
+    // at this one both sides touch at the rack's tip edges, which was taken for its tip planes
+    let seeds: Vec<u64> = std::iter::once(19).chain(1..if long() { 200 } else { 9 }).collect();
     let (compared, worst, failures) = run(&seeds, 1e-7, compare_formed);
     println!("{compared} pairs with flank form compared, largest difference {worst:e} mm");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));

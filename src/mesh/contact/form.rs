@@ -1,6 +1,6 @@
-//! Flanks with form: crowning, relief and slope. Called by [`FlankContact::touch`] and [`FlankContact::demand`] where a pair has
-//! any; plain flanks never come here. The demand on a generator is still concave, but no longer piecewise linear, so both
-//! maxima are searched without derivatives.
+//! Flanks with form: crowning, relief and slope. Called by [`FlankContact::touch`] and [`FlankContact::demand`] where a
+//! pair has any; plain flanks never come here. The demand on a generator is still concave, but no longer piecewise
+//! linear, so both maxima are searched without derivatives.
 
 use super::{Bound, ContactKind, Coordinates, FlankContact, Generator, Line, Pose, Spot, Touch};
 
@@ -42,21 +42,25 @@ impl FlankContact {
             };
             let stands_back = form.pinion_crowning * axial * axial + form.profile_slope * roll;
             let formed = plane - form.rack_crowning * across * across - relief - stands_back;
-            let at_tip = tip.at(w) - form.tip_share * stands_back;
-            (formed.min(at_tip), at_tip)
+            (formed, tip.at(w) - form.tip_share * stands_back)
         };
-        let value = |w: f64| both(w).0;
+        let value = |w: f64| {
+            let (on_flank, at_tip) = both(w);
+            on_flank.min(at_tip)
+        };
         let w = golden(lo.w, hi.w.max(lo.w), &value);
         let near = 1e-6 * self.half_face;
-        let (demand, at_tip) = both(w);
-        let on_tip = (at_tip - demand).abs() <= 1e-9 * self.half_face;
+        let (on_flank, at_tip) = both(w);
+        // where both ask for the same it is the edge between them, not the tip plane
+        let same = 1e-9 * self.half_face;
+        let (at_edge, on_tip) = ((on_flank - at_tip).abs() <= same, on_flank - at_tip > same);
         let kind = match (w - lo.w < near, hi.w - w < near) {
             (true, _) => lo.kind,
             (_, true) => hi.kind,
-            _ if on_tip => ContactKind::RackEdge,
+            _ if at_edge || on_tip => ContactKind::RackEdge,
             _ => ContactKind::Point,
         };
-        Generator::Some { demand, slope: f64::NAN, rate: flank.p_rate, w, kind, on_tip }
+        Generator::Some { demand: on_flank.min(at_tip), slope: f64::NAN, rate: flank.p_rate, w, kind, on_tip }
     }
 
     /// Derivative-free maximum over generators, for flank form.
