@@ -41,8 +41,8 @@ const KINK_WIDTH: f64 = 1e-10;
 const CROWDED: f64 = 1e-6;
 /// First steps that are refined together, on one core: the curve does not depend on how many cores there are.
 const BLOCK: usize = 64;
-/// Rotations of the pinion that may be tried in refining, for each first step and in all: a fixed rack takes two or three for
-/// a stroke, a rolling one some 200, and thousands where edges leave each other's faces at every roll.
+/// Rotations of the pinion that may be tried in refining, for each first step and in all: a fixed rack takes two or
+/// three for a stroke, a rolling one some 200, and thousands where edges leave each other's faces at every roll.
 const ROTATIONS_PER_STEP: u64 = 20_000;
 const ROTATIONS: u64 = 1_000_000;
 /// First steps at most; longer ranges start coarser.

@@ -1,5 +1,5 @@
-//! A virtual measuring machine: a ball in the spaces of the deviated rack and pinion. Called by `measure` and by tests that
-//! feed its readings back; it looks at flanks only, never at the mesh.
+//! A virtual measuring machine: a ball in the spaces of the deviated rack and pinion. Called by `measure` and by tests
+//! that feed its readings back; it looks at flanks only, never at the mesh.
 
 use super::{Mesh, MeshError};
 use crate::deviation::{PinionToothRow, RackSpaceRow};
@@ -72,9 +72,9 @@ impl PinionReading {
 impl Mesh {
     /// Puts a ball into spaces of the rack, resting on the right flank of tooth j and the left flank of tooth j + 1.
     ///
-    /// With the flanks' planes n·p = d the centre c satisfies n_R·c = d_R + D/2 and n_L·c = d_L + D/2. It is read at
-    /// Y = 0, and again at Y = ±k/4 for the helix. The readings fed back as measured data give the same flanks if
-    /// both flanks of each space have the nominal helix; a lead error changes the flanks' angle in the X-Z plane, which a
+    /// With the flanks' planes n·p = d the centre c satisfies n_R·c = d_R + D/2 and n_L·c = d_L + D/2. It is read at Y
+    /// = 0, and again at Y = ±k/4 for the helix. The readings fed back as measured data give the same flanks if both
+    /// flanks of each space have the nominal helix; a lead error changes the flanks' angle in the X-Z plane, which a
     /// ball sees as height, a second-order effect on a straight rack.
     ///
     /// # Errors
@@ -130,9 +130,9 @@ impl Mesh {
     /// Puts a ball into every space of the pinion and reads the flanks' pitches at the reference circle.
     ///
     /// The centre lies at r_b / cos α_K with inv α_K = D/(2 r_b cos β_b) − η_b, η_b half the space's angle at the base
-    /// circle. Read relative to the tooth system's own axis, at mid-width. The radial value is evaluated from the radius by the
-    /// same relation, so it is what relation and mesh mean by it for any ball: fed back as measured data with the
-    /// position, it gives the same flanks.
+    /// circle. Read relative to the tooth system's own axis, at mid-width. The radial value is evaluated from the
+    /// radius by the same relation, so it is what relation and mesh mean by it for any ball: fed back as measured data
+    /// with the position, it gives the same flanks.
     ///
     /// # Errors
     /// [`MeshError::NotPositive`] unless the diameter is positive, finite, and large enough not to fall
@@ -178,8 +178,8 @@ impl Mesh {
             .collect()
     }
 
-    /// Diameter of the ball whose centre lies at the radius r_b / cos α_K with α_K = α_t, where it reads radial deviations
-    /// as the mesh feels them, mm: D = 2 r_b cos β_b (inv α_t + η_b).
+    /// Diameter of the ball whose centre lies at the radius r_b / cos α_K with α_K = α_t, where it reads radial
+    /// deviations as the mesh feels them, mm: D = 2 r_b cos β_b (inv α_t + η_b).
     #[must_use]
     pub fn pinion_ball_mm(&self) -> f64 {
         let pinion = self.pair().pinion();

@@ -1,27 +1,29 @@
 //! The rack that may roll: the smallest centre distance over its roll. Called by the sampler for
 //! [`Support::FreeRoll`](super::Support::FreeRoll); the fixed support never comes here.
 //!
-//! The centre distance over the roll is the largest of many smooth functions, one for each pair of points that can touch, so
-//! it is smooth but for kinks where another flank pair, or the other end of the same one, takes over; its derivative is
-//! known ([`FlankContact::roll_rate`](super::contact)). With a lead error it has two valleys, mirror images or nearly
-//! so, where teeth change for a short while three or more, and their bottoms mostly are kinks: one flank then lies flat on the
-//! pinion's.
+//! The centre distance over the roll is the largest of many smooth functions, one for each pair of points that can
+//! touch, so it is smooth but for kinks where another flank pair, or the other end of the same one, takes over; its
+//! derivative is known ([`FlankContact::roll_rate`](super::contact)). With a lead error it has two valleys, mirror
+//! images or nearly so, where teeth change for a short while three or more, and their bottoms mostly are kinks: one
+//! flank then lies flat on the pinion's.
 //!
-//! All of them are found by bounds. None of those functions f bends down by more than a curvature C, so that over an interval
+//! All of them are found by bounds. None of those functions f bends down by more than a curvature C, so that over an
+//! interval
 //!
 //! ```text
 //! f(φ) ≥ f(φ_0) + f'(φ_0) (φ − φ_0) − C/2 (φ − φ_0)²
 //! ```
 //!
-//! from either end; an interval whose bound is above the lowest bottom so far is done with, and the others are divided where
-//! the bounds of both ends meet. In an interval that falls at one end and rises at the other, the bottom is narrowed
-//! down by the intersection of both tangents, which meets a kink quadratically, or by the secant of the derivative
-//! where both ends have the same contacts. Without lead errors the bottom mostly is the kink of the full lines of contact of a
-//! rack that is not rolled; that is tried first, since the bounds from both its sides then close all the rest. What is found at a stroke does not depend on the strokes solved before.
+//! from either end; an interval whose bound is above the lowest bottom so far is done with, and the others are divided
+//! where the bounds of both ends meet. In an interval that falls at one end and rises at the other, the bottom is
+//! narrowed down by the intersection of both tangents, which meets a kink quadratically, or by the secant of the
+//! derivative where both ends have the same contacts. Without lead errors the bottom mostly is the kink of the full
+//! lines of contact of a rack that is not rolled; that is tried first, since the bounds from both its sides then close
+//! all the rest. What is found at a stroke does not depend on the strokes solved before.
 //!
-//! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ, and the
-//! slope and curvature of the flank that it touches enter on top. It is taken as [`SAFETY`] times the largest such distance; a
-//! fifth of that misses a valley now and then, three times as much finds no other.
+//! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ,
+//! and the slope and curvature of the flank that it touches enter on top. It is taken as [`SAFETY`] times the largest
+//! such distance; a fifth of that misses a valley now and then, three times as much finds no other.
 
 use super::prepare::Roll;
 use super::solve::Rolling;
@@ -94,9 +96,9 @@ impl Sampler<'_> {
         Ok(found.point)
     }
 
-    /// The rack that is not rolled, where that is the only lowest position: the kink of full lines of contact, from which
-    /// the centre distance rises so steeply that a few bounds close the rest. Most strokes without lead deviations are
-    /// such; `None` if this one is not, or not seen to be at once.
+    /// The rack that is not rolled, where that is the only lowest position: the kink of full lines of contact, from
+    /// which the centre distance rises so steeply that a few bounds close the rest. Most strokes without lead
+    /// deviations are such; `None` if this one is not, or not seen to be at once.
     fn level(&mut self, stroke_mm: f64, depth_mm: f64) -> Option<Rolled> {
         let flat = self.at_roll(stroke_mm, 0.0, depth_mm).ok()?;
         let beside = 0.5 * SHORT;
@@ -232,7 +234,8 @@ impl Sampler<'_> {
     }
 
     /// The solution at one roll. The rack's end faces are then inclined and cut the flanks at a place that depends on
-    /// the centre distance; the dependence is weak and its derivative known, so one or two rounds of Newton's method do.
+    /// the centre distance; the dependence is weak and its derivative known, so one or two rounds of Newton's method
+    /// do.
     fn at_roll(&mut self, stroke_mm: f64, angle: f64, depth_mm: f64) -> Result<Rolled, MeshError> {
         self.set_roll(Roll::new(angle, depth_mm));
         self.carried = self.valleys.carried;

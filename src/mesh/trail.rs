@@ -1,5 +1,5 @@
-//! Where the pinion's rotation is expected at the next stroke. Called by the solver, which takes it as a guess to start from;
-//! no result depends on it by more than rounding.
+//! Where the pinion's rotation is expected at the next stroke. Called by the solver, which takes it as a guess to start
+//! from; no result depends on it by more than rounding.
 
 use super::Carrier;
 

@@ -1,9 +1,10 @@
-//! The ends of the contact line in closed form: where the flanks fit but their line of contact lies beyond what the faces,
-//! the pinion's tip and its root leave of both. Called by [`FlankContact::touch`] before any search; says so where it is
-//! not sure. Where the rack's tip edge ends the line: [`rack_corner`](super::rack_corner).
+//! The ends of the contact line in closed form: where the flanks fit but their line of contact lies beyond what the
+//! faces, the pinion's tip and its root leave of both. Called by [`FlankContact::touch`] before any search; says so
+//! where it is not sure. Where the rack's tip edge ends the line: [`rack_corner`](super::rack_corner).
 //!
 //! # The demand in roll angle and generator
-//! If the base helix angle fits the plane, w drops out: at the roll angle τ on the generator δ the flank's plane asks for
+//! If the base helix angle fits the plane, w drops out: at the roll angle τ on the generator δ the flank's plane asks
+//! for
 //!
 //! ```text
 //! F = F_0 + (r_b/sin ν) g(δ, τ),   g = τ (cos δ − 1) + δ − sin δ,   w = (τ − δ − (ν − c))/κ,
@@ -15,23 +16,26 @@
 //! tan(δ/2) ≥ τ, is kept out by the rack's tip plane, which asks there for no more than d + r_b (cos ν − τ_0 sin ν).
 //!
 //! # The end of the flank
-//! Say that κ w is wanted as small as possible, to make δ large (for δ < 0), or as large as possible (for δ > 0). At each τ
-//! the pinion's face ends the flank at |w| = b/2, or the rack's before, at |y| = k/2 with
+//! Say that κ w is wanted as small as possible, to make δ large (for δ < 0), or as large as possible (for δ > 0). At
+//! each τ the pinion's face ends the flank at |w| = b/2, or the rack's before, at |y| = k/2 with
 //!
 //! ```text
 //! y = t (r_b (sin γ − τ cos γ) + e_ξ) + W w,   ∂y/∂w = W − κ t r_b (cos γ + τ sin γ),   ∂y/∂τ = t r_b τ sin γ.
 //! ```
 //!
-//! For 0 ≤ γ ≤ π/2 the first is positive if W > κ t r_a, which [`FlankContact::slides`] asks for, and then δ grows with τ along
-//! the rack's end too, by (W − κ t r_b cos γ)/(∂y/∂w) > 0, and so does what was said of g:
+//! For 0 ≤ γ ≤ π/2 the first is positive if W > κ t r_a, which [`FlankContact::slides`] asks for, and then δ grows with
+//! τ along the rack's end too, by (W − κ t r_b cos γ)/(∂y/∂w) > 0, and so does what was said of g:
 //!
-//! - δ < 0: it grows with τ if κ t r_b (cos γ − sin γ tan(|δ|/2)) < W. With κ t > 0 that holds as r_b < r_a, with κ t < 0
-//!   because γ + |δ|/2 < π/2.
+//! - δ < 0: it grows with τ if κ t r_b (cos γ − sin γ tan(|δ|/2)) < W. With κ t > 0 that holds as r_b < r_a, with κ t <
+//!   0 because γ + |δ|/2 < π/2.
 //! - δ > 0: it falls with τ if κ t r_b (cos γ + sin γ tan(δ/2)) < W, where the bracket is cos(ν + δ/2)/cos(δ/2) < 1.
 //!
-//! So the best point is the end of the tip edge (δ < 0) or of the root edge (δ > 0), if there is one: both faces may miss
-//! each other at that τ, where the rack's face ends before the pinion's begins. Since y is monotonous in τ they
+//! So the best point is the end of the tip edge (δ < 0) or of the root edge (δ > 0), if there is one: both faces may
+//! miss each other at that τ, where the rack's face ends before the pinion's begins. Since y is monotonous in τ they
 //! then meet from a certain τ on, in a corner of both faces, which is best for the same reasons.
+//!
+//! On parallel axes t = 0: the rack's face ends at one w wherever on the flank, and faces that miss each other do so at
+//! every τ. Without a helix δ and τ go together, the edges are generators, and any w that both faces leave will do.
 //!
 //! Generators with γ < 0 or γ > π/2 are too far away to count: there g ≤ −(ν − sin ν) and, where tan(δ/2) < τ,
 //! g ≤ δ − 2 tan(δ/2) ≤ −(π/2 − ν)³/12.
@@ -84,7 +88,8 @@ enum End {
 
 impl FlankContact {
     /// Whether the end of the flank is known, whatever the rotation. The last condition is that of
-    /// [`rack_corner`](super::rack_corner) on the contact line; it holds if the tip circle is outside of the reference circle.
+    /// [`rack_corner`](super::rack_corner) on the contact line; it holds if the tip circle is outside of the reference
+    /// circle.
     pub(in crate::mesh) fn slides(&self, tip_radius: f64) -> bool {
         let turn = self.turn();
         self.fits
@@ -104,8 +109,8 @@ impl FlankContact {
         self.scale * (self.nu - self.sin_nu).min(above * above * above / 12.0)
     }
 
-    /// What the rack's tip plane asks for at most on the part of the flank where tan(δ/2) ≥ τ, beyond which the demand of
-    /// the flank's plane may grow again.
+    /// What the rack's tip plane asks for at most on the part of the flank where tan(δ/2) ≥ τ, beyond which the demand
+    /// of the flank's plane may grow again.
     pub(super) fn reach_of_root(&self, pose: &Pose) -> f64 {
         let low = self.cos_nu - self.start_roll * self.sin_nu;
         if low < 0.0 { f64::INFINITY } else { self.tip.d + self.base_radius * low - pose.offset.1 }
@@ -202,8 +207,8 @@ impl FlankContact {
         End::Unsure
     }
 
-    /// From an end of the pinion's face on the flank's edge, which lies off the rack's face, along that end to where the
-    /// rack's face begins, at y = `target`.
+    /// From an end of the pinion's face on the flank's edge, which lies off the rack's face, along that end to where
+    /// the rack's face begins, at y = `target`.
     fn where_faces_meet(&self, pose: &Pose, hint: Option<Hint>, towards_tip: bool, edge: &Place, target: f64) -> End {
         let (t, w) = (self.across.t, edge.w);
         // y is monotonous in the roll angle where 0 ≤ γ ≤ π
@@ -430,7 +435,8 @@ mod tests {
         });
     }
 
-    /// A pair that is not looked at closer asks for no more than the mark; nearly all others do ask for more, or almost.
+    /// A pair that is not looked at closer asks for no more than the mark; nearly all others do ask for more, or
+    /// almost.
     #[test]
     fn what_stays_below_asks_for_less() {
         let (mut below, mut beyond, mut above) = (0, 0, 0);

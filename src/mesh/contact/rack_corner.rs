@@ -1,24 +1,24 @@
-//! The end of the contact line at the rack's tip edge, in closed form. Called by [`FlankContact::touch`] where the flanks fit
-//! and the pinion's flank goes deeper than the rack's teeth; says nothing where it is not sure. The setting and the
-//! names are those of [`corner`](super::corner).
+//! The end of the contact line at the rack's tip edge, in closed form. Called by [`FlankContact::touch`] where the
+//! flanks fit and the pinion's flank goes deeper than the rack's teeth; says nothing where it is not sure. The setting
+//! and the names are those of [`corner`](super::corner).
 //!
 //! # Where it is
-//! Let E(τ) be the end of the flank with the smallest δ > 0 at each τ, at the pinion's end face or the rack's. Along it F,
-//! what the flank's plane asks for, falls with τ, and T = d + r_b (cos γ + τ sin γ), what the rack's tip plane asks
+//! Let E(τ) be the end of the flank with the smallest δ > 0 at each τ, at the pinion's end face or the rack's. Along it
+//! F, what the flank's plane asks for, falls with τ, and T = d + r_b (cos γ + τ sin γ), what the rack's tip plane asks
 //! for, grows, if cos γ > 0 and W cos γ > κ t r_b; they cross at τ*. What about other points of the flank?
 //!
 //! - τ > τ* and tan(δ/2) < τ: F is smaller than at E(τ), and there smaller than at the crossing.
 //! - τ > τ* and tan(δ/2) ≥ τ: T is at most d + r_b (cos ν − τ sin ν), less than at the crossing if tan(δ/2) < τ there.
-//! - τ < τ*: at a fixed τ, T is largest at tan γ = τ and falls with δ from there. Say that tan γ ≥ τ at the crossing. If so at
-//!   E(τ) too, T is smaller than at E(τ), and there smaller than at the crossing. If not, the two are equal
-//!   at some E between, where T is larger than anywhere at a smaller τ.
+//! - τ < τ*: at a fixed τ, T is largest at tan γ = τ and falls with δ from there. Say that tan γ ≥ τ at the crossing.
+//!   If so at E(τ) too, T is smaller than at E(τ), and there smaller than at the crossing. If not, the two are equal at
+//!   some E between, where T is larger than anywhere at a smaller τ.
 //!
 //! So the crossing touches, if both faces are over each other there.
 //!
 //! # Early exit
-//! The same holds with any τ for τ*: no point asks for more than the larger of F and T at E(τ), nor at a place outside of the
-//! faces beyond E(τ). Where that is no more than the floor, some other pair's demand, the search ends and
-//! that bound is returned; it never carries.
+//! The same holds with any τ for τ*: no point asks for more than the larger of F and T at E(τ), nor at a place outside
+//! of the faces beyond E(τ). Where that is no more than the floor, some other pair's demand, the search ends and that
+//! bound is returned; it never carries.
 
 use super::corner::SETTLED;
 use super::turned::Turned;
@@ -27,7 +27,8 @@ use super::{ContactKind, FlankContact, Hint, Pose, Spot, Touch};
 /// Steps of Newton's method at most; two or three are enough.
 const MAX_STEPS: u32 = 12;
 
-/// A point of the flank with what both of the rack's planes ask for there, and the derivatives by τ (at a fixed w) and w.
+/// A point of the flank with what both of the rack's planes ask for there, and the derivatives by τ (at a fixed w) and
+/// w.
 struct RackPoint {
     roll: f64,
     w: f64,
@@ -51,7 +52,8 @@ struct RackPoint {
 }
 
 impl FlankContact {
-    /// The point where the rack's tip edge meets an end face (or, without a helix, one generator), if that is what touches.
+    /// The point where the rack's tip edge meets an end face (or, without a helix, one generator), if that is what
+    /// touches.
     pub(super) fn rack_corner(&self, pose: &Pose, floor: f64, hint: Option<Hint>) -> Option<Touch> {
         if !self.slides {
             return None;
@@ -132,8 +134,8 @@ impl FlankContact {
         }
     }
 
-    /// The larger of both planes' demands at the end of the flank with the roll angle of a point that is `over` outside of
-    /// the rack's face, or inside of it by as much as that is negative.
+    /// The larger of both planes' demands at the end of the flank with the roll angle of a point that is `over` outside
+    /// of the rack's face, or inside of it by as much as that is negative.
     fn bound_beyond(&self, at: &RackPoint, at_rack_end: bool, over: f64) -> Option<f64> {
         let bound = at.demand.max(at.demand - at.excess);
         if !at_rack_end || over >= 0.0 {
@@ -146,8 +148,8 @@ impl FlankContact {
         (at.y_by[1] > 0.0 && short < 0.1).then_some(bound + short * (1.2 * grows + bends * short))
     }
 
-    /// Whether no other point of the flank asks for more than the larger of both planes' demands at a point of its end with
-    /// the smallest δ, or than the floor.
+    /// Whether no other point of the flank asks for more than the larger of both planes' demands at a point of its end
+    /// with the smallest δ, or than the floor.
     fn keeps_out_the_rest(&self, pose: &Pose, floor: f64, at: &RackPoint) -> bool {
         let RackPoint { roll, delta, sin, cos, demand, .. } = *at;
         if delta < 0.0 || cos <= 0.0 {

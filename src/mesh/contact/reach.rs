@@ -1,5 +1,5 @@
-//! A quick look at a flank pair from afar: whether it can carry at all. Called by the solver for every pair in reach, most of
-//! which end here; computes no contact. The setting and the names are those of [`corner`](super::corner).
+//! A quick look at a flank pair from afar: whether it can carry at all. Called by the solver for every pair in reach,
+//! most of which end here; computes no contact. The setting and the names are those of [`corner`](super::corner).
 //!
 //! No point of the flank asks for more than the end E(τ) of its tip edge, where δ < 0 there, or of its root edge, where
 //! δ > 0. By how much δ misses 0 follows from where the contact line leaves the flank: at the roll angle τ the line
@@ -12,11 +12,11 @@
 //!
 //! and wherever tan(δ/2) < τ the latter is at least 2 tan(e/2) − e ≥ e³/12. Both grow with e there.
 //!
-//! Instead of the root's roll angle a larger one τ_m ≤ tan ν may be taken at which the rack's tip plane asks on the contact line
-//! for no more than the mark, d + r_b (cos ν + τ_m sin ν). Where τ < τ_m it asks for less on the line, still less where
-//! δ > 0, and where δ < 0, between the line and an E(τ) that meets it below τ_m, for no more than at that meeting
-//! point: see [`rack_corner`](super::rack_corner). And where tan(δ/2) ≥ τ it asks for d + r_b (cos ν − τ sin ν) at most, as on the
-//! line at −τ_0.
+//! Instead of the root's roll angle a larger one τ_m ≤ tan ν may be taken at which the rack's tip plane asks on the
+//! contact line for no more than the mark, d + r_b (cos ν + τ_m sin ν). Where τ < τ_m it asks for less on the line,
+//! still less where δ > 0, and where δ < 0, between the line and an E(τ) that meets it below τ_m, for no more than at
+//! that meeting point: see [`rack_corner`](super::rack_corner). And where tan(δ/2) ≥ τ it asks for d + r_b (cos ν − τ
+//! sin ν) at most, as on the line at −τ_0.
 
 use super::{FlankContact, Pose};
 
@@ -126,8 +126,8 @@ impl FlankContact {
     }
 }
 
-/// What the edge at a roll angle stays clear of the contact line's generator by, beyond it by e, in units of r_b/sin ν, but
-/// for e³/6.
+/// What the edge at a roll angle stays clear of the contact line's generator by, beyond it by e, in units of r_b/sin ν,
+/// but for e³/6.
 fn clearance(roll: f64, e: f64) -> f64 {
     e * e * (roll * (0.5 - e * e / 24.0))
 }
