@@ -175,31 +175,10 @@ impl Gains {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::gear::{PairData, PinionData, RackData};
+    use crate::gear::example;
 
-    /// A pair with tan α_n = 1/2, so that displacements in the normal plane count once.
     pub(in crate::decision) fn pair(teeth: u32, rack_helix: f64, pinion_helix: f64) -> Pair {
-        let diameter = 2.0 * f64::from(teeth) / trig::cos(pinion_helix);
-        let data = PairData {
-            normal_module_mm: 2.0,
-            normal_pressure_angle_rad: trig::atan(0.5),
-            rack: RackData {
-                helix_angle_rad: rack_helix,
-                face_width_mm: 20.0,
-                addendum_mm: 1.9,
-                tooth_thickness_mm: None,
-            },
-            pinion: PinionData {
-                teeth,
-                helix_angle_rad: pinion_helix,
-                profile_shift: 0.2,
-                tip_diameter_mm: diameter + 4.6,
-                root_form_diameter_mm: Some(diameter - 1.8),
-                face_width_mm: 26.0,
-                tooth_thickness_deviation_mm: 0.0,
-            },
-        };
-        Pair::new(&data).expect("a valid pair")
+        Pair::new(&example(teeth, rack_helix, pinion_helix)).expect("a valid pair")
     }
 
     /// Names, and ranges in mm to twelve decimals.

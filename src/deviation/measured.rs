@@ -134,3 +134,193 @@ fn cumulative(column: &[Vec<f64>]) -> Result<Vec<f64>, DeviationError> {
     }
     Ok(sums)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::{
+        Eccentricity, PinionFlanks, RackDeviation, RackDeviationKind, RackFlank, RackFlanks, ToothRange,
+    };
+    use crate::gear::example;
+
+    fn near(value: f64, expected: f64) {
+        assert!((value - expected).abs() < 1e-15, "{value} {expected}");
+    }
+
+    fn rack_is(flank: RackFlank, along_x_mm: f64, lead_rad: f64) {
+        near(flank.along_x_mm, along_x_mm);
+        near(flank.lead_rad, lead_rad);
+    }
+
+    /// A pin that lies higher and further on: its flanks are closer by 2 h tan α_x, and both further on. Rows add up.
+    #[test]
+    fn a_space_moves_the_flanks_that_bound_it() {
+        let pair = Pair::new(&example(20, 0.3, 0.0)).unwrap();
+        let tan_x = 0.5 / trig::cos(0.3);
+        let row = |height_mm, position_mm, lead_rad| RackSpaceRow { space: 4, height_mm, position_mm, lead_rad };
+        let rows = [row(0.02, 0.005, Some(1e-3)), row(0.01, 0.002, Some(2e-3))];
+        let teeth = rack_flanks_from_spaces(&pair, &rows).unwrap();
+        assert_eq!(teeth.keys().copied().collect::<Vec<_>>(), [4, 5]);
+        rack_is(teeth[&4].right, 0.007 + 0.03 * tan_x, 3e-3);
+        rack_is(teeth[&5].left, 0.007 - 0.03 * tan_x, 3e-3);
+        rack_is(teeth[&4].left, 0.0, 0.0);
+        // and are added to what is known
+        let added =
+            RackFlanks::new(&pair, &[RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Shift(0.1) }])
+                .and_then(|flanks| flanks.with_measured(teeth.clone()))
+                .and_then(|flanks| flanks.with_added(&teeth))
+                .unwrap();
+        rack_is(added.tooth(4).right, 0.1 + 2.0 * (0.007 + 0.03 * tan_x), 6e-3);
+        rack_is(added.tooth(5).left, 0.1 + 2.0 * (0.007 - 0.03 * tan_x), 6e-3);
+        let lifted = std::collections::BTreeMap::from([(
+            4,
+            RackTooth { right: RackFlank { along_z_mm: 0.01, ..RackFlank::default() }, ..RackTooth::default() },
+        )]);
+        let twice =
+            RackFlanks::nominal(&pair).with_added(&lifted).and_then(|flanks| flanks.with_added(&lifted)).unwrap();
+        near(twice.tooth(4).right.along_z_mm, 0.02);
+    }
+
+    /// Left and right flanks outward by as much; half of a change of the normal thickness is 1/(2 cos β) along the rack.
+    #[test]
+    fn deviations_of_single_flanks_of_the_rack() {
+        let pair = Pair::new(&example(20, 0.3, 0.0)).unwrap();
+        let flanks = |kind| RackFlanks::new(&pair, &[RackDeviation { teeth: "3..=5".parse().unwrap(), kind }]).unwrap();
+        for (kind, left, right) in [
+            (RackDeviationKind::Left(0.02), -0.02, 0.0),
+            (RackDeviationKind::Right(0.02), 0.0, 0.02),
+            (RackDeviationKind::Thickness(0.02), -0.01 / trig::cos(0.3), 0.01 / trig::cos(0.3)),
+        ] {
+            for (tooth, on) in [(2, 0.0), (3, 1.0), (5, 1.0), (6, 0.0)] {
+                rack_is(flanks(kind).tooth(tooth).left, on * left, 0.0);
+                rack_is(flanks(kind).tooth(tooth).right, on * right, 0.0);
+            }
+        }
+    }
+
+    /// A tooth line is at most 85° steep, with the helix angle that it has anyway.
+    #[test]
+    fn the_steepest_tooth_line() {
+        let degrees = |value: f64| value * (std::f64::consts::PI / 180.0);
+        let pair = Pair::new(&example(20, degrees(-30.0), degrees(40.0))).unwrap();
+        let rack = |lead| {
+            RackFlanks::nominal(&pair).with_measured(std::collections::BTreeMap::from([(
+                1,
+                RackTooth {
+                    right: RackFlank { lead_rad: degrees(lead), ..RackFlank::default() },
+                    ..RackTooth::default()
+                },
+            )]))
+        };
+        assert!(rack(44.9).is_ok());
+        assert!(MAX_LEAD_RAD < degrees(54.9) || rack(54.9).is_ok());
+        assert!(rack(55.1).is_err());
+        let pinion = |lead| {
+            let lead_rad = degrees(lead);
+            let flank = crate::deviation::PinionFlank { lead_rad, ..Default::default() };
+            PinionFlanks::nominal(&pair)
+                .with_measured(&[PinionTooth { left: flank, right: flank }])
+                .and_then(|flanks| flanks.with_measured(&[PinionTooth { left: flank, right: flank }]))
+        };
+        assert!(pinion(22.4).is_ok() && pinion(22.6).is_err());
+    }
+
+    fn tooth(tooth: i64) -> PinionToothRow {
+        PinionToothRow {
+            tooth,
+            radial_mm: None,
+            position_mm: None,
+            left_pitch_mm: None,
+            right_pitch_mm: None,
+            lead_rad: None,
+        }
+    }
+
+    /// The space after the last tooth is bounded by the first; rows of the same tooth add up.
+    #[test]
+    fn a_pin_moves_the_flanks_of_its_space_and_a_lead_those_of_its_tooth() {
+        let pair = Pair::new(&example(12, 0.0, 0.0)).unwrap();
+        let row = PinionToothRow { radial_mm: Some(0.02), position_mm: Some(0.005), lead_rad: Some(1e-3), ..tooth(11) };
+        let teeth = pinion_flanks_from_rows(&pair, &[row, row]).unwrap();
+        assert_eq!(teeth.len(), 12);
+        near(teeth[11].right.arc_mm, 2.0 * (0.005 + 0.01));
+        near(teeth[0].left.arc_mm, 2.0 * (0.005 - 0.01));
+        near(teeth[11].left.lead_rad, 2e-3);
+        near(teeth[11].right.lead_rad, 2e-3);
+        assert_eq!((teeth[11].left.arc_mm, teeth[0].right, teeth[1]), (0.0, Default::default(), Default::default()));
+        // and are added to what is known
+        let twice = PinionFlanks::nominal(&pair).with_measured(&teeth).and_then(|flanks| flanks.with_measured(&teeth));
+        near(twice.unwrap().teeth()[11].right.arc_mm, 4.0 * (0.005 + 0.01));
+        let error = pinion_flanks_from_rows(&pair, &[tooth(12)]);
+        assert_eq!(error, Err(DeviationError::NoSuchTooth { tooth: 12, teeth: 12 }));
+    }
+
+    /// Pitches −1, 3, 1, 1, … of which the mean of 1 is removed: −2, 2, 0, … add up to −2, 0, 0, …, with the mean −1/6.
+    #[test]
+    fn pitches_are_summed_closed_and_centred() {
+        let pair = Pair::new(&example(12, 0.0, 0.0)).unwrap();
+        let rows: Vec<_> = (0..12)
+            .map(|j| {
+                let pitch = [-0.001, 0.003].get(usize::try_from(j).unwrap()).copied().unwrap_or(0.001);
+                PinionToothRow { left_pitch_mm: Some(pitch), ..tooth(j) }
+            })
+            .collect();
+        let teeth = pinion_flanks_from_rows(&pair, &rows).unwrap();
+        for (j, tooth) in teeth.iter().enumerate() {
+            near(tooth.left.arc_mm, (if j == 0 { -0.002 } else { 0.0 }) + 0.002 / 12.0);
+            assert_eq!(tooth.right.arc_mm, 0.0);
+        }
+        let right: Vec<_> = rows
+            .iter()
+            .map(|row| PinionToothRow { right_pitch_mm: row.left_pitch_mm, left_pitch_mm: None, ..*row })
+            .collect();
+        near(pinion_flanks_from_rows(&pair, &right).unwrap()[0].right.arc_mm, -0.002 + 0.002 / 12.0);
+        assert_eq!(
+            pinion_flanks_from_rows(&pair, &rows[1..]),
+            Err(DeviationError::IncompleteTurn { tooth: 0, rows: 0 })
+        );
+        let twice = [&rows[..], &rows[3..4]].concat();
+        assert_eq!(pinion_flanks_from_rows(&pair, &twice), Err(DeviationError::IncompleteTurn { tooth: 3, rows: 2 }));
+    }
+
+    /// Components towards tooth 0 and a quarter turn further; those of several add up.
+    #[test]
+    fn eccentricities_are_vectors() {
+        let pair = Pair::new(&example(12, 0.0, 0.0)).unwrap();
+        let of = |all: &[(f64, i64)]| {
+            let all: Vec<_> =
+                all.iter().map(|(amount_mm, tooth)| Eccentricity { amount_mm: *amount_mm, tooth: *tooth }).collect();
+            PinionFlanks::nominal(&pair).with_eccentricity(&all).unwrap().eccentricity_mm()
+        };
+        for (all, along, across) in [
+            (&[(0.02, 0)][..], 0.02, 0.0),
+            (&[(0.02, 3)], 0.0, 0.02),
+            (&[(0.02, 1), (0.02, 5)], 0.0, 0.02),
+            (&[(0.01, 0), (0.02, 3), (0.01, 0)], 0.02, 0.02),
+        ] {
+            near(of(all).0, along);
+            near(of(all).1, across);
+        }
+        assert!(PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm: 0.1, tooth: 12 }]).is_err());
+    }
+
+    /// What is wrong is said with its name and unit.
+    #[test]
+    fn errors_are_in_words() {
+        let pair = Pair::new(&example(12, 0.0, 0.0)).unwrap();
+        let wrong =
+            |kind| RackFlanks::new(&pair, &[RackDeviation { teeth: ToothRange::ALL, kind }]).unwrap_err().to_string();
+        let long = wrong(RackDeviationKind::Shift(2e6));
+        assert!(long.starts_with("displacement") && long.contains("2000000 mm"), "{long}");
+        let steep = wrong(RackDeviationKind::Lead(2.0));
+        assert!(steep.starts_with("lead deviation") && steep.contains("114.6°"), "{steep}");
+        let mut data = example(12, 2.0, 0.0);
+        let steep = Pair::new(&data).unwrap_err().to_string();
+        assert!(steep.starts_with("rack helix angle = 114.6°"), "{steep}");
+        data = example(1, 0.0, 0.0);
+        let few = Pair::new(&data).unwrap_err().to_string();
+        assert!(few.starts_with("pinion number of teeth = 1 is"), "{few}");
+        data.normal_module_mm = -1.0;
+        assert!(Pair::new(&data).unwrap_err().to_string().starts_with("normal module = -1 mm is"));
+    }
+}

@@ -359,7 +359,9 @@ mod tests {
         }
         let lead = Prepared::new(&formulas("20", "0")[2], Model::Exact);
         assert_eq!((lead.error_of(-0.1), lead.error_of(1e3)), (None, None));
-        assert!(lead.slope(-0.1) < 0.0);
+        assert!(lead.slope(-0.1) < 0.0 && lead.slope(0.0) > 0.0);
+        let pitch = Prepared::new(&formulas("20", "0")[1], Model::Exact);
+        assert_eq!(pitch.error_of(0.0), Some(0.0));
     }
 
     #[test]
@@ -372,6 +374,8 @@ mod tests {
         for degrees in [45.1, f64::NAN, f64::INFINITY] {
             assert_eq!(prepared(lead).fixed_from_degrees(degrees), None);
         }
+        assert_eq!(prepared(lead).fixed_from_degrees(0.0), Some(Fixed { units: 0, bound: 0 }));
+        assert!(prepared(lead).fixed_from_degrees(45.0).is_some());
         // a rack a hundred metres wide turned by 40° would be beyond the largest number of units
         let wide = RackLead::new(&angle("20"), &Angle::ZERO, &"1e5".parse().unwrap()).unwrap();
         assert_eq!(prepared(&PartFormula::RackLead(wide)).fixed_from_degrees(40.0), None);

@@ -22,6 +22,8 @@ mod data;
 mod error;
 mod pair;
 
+#[cfg(test)]
+pub(crate) use check::tests::example;
 pub use check::{ContactRatio, GeometryWarning};
 pub use data::{PairData, PinionData, RackData};
 pub use error::{GeometryError, Quantity};
