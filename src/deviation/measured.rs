@@ -139,7 +139,7 @@ fn cumulative(column: &[Vec<f64>]) -> Result<Vec<f64>, DeviationError> {
 mod tests {
     use super::*;
     use crate::deviation::{
-        Eccentricity, PinionFlanks, RackDeviation, RackDeviationKind, RackFlank, RackFlanks, ToothRange,
+        Eccentricity, PinionFlank, PinionFlanks, RackDeviation, RackDeviationKind, RackFlank, RackFlanks, ToothRange,
     };
     use crate::gear::example;
 
@@ -217,7 +217,7 @@ mod tests {
         assert!(rack(55.1).is_err());
         let pinion = |lead| {
             let lead_rad = degrees(lead);
-            let flank = crate::deviation::PinionFlank { lead_rad, ..Default::default() };
+            let flank = PinionFlank { lead_rad, ..PinionFlank::default() };
             PinionFlanks::nominal(&pair)
                 .with_measured(&[PinionTooth { left: flank, right: flank }])
                 .and_then(|flanks| flanks.with_measured(&[PinionTooth { left: flank, right: flank }]))
@@ -247,7 +247,10 @@ mod tests {
         near(teeth[0].left.arc_mm, 2.0 * (0.005 - 0.01));
         near(teeth[11].left.lead_rad, 2e-3);
         near(teeth[11].right.lead_rad, 2e-3);
-        assert_eq!((teeth[11].left.arc_mm, teeth[0].right, teeth[1]), (0.0, Default::default(), Default::default()));
+        assert_eq!(
+            (teeth[11].left.arc_mm, teeth[0].right, teeth[1]),
+            (0.0, PinionFlank::default(), PinionTooth::default())
+        );
         // and are added to what is known
         let twice = PinionFlanks::nominal(&pair).with_measured(&teeth).and_then(|flanks| flanks.with_measured(&teeth));
         near(twice.unwrap().teeth()[11].right.arc_mm, 4.0 * (0.005 + 0.01));
