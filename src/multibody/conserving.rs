@@ -2,30 +2,31 @@
 //! [`super::dynamics`]; knows the contact only by its forces.
 //!
 //! # Why
-//! What an impact leaves without losses is vibration of the contacts, at 30 to 150 kHz, that never dies: a rack that rolls
-//! meets the pinion some hundred times in a stroke, and a few N mm go on ringing. A scheme that damps them by 1e-6 a period
-//! loses them all, and any scheme of a fixed order errs where a force jumps because a corner slides off an edge. So the
-//! energy is not left to the order:
+//! What an impact leaves without losses is vibration of the contacts, at 30 to 150 kHz, that never dies: a rack that
+//! rolls meets the pinion some hundred times in a stroke, and a few N mm go on ringing. A scheme that damps them by
+//! 1e-6 a period loses them all, and any scheme of a fixed order errs where a force jumps because a corner slides off
+//! an edge. So the energy is not left to the order:
 //!
 //! ```text
 //! q_1 − q_0 = h (v_0 + v_1)/2,    M (v_1 − v_0) = h (F_0 + F_1)/2 + h λ M (q_1 − q_0),
 //! λ = −[U_1 − U_0 + (F_0 + F_1)·(x_1 − x_0)/2] / [(q_1 − q_0)·M (q_1 − q_0) + m (s_1 − s_0)²],    x = (q, s),
 //! ```
 //!
-//! the trapezoidal rule, with λ such that the forces do just the work by which the potential U falls: a discrete gradient
-//! (Gonzalez 1996; about the trapezoid instead of the midpoint, so that one evaluation of the forces serves, and in the
-//! measure of the masses). The drive at s pushes with the force of the same gradient, m standing for the largest mass it
-//! moves, so the denominator does not vanish where a vibration turns. Then stored energy and work of the drive agree in
-//! each step to what is left of its balance. The rule is symmetric and of second order: λ is the trapezoidal rule's own
-//! error over a square.
+//! the trapezoidal rule, with λ such that the forces do just the work by which the potential U falls: a discrete
+//! gradient (Gonzalez 1996; about the trapezoid instead of the midpoint, so that one evaluation of the forces serves,
+//! and in the measure of the masses). The drive at s pushes with the force of the same gradient, m standing for the
+//! largest mass it moves, so the denominator does not vanish where a vibration turns. Then stored energy and work of
+//! the drive agree in each step to what is left of its balance. The rule is symmetric and of second order: λ is the
+//! trapezoidal rule's own error over a square.
 //!
-//! Coordinates without mass are in equilibrium at the end of the step, F_1 = 0, and take no part in the correction.
+//! Every coordinate must have a mass; where one has none, nothing is followed.
 //!
 //! # When
-//! Energy that agrees says nothing of a vibration that the steps do not follow: steps of [`FOLLOWED`] radians at most of the
-//! fastest one, shorter where the error of the positions asks for it, neither damp nor feed it (a run of nothing else ends with
-//! the energy of one by Verlet's scheme with steps a quarter as long). Where nothing vibrates the damping scheme's steps are a
-//! thousand times as long and lose next to nothing, so those are made as long as the allowed drift lasts, and tried again.
+//! Energy that agrees says nothing of a vibration that the steps do not follow: steps of [`FOLLOWED`] radians at most
+//! of the fastest one, shorter where the error of the positions asks for it, neither damp nor feed it (a run of nothing
+//! else ends with the energy of one by Verlet's scheme with steps a quarter as long). Where nothing vibrates the
+//! damping scheme's steps are a thousand times as long and lose next to nothing, so those are made as long as the
+//! allowed drift lasts, and tried again.
 
 use super::Scene;
 use super::drive::Drive;
@@ -33,8 +34,8 @@ use super::dynamics::{Flow, State, Step};
 use super::load::Work;
 use super::newton::{Balance, Limits, newton, solve};
 
-/// Unbalanced force over the closing force at which a step is solved: times the way of all steps, forth and back, it is the
-/// energy that is made up.
+/// Unbalanced force over the closing force at which a step is solved: times the way of all steps, forth and back, it is
+/// the energy that is made up.
 const BALANCE: f64 = 1e-7;
 /// Iterations; two are the rule.
 const ITERATIONS: u32 = 25;
@@ -80,14 +81,14 @@ impl Scene {
         state.contact.energy + self.closing_energy(state.q[1])
     }
 
-    /// The longest step that follows the fastest vibration of the bodies; 0 if nothing has a mass. The frequency is bounded
-    /// as Gershgorin has it, in lengths.
+    /// The longest step that follows the fastest vibration of the bodies; 0 if one has no mass. The frequency is
+    /// bounded as Gershgorin has it, in lengths.
     pub(super) fn following(&self, at: &State) -> f64 {
         let n = self.coordinates() as usize;
         let scale = self.limits(0.0).scale;
         let tangent = self.tangent(at);
-        let mut square: f64 = if self.inertia[..n].iter().all(|m| *m == 0.0) { f64::INFINITY } else { 0.0 };
-        for i in (0..n).filter(|&i| self.inertia[i] > 0.0) {
+        let mut square: f64 = if self.inertia[..n].contains(&0.0) { f64::INFINITY } else { 0.0 };
+        for i in 0..n {
             let sum: f64 = (0..n).map(|j| tangent[i][j].abs() / scale[j]).sum();
             square = square.max(sum * scale[i] / self.inertia[i]);
         }
@@ -103,7 +104,6 @@ impl Scene {
         let scale = limits.scale;
         let travel = drive.at(end).0 - from.stroke;
         let before = self.potential(from);
-        let heavy = m.map(|m| m > 0.0);
         let most = (0..n).map(|i| m[i] / (scale[i] * scale[i])).fold(0.0, f64::max);
         let least = most * (travel * travel + ROUNDING * ROUNDING);
         // M (v_1 − v_0)/h
@@ -113,8 +113,7 @@ impl Scene {
         let mut guess = [travel * self.mesh.pair().rotation_per_stroke_rad(), 0.0, 0.0];
         let (mut matrix, mut right) = (self.tangent(from), [0.0; 3]);
         for i in 0..n {
-            let share = if heavy[i] { 0.5 } else { 1.0 };
-            matrix[i] = std::array::from_fn(|j| share * matrix[i][j] / (scale[i] * scale[j]));
+            matrix[i] = std::array::from_fn(|j| 0.5 * matrix[i][j] / (scale[i] * scale[j]));
             matrix[i][i] += 2.0 * m[i] / (h * h * scale[i] * scale[i]);
             right[i] = (from.f[i] - inertia(i, &guess)) / scale[i];
         }
@@ -124,7 +123,7 @@ impl Scene {
 
         let solution = newton(guess, &limits, |way| {
             let q = std::array::from_fn(|i| from.q[i] + way[i]);
-            let v = std::array::from_fn(|i| if heavy[i] { 2.0 * way[i] / h - from.v[i] } else { way[i] / h });
+            let v = std::array::from_fn(|i| if i < n { 2.0 * way[i] / h - from.v[i] } else { 0.0 });
             let state = self.state(drive, end, q, v, work);
             let mean: [f64; 3] = std::array::from_fn(|i| 0.5 * (from.f[i] + state.f[i]));
             let along = 0.5 * (from.contact.generalized[3] + state.contact.generalized[3]) * travel;
@@ -135,13 +134,9 @@ impl Scene {
             let mut balance =
                 Balance { residual: [0.0; 3], tangent: self.tangent(&state), potential: None, with: (state, lambda) };
             for i in 0..n {
-                if heavy[i] {
-                    balance.residual[i] = mean[i] + lambda * m[i] * way[i] - inertia(i, way);
-                    balance.tangent[i] = balance.tangent[i].map(|k| 0.5 * k);
-                    balance.tangent[i][i] += (2.0 / (h * h) - lambda) * m[i];
-                } else {
-                    balance.residual[i] = state.f[i];
-                }
+                balance.residual[i] = mean[i] + lambda * m[i] * way[i] - inertia(i, way);
+                balance.tangent[i] = balance.tangent[i].map(|k| 0.5 * k);
+                balance.tangent[i][i] += (2.0 / (h * h) - lambda) * m[i];
             }
             balance
         });
@@ -152,7 +147,7 @@ impl Scene {
         let (state, lambda) = solution.with;
         // what the trapezoidal rule leaves out where the acceleration changes evenly
         let error = |i: usize| h * h / 12.0 * (state.f[i] - from.f[i]).abs() / m[i] * scale[i];
-        let error = (0..n).filter(|&i| heavy[i]).map(error).fold(0.0, f64::max);
+        let error = (0..n).map(error).fold(0.0, f64::max);
         let mean = |of: fn(&State) -> f64| 0.5 * (of(from) + of(&state));
         let gained = Flow {
             driven: -mean(|state| state.contact.generalized[3]) * travel - lambda * least,

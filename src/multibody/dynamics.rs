@@ -16,24 +16,24 @@
 //! # Contact events
 //! A sphere touches and leaves once for every passage of its tooth: with the default grid about a hundred thousand
 //! events in 50 mm of stroke, some two hundred in each of 500 steps. Stopping at each would cost that many steps and
-//! gain nothing, because for a > 1 a force starts with the slope 0 and one sphere carries a two-hundredth of the load. What
-//! matters is that no event is missed: every stage finds its contacts anew, Newton's method with a line search closes
-//! and opens them within the stage, and an event that the step is too long for (a tooth's first contact, a rack that snaps
-//! from one roll to another) shows in the error of the step, which is made again, shorter, until the event lies
-//! between two steps as closely as the tolerance asks.
+//! gain nothing, because for a > 1 a force starts with the slope 0 and one sphere carries a two-hundredth of the load.
+//! What matters is that no event is missed: every stage finds its contacts anew, Newton's method with a line search
+//! closes and opens them within the stage, and an event that the step is too long for (a tooth's first contact, a rack
+//! that snaps from one roll to another) shows in the error of the step, which is made again, shorter, until the event
+//! lies between two steps as closely as the tolerance asks.
 //!
 //! # A rack that rocks
-//! With a lead deviation the equilibrium of a rack that may roll lies in a kink: one flank flat on the pinion's. The first
-//! deviating tooth snaps the rack into it, and since nothing but the contact damps the roll, it goes on rocking from one
-//! end of the face width to the other, about 6 ms from impact to impact, for the rest of the stroke. Each of these times
-//! takes some 25 steps, those at the impacts as short as 20 µs: thousands in 50 mm of stroke, where a rack that
-//! cannot roll takes 500. They resolve what happens; a tolerance ten times as large saves two thirds of them and moves
-//! the steady ΔCD by 0.3 µm.
+//! With a lead deviation the equilibrium of a rack that may roll lies in a kink: one flank flat on the pinion's. The
+//! first deviating tooth snaps the rack into it, and since nothing but the contact damps the roll, it goes on rocking
+//! from one end of the face width to the other, about 6 ms from impact to impact, for the rest of the stroke. Each of
+//! these times takes some 25 steps, those at the impacts as short as 20 µs: thousands in 50 mm of stroke, where a rack
+//! that cannot roll takes 500. They resolve what happens; a tolerance ten times as large saves two thirds of them and
+//! moves the steady ΔCD by 0.3 µm.
 //!
 //! # Without losses
-//! Without damping and friction energy is an invariant, and its drift is kept below the parameters' `energy_tolerance`. The
-//! forces are the gradient of the energy, so steps of this scheme need only be short enough, until something rings that
-//! they would damp: then [`super::conserving`] follows it.
+//! Without damping and friction energy is an invariant, and its drift is kept below the parameters' `energy_tolerance`.
+//! The forces are the gradient of the energy, so steps of this scheme need only be short enough, until something rings
+//! that they would damp: then [`super::conserving`] follows it.
 //!
 //! # The explicit scheme
 //! Velocity Verlet; its step is bound by the largest frequency and damping rate of the present tangent.
@@ -259,7 +259,7 @@ impl Scene {
             // but what is damped is lost for good
             let whole = LOST * tolerance * (flow.exchanged + made.gained.exchanged * (total - from.time) / h);
             allowed *= (1.0 - before.abs() / whole).max(0.0);
-            // without masses there is nothing to follow
+            // without a mass there is nothing to follow
             spent = after.abs() > whole && self.following(from) > 0.0;
         }
         ((after - before).abs() / allowed.max(f64::MIN_POSITIVE), spent)
@@ -292,8 +292,8 @@ impl Scene {
     }
 
     /// The largest error of a position, mm, as the system itself would have damped it: with the errors e and e' of
-    /// positions and velocities, the solution x of (I − h d J)(x, x') = (e, e'), J the Jacobian of the motion (Hosea and
-    /// Shampine 1996, sect. 4). What a stiff contact corrects within the step does not count.
+    /// positions and velocities, the solution x of (I − h d J)(x, x') = (e, e'), J the Jacobian of the motion (Hosea
+    /// and Shampine 1996, sect. 4). What a stiff contact corrects within the step does not count.
     fn filtered(&self, h: f64, from: &State, two: &State, end: &State) -> f64 {
         let n = self.coordinates() as usize;
         let scale = self.limits(0.0).scale;
