@@ -29,7 +29,7 @@ mod reach;
 mod roll_rate;
 mod turned;
 
-pub(super) use form::Form;
+pub(super) use form::{Form, FormRates};
 pub(super) use roll_rate::{PoseRates, RollRates};
 
 use std::f64::consts::PI;
@@ -303,44 +303,59 @@ impl FlankContact {
         }
     }
 
+    /// What bounds w on a generator beside the pinion's end faces, each from below and above: the ends of its involute, the
+    /// rack's end faces. Where a generator runs along the rack no w keeps it within the end faces: then the last is the gap that is left.
+    fn edges(&self, pose: &Pose, at: &Coordinates) -> [Option<(Bound, Bound)>; 2] {
+        // without a helix the generator lies at one roll angle; the caller keeps that within bounds
+        let involute = (self.kappa != 0.0).then(|| {
+            let inverse = 1.0 / self.kappa;
+            let edge = |roll: f64, kind| Bound { w: (roll - at.t0) * inverse, slope: -inverse, rate: inverse, kind };
+            let (root, tip) = (edge(self.start_roll, ContactKind::RootEdge), edge(self.tip_roll, ContactKind::TipEdge));
+            if inverse > 0.0 { (root, tip) } else { (tip, root) }
+        });
+        let y = self.across_line(pose, at);
+        let k = self.across.half_width;
+        let kind = ContactKind::RackEndEdge;
+        let rack = if y.q.abs() * self.half_face > 1e-12 * k {
+            let inverse = 1.0 / y.q;
+            let edge = |y_end: f64| {
+                let w = (y_end - y.p) * inverse;
+                Bound { w, slope: -y.slope_at(w) * inverse, rate: -y.p_rate * inverse, kind }
+            };
+            Some(if inverse > 0.0 { (edge(-k), edge(k)) } else { (edge(k), edge(-k)) })
+        } else {
+            // outside the rack no w helps, δ must change
+            (y.p.abs() > k).then(|| {
+                let gap = (k - y.p.abs()).min(0.0);
+                let slope = -y.p_slope * y.p.signum();
+                (
+                    Bound { w: -gap / 2.0, slope: -slope / 2.0, rate: 0.0, kind },
+                    Bound { w: gap / 2.0, slope: slope / 2.0, rate: 0.0, kind },
+                )
+            })
+        };
+        [involute, rack]
+    }
+
+    fn pinion_ends(&self) -> (Bound, Bound) {
+        let end = |w| Bound { w, slope: 0.0, rate: 0.0, kind: ContactKind::PinionEndEdge };
+        (end(-self.half_face), end(self.half_face))
+    }
+
     /// The interval of w on a generator.
     fn interval(&self, pose: &Pose, at: &Coordinates) -> (Bound, Bound) {
-        let end = |w| Bound { w, slope: 0.0, rate: 0.0, kind: ContactKind::PinionEndEdge };
-        let (mut lo, mut hi) = (end(-self.half_face), end(self.half_face));
-        let mut narrow = |low: Bound, high: Bound| {
+        let (mut lo, mut hi) = self.pinion_ends();
+        let edges = self.edges(pose, at);
+        if let Some(gap) = edges[1].filter(|(low, high)| low.w > high.w) {
+            return gap;
+        }
+        for (low, high) in edges.into_iter().flatten() {
             if low.w > lo.w {
                 lo = low;
             }
             if high.w < hi.w {
                 hi = high;
             }
-        };
-        if self.kappa == 0.0 {
-            // the generator lies at one roll angle; the caller keeps that within bounds
-        } else {
-            let inverse = 1.0 / self.kappa;
-            let edge = |roll: f64, kind| Bound { w: (roll - at.t0) * inverse, slope: -inverse, rate: inverse, kind };
-            let (root, tip) = (edge(self.start_roll, ContactKind::RootEdge), edge(self.tip_roll, ContactKind::TipEdge));
-            if inverse > 0.0 { narrow(root, tip) } else { narrow(tip, root) }
-        }
-        let y = self.across_line(pose, at);
-        let k = self.across.half_width;
-        if y.q.abs() * self.half_face > 1e-12 * k {
-            let inverse = 1.0 / y.q;
-            let edge = |y_end: f64| {
-                let w = (y_end - y.p) * inverse;
-                Bound { w, slope: -y.slope_at(w) * inverse, rate: -y.p_rate * inverse, kind: ContactKind::RackEndEdge }
-            };
-            if inverse > 0.0 { narrow(edge(-k), edge(k)) } else { narrow(edge(k), edge(-k)) }
-        } else if y.p.abs() > k {
-            // the generator runs along the rack, outside it: no w helps, δ must change
-            let gap = (k - y.p.abs()).min(0.0);
-            let slope = -y.p_slope * y.p.signum();
-            let kind = ContactKind::RackEndEdge;
-            return (
-                Bound { w: -gap / 2.0, slope: -slope / 2.0, rate: 0.0, kind },
-                Bound { w: gap / 2.0, slope: slope / 2.0, rate: 0.0, kind },
-            );
         }
         (lo, hi)
     }
@@ -356,7 +371,7 @@ impl FlankContact {
         let flank = Self::plane(&self.flank, pose.shift, &at);
         let tip = Self::plane(&self.tip, 0.0, &at);
         if let Some(form) = self.form {
-            return self.demand_with_form(&form, pose, &at, flank, tip, (lo, hi));
+            return self.demand_with_form(&form, pose, &at, (flank, tip), (lo, hi));
         }
         let at_bound = |bound: &Bound| {
             let (f, t) = (flank.at(bound.w), tip.at(bound.w));
@@ -481,8 +496,8 @@ impl FlankContact {
         if lo > hi {
             return None;
         }
-        if self.form.is_some() {
-            return self.search(pose, lo, hi);
+        if let Some(form) = &self.form {
+            return self.search(form, pose, (lo, hi));
         }
         let mut best = self.line(pose);
         // peaks equal within rounding: the first found names the contact
@@ -531,11 +546,7 @@ impl FlankContact {
                 best = Some(touch);
             }
         };
-        // Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
-        // sign the best point jumps from one end of the generator to the other, and there may be a peak on either side.
-        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
-        if share > 0.0 && share < 2.0 {
-            let turn = 2.0 * trig::asin((0.5 * share).sqrt());
+        if let Some(turn) = self.jump() {
             let past = turn * (1.0 + 1e-9);
             climb(lo.max(-turn), hi.min(turn));
             climb(lo.max(past), hi);
@@ -544,5 +555,13 @@ impl FlankContact {
             climb(lo, hi);
         }
         best
+    }
+
+    /// Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its sign, at
+    /// this δ to either side, the best point jumps from one end of the generator to the other, and there may be a peak on
+    /// either side. `None` if it does not.
+    fn jump(&self) -> Option<f64> {
+        let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
+        (share > 0.0 && share < 2.0).then(|| 2.0 * trig::asin((0.5 * share).sqrt()))
     }
 }

@@ -1,7 +1,7 @@
 //! A pair with its deviations, and each flank pair's constants made from them. Called by the solver once per
 //! tooth; does no search.
 
-use super::contact::{Across, FlankContact, Form, Plane, RollRates};
+use super::contact::{Across, FlankContact, Form, FormRates, Plane, RollRates};
 use super::{FlankSide, MeshError};
 use crate::deviation::{PinionFlanks, RackFlanks};
 use crate::gear::Pair;
@@ -185,6 +185,7 @@ impl Mesh {
             tip: Plane { d: (rack.addendum_mm + roll.depth) * roll.sin * level, t: sin_s * level, w: -cos_s * level },
             across: Across { t: sin_s * roll.sin, w: -cos_s * roll.sin, z: roll.cos, half_width: 0.0 },
             per_shift: sign * normal.0 * inverse_rate,
+            form: FormRates { per_normal: inverse_rate, per_normal_on_tip: normal.2 * roll.sin * level },
         };
         let half_face = 0.5 * pinion.face_width_mm;
         let helix = pinion.helix_angle_rad + partner.lead_rad;
@@ -197,7 +198,14 @@ impl Mesh {
             + roll.sin.abs() * (roll.depth.abs() + 2.0 * pinion.tip_radius_mm + 2.0 * rack.pitch_mm);
         let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
         let fits = flank.lead_rad == 0.0 && partner.lead_rad == 0.0 && roll.angle == 0.0;
-        let form = self.form(inverse);
+        let form = self.form().map(|form| Form {
+            per_normal: inverse,
+            per_normal_on_tip: normal.2 / roll.cos,
+            fall: normal.1 / normal.2,
+            roll: (roll.sin, roll.cos),
+            depth: roll.depth,
+            ..form
+        });
         let contact = FlankContact {
             base_radius: pinion.base_radius_mm,
             kappa,
@@ -234,19 +242,17 @@ impl Mesh {
         (along * along + across * across).sqrt()
     }
 
-    fn form(&self, per_normal: f64) -> Option<Form> {
+    /// The amounts that stand back.
+    fn form(&self) -> Option<Form> {
         let (rack, pinion) = (self.rack.form(), self.pinion.form());
-        if rack.is_plain() && pinion.is_plain() {
-            return None;
-        }
-        Some(Form {
-            rack_crowning: rack.crowning_mm * per_normal,
-            pinion_crowning: pinion.crowning_mm * per_normal,
-            profile_slope: pinion.profile_slope_mm * per_normal,
-            tip_relief: rack.tip_relief_mm * per_normal,
+        (!rack.is_plain() || !pinion.is_plain()).then(|| Form {
+            rack_crowning: rack.crowning_mm,
+            pinion_crowning: pinion.crowning_mm,
+            profile_slope: pinion.profile_slope_mm,
+            tip_relief: rack.tip_relief_mm,
             relief_start: rack.tip_relief_start_mm,
             tip: self.pair.rack().addendum_mm,
-            tip_share: 1.0 / (per_normal * per_normal),
+            ..Form::default()
         })
     }
 }

@@ -82,12 +82,7 @@ impl Scene {
         let helical = pair.rack().helix_angle_rad != 0.0 || pair.pinion().helix_angle_rad != 0.0;
         let inertia = inertia(&pair, &parameters);
         let rolls = matches!(parameters.support, Support::FreeRoll { .. }) && (led || helical);
-        // the exact mesh of a rack that rolls is known for plane flanks only
-        let rigid = if rolls && rack.form().is_plain() && pinion.form().is_plain() {
-            mesh::Support::FreeRoll { axis_depth_mm: depth }
-        } else {
-            mesh::Support::Fixed
-        };
+        let rigid = if rolls { mesh::Support::FreeRoll { axis_depth_mm: depth } } else { mesh::Support::Fixed };
         let mut scene = Self {
             mesh: Mesh::new(pair, rack, pinion, rigid)?,
             parameters,

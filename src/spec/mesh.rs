@@ -141,15 +141,6 @@ impl Spec {
         let rack = self.rack_flanks(&pair, &rack_deviations, &rack_rows, tables)?;
         let pinion = self.pinion_flanks(&pair, &pinion_deviations, &pinion_rows, tables)?;
         let support = self.support()?;
-        if support != Support::Fixed && !(rack.form().is_plain() && pinion.form().is_plain()) {
-            let message =
-                "a rack that is free to roll is solved for plane flanks only, without crowning, relief or slope";
-            let span = self.support.roll.as_ref().map_or(0..0, |roll| roll.span.clone());
-            return Err(Diagnostic::error(Code::NoMesh, message)
-                .at(&self.source, span, "")
-                .help("leave the flank forms out, or write roll = \"fixed\"")
-                .into());
-        }
         let mesh = Mesh::new(pair, rack, pinion, support)
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
         let warnings = pair.warnings();

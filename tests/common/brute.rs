@@ -82,15 +82,17 @@ impl Brute<'_> {
             let per_out = side / tan_n;
             let along = per_out * trig::cos(beta);
             let across = -per_out * trig::sin(beta);
-            let height = turned(flank.along_z_mm + along * foot, along, across);
+            let level = flank.along_z_mm + along * foot;
             let mut removed = removed + form.crowning_mm * (2.0 * y_rack / rack.face_width_mm).powi(2);
             if form.tip_relief_mm > 0.0 {
+                // the height z' of the plane over the point's place (x, y') in the rack
+                let height = level - along * x - across * y_rack;
                 let share = (height - form.tip_relief_start_mm) / (rack.addendum_mm - form.tip_relief_start_mm);
                 removed += form.tip_relief_mm * share.max(0.0);
             }
-            height - removed / sin_n
+            turned(level - removed / sin_n, along, across)
         };
-        let tip = turned(rack.addendum_mm, 0.0, 0.0) - removed * sin_n;
+        let tip = turned(rack.addendum_mm - removed * sin_n, 0.0, 0.0);
         plane(1.0, tooth.right).min(plane(-1.0, tooth.left)).min(tip) - z
     }
 

@@ -28,7 +28,7 @@ pub const KINDS: [Kind; 6] = [
     ("crossed helical", |seed| compare_pair(seed, any_helices, false)),
     ("crossed helical, lead errors", |seed| compare_pair(seed, any_helices, true)),
     ("crossed helical, flank form", compare_formed),
-    ("rack free to roll", |seed| compare_rolling(seed, 5)),
+    ("rack free to roll", |seed| compare_rolling(seed, 5, false)),
 ];
 
 fn any_helices(random: &mut Random) -> (f64, f64) {
@@ -77,21 +77,26 @@ fn compare_with(seed: u64, mut random: Random, pair: &Pair, leads: bool) -> Comp
     }
 }
 
-/// Crowning, relief and profile slope: the flanks are no longer ruled, and contact is a point inside them.
-pub fn compare_formed(seed: u64) -> Compared {
-    let mut random = Random(seed);
-    let pair = random::pair(&mut random);
+fn forms(random: &mut Random, pair: &Pair) -> (RackForm, PinionForm) {
     let m = pair.normal_module_mm();
     let (start, addendum) = (random.range(0.0, 0.6), pair.rack().addendum_mm);
-    let rack_form = RackForm {
+    let rack = RackForm {
         crowning_mm: if random.chance(0.7) { random.range(0.0, 0.03) } else { 0.0 },
         tip_relief_mm: if random.chance(0.5) { random.range(0.0, 0.03) } else { 0.0 },
         tip_relief_start_mm: start * addendum.min(m),
     };
-    let pinion_form = PinionForm {
+    let pinion = PinionForm {
         crowning_mm: if random.chance(0.7) { random.range(0.0, 0.03) } else { 0.0 },
         profile_slope_mm: if random.chance(0.5) { random.range(-0.02, 0.02) } else { 0.0 },
     };
+    (rack, pinion)
+}
+
+/// Crowning, relief and profile slope: the flanks are no longer ruled, and contact is a point inside them.
+pub fn compare_formed(seed: u64) -> Compared {
+    let mut random = Random(seed);
+    let pair = random::pair(&mut random);
+    let (rack_form, pinion_form) = forms(&mut random, &pair);
     let leads = random.chance(0.5);
     let rack = random::rack(&mut random, &pair, leads).with_form(&pair, rack_form).unwrap();
     let pinion = random::pinion(&mut random, &pair, leads).with_form(pinion_form).unwrap();
@@ -106,11 +111,16 @@ pub fn compare_formed(seed: u64) -> Compared {
 }
 
 /// A rack that rolls: its centre distance is the brute force's at that roll, and no other roll has a smaller one.
-pub fn compare_rolling(seed: u64, rolls: u32) -> Compared {
+pub fn compare_rolling(seed: u64, rolls: u32, formed: bool) -> Compared {
     let mut random = Random(seed);
     let pair = random::pair(&mut random);
-    let rack = random::rack(&mut random, &pair, true);
-    let pinion = random::pinion(&mut random, &pair, true);
+    let mut rack = random::rack(&mut random, &pair, true);
+    let mut pinion = random::pinion(&mut random, &pair, true);
+    if formed {
+        let forms = forms(&mut random, &pair);
+        rack = rack.with_form(&pair, forms.0).unwrap();
+        pinion = pinion.with_form(forms.1).unwrap();
+    }
     let axis_depth_mm = random.range(-2.0, 12.0) * pair.normal_module_mm();
     let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
     let mesh = Mesh::new(pair, rack.clone(), pinion.clone(), Support::FreeRoll { axis_depth_mm }).unwrap();

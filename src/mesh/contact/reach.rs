@@ -116,11 +116,7 @@ impl FlankContact {
         } else {
             0.0
         };
-        let slope = if self.form.is_some_and(|form| form.profile_slope < 0.0) {
-            self.form.map_or(0.0, |form| -form.profile_slope)
-        } else {
-            0.0
-        };
+        let slope = self.form.map_or(0.0, |form| (-form.profile_slope).max(0.0) * form.per_normal);
         let bound = self.unbounded(pose) + self.tilt.abs() * self.w_extent - scale * loss + slope;
         if again && self.fits { bound.max(self.reach_of_root(pose)) } else { bound }
     }

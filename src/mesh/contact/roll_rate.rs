@@ -1,7 +1,7 @@
 //! How the demand of a flank pair changes with the rack's roll. Called once for each roll tried, at the contact that was
 //! found; searches nothing.
 
-use super::{Across, Bound, ContactKind, Coordinates, FlankContact, Plane, Pose, Spot, Touch};
+use super::{Across, Bound, ContactKind, Coordinates, FlankContact, FormRates, Plane, Pose, Spot, Touch};
 
 /// How a flank pair changes with the rack's roll.
 #[derive(Debug, Clone, Copy)]
@@ -11,6 +11,7 @@ pub(in crate::mesh) struct RollRates {
     /// `half_width` is not used.
     pub(in crate::mesh) across: Across,
     pub(in crate::mesh) per_shift: f64,
+    pub(in crate::mesh) form: FormRates,
 }
 
 /// The same for a position: of `pose.shift`, and of `pose.across` by the roll and by the centre distance.
@@ -28,6 +29,9 @@ impl FlankContact {
         touch: &Touch,
         (rates, moved): (&RollRates, &PoseRates),
     ) -> [f64; 2] {
+        if let Some(form) = &self.form {
+            return self.formed_roll_rate(form, pose, &touch.spot, (rates, moved));
+        }
         let first = self.spot_roll_rate(pose, &touch.spot, rates, moved);
         let mut rate = match &touch.other {
             Some((spot, share)) => {
@@ -51,7 +55,7 @@ impl FlankContact {
     }
 
     /// How the coordinate across the rack changes at a point of the pinion.
-    fn sweep(at: &Coordinates, w: f64, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
+    pub(super) fn sweep(at: &Coordinates, w: f64, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
         let a = &rates.across;
         [a.t * at.xi.at(w) + a.z * at.zeta.at(w) + a.w * w + moved.across[0], moved.across[1]]
     }
