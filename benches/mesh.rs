@@ -150,8 +150,8 @@ fn rate(mesh: &Mesh, step: f64, positions: u32) -> f64 {
     f64::from(positions) / time
 }
 
-/// Run time against error: adaptive curves at several tolerances, and their largest error against the brute-force solution
-/// of the tests, at strokes that no curve knows of. The brute force itself is good to 1e-9 mm or so.
+/// Run time against error: adaptive curves at several tolerances, and their largest error against the brute-force
+/// solution of the tests, at strokes that no curve knows of. The brute force itself is good to 1e-9 mm or so.
 fn curves(c: &mut Criterion) {
     let mesh = mesh(0.25 * std::f64::consts::PI / 180.0);
     let pair = *mesh.pair();

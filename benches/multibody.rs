@@ -1,7 +1,8 @@
 //! Run time and error of the multibody model over its discretisation and tolerances.
 //!
-//! Each row is the paper's 50 mm of stroke at 500 N and 20 mm/s: the fastest of three runs on one core, the work done, the
-//! rms ripple over the nominal teeth, and the rms difference of ΔCD + indentation (and of ΔCD alone) from the exact mesh.
+//! Each row is the paper's 50 mm of stroke at 500 N and 20 mm/s: the fastest of three runs on one core, the work done,
+//! the rms ripple over the nominal teeth, and the rms difference of ΔCD + indentation (and of ΔCD alone) from the exact
+//! mesh.
 #![allow(missing_docs, clippy::large_types_passed_by_value)] // parameters are written in place
 
 use std::ops::ControlFlow;

@@ -221,12 +221,12 @@ fn scaled(pair: &Pair, f: f64) -> PairData {
 
 /// Relation 5 with the published pair: thickness grows with the pitch, by half of it along X.
 ///
-/// The published six values do not say how wide the pinion's face is, where its involute starts, and over which pitch they
-/// are means. Tried were faces from 17 to 30 mm, an involute from the base circle and from five larger ones, and the
-/// nominal pitch, the deviated one and 50 mm of stroke. One reading gives all six to the last digit: the mean over the
-/// *deviated* pitch, after which the curve repeats, an involute from the base circle, and a face of 23.48 to 23.50 mm,
-/// whose ends just cut the path of contact where it is stretched most. A face that covers the rack wherever they touch
-/// (more than 23.8 mm) gives 0.0194 0.0390 0.0589 | 0.0168 0.0350 0.0540.
+/// The published six values do not say how wide the pinion's face is, where its involute starts, and over which pitch
+/// they are means. Tried were faces from 17 to 30 mm, an involute from the base circle and from five larger ones, and
+/// the nominal pitch, the deviated one and 50 mm of stroke. One reading gives all six to the last digit: the mean over
+/// the *deviated* pitch, after which the curve repeats, an involute from the base circle, and a face of 23.48 to 23.50
+/// mm, whose ends just cut the path of contact where it is stretched most. A face that covers the rack wherever they
+/// touch (more than 23.8 mm) gives 0.0194 0.0390 0.0589 | 0.0168 0.0350 0.0540.
 #[test]
 fn accumulated_pitch_errors_give_the_table() {
     let mut data = scaled(&table_pair(), 1.0);

@@ -331,7 +331,8 @@ fn without_losses_energy_is_kept_over_the_whole_stroke() {
     }
 }
 
-/// Along the equilibria their work is what the energy falls by, whatever touches and leaves on the way: face, edge or corner.
+/// Along the equilibria their work is what the energy falls by, whatever touches and leaves on the way: face, edge or
+/// corner.
 #[test]
 fn forces_are_the_gradient_of_the_energy() {
     let roll = Support::FreeRoll { axis_depth_mm: 8.0 };

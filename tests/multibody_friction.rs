@@ -1,5 +1,5 @@
-//! Coulomb friction in the contact: its direction and size against a balance by hand, its fading at low speed, and where the
-//! energy goes.
+//! Coulomb friction in the contact: its direction and size against a balance by hand, its fading at low speed, and
+//! where the energy goes.
 #![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
 
 mod common;
@@ -36,8 +36,9 @@ const SPHERES: ContactModel =
 const LINES: ContactModel = ContactModel::Analytic(StripGrid { strips: 16 });
 
 /// Normal forces (right, left) of one tooth on each side that hold the preload and no torque, the flanks' X at the
-/// reference plane given. On a right flank the normal is (cos α, sin α), up the flank (−sin α, cos α); a left one is its
-/// mirror image. The contact point is the foot of the pitch point, and there the pinion slides as it turns about that.
+/// reference plane given. On a right flank the normal is (cos α, sin α), up the flank (−sin α, cos α); a left one is
+/// its mirror image. The contact point is the foot of the pitch point, and there the pinion slides as it turns about
+/// that.
 fn by_hand(mu: f64, right_x: f64, left_x: f64) -> (f64, f64) {
     let (sin, cos) = 20_f64.to_radians().sin_cos();
     let radius = 20.0;
@@ -46,7 +47,8 @@ fn by_hand(mu: f64, right_x: f64, left_x: f64) -> (f64, f64) {
         // from the pitch point, which lies on the reference plane
         let behind = -normal[0] * x;
         let foot = [-behind * normal[0], -behind * normal[1]];
-        // as the stroke rises rack and pinion's lowest point move to −X: against the rack the pinion turns by (x, z) → (z, −x)
+        // as the stroke rises rack and pinion's lowest point move to −X: against the rack the pinion turns by (x, z) →
+        // (z, −x)
         let velocity = [foot[1], -foot[0]];
         let along = velocity[0] * up[0] + velocity[1] * up[1];
         let force = [normal[0] - mu * along.signum() * up[0], normal[1] - mu * along.signum() * up[1]];

@@ -181,7 +181,8 @@ mod tests {
         near(twice.tooth(4).right.along_z_mm, 0.02);
     }
 
-    /// Left and right flanks outward by as much; half of a change of the normal thickness is 1/(2 cos β) along the rack.
+    /// Left and right flanks outward by as much; half of a change of the normal thickness is 1/(2 cos β) along the
+    /// rack.
     #[test]
     fn deviations_of_single_flanks_of_the_rack() {
         let pair = Pair::new(&example(20, 0.3, 0.0)).unwrap();

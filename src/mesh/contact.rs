@@ -303,8 +303,9 @@ impl FlankContact {
         }
     }
 
-    /// What bounds w on a generator beside the pinion's end faces, each from below and above: the ends of its involute, the
-    /// rack's end faces. Where a generator runs along the rack no w keeps it within the end faces: then the last is the gap that is left.
+    /// What bounds w on a generator beside the pinion's end faces, each from below and above: the ends of its involute,
+    /// the rack's end faces. Where a generator runs along the rack no w keeps it within the end faces: then the
+    /// last is the gap that is left.
     fn edges(&self, pose: &Pose, at: &Coordinates) -> [Option<(Bound, Bound)>; 2] {
         // without a helix the generator lies at one roll angle; the caller keeps that within bounds
         let involute = (self.kappa != 0.0).then(|| {
@@ -557,9 +558,9 @@ impl FlankContact {
         best
     }
 
-    /// Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its sign, at
-    /// this δ to either side, the best point jumps from one end of the generator to the other, and there may be a peak on
-    /// either side. `None` if it does not.
+    /// Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
+    /// sign, at this δ to either side, the best point jumps from one end of the generator to the other, and there
+    /// may be a peak on either side. `None` if it does not.
     fn jump(&self) -> Option<f64> {
         let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
         (share > 0.0 && share < 2.0).then(|| 2.0 * trig::asin((0.5 * share).sqrt()))

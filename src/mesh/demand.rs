@@ -69,8 +69,8 @@ impl Seen {
     }
 }
 
-/// A demand changes with the pinion's rotation by (r_b/sin ν)|cos δ + τ sin δ| at a point of the flank, and a little more
-/// where end faces sweep over it: this many times r_b / sin α_t is certainly enough.
+/// A demand changes with the pinion's rotation by (r_b/sin ν)|cos δ + τ sin δ| at a point of the flank, and a little
+/// more where end faces sweep over it: this many times r_b / sin α_t is certainly enough.
 const LIPSCHITZ: f64 = 4.0;
 
 /// Rotations (rad) this near to the first one tried at a stroke need not look at all pairs in reach again.
@@ -105,8 +105,8 @@ struct Turn {
 struct Best {
     demand: Option<Demand>,
     floor: f64,
-    /// What others must exceed: of pairs that ask for the same within rounding the first carries, names of carriers must
-    /// not flicker.
+    /// What others must exceed: of pairs that ask for the same within rounding the first carries, names of carriers
+    /// must not flicker.
     mark: f64,
     /// A rack tooth that has no thickness or is out of order.
     disorder: Option<i64>,
@@ -142,8 +142,8 @@ impl Sampler<'_> {
         *slot = Some(Slot { tooth, roll: self.roll.angle, prepared, seen });
     }
 
-    /// The largest demand of one side with the pinion turned by `offset` against its nominal rotation. If that is near the
-    /// first one tried at this stroke, pairs that were out of question there are not looked at again.
+    /// The largest demand of one side with the pinion turned by `offset` against its nominal rotation. If that is near
+    /// the first one tried at this stroke, pairs that were out of question there are not looked at again.
     pub(super) fn demand(
         &mut self,
         side: FlankSide,

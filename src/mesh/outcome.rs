@@ -37,7 +37,8 @@ pub struct Carrier {
 pub enum Ending {
     /// Both sides ask for the same centre distance within rounding.
     Converged,
-    /// The bracket of the rotation shrank to neighbouring numbers first; the residual says how far both sides are apart.
+    /// The bracket of the rotation shrank to neighbouring numbers first; the residual says how far both sides are
+    /// apart.
     BracketExhausted,
     /// The iteration limit was reached; the residual says how far both sides are apart.
     IterationLimit,
@@ -114,8 +115,8 @@ pub enum MeshError {
         /// The side without contact.
         side: FlankSide,
     },
-    /// On both sides the pinion stands on the rack's tip plane: its teeth do not enter the spaces, and nothing holds its
-    /// rotation.
+    /// On both sides the pinion stands on the rack's tip plane: its teeth do not enter the spaces, and nothing holds
+    /// its rotation.
     #[error(
         "stroke {} mm: the pinion stands on the tips of rack teeth {right} and {left}, its teeth do not enter the spaces",
         Rounded(*.stroke_mm)

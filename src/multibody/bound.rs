@@ -16,26 +16,26 @@
 //! ε = 1 − sin β_b N_w − cos β_b |N_t| ≥ 0 a constant (0 if the lead fits). Let H be D without its last two terms.
 //! - δ < 0: H falls with τ, because |sin δ| (r_b τ − R cos β_b) ≥ 0 (R ≤ C τ², C cos β_b τ ≤ r_b) and R' ≥ 0.
 //! - δ > 0: dH/dτ = |N_t| [sin δ (r_b τ − R cos β_b) − R' cos β_b (1 − cos δ)]. Where R = R_0 the last term is 0 and
-//!   the first not negative; where R = C τ² it is |N_t| τ sin δ [r_b − C cos β_b (τ + 2 tan(δ/2))] ≥ 0 by
-//!   the choice of C, as long as δ ≤ τ_a + ½, that is τ_* ≥ −½.
+//!   the first not negative; where R = C τ² it is |N_t| τ sin δ [r_b − C cos β_b (τ + 2 tan(δ/2))] ≥ 0 by the choice of
+//!   C, as long as δ ≤ τ_a + ½, that is τ_* ≥ −½.
 //!
-//! So H grows to both sides of τ_*. A walk outwards may stop at the first D ≥ R_0 ε + (max − min of removed), since then
-//! every later D ≥ 0. Rows with τ_* < τ_0 − ½ are not walked but gone through.
+//! So H grows to both sides of τ_*. A walk outwards may stop at the first D ≥ R_0 ε + (max − min of removed), since
+//! then every later D ≥ 0. Rows with τ_* < τ_0 − ½ are not walked but gone through.
 //!
-//! Whole rows and flanks: on the contact line H is L = const, linear in w. Where τ_* ≥ 0 nothing of a row lies lower, so
-//! L ≥ R_0 ε + … (the bound above) clears it. For −½ ≤ τ_* < 0 the lowest H is at τ = 0 or later, where the bracket
+//! Whole rows and flanks: on the contact line H is L = const, linear in w. Where τ_* ≥ 0 nothing of a row lies lower,
+//! so L ≥ R_0 ε + … (the bound above) clears it. For −½ ≤ τ_* < 0 the lowest H is at τ = 0 or later, where the bracket
 //! is at least r_b ∫ τ sin(τ − τ_*) dτ from τ_* to 0, which is r_b (sin x − x) ≥ −r_b x³/6 with x = −τ_*; L less
 //! |N_t| r_b x³/6 must then reach the bound. That function is concave in w, so a flank is clear if it is at both its
 //! ends. A row whose line lies beyond the tip, τ_a < τ_*, has at its lowest node H ≥ L + |N_t| (r_b τ_a − R cos β_b)
 //! (1 − cos δ), and 1 − cos δ ≥ (1 − cos 1) min(δ², 1).
 //!
-//! Rows whose line lies before the profile's start meet the rack above its tip, if at all. A sphere with the lowest point D
-//! < 0 touches only if the foot of its centre lies less than m = √(|D| (|D| + 2R)) beyond the patch. That foot
-//! is not lower than the flank's point itself, less R (|N_t| − cos β_b) if that is positive, as long as ν ≤ γ ≤ π − ν; and
-//! from its height at the start, z_s, the flank falls by at most r_b cos γ_s (τ² − τ_0²)/2. So spheres below the τ at
-//! which that reaches the tip's height plus m are clear, with |D| bounded as above; from there H grows. On a rack that
-//! is rolled by φ about an axis at the depth d a foot within the face width plus m and at z ≤ z_tip + m lies at most
-//! (k/2 + m) |sin φ| + |z_tip + m + d| (1 − cos φ) higher than on one that is not, which is taken off.
+//! Rows whose line lies before the profile's start meet the rack above its tip, if at all. A sphere with the lowest
+//! point D < 0 touches only if the foot of its centre lies less than m = √(|D| (|D| + 2R)) beyond the patch. That foot
+//! is not lower than the flank's point itself, less R (|N_t| − cos β_b) if that is positive, as long as ν ≤ γ ≤ π − ν;
+//! and from its height at the start, z_s, the flank falls by at most r_b cos γ_s (τ² − τ_0²)/2. So spheres below the τ
+//! at which that reaches the tip's height plus m are clear, with |D| bounded as above; from there H grows. On a rack
+//! that is rolled by φ about an axis at the depth d a foot within the face width plus m and at z ≤ z_tip + m lies at
+//! most (k/2 + m) |sin φ| + |z_tip + m + d| (1 − cos φ) higher than on one that is not, which is taken off.
 //!
 //! A pinion point at the polar angle χ from straight down lies at Z ≥ a − e − r_a cos χ, e the eccentricity, and
 //! no point of the rack is higher than its tip edge; a sphere whose flank point lies 2 R_0 higher than that is clear,

@@ -111,8 +111,8 @@ pub(super) fn polygon(
     Some(distance)
 }
 
-/// Whether the distance certainly exceeds `left` for a centre at a height over the plane whose foot is at least `beyond`
-/// outside the patch: √(h_0² + e²) + h − h_0 ≥ left, squared and with room for rounding.
+/// Whether the distance certainly exceeds `left` for a centre at a height over the plane whose foot is at least
+/// `beyond` outside the patch: √(h_0² + e²) + h − h_0 ≥ left, squared and with room for rounding.
 pub(super) fn clear(height: f64, beyond: f64, radius: f64, left: f64) -> bool {
     let floor = height.max(0.5 * radius);
     let needed = left + floor - height;

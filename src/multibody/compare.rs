@@ -12,8 +12,8 @@ const CELLS_PER_PITCH: f64 = 48.0;
 const MOST: f64 = 1e6;
 /// How often a cell may be halved.
 const HALVINGS: u32 = 4;
-/// Cells whose ends lie this near to a straight line (mm), and means of a cell and its halves this near to each other, are
-/// near enough: the mean is then right to as much.
+/// Cells whose ends lie this near to a straight line (mm), and means of a cell and its halves this near to each other,
+/// are near enough: the mean is then right to as much.
 const STRAIGHT: f64 = 2e-7;
 
 /// Strokes that are solved one after the other from a fresh start, whatever the number of threads.
@@ -41,7 +41,8 @@ impl Cell {
 /// The mean ΔCD of the exact mesh over the strokes of a steady value, mm; `None` where the mesh has no solution.
 ///
 /// By trapezoids over the 48th part of a pitch, and where the curve bends by Simpson's rule, over cells that are halved
-/// up to four times until it agrees with that over the halves: right to a few nanometres where it jumps. Where all teeth are alike one pitch stands for the others.
+/// up to four times until it agrees with that over the halves: right to a few nanometres where it jumps. Where all
+/// teeth are alike one pitch stands for the others.
 #[must_use]
 pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
     let (from_mm, to_mm) = one_pitch(mesh, steady).unwrap_or((steady.from_mm, steady.to_mm));
@@ -122,8 +123,8 @@ fn one_pitch(mesh: &Mesh, steady: &Steady) -> Option<(f64, f64)> {
         return None;
     }
     let pitch = rack.pitch_mm;
-    // no pinion point within the rack's height is further off, with room for ΔCD; a tooth is half a pitch wide to each side
-    // at most, as rounding to tooth numbers has it
+    // no pinion point within the rack's height is further off, with room for ΔCD; a tooth is half a pitch wide to each
+    // side at most, as rounding to tooth numbers has it
     let height = pair.nominal_center_distance_mm() - rack.addendum_mm - 0.1 * pair.normal_module_mm();
     let across = (p.tip_radius_mm * p.tip_radius_mm - height * height).max(0.0).sqrt();
     let askew = p.face_width_mm * trig::sin(pair.shaft_angle_rad()).abs()

@@ -246,8 +246,8 @@ impl Placed {
 }
 
 impl Placed {
-    /// How the pinion's point moves at which a sphere around ξ, ζ, w touches along the rack's unit normal: friction acts
-    /// there, not in the centre.
+    /// How the pinion's point moves at which a sphere around ξ, ζ, w touches along the rack's unit normal: friction
+    /// acts there, not in the centre.
     pub(super) fn motion_at_contact(
         &self,
         pose: &Pose,

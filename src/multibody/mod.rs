@@ -1,8 +1,8 @@
 #![doc = include_str!("method.md")]
 //!
 //! Called by the command line, the reports and anyone who has a [`Pair`](crate::gear::Pair) and its deviations. A
-//! [`Scene`] holds both with its [`Parameters`], checked; [`Scene::quasi_static`] and [`Scene::dynamic`] run it and give
-//! an [`Outcome`]. It must not know TOML, print, or read files. [`Scene::rolls`] tells whether φ exists,
+//! [`Scene`] holds both with its [`Parameters`], checked; [`Scene::quasi_static`] and [`Scene::dynamic`] run it and
+//! give an [`Outcome`]. It must not know TOML, print, or read files. [`Scene::rolls`] tells whether φ exists,
 //! [`Support::Yoke`] has the pinion's axis fixed, and the contact's elements are [`ContactModel::Spheres`] or
 //! [`ContactModel::Analytic`].
 

@@ -1,10 +1,10 @@
 //! Newton's method for two or three unknowns with a line search. Called by both implicit runs; knows no mechanics
 //! beyond forces and their tangent.
 //!
-//! The equations are the balance of forces r(x) = 0 with the tangent K = −∂r/∂x; near a solution r is monotone, so along a
-//! Newton direction d the power r·d falls to zero. A step is shortened while it overshoots, so the method does not
-//! cycle where contacts open and close. Where a potential is known, it must fall instead: a rack that rolls has valleys
-//! a hundred thousand times softer along than across, and along a bent one the power tells nothing.
+//! The equations are the balance of forces r(x) = 0 with the tangent K = −∂r/∂x; near a solution r is monotone, so
+//! along a Newton direction d the power r·d falls to zero. A step is shortened while it overshoots, so the method does
+//! not cycle where contacts open and close. Where a potential is known, it must fall instead: a rack that rolls has
+//! valleys a hundred thousand times softer along than across, and along a bent one the power tells nothing.
 //!
 //! A tangent that is not positive is made so by the size of its eigenvalues, and a balance on a hill is left.
 

@@ -57,11 +57,11 @@ impl Default for ContactModel {
 
 /// A yoke that presses the rack against a pinion with a fixed axis.
 ///
-/// Pinion, yoke and bush are all fixed in the housing and the rack slides through them, so the lever L from the bush to the
-/// mesh is the same at every stroke. The yoke stands right behind the mesh, so of the bush only what resists the rack's
-/// tilt reaches the mesh: a bush with the tilting stiffness k_φ (N mm/rad) is felt there as k_φ/L². A tooth one pitch from
-/// the mesh moves with the tilt ΔCD/L, which changes ΔCD by at most p ΔCD/(2 L): under 1 % for the usual levers above
-/// 300 mm, and left out.
+/// Pinion, yoke and bush are all fixed in the housing and the rack slides through them, so the lever L from the bush to
+/// the mesh is the same at every stroke. The yoke stands right behind the mesh, so of the bush only what resists the
+/// rack's tilt reaches the mesh: a bush with the tilting stiffness k_φ (N mm/rad) is felt there as k_φ/L². A tooth one
+/// pitch from the mesh moves with the tilt ΔCD/L, which changes ΔCD by at most p ΔCD/(2 L): under 1 % for the usual
+/// levers above 300 mm, and left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Yoke {
     /// Force of the yoke's spring with the rack at a_0, N; default 500.
@@ -105,7 +105,8 @@ pub struct Masses {
     pub pinion_kg: Option<f64>,
     /// Pinion about its axis, kg mm²; default that cylinder's.
     pub pinion_kg_mm2: Option<f64>,
-    /// Rack, kg; default a round steel bar with the face width as its diameter, as long as the stroke and ten diameters.
+    /// Rack, kg; default a round steel bar with the face width as its diameter, as long as the stroke and ten
+    /// diameters.
     pub rack_kg: Option<f64>,
     /// Rack about its roll axis, kg mm²; default that bar's about its own axis.
     pub rack_kg_mm2: Option<f64>,
@@ -115,7 +116,8 @@ pub struct Masses {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Integrator {
-    /// TR-BDF2 (Bank et al. 1985, with the error estimate of Hosea and Shampine 1996): implicit, second order, L-stable.
+    /// TR-BDF2 (Bank et al. 1985, with the error estimate of Hosea and Shampine 1996): implicit, second order,
+    /// L-stable.
     #[default]
     Implicit,
     /// Velocity Verlet: explicit, second order; for comparison.
@@ -164,8 +166,9 @@ pub struct Parameters {
     /// Travel from one sample to the next, mm; default 0.1. The last one is at the end of the stroke.
     pub spacing_mm: f64,
     /// Largest drift of the energy in a run without damping and friction, as a share of the energy exchanged; default
-    /// 1e-6. The implicit scheme's steps are shortened, and vibrations that they would damp are followed, until it holds: most
-    /// such runs take a second, one whose contacts ring through all the stroke ten to thirty. 1 leaves it out.
+    /// 1e-6. The implicit scheme's steps are shortened, and vibrations that they would damp are followed, until it
+    /// holds: most such runs take a second, one whose contacts ring through all the stroke ten to thirty. 1 leaves
+    /// it out.
     pub energy_tolerance: f64,
     /// Most steps of a dynamic run, rejected ones included; default 1 000 000.
     pub max_steps: u64,

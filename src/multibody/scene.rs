@@ -1,5 +1,5 @@
-//! The bodies, their contact and what presses them together, made from a pair, its deviations and parameters. Built by the
-//! caller; the runs ask it for forces.
+//! The bodies, their contact and what presses them together, made from a pair, its deviations and parameters. Built by
+//! the caller; the runs ask it for forces.
 
 use super::ParameterName;
 use super::bound::Reach;
@@ -220,10 +220,11 @@ impl Scene {
     ///
     /// A tooth that stands proud of its neighbour by e (along the normal, at the end of the face width where a lead
     /// deviation puts it) carries before its path of contact begins, where the pinion's tip edge has turned by δ past
-    /// it: e = r_b τ_a δ²/2. There the gap grows along the face width by κ r_b τ_a δ = κ √(2 r_b τ_a e) per mm, and the corner
-    /// lies up to a row beyond the last one that meets the flank. With twice [`Scene::resolution_mm`], which counts
-    /// half a row, that is what one flank may sink; one on each side lowers ΔCD by the sum of both over 2 sin α_n.
-    /// Spheres of the radius R stand out by R δ²/2 beyond the tip edge, which raises it by e R/(r_b τ_a − R) over sin α_n.
+    /// it: e = r_b τ_a δ²/2. There the gap grows along the face width by κ r_b τ_a δ = κ √(2 r_b τ_a e) per mm, and the
+    /// corner lies up to a row beyond the last one that meets the flank. With twice [`Scene::resolution_mm`], which
+    /// counts half a row, that is what one flank may sink; one on each side lowers ΔCD by the sum of both over 2
+    /// sin α_n. Spheres of the radius R stand out by R δ²/2 beyond the tip edge, which raises it by e R/(r_b τ_a −
+    /// R) over sin α_n.
     #[must_use]
     pub fn sinking_mm(&self) -> f64 {
         let pair = self.mesh.pair();

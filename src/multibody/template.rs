@@ -1,14 +1,14 @@
-//! A pinion flank of one lead as the contact models see it: its constants and, for spheres, its grid. Made once per lead by
-//! the scene.
+//! A pinion flank of one lead as the contact models see it: its constants and, for spheres, its grid. Made once per
+//! lead by the scene.
 //!
 //! # The grid
 //! Rows of spheres at equal distances w over the face, stations at equal steps h of the roll angle τ over the profile.
 //! All rows of a flank are the same profile turned by −κ w, so only profiles are stored. A contact line crosses the
-//! rows at τ = const + κ w; if all rows had the same stations, κ Δw/h near a small fraction would let many rows meet the
-//! line in the same phase and the force would ripple. So row r's stations are shifted by a share of h such that the
-//! phases relative to any contact line are r times the golden ratio (modulo 1, in 32nds at most), the most even sequence
-//! there is. The ends of the profile carry spheres in every row. Each sphere has the weight of its share of the
-//! profile and of the width.
+//! rows at τ = const + κ w; if all rows had the same stations, κ Δw/h near a small fraction would let many rows meet
+//! the line in the same phase and the force would ripple. So row r's stations are shifted by a share of h such that the
+//! phases relative to any contact line are r times the golden ratio (modulo 1, in 32nds at most), the most even
+//! sequence there is. The ends of the profile carry spheres in every row. Each sphere has the weight of its share of
+//! the profile and of the width.
 //!
 //! # Radii
 //! A sphere inside a flank of the radius of curvature ρ = r_b τ / cos β_b must be smaller than ρ. Radii are

@@ -115,7 +115,8 @@ fn an_own_limit_leaves_more_to_the_others() {
     assert!((budget.lines[0].delta_cd.mm() - 0.045).abs() < 1e-15);
 }
 
-/// Who gets no more than the budget would give anyway is not stopped by its own limit, and who has no weight gets nothing.
+/// Who gets no more than the budget would give anyway is not stopped by its own limit, and who has no weight gets
+/// nothing.
 #[test]
 fn a_share_that_equals_the_own_limit_and_one_of_nothing() {
     let [over_roller, pitch, ..] = formulas("20", "0", "19.7");
@@ -207,8 +208,8 @@ fn a_single_uniform_error_conforms_up_to_its_quantile() {
     assert!((budget.lines[0].delta_cd.mm() - 0.05).abs() < 0.0003);
 }
 
-/// Within a fraction p of its tolerance lies 0.95 of a triangular error for 1 − (1 − p)² = 0.95, and of a normal one that
-/// is cut at three standard deviations for 2Φ(3p) − 1 = 0.95 (2Φ(3) − 1).
+/// Within a fraction p of its tolerance lies 0.95 of a triangular error for 1 − (1 − p)² = 0.95, and of a normal one
+/// that is cut at three standard deviations for 2Φ(3p) − 1 = 0.95 (2Φ(3) − 1).
 #[test]
 fn other_distributions_conform_up_to_their_quantiles() {
     use crate::decision::statistics::{normal_cdf, normal_quantile};

@@ -201,7 +201,8 @@ mod tests {
         }
     }
 
-    /// Ten values all but equal to the mean: both tails are ln 2 − 1/2. And groups of a quarter of a deviation are narrow.
+    /// Ten values all but equal to the mean: both tails are ln 2 − 1/2. And groups of a quarter of a deviation are
+    /// narrow.
     #[test]
     fn one_narrow_group() {
         let group = [(-1e-9, 1e-9, 10)];

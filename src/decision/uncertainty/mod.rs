@@ -522,8 +522,8 @@ pub(super) mod tests {
         assert_eq!(result.end_correlation, -1.0);
     }
 
-    /// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom there
-    /// is no ν_eff, for those results that depend on it.
+    /// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom
+    /// there is no ν_eff, for those results that depend on it.
     #[test]
     fn correlated_inputs_of_few_degrees_of_freedom_have_no_effective_one() {
         let errors = five("0.012", "0.0255");

@@ -1,9 +1,9 @@
 //! The maximum over generators of a plain flank pair: a bracketed climb on the derivative. Called by
 //! [`FlankContact::touch`]; bounded in its evaluations, and ends with the best generator seen.
 //!
-//! The demand is smooth except where the bound on w changes from one edge to another; there its derivative jumps. Where both
-//! ends of the bracket lie on one edge the secant of the derivative is taken, where they lie on different edges the
-//! intersection of both tangents, which meets such a corner quadratically. For a concave function that
+//! The demand is smooth except where the bound on w changes from one edge to another; there its derivative jumps. Where
+//! both ends of the bracket lie on one edge the secant of the derivative is taken, where they lie on different edges
+//! the intersection of both tangents, which meets such a corner quadratically. For a concave function that
 //! intersection also is an upper bound, which ends the climb once it is as low as the best value.
 
 use super::{ContactKind, DEMAND, FlankContact, Generator, Hint, MAX_EVALUATIONS, Pose, Spot, Touch};
@@ -257,8 +257,8 @@ impl FlankContact {
     /// Names the contact and mixes the derivatives where two edges meet.
     fn settle(&self, mut touch: Touch, (lo, hi): (f64, f64), below: Option<Sample>, above: Option<Sample>) -> Touch {
         if self.kappa == 0.0 && (touch.spot.delta == lo || touch.spot.delta == hi) {
-            // the generators end at the involute's ends, which turn with it; on them the bound on w makes a corner unless it
-            // is free
+            // the generators end at the involute's ends, which turn with it; on them the bound on w makes a corner
+            // unless it is free
             let ends = [below, above].into_iter().flatten();
             for Sample { x, generator } in ends {
                 if let Generator::Some { slope, .. } = generator

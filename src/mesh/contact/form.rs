@@ -1,13 +1,13 @@
-//! Flanks with form: crowning, relief and slope. Called by [`FlankContact::touch`] and [`FlankContact::demand`] where a
-//! pair has any; plain flanks never come here. The demand on a generator is still concave, but no longer piecewise
-//! linear, so both maxima are searched without derivatives.
+//! Flanks with form: crowning, relief and slope. Called by [`FlankContact::touch`], [`FlankContact::demand`] and
+//! [`FlankContact::roll_rate`] where a pair has any; plain flanks never come here. The demand on a generator is still
+//! found in closed form; over the generators it is searched without derivatives.
 
 use super::{
     Bound, ContactKind, Coordinates, FlankContact, Generator, Line, Plane, Pose, PoseRates, RollRates, Spot, Touch,
 };
 
-/// Flank form of both parts: how far the material stands back along the normal, mm, and how that acts on what a point asks
-/// for. It is a property of each part: of the rolled rack, places are those in the rack itself.
+/// Flank form of both parts: how far the material stands back along the normal, mm, and how that acts on what a point
+/// asks for. It is a property of each part: of the rolled rack, places are those in the rack itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::mesh) struct Form {
     pub(in crate::mesh) rack_crowning: f64,
@@ -33,8 +33,8 @@ pub(in crate::mesh) struct FormRates {
     pub(in crate::mesh) per_normal_on_tip: f64,
 }
 
-/// What decides the form at a point of the pinion: the demands of the planes, the place across the rack, the roll angle and
-/// the place along the axis; and the same for how they change.
+/// What decides the form at a point of the pinion: the demands of the planes, the place across the rack, the roll angle
+/// and the place along the axis; and the same for how they change.
 #[derive(Debug, Clone, Copy, Default)]
 struct Local {
     flank: f64,
@@ -70,8 +70,8 @@ impl FlankContact {
         )
     }
 
-    /// What the surfaces ask for at a place, and the derivatives of that where the place changes by `by` and the rack as
-    /// `moving` says.
+    /// What the surfaces ask for at a place, and the derivatives of that where the place changes by `by` and the rack
+    /// as `moving` says.
     fn formed(&self, form: &Form, pose: &Pose, at: &Local, change: (&Local, &Moving)) -> [(f64, f64); SURFACES] {
         let (by, moving) = change;
         let (half_width, half_face) = (self.across.half_width, self.half_face);
@@ -106,8 +106,8 @@ impl FlankContact {
         Local { flank: flank.at(w), tip: tip.at(w), across: y.at(w), roll: at.t0 + self.kappa * w, w }
     }
 
-    /// The demand with flank form. Along a generator every surface asks for a polynomial of second degree in w, so the largest of
-    /// the least of them is at an end, at the vertex of one or where two cross.
+    /// The demand with flank form. Along a generator every surface asks for a polynomial of second degree in w, so the
+    /// largest of the least of them is at an end, at the vertex of one or where two cross.
     pub(super) fn demand_with_form(
         &self,
         form: &Form,
@@ -171,7 +171,8 @@ impl FlankContact {
         ]
     }
 
-    /// The derivatives of the demand at a point of contact by the rack's roll and by the centre distance that is assumed.
+    /// The derivatives of the demand at a point of contact by the rack's roll and by the centre distance that is
+    /// assumed.
     pub(super) fn formed_roll_rate(
         &self,
         form: &Form,
@@ -298,11 +299,12 @@ impl<'a> Held<'a> {
         Self { contact, form, pose, spot, at, lines, local }
     }
 
-    /// The derivative of the largest demand by something that changes the place on a generator by `by` and the bounds on w
-    /// by `end`.
+    /// The derivative of the largest demand by something that changes the place on a generator by `by` and the bounds
+    /// on w by `end`.
     ///
-    /// At a maximum of the least of several functions f_i within bounds g_j ≥ 0 there are shares λ_i ≥ 0, together 1, and
-    /// μ_j ≥ 0 with Σ λ_i ∇f_i + Σ μ_j ∇g_j = 0, and the maximum changes as Σ λ_i f_i + Σ μ_j g_j does where the place stays.
+    /// At a maximum of the least of several functions f_i within bounds g_j ≥ 0 there are shares λ_i ≥ 0, together 1,
+    /// and μ_j ≥ 0 with Σ λ_i ∇f_i + Σ μ_j ∇g_j = 0, and the maximum changes as Σ λ_i f_i + Σ μ_j g_j does where
+    /// the place stays.
     fn rate(&self, by: &Local, moving: &Moving, end: impl Fn(&Bound) -> f64) -> f64 {
         let (contact, still) = (self.contact, Moving::default());
         let surfaces = |by: &Local, moving| contact.formed(self.form, self.pose, &self.local, (by, moving));
@@ -352,8 +354,8 @@ const SAME: f64 = 1e-10;
 /// Places nearer to an end than this share of the face width are at it.
 const AT_END: f64 = 1e-8;
 
-/// The last column's sum with non-negative shares of which those in the first column make 1 and the others 0, or nearest to
-/// that; at most three share.
+/// The last column's sum with non-negative shares of which those in the first column make 1 and the others 0, or
+/// nearest to that; at most three share.
 fn balanced(holding: &[[f64; 4]]) -> f64 {
     let mut best = (f64::INFINITY, f64::NAN);
     for chosen in 1_u32..1 << holding.len() {
@@ -379,8 +381,8 @@ fn balanced(holding: &[[f64; 4]]) -> f64 {
     best.1
 }
 
-/// Shares x of at most three rows with the least squares of Σ x_i row_i − (1, 0, 0) in the first three columns; `None` if
-/// they are not determined.
+/// Shares x of at most three rows with the least squares of Σ x_i row_i − (1, 0, 0) in the first three columns; `None`
+/// if they are not determined.
 fn least_squares(rows: &[[f64; 4]]) -> Option<[f64; 3]> {
     let n = rows.len();
     let mut a = [[0.0; 4]; 3];

@@ -1,5 +1,5 @@
-//! How the demand of a flank pair changes with the rack's roll. Called once for each roll tried, at the contact that was
-//! found; searches nothing.
+//! How the demand of a flank pair changes with the rack's roll. Called once for each roll tried, at the contact that
+//! was found; searches nothing.
 
 use super::{Across, Bound, ContactKind, Coordinates, FlankContact, FormRates, Plane, Pose, Spot, Touch};
 

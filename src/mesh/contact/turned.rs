@@ -1,5 +1,5 @@
-//! Sines and cosines of a generator's angle δ against the contact line. Called by the closed forms, which need them at a few
-//! places of each flank pair and mostly for small angles; knows nothing of edges.
+//! Sines and cosines of a generator's angle δ against the contact line. Called by the closed forms, which need them at
+//! a few places of each flank pair and mostly for small angles; knows nothing of edges.
 
 use super::FlankContact;
 use crate::trig;
