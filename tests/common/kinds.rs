@@ -13,7 +13,7 @@ type Compared = Option<(f64, String)>;
 type Kind = (&'static str, fn(u64) -> Compared);
 
 /// Kinds of pairs: the name of each and its comparison.
-pub const KINDS: [Kind; 6] = [
+pub const KINDS: [Kind; 7] = [
     ("spur", |seed| compare_pair(seed, |_| (0.0, 0.0), false)),
     ("helical, parallel axes", |seed| {
         compare_pair(
@@ -29,6 +29,7 @@ pub const KINDS: [Kind; 6] = [
     ("crossed helical, lead errors", |seed| compare_pair(seed, any_helices, true)),
     ("crossed helical, flank form", compare_formed),
     ("rack free to roll", |seed| compare_rolling(seed, 5, false)),
+    ("rack free to roll, flank form", |seed| compare_rolling(seed, 5, true)),
 ];
 
 fn any_helices(random: &mut Random) -> (f64, f64) {
