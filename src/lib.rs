@@ -74,6 +74,7 @@ pub mod deviation;
 pub mod diagnostic;
 pub mod formula;
 pub mod gear;
+mod linear;
 pub mod mesh;
 pub mod multibody;
 mod parallel;

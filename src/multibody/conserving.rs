@@ -32,7 +32,8 @@ use super::Scene;
 use super::drive::Drive;
 use super::dynamics::{Flow, State, Step};
 use super::load::Work;
-use super::newton::{Balance, Limits, newton, solve};
+use super::newton::{Balance, Limits, newton};
+use crate::linear::solve;
 
 /// Unbalanced force over the closing force at which a step is solved: times the way of all steps, forth and back, it is
 /// the energy that is made up.

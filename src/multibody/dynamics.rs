@@ -43,11 +43,12 @@ use std::ops::ControlFlow;
 use super::conserving::Following;
 use super::drive::Drive;
 use super::load::Work;
-use super::newton::{Balance, Limits, newton, solve};
+use super::newton::{Balance, Limits, newton};
 use super::outcome::{Energy, Outcome, RunEnd, Sample, Watch};
 use super::parameters::Integrator;
 use super::state::{Coordinates, Forces};
 use super::{Scene, SimulationError};
+use crate::linear::solve;
 
 /// γ = 2 − √2.
 const GAMMA: f64 = 0.585_786_437_626_905;

@@ -8,6 +8,8 @@
 //!
 //! A tangent that is not positive is made so by the size of its eigenvalues, and a balance on a hill is left.
 
+use crate::linear::solve;
+
 /// Forces that are out of balance, with their tangent.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Balance<T> {
@@ -56,30 +58,6 @@ const FALL: f64 = 1e-4;
 
 /// Steps below this are rounding, mm.
 const SMALLEST: f64 = 2e-14;
-
-/// Gaussian elimination of n ≤ 3 equations with pivots on the diagonal; `None` if one is not positive.
-#[allow(clippy::needless_range_loop)] // matrices read as in the books
-pub(super) fn solve(mut k: [[f64; 3]; 3], mut r: [f64; 3], n: usize) -> Option<[f64; 3]> {
-    for i in 0..n {
-        if k[i][i] <= 0.0 || !k[i][i].is_finite() {
-            return None;
-        }
-        for j in i + 1..n {
-            let factor = k[j][i] / k[i][i];
-            for l in i..n {
-                k[j][l] -= factor * k[i][l];
-            }
-            r[j] -= factor * r[i];
-        }
-    }
-    for i in (0..n).rev() {
-        for l in i + 1..n {
-            r[i] -= k[i][l] * r[l];
-        }
-        r[i] /= k[i][i];
-    }
-    Some(r)
-}
 
 /// Eigenvalues and orthonormal eigenvectors of the symmetric part of the leading n × n block: Jacobi's rotations.
 #[allow(clippy::needless_range_loop)] // matrices read as in the books

@@ -5,6 +5,7 @@
 use super::{
     Bound, ContactKind, Coordinates, FlankContact, Generator, Line, Plane, Pose, PoseRates, RollRates, Spot, Touch,
 };
+use crate::linear;
 
 /// Flank form of both parts: how far the material stands back along the normal, mm, and how that acts on what a point
 /// asks for. It is a property of each part: of the rolled rack, places are those in the rack itself.
@@ -381,37 +382,17 @@ fn balanced(holding: &[[f64; 4]]) -> f64 {
     best.1
 }
 
-/// Shares x of at most three rows with the least squares of Σ x_i row_i − (1, 0, 0) in the first three columns; `None`
-/// if they are not determined.
+/// Shares x of at most three rows with the least squares of Σ x_i row_i − (1, 0, 0) in the first three columns; `None` if
+/// they are not determined.
 fn least_squares(rows: &[[f64; 4]]) -> Option<[f64; 3]> {
-    let n = rows.len();
-    let mut a = [[0.0; 4]; 3];
-    for (line, row) in a.iter_mut().zip(rows) {
+    let (mut products, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    for ((line, target), row) in products.iter_mut().zip(&mut right).zip(rows) {
         for (entry, other) in line.iter_mut().zip(rows) {
             *entry = (0..3).map(|column| row[column] * other[column]).sum();
         }
-        line[3] = row[0];
+        *target = row[0];
     }
-    for i in 0..n {
-        let pivot = (i..n).max_by(|&p, &q| a[p][i].abs().total_cmp(&a[q][i].abs()))?;
-        a.swap(i, pivot);
-        let line = a[i];
-        if line[i].abs() < 1e-14 {
-            return None;
-        }
-        for below in &mut a[i + 1..n] {
-            let share = below[i] / line[i];
-            for (entry, above) in below.iter_mut().zip(line).skip(i) {
-                *entry -= share * above;
-            }
-        }
-    }
-    let mut x = [0.0; 3];
-    for i in (0..n).rev() {
-        let rest: f64 = (i + 1..n).map(|k| a[i][k] * x[k]).sum();
-        x[i] = (a[i][3] - rest) / a[i][i];
-    }
-    Some(x)
+    linear::solve(products, right, rows.len())
 }
 
 /// Maximum of a unimodal function by golden section. The value is good to rounding, the place to its root.
