@@ -3,7 +3,8 @@
 //! found in closed form; over the generators it is searched without derivatives.
 
 use super::{
-    Bound, ContactKind, Coordinates, FlankContact, Generator, Line, Plane, Pose, PoseRates, RollRates, Spot, Touch,
+    Bound, ContactKind, Coordinates, DEMAND, FlankContact, Generator, Line, Plane, Pose, PoseRates, RollRates, Spot,
+    Touch,
 };
 use crate::linear;
 
@@ -119,13 +120,18 @@ impl FlankContact {
     ) -> Generator {
         let surfaces = self.along(form, pose, at, (flank, tip));
         let least = |w: f64| surfaces.iter().map(|surface| surface.at(w)).fold(f64::INFINITY, f64::min);
-        let mut best = (least(lo.w), lo.w);
+        // what asks for no more than rounding beyond the middle is as good: flanks without crowning touch along a line
+        let middle = lo.w + 0.5 * (hi.w - lo.w);
+        let tie = DEMAND * self.scale;
+        let mut best = (least(middle), middle);
+        let level = [lo.w, hi.w].into_iter().all(|w| (least(w) - best.0).abs() <= tie);
         let mut consider = |w: f64| {
             let value = least(w);
-            if w > lo.w && w <= hi.w && value > best.0 {
+            if w >= lo.w && w <= hi.w && value > best.0 + tie {
                 best = (value, w);
             }
         };
+        consider(lo.w);
         consider(hi.w);
         for (index, surface) in surfaces.iter().enumerate() {
             consider(-surface.b / (2.0 * surface.a));
@@ -143,6 +149,7 @@ impl FlankContact {
             (true, _) => lo.kind,
             (_, true) => hi.kind,
             _ if on_edge => ContactKind::RackEdge,
+            _ if level && w == middle => ContactKind::Line,
             _ => ContactKind::Point,
         };
         Generator::Some { demand, slope: f64::NAN, rate: f64::NAN, w, kind, on_tip }
