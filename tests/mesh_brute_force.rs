@@ -3,7 +3,9 @@
 
 mod common;
 
-use common::kinds::{KINDS, compare, compare_formed, compare_rolling, run};
+use std::fmt::Write;
+
+use common::kinds::{CASES, KINDS, compare, compare_formed, compare_rolling, run};
 
 /// The brute force's own error: golden sections stop at 2e-9 of a cell, and heights are quadratic there.
 const ALLOWED_MM: f64 = 1e-7;
@@ -79,4 +81,120 @@ fn the_accuracy_that_is_written_is_true() {
         // one digit is written, rounded
         assert!(failures.is_empty() && found <= 1.5 * worst, "{row}: {found:e}");
     }
+}
+
+/// Centre distances that the brute force found, by kind and seed: more pairs than there is time to search each time.
+const RECORD: &str = "tests/reference/brute_force.txt";
+
+fn parallel<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let made = std::sync::Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    if index >= count {
+                        break;
+                    }
+                    let one = make(index);
+                    made.lock().unwrap().push((index, one));
+                }
+            });
+        }
+    });
+    let mut made = made.into_inner().unwrap();
+    made.sort_by_key(|&(index, _)| index);
+    made.into_iter().map(|(_, one)| one).collect()
+}
+
+/// The solver against what the brute force found once, for so many pairs of a kind. `RACKMESH_LONG_TESTS=1` has the
+/// brute force find it again; `RACKMESH_UPDATE=1` writes the record anew.
+fn agrees_with_the_record(kind: &str, count: usize) {
+    let (_, make) = CASES.into_iter().find(|(name, _)| *name == kind).unwrap();
+    let search = |seed: usize| {
+        let case = make(seed as u64);
+        let point = case.mesh.at(case.stroke).ok();
+        case.by_brute_force(point.map_or(0.0, |point| point.roll_rad), point.as_ref())
+    };
+    if std::env::var_os("RACKMESH_UPDATE").is_some() {
+        static WRITING: std::sync::Mutex<()> = std::sync::Mutex::new(());
+        let found = parallel(count, search);
+        let _one_at_a_time = WRITING.lock().unwrap();
+        let before = std::fs::read_to_string(RECORD).unwrap_or_default();
+        let mut text =
+            String::from("# kind; seed; centre distance by brute force, mm (of a rolling rack at its roll)\n");
+        for (name, _) in CASES {
+            if name == kind {
+                for (seed, found) in found.iter().enumerate() {
+                    let found = found.map_or("none".into(), |found| format!("{found:.10}"));
+                    writeln!(text, "{kind}; {seed}; {found}").unwrap();
+                }
+            } else {
+                before.lines().filter(|row| row.split("; ").next() == Some(name)).for_each(|row| {
+                    writeln!(text, "{row}").unwrap();
+                });
+            }
+        }
+        std::fs::write(RECORD, text).unwrap();
+    }
+    let record = std::fs::read_to_string(RECORD).unwrap();
+    let rows: Vec<&str> = record.lines().filter(|row| row.split("; ").next() == Some(kind)).collect();
+    assert_eq!(rows.len(), count);
+    let failures = parallel(count, |seed| {
+        let row = rows[seed];
+        let recorded: Option<f64> = row.strip_prefix(&format!("{kind}; {seed}; ")).expect(row).parse().ok();
+        if long() {
+            let again = search(seed);
+            assert_eq!(again.is_some(), recorded.is_some(), "{row}");
+            assert!(again.is_none_or(|again| (again - recorded.unwrap()).abs() < ALLOWED_MM), "{row}: {again:?}");
+        }
+        let case = make(seed as u64);
+        match (case.mesh.at(case.stroke).ok(), recorded) {
+            (None, None) => None,
+            (Some(point), Some(recorded))
+                if point.converged() && (point.center_distance_mm - recorded).abs() <= ALLOWED_MM =>
+            {
+                None
+            }
+            (point, _) => Some(format!("{row}: {point:?}")),
+        }
+    });
+    let failures: Vec<String> = failures.into_iter().flatten().collect();
+    assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn spur_pairs_agree_with_the_record() {
+    agrees_with_the_record("spur", 100);
+}
+
+#[test]
+fn helical_pairs_on_parallel_axes_agree_with_the_record() {
+    agrees_with_the_record("helical, parallel axes", 150);
+}
+
+#[test]
+fn crossed_pairs_agree_with_the_record() {
+    agrees_with_the_record("crossed helical", 250);
+}
+
+#[test]
+fn crossed_pairs_with_lead_errors_agree_with_the_record() {
+    agrees_with_the_record("crossed helical, lead errors", 400);
+}
+
+#[test]
+fn pairs_with_flank_form_agree_with_the_record() {
+    agrees_with_the_record("crossed helical, flank form", 120);
+}
+
+#[test]
+fn rolling_racks_agree_with_the_record() {
+    agrees_with_the_record("rack free to roll", 60);
+}
+
+#[test]
+fn rolling_racks_with_flank_form_agree_with_the_record() {
+    agrees_with_the_record("rack free to roll, flank form", 30);
 }

@@ -3,7 +3,7 @@
 
 use rackmesh::deviation::{PinionForm, RackForm};
 use rackmesh::gear::Pair;
-use rackmesh::mesh::{Mesh, Support};
+use rackmesh::mesh::{Mesh, MeshPoint, Support};
 
 use super::brute::{Brute, Roll};
 use super::random::{self, Random};
@@ -12,11 +12,24 @@ type Compared = Option<(f64, String)>;
 
 type Kind = (&'static str, fn(u64) -> Compared);
 
+type Make = fn(u64) -> Case;
+
 /// Kinds of pairs: the name of each and its comparison.
 pub const KINDS: [Kind; 7] = [
-    ("spur", |seed| compare_pair(seed, |_| (0.0, 0.0), false)),
+    (CASES[0].0, |seed| compare_case(&CASES[0].1(seed))),
+    (CASES[1].0, |seed| compare_case(&CASES[1].1(seed))),
+    (CASES[2].0, |seed| compare_case(&CASES[2].1(seed))),
+    (CASES[3].0, |seed| compare_case(&CASES[3].1(seed))),
+    (CASES[4].0, compare_formed),
+    (CASES[5].0, |seed| compare_rolling(seed, 5, false)),
+    (CASES[6].0, |seed| compare_rolling(seed, 5, true)),
+];
+
+/// How each kind's cases are made.
+pub const CASES: [(&str, Make); 7] = [
+    ("spur", |seed| Case::of_pair(seed, |_| (0.0, 0.0), false)),
     ("helical, parallel axes", |seed| {
-        compare_pair(
+        Case::of_pair(
             seed,
             |random| {
                 let beta = random.range(-45.0, 45.0_f64).to_radians();
@@ -25,11 +38,11 @@ pub const KINDS: [Kind; 7] = [
             false,
         )
     }),
-    ("crossed helical", |seed| compare_pair(seed, any_helices, false)),
-    ("crossed helical, lead errors", |seed| compare_pair(seed, any_helices, true)),
-    ("crossed helical, flank form", compare_formed),
-    ("rack free to roll", |seed| compare_rolling(seed, 5, false)),
-    ("rack free to roll, flank form", |seed| compare_rolling(seed, 5, true)),
+    ("crossed helical", |seed| Case::of_pair(seed, any_helices, false)),
+    ("crossed helical, lead errors", |seed| Case::of_pair(seed, any_helices, true)),
+    ("crossed helical, flank form", Case::formed),
+    ("rack free to roll", |seed| Case::rolling(seed, false)),
+    ("rack free to roll, flank form", |seed| Case::rolling(seed, true)),
 ];
 
 fn any_helices(random: &mut Random) -> (f64, f64) {
@@ -43,35 +56,90 @@ pub fn teeth(pair: &Pair, stroke: f64) -> Vec<i64> {
     (middle - reach..=middle + reach).collect()
 }
 
+/// A mesh and a stroke, made from a seed.
+pub struct Case {
+    pub mesh: Mesh,
+    pub stroke: f64,
+    seed: u64,
+}
+
+impl Case {
+    fn new(seed: u64, mut random: Random, pair: Pair, leads: bool) -> Self {
+        let rack = random::rack(&mut random, &pair, leads);
+        let pinion = random::pinion(&mut random, &pair, leads);
+        let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
+        Self { mesh: Mesh::new(pair, rack, pinion, Support::Fixed).unwrap(), stroke, seed }
+    }
+
+    fn of_pair(seed: u64, helices: impl FnMut(&mut Random) -> (f64, f64), leads: bool) -> Self {
+        let mut random = Random(seed);
+        let pair = random::pair_with(&mut random, helices);
+        Self::new(seed, random, pair, leads)
+    }
+
+    /// Crowning, relief and profile slope: the flanks are no longer ruled, and contact is a point inside them.
+    fn formed(seed: u64) -> Self {
+        let mut random = Random(seed);
+        let pair = random::pair(&mut random);
+        let (rack_form, pinion_form) = forms(&mut random, &pair);
+        let leads = random.chance(0.5);
+        let rack = random::rack(&mut random, &pair, leads).with_form(&pair, rack_form).unwrap();
+        let pinion = random::pinion(&mut random, &pair, leads).with_form(pinion_form).unwrap();
+        let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
+        Self { mesh: Mesh::new(pair, rack, pinion, Support::Fixed).unwrap(), stroke, seed }
+    }
+
+    fn rolling(seed: u64, formed: bool) -> Self {
+        let mut random = Random(seed);
+        let pair = random::pair(&mut random);
+        let mut rack = random::rack(&mut random, &pair, true);
+        let mut pinion = random::pinion(&mut random, &pair, true);
+        if formed {
+            let forms = forms(&mut random, &pair);
+            rack = rack.with_form(&pair, forms.0).unwrap();
+            pinion = pinion.with_form(forms.1).unwrap();
+        }
+        let axis_depth_mm = random.range(-2.0, 12.0) * pair.normal_module_mm();
+        let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
+        Self { mesh: Mesh::new(pair, rack, pinion, Support::FreeRoll { axis_depth_mm }).unwrap(), stroke, seed }
+    }
+
+    /// The centre distance by brute force, of a rolling rack at the roll given. A point says where to begin.
+    pub fn by_brute_force(&self, roll: f64, near: Option<&MeshPoint>) -> Option<f64> {
+        let (pair, rack, pinion) = (self.mesh.pair(), self.mesh.rack(), self.mesh.pinion());
+        let teeth = teeth(pair, self.stroke);
+        let start = near.map_or(0.0, |point| -point.transmission_error_rad);
+        let at = |roll| Brute { pair, rack, pinion, roll }.center_distance(self.stroke, &teeth, start);
+        let Support::FreeRoll { axis_depth_mm } = self.mesh.support() else { return at(Roll::default()) };
+        let mut assumed = near.map_or(pair.nominal_center_distance_mm(), |point| point.center_distance_mm);
+        for _ in 0..8 {
+            let a = at(Roll { angle: roll, depth: axis_depth_mm, assumed })?;
+            // the face's edge moves by the roll times the error of what was assumed
+            if ((a - assumed) * roll).abs() < 1e-10 {
+                return Some(a);
+            }
+            assumed = a;
+        }
+        None
+    }
+}
+
 /// Any pair, most of them with lead errors.
 pub fn compare(seed: u64) -> Compared {
     let mut random = Random(seed);
     let pair = random::pair(&mut random);
     let leads = random.chance(0.7);
-    compare_with(seed, random, &pair, leads)
+    compare_case(&Case::new(seed, random, pair, leads))
 }
 
-fn compare_pair(seed: u64, helices: impl FnMut(&mut Random) -> (f64, f64), leads: bool) -> Compared {
-    let mut random = Random(seed);
-    let pair = random::pair_with(&mut random, helices);
-    compare_with(seed, random, &pair, leads)
-}
-
-fn compare_with(seed: u64, mut random: Random, pair: &Pair, leads: bool) -> Compared {
-    let pair = *pair;
-    let rack = random::rack(&mut random, &pair, leads);
-    let pinion = random::pinion(&mut random, &pair, leads);
-    let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
-    let mesh = Mesh::new(pair, rack.clone(), pinion.clone(), Support::Fixed).unwrap();
-    let point = mesh.at(stroke);
-    let brute = Brute { pair: &pair, rack: &rack, pinion: &pinion, roll: Roll::default() };
-    let teeth = teeth(&pair, stroke);
-    let start = point.map_or(0.0, |point| -point.transmission_error_rad);
-    let reference = brute.center_distance(stroke, &teeth, start);
+fn compare_case(case: &Case) -> Compared {
+    let point = case.mesh.at(case.stroke);
+    let reference = case.by_brute_force(0.0, point.as_ref().ok());
+    let seed = case.seed;
     match (point, reference) {
         (Ok(point), Some(a)) => {
             let unsettled = if point.converged() { 0.0 } else { f64::NAN };
-            Some((point.center_distance_mm - a + unsettled, format!("seed {seed}: {point:?}\n{:?}", pair)))
+            Some((point.center_distance_mm - a + unsettled, format!("seed {seed}: {point:?}\n{:?}", case.mesh)))
         }
         (Err(_), None) => None,
         (point, reference) => panic!("seed {seed}: {point:?} against {reference:?}"),
@@ -93,59 +161,22 @@ fn forms(random: &mut Random, pair: &Pair) -> (RackForm, PinionForm) {
     (rack, pinion)
 }
 
-/// Crowning, relief and profile slope: the flanks are no longer ruled, and contact is a point inside them.
+/// Crowning, relief and profile slope.
 pub fn compare_formed(seed: u64) -> Compared {
-    let mut random = Random(seed);
-    let pair = random::pair(&mut random);
-    let (rack_form, pinion_form) = forms(&mut random, &pair);
-    let leads = random.chance(0.5);
-    let rack = random::rack(&mut random, &pair, leads).with_form(&pair, rack_form).unwrap();
-    let pinion = random::pinion(&mut random, &pair, leads).with_form(pinion_form).unwrap();
-    let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
-    let point = Mesh::new(pair, rack.clone(), pinion.clone(), Support::Fixed).unwrap().at(stroke).unwrap();
-    let brute = Brute { pair: &pair, rack: &rack, pinion: &pinion, roll: Roll::default() };
-    let reference = brute.center_distance(stroke, &teeth(&pair, stroke), -point.transmission_error_rad)?;
-    Some((
-        point.center_distance_mm - reference,
-        format!("seed {seed}: {point:?}\n{rack_form:?} {pinion_form:?}\n{pair:?}"),
-    ))
+    let case = Case::formed(seed);
+    let point = case.mesh.at(case.stroke).unwrap();
+    let reference = case.by_brute_force(0.0, Some(&point))?;
+    Some((point.center_distance_mm - reference, format!("seed {seed}: {point:?}\n{:?}", case.mesh)))
 }
 
 /// A rack that rolls: its centre distance is the brute force's at that roll, and no other roll has a smaller one.
 pub fn compare_rolling(seed: u64, rolls: u32, formed: bool) -> Compared {
-    let mut random = Random(seed);
-    let pair = random::pair(&mut random);
-    let mut rack = random::rack(&mut random, &pair, true);
-    let mut pinion = random::pinion(&mut random, &pair, true);
-    if formed {
-        let forms = forms(&mut random, &pair);
-        rack = rack.with_form(&pair, forms.0).unwrap();
-        pinion = pinion.with_form(forms.1).unwrap();
-    }
-    let axis_depth_mm = random.range(-2.0, 12.0) * pair.normal_module_mm();
-    let stroke = random.range(-3.0, 8.0) * pair.rack().pitch_mm;
-    let mesh = Mesh::new(pair, rack.clone(), pinion.clone(), Support::FreeRoll { axis_depth_mm }).unwrap();
-    let point = mesh.at(stroke).unwrap();
-    let teeth = teeth(&pair, stroke);
-    let at = |angle: f64| {
-        let mut assumed = point.center_distance_mm;
-        let mut start = -point.transmission_error_rad;
-        for _ in 0..8 {
-            let roll = Roll { angle, depth: axis_depth_mm, assumed };
-            let brute = Brute { pair: &pair, rack: &rack, pinion: &pinion, roll };
-            let a = brute.center_distance(stroke, &teeth, start)?;
-            start = -point.transmission_error_rad;
-            // the face's edge moves by the roll times the error of what was assumed
-            if ((a - assumed) * angle).abs() < 1e-10 {
-                return Some(a);
-            }
-            assumed = a;
-        }
-        None
-    };
+    let case = Case::rolling(seed, formed);
+    let pair = case.mesh.pair();
+    let point = case.mesh.at(case.stroke).unwrap();
+    let at = |angle: f64| case.by_brute_force(angle, Some(&point));
     let same_roll = at(point.roll_rad)?;
-    let what =
-        |roll: f64, a: f64| format!("seed {seed}, roll {roll} gives {a}: {point:?}\naxis {axis_depth_mm}\n{pair:?}");
+    let what = |roll: f64, a: f64| format!("seed {seed}, roll {roll} gives {a}: {point:?}\n{:?}", case.mesh);
     let error = point.center_distance_mm - same_roll;
     if error.abs() > 1e-7 {
         return Some((error, what(point.roll_rad, same_roll)));
