@@ -27,6 +27,8 @@ mod form;
 mod rack_corner;
 mod reach;
 mod roll_rate;
+#[cfg(test)]
+mod tests;
 mod turned;
 
 pub(super) use form::{Form, FormRates};
@@ -363,6 +365,8 @@ impl FlankContact {
 
     /// The largest demand on the generator δ.
     fn demand(&self, pose: &Pose, delta: f64) -> Generator {
+        #[cfg(test)]
+        tests::count();
         let at = self.coordinates(pose, delta);
         let (lo, hi) = self.interval(pose, &at);
         let gap = hi.w - lo.w;
@@ -524,7 +528,7 @@ impl FlankContact {
         let harmless = self.fits && self.reach_of_root(pose) <= best.map_or(floor, |best| best.demand.max(floor));
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), floor, hint)
+                && let Some(touch) = self.climb(pose, (from, to), (lo, hi), floor, hint)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);
@@ -541,7 +545,7 @@ impl FlankContact {
         }
         let mut climb = |from: f64, to: f64| {
             if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), floor, hint)
+                && let Some(touch) = self.climb(pose, (from, to), (lo, hi), floor, hint)
                 && best.is_none_or(|best| touch.demand > best.demand + tie)
             {
                 best = Some(touch);

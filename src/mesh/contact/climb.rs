@@ -57,8 +57,15 @@ fn reach(spread: f64, run: i32) -> f64 {
 }
 
 impl FlankContact {
-    /// Largest demand for δ in `lo..=hi`.
-    pub(super) fn climb(&self, pose: &Pose, (lo, hi): (f64, f64), floor: f64, hint: Option<Hint>) -> Option<Touch> {
+    /// Largest demand for δ in `lo..=hi`, all or part of the flank that ends at `ends`.
+    pub(super) fn climb(
+        &self,
+        pose: &Pose,
+        (lo, hi): (f64, f64),
+        ends: (f64, f64),
+        floor: f64,
+        hint: Option<Hint>,
+    ) -> Option<Touch> {
         let scale = self.scale;
         let tolerance = DEMAND * scale;
         let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
@@ -153,7 +160,7 @@ impl FlankContact {
                 }
             }
         }
-        best.map(|touch| self.settle(touch, (lo, hi), below, above))
+        best.map(|touch| self.settle(touch, ends, below, above))
     }
 
     /// An upper bound of the demand between two samples: their tangents' intersection, and what any curvature can add.

@@ -150,6 +150,8 @@ impl FlankContact {
     }
 
     fn place(&self, pose: &Pose, roll: f64, w: f64) -> Place {
+        #[cfg(test)]
+        super::tests::count();
         let generator = self.turned((pose.c - self.nu) + roll - self.kappa * w);
         let xi = self.base_radius * (generator.sin - roll * generator.cos) + pose.offset.0;
         Place { roll, w, generator, y: self.across.t * xi + self.across.w * w }
@@ -293,71 +295,9 @@ impl FlankContact {
 
 #[cfg(test)]
 mod tests {
-    use crate::gear::{Pair, PairData, PinionData, RackData};
     use crate::mesh::contact::corner::Found;
+    use crate::mesh::contact::tests::{Even, contacts};
     use crate::mesh::contact::{ContactKind, FlankContact, Hint, Pose};
-    use crate::mesh::prepare::Roll;
-    use crate::mesh::{FlankSide, Mesh};
-    use crate::trig;
-
-    /// Numbers in 0..1 that fill it evenly.
-    struct Even(f64);
-
-    impl Even {
-        fn next(&mut self, low: f64, high: f64) -> f64 {
-            self.0 = (self.0 + 0.618_033_988_749_895).fract();
-            low + (high - low) * self.0
-        }
-    }
-
-    fn contacts(mut each: impl FnMut(&FlankContact, &Pose)) {
-        let mut even = Even(0.1);
-        let mut made = 0;
-        while made < 600 {
-            let module = even.next(1.0, 3.0);
-            let teeth = even.next(6.0, 60.0).round();
-            let helix = |even: &mut Even| if even.next(0.0, 1.0) < 0.25 { 0.0 } else { even.next(-0.7, 0.7) };
-            let (rack, pinion) = (helix(&mut even), helix(&mut even));
-            let parallel = even.next(0.0, 1.0) < 0.3;
-            let radius = 0.5 * module * teeth / trig::cos(pinion);
-            let shift = even.next(0.0, 0.6);
-            let data = PairData {
-                normal_module_mm: module,
-                normal_pressure_angle_rad: even.next(0.26, 0.43),
-                rack: RackData {
-                    helix_angle_rad: if parallel { -pinion } else { rack },
-                    face_width_mm: even.next(2.0, 15.0) * module,
-                    addendum_mm: even.next(0.7, 1.1) * module,
-                    tooth_thickness_mm: None,
-                },
-                pinion: PinionData {
-                    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "6 to 40")]
-                    teeth: teeth as u32,
-                    helix_angle_rad: pinion,
-                    profile_shift: shift,
-                    tip_diameter_mm: 2.0 * (radius + module * (shift + even.next(0.6, 1.0))),
-                    root_form_diameter_mm: Some(2.0 * (radius + module * (shift - even.next(0.8, 1.2)))),
-                    face_width_mm: even.next(5.0, 15.0) * module,
-                    tooth_thickness_deviation_mm: 0.0,
-                },
-            };
-            let Ok(mesh) = Pair::new(&data).map(|pair| Mesh::nominal(pair).expect("teeth in order")) else { continue };
-            made += 1;
-            let side = if made % 2 == 0 { FlankSide::Right } else { FlankSide::Left };
-            let contact = mesh.prepare(side, 0, &Roll::NONE).contact;
-            for _ in 0..12 {
-                let reach = contact.kappa.abs() * contact.half_face + 0.2;
-                let roll = even.next(contact.start_roll - reach, contact.tip_roll + reach);
-                let (x, z) = (even.next(-0.1, 0.1), even.next(-0.1, 0.1));
-                let c = contact.nu - roll;
-                let pose = Pose { c, shift: 0.0, offset: (x, z), offset_rate: (-z, x), across: 0.0 };
-                // placed as where the pinion is near its place: the line asks for the nominal centre distance or so
-                let line = contact.unbounded(&pose);
-                let wanted = mesh.pair().nominal_center_distance_mm() + even.next(-0.1, 0.1);
-                each(&contact, &Pose { shift: wanted - line, ..pose });
-            }
-        }
-    }
 
     /// The search knows nothing of these formulas.
     #[test]

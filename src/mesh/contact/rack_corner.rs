@@ -107,6 +107,8 @@ impl FlankContact {
     }
 
     fn rack_point(&self, pose: &Pose, roll: f64, w: f64) -> RackPoint {
+        #[cfg(test)]
+        super::tests::count();
         let (scale, r) = (self.scale, self.base_radius);
         let Turned { delta, sin_delta, versine, lag, sin, cos } =
             self.turned((pose.c - self.nu) + roll - self.kappa * w);
