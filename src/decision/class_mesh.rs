@@ -99,7 +99,7 @@ pub fn largest_delta_cd_mm(
         }
         (Deviation::TotalPitch, Part::Pinion) => {
             let half = real(teeth) / 2.0;
-            pinion = shifts(&|tooth| amount_mm * (1.0 - (real(tooth) - half).abs() / half))?;
+            pinion = shifts(&|tooth| amount_mm * real(tooth.min(teeth - tooth)) / half)?;
         }
         (Deviation::ProfileSlope, Part::Pinion) => {
             let form = PinionForm { profile_slope_mm: -amount_mm, ..PinionForm::default() };
@@ -130,6 +130,7 @@ pub fn largest_delta_cd_mm(
 mod tests {
     use super::super::prediction::tests::pair;
     use super::*;
+    use crate::gear::example;
 
     const AMOUNT_MM: f64 = 0.02;
 
@@ -174,5 +175,28 @@ mod tests {
     #[test]
     fn the_stroke_is_a_whole_turn() {
         near(solved(30, Part::Pinion, Deviation::Runout, 1), AMOUNT_MM);
+    }
+
+    /// A sector of one pitch is a single pitch deviation, also where more than two teeth carry at a time.
+    #[test]
+    fn a_sector_ends_where_it_ends() {
+        let pair = pair(20, -0.35, 0.35);
+        assert!(pair.contact_ratio().total > 2.0);
+        let of = |deviation| largest_delta_cd_mm(&pair, Part::Rack, deviation, AMOUNT_MM, 20.0, 1).ok();
+        near(of(Deviation::SectorPitch), of(Deviation::SinglePitch).unwrap());
+    }
+
+    /// The rack's first tooth that is off lies 100 mm from the start.
+    #[test]
+    fn the_stroke_of_a_small_pinion_of_large_module_reaches_what_is_off() {
+        let mut data = example(8, 0.0, 0.0);
+        data.normal_module_mm = 8.0;
+        data.rack.addendum_mm = 8.0;
+        data.pinion.profile_shift = 0.6;
+        data.pinion.tip_diameter_mm = 85.0;
+        data.pinion.root_form_diameter_mm = None;
+        let pair = Pair::new(&data).unwrap();
+        let found = largest_delta_cd_mm(&pair, Part::Rack, Deviation::Runout, AMOUNT_MM, 20.0, 1).ok();
+        near(found, AMOUNT_MM);
     }
 }

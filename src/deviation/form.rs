@@ -68,3 +68,33 @@ impl PinionForm {
         Ok(self)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_relief_starts_below_the_tip() {
+        let relief =
+            |tip_relief_mm, tip_relief_start_mm| RackForm { tip_relief_mm, tip_relief_start_mm, crowning_mm: 0.0 };
+        assert!(relief(0.01, 1.9_f64.next_down()).checked(1.9).is_ok());
+        let start = Err(DeviationError::ReliefStart { start_mm: 1.9, addendum_mm: 1.9 });
+        assert_eq!(relief(0.01, 1.9).checked(1.9), start);
+        // where none is, it starts nowhere, also on a rack that ends below its reference plane
+        assert_eq!(RackForm::default().checked(-0.5), Ok(RackForm::default()));
+        assert!(relief(0.0, 5.0).checked(1.9).is_ok());
+    }
+
+    #[test]
+    fn only_material_removed_is_a_form() {
+        let negative = Err(DeviationError::NegativeForm { value_mm: -0.01 });
+        assert_eq!(RackForm { crowning_mm: -0.01, ..RackForm::default() }.checked(1.9), negative);
+        assert_eq!(RackForm { tip_relief_mm: -0.01, ..RackForm::default() }.checked(1.9), negative);
+        assert!(PinionForm { crowning_mm: -0.01, ..PinionForm::default() }.checked().is_err());
+        let slope = PinionForm { profile_slope_mm: -0.01, ..PinionForm::default() };
+        assert_eq!(slope.checked(), Ok(slope));
+        assert!(!slope.is_plain() && PinionForm::default().is_plain());
+        let crowned = RackForm { crowning_mm: 0.01, ..RackForm::default() };
+        assert!(!crowned.is_plain() && RackForm::default().is_plain());
+    }
+}

@@ -230,3 +230,50 @@ impl PinionFlanks {
         self.eccentricity_mm
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::example;
+
+    fn flank(arc_mm: f64, lead_rad: f64) -> PinionFlank {
+        PinionFlank { arc_mm, lead_rad }
+    }
+
+    #[test]
+    fn measured_flanks_are_added_to_what_is_there() {
+        let pair = Pair::new(&example(12, 0.0, 0.0)).unwrap();
+        let all = |kind| PinionDeviation { teeth: ToothRange::ALL, kind };
+        let known =
+            PinionFlanks::new(&pair, &[all(PinionDeviationKind::Shift(0.25)), all(PinionDeviationKind::Lead(0.125))]);
+        let row = PinionTooth { left: flank(0.5, 0.0625), right: flank(-0.5, 0.03125) };
+        let flanks = known.unwrap().with_measured(&[PinionTooth::default(), row]).unwrap();
+        let both = PinionTooth { left: flank(0.25, 0.125), right: flank(0.25, 0.125) };
+        assert_eq!(flanks.teeth()[0], both);
+        let sum = PinionTooth { left: flank(0.75, 0.1875), right: flank(-0.25, 0.15625) };
+        assert_eq!(flanks.teeth()[1..3], [sum, both]);
+        let many = vec![row; 13];
+        let error = DeviationError::NoSuchTooth { tooth: 12, teeth: 12 };
+        assert_eq!(flanks.with_measured(&many), Err(error));
+    }
+
+    #[test]
+    fn helices_end_at_85_degrees() {
+        let degree = std::f64::consts::PI / 180.0;
+        for helix in [-60.0, 60.0] {
+            let pair = Pair::new(&example(12, 0.0, helix * degree)).unwrap();
+            let lead = |degrees: f64| {
+                let kind = PinionDeviationKind::Lead(degrees * degree);
+                PinionFlanks::new(&pair, &[PinionDeviation { teeth: ToothRange::ALL, kind }])
+            };
+            assert!(lead(24.9).is_ok() && lead(-24.9).is_ok());
+            for degrees in [25.1, -25.1] {
+                let Err(DeviationError::OutOfDomain { quantity, limit, .. }) = lead(degrees) else {
+                    panic!("too steep")
+                };
+                assert_eq!(quantity, DeviationQuantity::Lead);
+                assert!((limit - 25.0 * degree).abs() < 1e-12);
+            }
+        }
+    }
+}

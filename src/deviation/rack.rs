@@ -240,5 +240,24 @@ mod tests {
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("2", 0.25), lead("2..=4", 0.125)]), 0.875);
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("2..", -1.5)]), -1.0);
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("all", -0.5)]), 0.0);
+        // of two as large the first
+        assert_eq!(largest_lead(&[lead("1", 0.5), lead("2", -0.5)]), 0.5);
+    }
+
+    #[test]
+    fn tooth_lines_end_at_85_degrees() {
+        let degree = std::f64::consts::PI / 180.0;
+        for helix in [-60.0, 60.0] {
+            let pair = Pair::new(&crate::gear::example(12, helix * degree, 0.0)).unwrap();
+            let lead = |degrees: f64| RackFlanks::new(&pair, &[lead("all", degrees * degree)]);
+            assert!(lead(24.9).is_ok() && lead(-24.9).is_ok());
+            for degrees in [25.1, -25.1] {
+                let Err(DeviationError::OutOfDomain { quantity, limit, .. }) = lead(degrees) else {
+                    panic!("too steep")
+                };
+                assert_eq!(quantity, DeviationQuantity::Lead);
+                assert!((limit - 25.0 * degree).abs() < 1e-12);
+            }
+        }
     }
 }

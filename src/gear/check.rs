@@ -128,7 +128,8 @@ impl Pair {
         let kappa = trig::tan(p.helix_angle_rad) / p.reference_radius_mm;
         let phases = polygon.iter().map(|&(tau, w)| tau - kappa * w);
         let (min, max) = phases.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-        let total = if max > min { (max - min) / pitch } else { 0.0 };
+        // less than nothing of an empty polygon
+        let total = ((max - min) / pitch).max(0.0);
         let transverse = ((high - low) / pitch).min(total);
         ContactRatio { transverse, overlap: total - transverse, total }
     }

@@ -137,3 +137,27 @@ pub enum GeometryError {
         tip_diameter_mm: f64,
     },
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Angles in degrees, lengths in mm, numbers of teeth and shifts as they are.
+    #[test]
+    fn what_is_outside_its_domain_is_said_in_its_unit() {
+        let said = |quantity, value, min, max| GeometryError::OutOfDomain { quantity, value, min, max }.to_string();
+        assert_eq!(said(Quantity::PinionTeeth, 0.0, 1.0, 10_000.0), "pinion number of teeth = 0 is outside 1 .. 10000");
+        assert_eq!(
+            said(Quantity::PinionProfileShift, 11.0, -10.0, 10.0),
+            "pinion profile shift = 11 is outside -10 .. 10"
+        );
+        assert_eq!(said(Quantity::RackFaceWidth, 0.0, 0.5, 20.0), "rack face width = 0 mm is outside 0.5 mm .. 20 mm");
+        let quarter = std::f64::consts::FRAC_PI_2;
+        assert_eq!(
+            said(Quantity::PinionHelixAngle, quarter, -0.5 * quarter, 0.5 * quarter),
+            "pinion helix angle = 90° is outside -45° .. 45°"
+        );
+        let units = [Quantity::PinionTeeth, Quantity::RackHelixAngle, Quantity::RackAddendum].map(Quantity::unit);
+        assert_eq!(units, ["", "rad", "mm"]);
+    }
+}

@@ -240,3 +240,156 @@ impl Pinion {
         TAU / f64::from(self.teeth)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::example;
+
+    fn near(value: f64, expected: f64) {
+        assert!((value - expected).abs() < 1e-13 * expected.abs().max(1.0), "{value} {expected}");
+    }
+
+    /// Each number at its bounds, just beyond them, and none at all; module 2, 20 teeth.
+    #[test]
+    fn each_number_has_its_bounds() {
+        type Set = fn(&mut PairData, f64);
+        let cases: [(Quantity, Set, f64, f64); 12] = [
+            (Quantity::NormalModule, |data, value| data.normal_module_mm = value, 1e-3, 1e3),
+            (
+                Quantity::NormalPressureAngle,
+                |data, value| data.normal_pressure_angle_rad = value,
+                0.017_453_292_519_943_295,
+                1.047_197_551_196_597_6,
+            ),
+            (
+                Quantity::RackHelixAngle,
+                |data, value| data.rack.helix_angle_rad = value,
+                -1.396_263_401_595_463_6,
+                1.396_263_401_595_463_6,
+            ),
+            (Quantity::RackFaceWidth, |data, value| data.rack.face_width_mm = value, 1e-6, 1e9),
+            (Quantity::RackAddendum, |data, value| data.rack.addendum_mm = value, -20.0, 20.0),
+            (Quantity::RackToothThickness, |data, value| data.rack.tooth_thickness_mm = Some(value), 2e-6, 20.0),
+            (
+                Quantity::PinionHelixAngle,
+                |data, value| data.pinion.helix_angle_rad = value,
+                -1.396_263_401_595_463_6,
+                1.396_263_401_595_463_6,
+            ),
+            (Quantity::PinionProfileShift, |data, value| data.pinion.profile_shift = value, -10.0, 10.0),
+            (Quantity::PinionFaceWidth, |data, value| data.pinion.face_width_mm = value, 1e-6, 1e9),
+            // four reference radii and forty modules
+            (Quantity::PinionTipDiameter, |data, value| data.pinion.tip_diameter_mm = value, 1e-6, 160.0),
+            (
+                Quantity::PinionToothThicknessDeviation,
+                |data, value| data.pinion.tooth_thickness_deviation_mm = value,
+                -20.0,
+                20.0,
+            ),
+            (Quantity::PinionRootFormDiameter, |data, value| data.pinion.root_form_diameter_mm = Some(value), 0.0, 1e9),
+        ];
+        let error = |set: Set, value| {
+            let mut data = example(20, 0.0, 0.0);
+            set(&mut data, value);
+            Pair::new(&data).err()
+        };
+        for (quantity, set, min, max) in cases {
+            for value in [min.next_down(), max.next_up()] {
+                let expected = GeometryError::OutOfDomain { quantity, value, min, max };
+                assert_eq!(error(set, value), Some(expected), "{quantity}");
+            }
+            assert!(matches!(error(set, f64::NAN), Some(GeometryError::OutOfDomain { .. })), "{quantity}");
+            for value in [min, max] {
+                let found = error(set, value);
+                let refused = matches!(found, Some(GeometryError::OutOfDomain { quantity: of, .. }) if of == quantity);
+                assert!(!refused, "{found:?}");
+            }
+        }
+        for teeth in [0, 10_001] {
+            let expected = GeometryError::OutOfDomain {
+                quantity: Quantity::PinionTeeth,
+                value: f64::from(teeth),
+                min: 1.0,
+                max: 10_000.0,
+            };
+            assert_eq!(Pair::new(&example(teeth, 0.0, 0.0)).err(), Some(expected));
+        }
+    }
+
+    /// The sides of the helix angle's triangle are 3, 4 and 5, tan α_n = 1/2.
+    #[test]
+    fn what_follows_from_a_drawing() {
+        let helix = trig::atan(0.75);
+        let mut data = example(20, -helix, helix);
+        data.pinion.tooth_thickness_deviation_mm = 0.1;
+        data.pinion.root_form_diameter_mm = Some(48.0);
+        let pair = Pair::new(&data).unwrap();
+        let (rack, p) = (pair.rack(), pair.pinion());
+        near(rack.pitch_mm, 2.5 * PI);
+        near(rack.tan_pressure_angle_x, 0.625);
+        near(rack.tooth_thickness_mm, PI);
+        near(p.reference_radius_mm, 25.0);
+        near(p.transverse_pitch_mm, 2.5 * PI);
+        near(trig::tan(p.transverse_pressure_angle_rad), 0.625);
+        let r_b = 25.0 / f64::sqrt(1.0 + 0.625 * 0.625);
+        near(p.base_radius_mm, r_b);
+        near(trig::sin(p.base_helix_angle_rad), 0.6 / f64::sqrt(1.25));
+        let thickness = (FRAC_PI_2 + 0.2) * 2.5 + 0.1;
+        near(p.tooth_thickness_mm, thickness);
+        near(p.base_half_angle_rad, thickness / 50.0 + 0.625 - trig::atan(0.625));
+        let roll = |radius: f64| f64::sqrt((radius / r_b) * (radius / r_b) - 1.0);
+        near(p.tip_roll_rad, roll(27.3));
+        near(p.start_roll_rad, roll(24.0));
+        near(p.root_form_radius_mm, 24.0);
+        let at_tip = p.base_half_angle_rad - (roll(27.3) - trig::atan(roll(27.3)));
+        near(p.tip_thickness_mm(), 54.6 * at_tip);
+        near(pair.nominal_center_distance_mm(), 25.4);
+        near(pair.rotation_per_stroke_rad(), 1.0 / 25.0);
+        assert_eq!(pair.shaft_angle_rad(), 0.0);
+        // an involute starts at the base circle at the earliest
+        for root_form_diameter_mm in [None, Some(0.0), Some(42.3)] {
+            data.pinion.root_form_diameter_mm = root_form_diameter_mm;
+            let p = *Pair::new(&data).unwrap().pinion();
+            assert_eq!((p.root_form_radius_mm, p.start_roll_rad), (p.base_radius_mm, 0.0));
+        }
+    }
+
+    #[test]
+    fn teeth_that_cannot_be() {
+        let data = example(20, 0.0, 0.0);
+        let rack = |tooth_thickness_mm: f64| {
+            let mut data = data;
+            data.rack.tooth_thickness_mm = Some(tooth_thickness_mm);
+            Pair::new(&data)
+        };
+        // as thick as the pitch
+        let full = 2.0 * PI;
+        assert_eq!(rack(full), Err(GeometryError::NoRackSpace { tooth_thickness_mm: full, pitch_mm: full }));
+        assert!(rack(full.next_down()).is_ok());
+        // flanks that meet in the tip plane
+        let pointed = 2.0 * 1.9 * trig::tan(data.normal_pressure_angle_rad);
+        near(pointed, 1.9);
+        assert_eq!(rack(pointed), Err(GeometryError::PointedRack { tip_thickness_mm: 0.0, addendum_mm: 1.9 }));
+        assert!(rack(pointed.next_up()).is_ok());
+        let Err(GeometryError::PointedRack { tip_thickness_mm, .. }) = rack(1.7) else { panic!("pointed") };
+        near(tip_thickness_mm, -0.2);
+
+        // no involute is left between its start and the tip
+        let mut ends = data;
+        ends.pinion.root_form_diameter_mm = Some(44.6);
+        let none = GeometryError::NoInvolute { start_diameter_mm: 44.6, tip_diameter_mm: 44.6 };
+        assert_eq!(Pair::new(&ends), Err(none));
+        // a tip far beyond where the flanks meet
+        let mut high = data;
+        high.pinion.tip_diameter_mm = 60.0;
+        let Err(GeometryError::PointedPinion { tip_thickness_mm, tip_diameter_mm }) = Pair::new(&high) else {
+            panic!("pointed")
+        };
+        let r_b = 20.0 / f64::sqrt(1.25);
+        let roll = f64::sqrt(900.0 / (r_b * r_b) - 1.0);
+        let half = (FRAC_PI_2 + 0.2) * 2.0 / 40.0 + 0.5 - trig::atan(0.5);
+        near(tip_thickness_mm, 60.0 * (half - roll + trig::atan(roll)));
+        assert_eq!(tip_diameter_mm, 60.0);
+    }
+}

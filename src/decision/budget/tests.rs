@@ -197,6 +197,36 @@ fn simulation(conforming: f64, spread: simulation::Spread) -> Simulation {
     Simulation { conforming, spread, draws: 100_000, seed: 1 }
 }
 
+/// To a part in 10⁹, in some fifty simulations, wherever it lies; and nowhere.
+#[test]
+fn the_largest_scale_is_found_soon_and_closely() {
+    let asked = std::cell::Cell::new(0);
+    let found = |bound: f64| {
+        asked.set(0);
+        let at = |scale: f64| Ok(vec![PartError::PinionRadial(Length::from_mm(scale).unwrap())]);
+        let conforms = |errors: &[PartError]| {
+            asked.set(asked.get() + 1);
+            base_value(&errors[0]) <= bound
+        };
+        simulation::largest_scale(at, conforms).map(|errors| base_value(&errors[0]))
+    };
+    for bound in [3e-5, 0.0123, 1.0, 500.0] {
+        let scale = found(bound).unwrap();
+        assert!(scale <= bound && scale > bound * (1.0 - 2e-9), "{bound}: {scale}");
+        assert!(asked.get() < 60, "{bound}: {}", asked.get());
+    }
+    assert_eq!(found(0.0).unwrap(), 0.0);
+    assert!(asked.get() < 60, "{}", asked.get());
+    assert!(matches!(found(f64::INFINITY), Err(BudgetError::Unbounded)));
+    assert!(asked.get() < 60, "{}", asked.get());
+}
+
+#[test]
+fn spreads_have_names() {
+    let names = [simulation::Spread::Uniform, simulation::Spread::Normal, simulation::Spread::Triangular];
+    assert_eq!(names.map(simulation::Spread::name), ["uniform", "normal", "triangular"]);
+}
+
 #[test]
 fn a_single_uniform_error_conforms_up_to_its_quantile() {
     // |e| ≤ L for a fraction L/T of a uniform error: T = L / 0.95

@@ -361,6 +361,13 @@ mod tests {
     }
 
     #[test]
+    fn a_gauge_that_explains_all_of_the_spread_leaves_no_capability_of_the_parts() {
+        let gauge = Gauge::of(0.002, 0.002, 0.01, None);
+        assert_eq!((gauge.part_deviation_mm, gauge.part_ppk, gauge.variance_share), (Some(0.0), None, 1.0));
+        assert_eq!(Gauge::of(0.003, 0.002, 0.01, None).part_deviation_mm, None);
+    }
+
+    #[test]
     fn indices_without_the_values_are_those_with_them() {
         let values = normal_values(200, 0.003, 0.01);
         let whole = capability(&values, &limit("-0.04", "0.05"), 1, None).unwrap();
@@ -409,8 +416,8 @@ mod tests {
     #[test]
     fn the_share_outside_is_counted() {
         let mut values = vec![0.0; 20];
-        values[..5].copy_from_slice(&[-1.0, 1.0, -1.5, 1.25, 2.0]);
-        assert_eq!(capability(&values, &limit("-1", "1"), 1, None).unwrap().outside, 3.0 / 20.0);
+        values[..6].copy_from_slice(&[-1.0, 1.0, -1.5, -1.25, 1.25, 2.0]);
+        assert_eq!(capability(&values, &limit("-1", "1"), 1, None).unwrap().outside, 4.0 / 20.0);
         let upper = Limit { lower: None, upper: Some("1".parse().unwrap()) };
         assert_eq!(capability(&values, &upper, 1, None).unwrap().outside, 2.0 / 20.0);
     }

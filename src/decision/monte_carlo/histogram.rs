@@ -105,22 +105,18 @@ impl Histogram {
             points.push((below, right));
         }
         let needed = p * below;
-        let value = |points: &[(f64, f64)], upper: usize, rank: f64| {
-            let (a, b) = (points[upper - 1], points[upper]);
-            if b.0 > a.0 { a.1 + (b.1 - a.1) * ((rank - a.0) / (b.0 - a.0)) } else { a.1 }
-        };
         let mut best = (f64::INFINITY, self.extremes);
         let mut upper = 1;
         for &(rank, low) in &points {
             let target = rank + needed;
-            // ranks that differ by rounding only are the same
-            if target > below * (1.0 + 1e-12) {
+            if target > below {
                 break;
             }
-            while upper + 1 < points.len() && points[upper].0 < target {
+            while points[upper].0 < target {
                 upper += 1;
             }
-            let high = value(&points, upper, target.min(below));
+            let (a, b) = (points[upper - 1], points[upper]);
+            let high = a.1 + (b.1 - a.1) * ((target - a.0) / (b.0 - a.0));
             if high - low < best.0 {
                 best = (high - low, (low, high));
             }
@@ -192,6 +188,10 @@ mod tests {
         let (low, high) = even.shortest(0.5);
         assert!(low == 0.0 && (high - 5.0).abs() < 0.02, "{low} {high}");
         assert_eq!(histogram(&[(5.5, 3)]).shortest(0.95), (5.5, 5.5));
+        // half of the values end 40/90 of the way from the last bin to the furthest value
+        let far = histogram(&[(16_383.5, 10), (20_000.0, 90)]);
+        let (low, high) = far.shortest(0.5);
+        assert!(low == 16_383.5 && (high - 16_384.0 - 3616.0 * 4.0 / 9.0).abs() < 1e-9, "{low} {high}");
     }
 
     /// p (1 − p)/n under the root, over the density: of a uniform distribution that is its width.

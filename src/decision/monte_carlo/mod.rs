@@ -333,18 +333,17 @@ fn draw(variables: &Variables, random: &mut Random, ziggurat: &Ziggurat, inputs:
         }
     }
     let Some(factor) = &variables.factor else { return };
-    let n = variables.variables.len();
+    let rows = factor.chunks_exact(variables.variables.len());
     // from the last to the first, so that a column is still as drawn when another needs it
-    for i in (0..n).rev() {
+    for (i, row) in rows.enumerate().rev() {
         let (value, uncertainty) = variables.variables[i];
         if uncertainty.distribution != Distribution::Normal || uncertainty.dof.is_finite() {
             continue;
         }
         scratch.fill(0.0);
-        for j in 0..=i {
-            let weight = factor[i * n + j];
+        for (&weight, drawn) in row[..=i].iter().zip(inputs.iter()) {
             if weight != 0.0 {
-                for (sum, z) in scratch.iter_mut().zip(&inputs[j]) {
+                for (sum, z) in scratch.iter_mut().zip(drawn) {
                     *sum += weight * z;
                 }
             }
@@ -451,7 +450,7 @@ impl<M: Simulated> Run<'_, M> {
                 let values = || blocks.iter().map(|block| statistics(&block[output])[which]);
                 let first = statistics(&blocks[0][output])[which];
                 let mean = first + values().map(|value| value - first).sum::<f64>() / count;
-                let squares: f64 = values().map(|value| (value - mean) * (value - mean)).sum();
+                let squares: f64 = values().map(|value| value - mean).map(|d| d * d).sum();
                 2.0 * (squares / (count * (count - 1.0))).sqrt() <= tolerance
             })
         })

@@ -402,6 +402,128 @@ mod tests {
         }
     }
 
+    /// Standard deviation as asked for, bounds reached and kept, mean 0, and a fourth moment of each shape's own.
+    #[test]
+    fn values_are_spread_as_asked_for() {
+        let base = base();
+        let (scatter, settings, ziggurat) = (all(), settings(1), Ziggurat::new());
+        let strokes = Strokes::new(&base, &settings).unwrap();
+        let draw = Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+        let mut random = Random::of_block(3, 0);
+        // E x⁴ / (E x²)²
+        let shapes = [
+            (Distribution::Normal, 3.0),
+            (Distribution::Rectangular, 1.8),
+            (Distribution::Triangular, 2.4),
+            (Distribution::Arcsine, 1.5),
+        ];
+        for (distribution, kurtosis) in shapes {
+            let spread = Uncertainty::half_width(3.0, distribution);
+            let values: Vec<f64> = (0..40_000).map(|_| draw.value(&spread, &mut random)).collect();
+            let mean = |f: fn(f64) -> f64| values.iter().map(|x| f(*x)).sum::<f64>() / 40_000.0;
+            let (square, fourth, u) = (mean(|x| x * x), mean(|x| x * x * x * x), spread.standard);
+            assert!(mean(|x| x).abs() < 0.03 * u, "{distribution:?}");
+            assert!((square.sqrt() / u - 1.0).abs() < 0.02, "{distribution:?} {square}");
+            assert!((fourth / (square * square) - kurtosis).abs() < 0.12, "{distribution:?} {fourth}");
+            if distribution != Distribution::Normal {
+                let largest = values.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+                assert!(largest <= 3.0 && largest > 2.95, "{distribution:?} {largest}");
+            }
+        }
+    }
+
+    /// Racks drawn with one kind of deviation only, each as its own definition says; and pinions.
+    #[test]
+    fn each_kind_of_deviation_goes_where_it_belongs() {
+        let data = PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: 0.35,
+            rack: RackData {
+                helix_angle_rad: std::f64::consts::FRAC_PI_3,
+                face_width_mm: 20.0,
+                addendum_mm: 1.7,
+                tooth_thickness_mm: None,
+            },
+            pinion: PinionData {
+                teeth: 12,
+                helix_angle_rad: -1.0,
+                profile_shift: 0.0,
+                tip_diameter_mm: 48.0,
+                root_form_diameter_mm: None,
+                face_width_mm: 30.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        };
+        // thickness across the teeth is twice as much along a rack of 60°
+        let base = Mesh::nominal(Pair::new(&data).unwrap()).unwrap();
+        let (settings, ziggurat) = (settings(1), Ziggurat::new());
+        let strokes = Strokes::new(&base, &settings).unwrap();
+        let drawn = |scatter: Scatter, seed| {
+            let draw =
+                Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+            let mesh = draw.mesh(&mut Random::of_block(seed, 0)).unwrap().unwrap();
+            let rack: Vec<RackTooth> = strokes.teeth.clone().map(|tooth| mesh.rack().tooth(tooth)).collect();
+            let pinion = mesh.pinion().teeth().to_vec();
+            (rack, pinion, mesh.pinion().eccentricity_mm())
+        };
+        let half = Uncertainty::half_width(0.01, Distribution::Rectangular);
+        let spread = Some(half);
+        let reaches = |values: &mut dyn Iterator<Item = f64>, half: f64| {
+            let largest = values.fold(0.0_f64, |largest, x| largest.max(x.abs()));
+            assert!(largest <= half * (1.0 + 1e-12) && largest > 0.6 * half, "{largest} {half}");
+        };
+        let none = Scatter::default();
+
+        // a step from tooth to tooth stays within the half-width, so each place within half of it
+        let (rack, ..) = drawn(Scatter { rack_pitch: spread, ..none }, 1);
+        assert!(rack.iter().all(|tooth| tooth.left == tooth.right && tooth.left.along_z_mm == 0.0));
+        reaches(&mut rack.iter().map(|tooth| tooth.left.along_x_mm), 0.005);
+
+        let (rack, ..) = drawn(Scatter { rack_thickness: spread, ..none }, 2);
+        assert!(rack.iter().all(|tooth| tooth.left.along_x_mm == -tooth.right.along_x_mm));
+        reaches(&mut rack.iter().map(|tooth| tooth.right.along_x_mm), 0.01);
+
+        let (rack, ..) = drawn(Scatter { rack_pitch: spread, rack_thickness: spread, ..none }, 3);
+        let middle = |tooth: &RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
+        reaches(&mut rack.iter().map(middle), 0.005);
+        reaches(&mut rack.iter().map(|tooth| tooth.right.along_x_mm - middle(tooth)), 0.01);
+
+        let (rack, ..) = drawn(Scatter { rack_lead: spread, ..none }, 4);
+        assert!(rack.iter().all(|tooth| tooth.left == tooth.right && tooth.left.along_x_mm == 0.0));
+        reaches(&mut rack.iter().map(|tooth| tooth.right.lead_rad), 0.01);
+
+        let (rack, ..) = drawn(Scatter { rack_over_roller: spread, ..none }, 5);
+        reaches(&mut rack.iter().map(|tooth| tooth.right.along_z_mm), 0.01);
+        assert!(rack.iter().all(|tooth| tooth.left == tooth.right && tooth.left.lead_rad == 0.0));
+
+        let (_, pinion, _) = drawn(Scatter { pinion_pitch: spread, ..none }, 6);
+        assert!(pinion.iter().all(|tooth| tooth.left == tooth.right));
+        reaches(&mut pinion.iter().map(|tooth| tooth.left.arc_mm), 0.005);
+
+        let (_, pinion, offset) = drawn(Scatter { pinion_thickness: spread, ..none }, 7);
+        assert!(pinion.iter().all(|tooth| tooth.left.arc_mm == -tooth.right.arc_mm));
+        reaches(&mut pinion.iter().map(|tooth| tooth.right.arc_mm), 0.005);
+        assert_eq!(offset, (0.0, 0.0));
+
+        // one offset a pinion: half the runout in any direction
+        let offsets = |runout: Uncertainty, seeds: std::ops::Range<u64>| -> Vec<(f64, f64)> {
+            seeds.map(|seed| drawn(Scatter { pinion_runout: Some(runout), ..none }, seed).2).collect()
+        };
+        let any = offsets(half, 0..60);
+        reaches(&mut any.iter().map(|(along, across)| (along * along + across * across).sqrt()), 0.005);
+        for (right, above) in [(true, true), (true, false), (false, true), (false, false)] {
+            let count = any.iter().filter(|(along, across)| (*along > 0.0, *across > 0.0) == (right, above)).count();
+            assert!(count >= 5, "{count}");
+        }
+        let normal = offsets(Uncertainty::standard(0.01), 0..400);
+        for square in [
+            normal.iter().map(|(along, _)| along * along).sum::<f64>() / 400.0,
+            normal.iter().map(|(_, across)| across * across).sum::<f64>() / 400.0,
+        ] {
+            assert!((square.sqrt() / 0.005 - 1.0).abs() < 0.15, "{square}");
+        }
+    }
+
     #[test]
     fn the_same_bits_at_any_number_of_threads() {
         let (base, scatter) = (base(), all());
@@ -431,6 +553,10 @@ mod tests {
         assert_eq!(run(&all(), &settings(0)), RacksError::Count { racks: 0 });
         let empty = RackSettings { to_mm: 0.0, ..settings(1) };
         assert!(matches!(run(&all(), &empty), RacksError::Stroke { .. }));
+        // as many as may be drawn are not too many; one more is
+        assert!(matches!(run(&all(), &RackSettings { racks: MOST_RACKS, ..empty }), RacksError::Stroke { .. }));
+        let racks = MOST_RACKS + 1;
+        assert_eq!(run(&all(), &RackSettings { racks, ..empty }), RacksError::Count { racks });
         let huge = Scatter { rack_pitch: Some(Uncertainty::standard(50.0)), ..Scatter::default() };
         assert!(matches!(run(&huge, &settings(3)), RacksError::Mesh { .. }));
     }
@@ -442,6 +568,9 @@ mod tests {
         let [median, high]: [Quantile; 2] = quantiles(&values, &[0.5, 0.99]).try_into().unwrap();
         assert_eq!((median.value, median.lower, median.upper), (5.0, Some(2.0), Some(9.0)));
         assert_eq!((high.value, high.upper), (10.0, None));
+        // one of 97.5 %: the tail beyond it is 2.5 % to the last digit
+        let one = quantiles(&[7.0], &[0.975])[0];
+        assert_eq!((one.value, one.lower, one.upper), (7.0, Some(7.0), None));
         // n = 100, median: X_(40) to X_(61)
         let values: Vec<f64> = (1..=100).map(f64::from).collect();
         let median = quantiles(&values, &[0.5])[0];

@@ -232,6 +232,11 @@ fn what_cannot_be_simulated_says_why() {
     let few = Uncertainty { dof: 2.0, ..Uncertainty::standard(0.001) };
     let few = vec![(Source::Error(ErrorKind::RackPitch), few)];
     assert!(matches!(try_with(few, &Settings::default()), MonteCarloError::TooFewFreedom { dof: 2.0, .. }));
+    // three are enough for a standard deviation
+    let three = Uncertainty { dof: 3.0, ..Uncertainty::standard(0.001) };
+    let three = Uncertainties::new(vec![(Source::Error(ErrorKind::RackPitch), three)], &[]).unwrap();
+    let once = Settings { draws: Some(10_000), ..Settings::default() };
+    assert!(simulate_part(&part, &three, &Vec::new(), &once).is_ok());
     let nine = Settings { digits: 9, ..Settings::default() };
     assert!(matches!(try_with(all_uncertain(), &nine), MonteCarloError::Setting { value: 9, .. }));
 }

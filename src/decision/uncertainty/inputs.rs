@@ -179,3 +179,70 @@ fn cholesky(matrix: &[f64], n: usize) -> Result<Vec<f64>, usize> {
     }
     Ok(factor)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOURCES: [Source; 3] = [Source::NormalPressureAngle, Source::FaceWidth, Source::RackHelixAngle];
+
+    fn correlated([r_01, r_02, r_12]: [f64; 3]) -> Result<Uncertainties, UncertaintyError> {
+        let [a, b, c] = SOURCES;
+        let inputs = SOURCES.map(|source| (source, Uncertainty::standard(0.1))).to_vec();
+        Uncertainties::new(inputs, &[(a, b, r_01), (a, c, r_02), (b, c, r_12)])
+    }
+
+    fn near(value: f64, expected: f64) {
+        assert!((value - expected).abs() < 1e-15, "{value} {expected}");
+    }
+
+    /// Contributions of 2, 3 and −5: a sum over nine products each.
+    #[test]
+    fn covariances_take_each_pair_with_its_own_coefficient() {
+        let of = correlated([0.5, -0.25, 0.125]).unwrap();
+        let a = [2.0, 3.0, -5.0];
+        near(of.covariance(&a, &a), 38.0 + 2.0 * (0.5 * 6.0 + 0.25 * 10.0 - 0.125 * 15.0));
+        near(of.covariance(&a, &[1.0, 0.0, 0.0]), 2.0 + 0.5 * 3.0 + 0.25 * 5.0);
+        near(of.absolute_covariance(&[2.0, 3.0, 5.0]), 38.0 + 2.0 * (0.5 * 6.0 + 0.25 * 10.0 + 0.125 * 15.0));
+        let alone = correlated([0.0; 3]).unwrap();
+        near(alone.covariance(&a, &a), 38.0);
+        near(alone.absolute_covariance(&[2.0, 3.0, 5.0]), 38.0);
+    }
+
+    #[test]
+    fn the_factor_times_its_transpose_is_the_matrix() {
+        let coefficients = [0.5, -0.25, 0.625];
+        let of = correlated(coefficients).unwrap();
+        let factor = of.correlation_factor().unwrap();
+        let product = |i: usize, j: usize| (0..3).map(|k| factor[i * 3 + k] * factor[j * 3 + k]).sum::<f64>();
+        for (i, j, expected) in [(0, 1, 0.5), (0, 2, -0.25), (1, 2, 0.625), (0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)] {
+            near(product(i, j), expected);
+        }
+        assert_eq!([factor[1], factor[2], factor[5]], [0.0; 3]);
+        assert_eq!(correlated([0.0; 3]).unwrap().correlation_factor(), None);
+    }
+
+    /// Of two quantities that are one and the same, each is correlated with a third as the other is.
+    #[test]
+    fn correlations_that_contradict_each_other() {
+        assert!(correlated([1.0, 0.5, 0.5]).is_ok());
+        assert!(correlated([-1.0, 0.5, -0.5]).is_ok());
+        for impossible in [[1.0, 0.5, -0.5], [1.0, 0.5, 0.0], [0.9, 0.9, 0.0]] {
+            assert_eq!(correlated(impossible), Err(UncertaintyError::Contradiction(SOURCES[2])), "{impossible:?}");
+        }
+    }
+
+    #[test]
+    fn who_is_correlated_with_another() {
+        let sources = |r| correlated(r).unwrap().correlated_sources().collect::<Vec<_>>();
+        assert_eq!(sources([0.0, 0.0, 0.5]), SOURCES[1..]);
+        assert_eq!(sources([0.0; 3]), []);
+    }
+
+    /// A pivot that rounding has left below 0 is 0, one further below is a contradiction.
+    #[test]
+    fn pivots_next_to_zero() {
+        assert_eq!(cholesky(&[-1e-12], 1), Ok(vec![0.0]));
+        assert_eq!(cholesky(&[-2e-12], 1), Err(0));
+    }
+}

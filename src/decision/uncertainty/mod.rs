@@ -196,7 +196,7 @@ fn end(
     for gradient in gradients {
         let u = contribution_of(uncertainties, &gradient.derivatives);
         // these combinations fold what the formula does not
-        let near_zero = u > 0.0 && gradient.value_mm.abs() < FOLD * u;
+        let near_zero = gradient.value_mm.abs() < FOLD * u;
         let Some(weight) =
             stack_weight(stack, is_upper, gradient.kind, gradient.is_tolerance, gradient.value_mm, squares)
         else {
@@ -657,5 +657,37 @@ pub(super) mod tests {
         near(Uncertainty::half_width(0.003, Distribution::Triangular), 0.003 / 6.0_f64.sqrt());
         near(Uncertainty::half_width(0.003, Distribution::Arcsine), 0.003 / 2.0_f64.sqrt());
         near(Uncertainty::expanded(0.003, 2.0), 0.0015);
+    }
+
+    #[test]
+    fn what_does_not_reach_a_result_leaves_it_certain() {
+        let errors = [PartError::PinionRadial(length("0.004"))];
+        let inputs = vec![
+            (Source::PinionHelixAngle, Uncertainty::standard(0.04)),
+            (Source::Error(ErrorKind::PinionRadial), Uncertainty::standard(0.0)),
+        ];
+        let found = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+        assert_eq!((found.lower.standard_mm, found.upper.standard_mm, found.end_correlation), (0.0, 0.0, 0.0));
+        assert_eq!(found.lower.folded, []);
+        // the error itself has a derivative, but no share of nothing
+        let [only] = &found.upper.contributions[..] else { panic!("{:?}", found.upper.contributions) };
+        assert_eq!((only.sensitivity, only.contribution_mm, only.share), (1.0, 0.0, None));
+    }
+
+    /// At no ΔCD, the derivative of a magnitude is that on the positive side.
+    #[test]
+    fn weights_at_zero() {
+        let weight = |stack, is_upper, is_tolerance, value_mm, squares| {
+            stack_weight(stack, is_upper, ErrorKind::PinionRadial, is_tolerance, value_mm, squares)
+        };
+        for value_mm in [0.0, 0.5] {
+            assert_eq!(weight(Stack::WorstCase, true, false, value_mm, 1.0), Some(1.0));
+            assert_eq!(weight(Stack::WorstCase, false, false, value_mm, 1.0), Some(-1.0));
+            assert_eq!(weight(Stack::Range, true, true, value_mm, 1.0), Some(1.0));
+            assert_eq!(weight(Stack::Range, false, true, value_mm, 1.0), Some(-1.0));
+        }
+        assert_eq!(weight(Stack::WorstCase, true, false, -0.5, 1.0), Some(-1.0));
+        assert_eq!(weight(Stack::Rss, false, false, 0.5, 4.0), Some(-0.25));
+        assert_eq!(weight(Stack::Rss, true, false, 0.0, 0.0), Some(1.0));
     }
 }

@@ -201,7 +201,7 @@ impl Propagator {
                 contributions.magnitudes[own] += value.abs();
             }
             let nearest = FOLD * terms.own_standard;
-            let pushing = !terms.kind.always_acts() && terms.own_standard > 0.0;
+            let pushing = !terms.kind.always_acts();
             let (folded, certain) = below(point.error.abs(), nearest);
             squares += point.delta_cd_mm * point.delta_cd_mm;
             let mut spread = self.spread(contributions, &mut spreads.certain);
@@ -214,7 +214,7 @@ impl Propagator {
         for (index, (terms, point)) in self.terms.iter().zip(points).enumerate() {
             let spread = spreads.errors[index];
             let (near_zero, certain) = below(point.delta_cd_mm.abs(), FOLD * spread.standard_mm);
-            let folds = self.stack != Stack::Range && spread.standard_mm > 0.0;
+            let folds = self.stack != Stack::Range;
             for (is_upper, end) in [false, true].into_iter().zip(&mut ends) {
                 let weight = stack_weight(self.stack, is_upper, terms.kind, false, point.delta_cd_mm, squares);
                 let Some(weight) = weight else { continue };
@@ -286,7 +286,7 @@ impl Propagator {
 
     fn coverage_factor(&self, standard_mm: f64, each: &[f64], certain: &mut bool) -> f64 {
         let finite = |index: usize| self.dofs.get(index).is_some_and(|dof| dof.is_finite());
-        if self.dofs.is_empty() || (0..each.len()).all(|index| each[index] == 0.0 || !finite(index)) {
+        if self.dofs.is_empty() {
             return 2.0;
         }
         if (0..each.len()).any(|i| each[i] != 0.0 && finite(i) && self.uncertainties.correlated(i)) {
@@ -459,6 +459,10 @@ mod tests {
         assert_eq!(below(1.0, 1.0), (false, true));
         assert_eq!(below(1.0_f64.next_down(), 1.0), (true, false));
         assert_eq!(below(1.0_f64.next_up(), 1.0), (false, false));
+        // rounding is in proportion to the bound, and what it may just reach is not certain
+        assert_eq!(below(1.0 + ROUNDING, 1.0), (false, false));
+        assert_eq!(below(2.0 + 1.5 * ROUNDING, 2.0), (false, false));
+        assert_eq!(below(0.5 + 0.75 * ROUNDING, 0.5), (false, true));
         let kinds = ErrorKind::ALL;
         let prepared: Vec<_> = formulas().iter().map(|formula| Prepared::new(formula, Model::Exact)).collect();
         for stack in [Stack::Range, Stack::WorstCase, Stack::Rss] {
@@ -493,7 +497,9 @@ mod tests {
         };
         // a whole number is one down to a part in 10¹² below it
         let edge = 9.0 / (1.0 + 1e-12);
-        assert!(!spreads(edge).certain);
+        for beside in [1.0 - 5e-14, 1.0, 1.0 + 5e-14] {
+            assert!(!spreads(edge * beside).certain, "{beside}");
+        }
         assert!(spreads(9.0).certain && spreads(9.5).certain && spreads(400.0).certain);
         assert_eq!(spreads(9.0).upper.coverage_factor, coverage_factor(9.0));
         assert_eq!(spreads(400.5).upper.coverage_factor, coverage_factor(400.0));
@@ -506,5 +512,106 @@ mod tests {
         for (error, stack) in [0, 1800, -1800, 1799, 3000, 2999].into_iter().zip(stacks) {
             check([error; KINDS], stack, Model::Exact, 0.0, 9.0);
         }
+    }
+
+    /// The propagator of one formula whose only uncertainty is that of `source`.
+    fn of_one(formula: &PartFormula, source: Source, standard: f64, stack: Stack) -> Propagator {
+        let uncertainties = Uncertainties::new(vec![(source, Uncertainty::standard(standard))], &[]).unwrap();
+        Propagator::new(&[Prepared::new(formula, Model::Exact)], None, uncertainties, stack).unwrap()
+    }
+
+    #[test]
+    fn an_ulp_from_where_it_folds_a_part_is_not_certain() {
+        let u = 0.0006;
+        let at = |formula: &PartFormula, stack, error: f64| {
+            let propagator = of_one(formula, Source::Error(formula.kind()), u, stack);
+            let spreads = propagator.spreads(&[Point { error, delta_cd_mm: error }]);
+            (spreads.upper.folded, spreads.certain)
+        };
+        let fold = FOLD * u;
+        // a pitch error's own formula folds
+        let pitch = &formulas()[1];
+        assert_eq!(at(pitch, Stack::Range, fold.next_down()), (true, false));
+        assert_eq!(at(pitch, Stack::Range, -fold), (false, true));
+        // an over-roller error is folded by magnitudes only
+        let over_roller = &formulas()[0];
+        for error in [fold.next_down(), -fold.next_down()] {
+            assert_eq!(at(over_roller, Stack::Range, error), (false, true));
+            assert_eq!(at(over_roller, Stack::WorstCase, error), (true, false));
+            assert_eq!(at(over_roller, Stack::Rss, error), (true, false));
+        }
+        assert_eq!(at(over_roller, Stack::WorstCase, fold), (false, true));
+        assert_eq!(at(over_roller, Stack::WorstCase, 0.5 * fold), (true, true));
+    }
+
+    /// A helix angle says nothing about a radial error.
+    #[test]
+    fn what_is_uncertain_elsewhere_leaves_nothing_uncertain() {
+        for stack in [Stack::Range, Stack::WorstCase, Stack::Rss] {
+            let propagator = of_one(&PartFormula::PinionRadial, Source::PinionHelixAngle, 0.04, stack);
+            for delta_cd_mm in [0.0, 0.004] {
+                let spreads = propagator.spreads(&[Point { error: delta_cd_mm, delta_cd_mm }]);
+                let none = Spread { coverage_factor: 2.0, ..Spread::default() };
+                assert_eq!((spreads.errors[0], spreads.lower, spreads.upper), (none, none, none));
+                assert_eq!((spreads.end_correlation, spreads.certain), (0.0, true));
+            }
+        }
+    }
+
+    /// The bound is that of Σ |a_i| |a_j| |r_ij| for contributions a_i, however much of them cancels; those of an end
+    /// add up error by error.
+    #[test]
+    fn rounding_follows_the_magnitudes_of_what_is_added() {
+        let kinds = ErrorKind::ALL;
+        let correlations = [
+            (Source::Error(kinds[1]), Source::NormalPressureAngle, 0.75),
+            (Source::Error(kinds[0]), Source::Datum, -0.5),
+            (Source::Error(kinds[2]), Source::Error(kinds[4]), -0.25),
+        ];
+        let uncertainties = Uncertainties::new(inputs(f64::INFINITY), &correlations).unwrap();
+        let sources: Vec<Source> = uncertainties.inputs().iter().map(|(source, _)| *source).collect();
+        let prepared: Vec<_> = formulas().iter().map(|formula| Prepared::new(formula, Model::Exact)).collect();
+        let over_pin = over_pin();
+        let stack = Stack::WorstCase;
+        let propagator = Propagator::new(&prepared, Some(&over_pin), uncertainties.clone(), stack).unwrap();
+        let values = ["0.013", "-0.012", "0.0255", "-0.014", "0.009"];
+        let (mut errors, mut points) = (Vec::new(), Vec::new());
+        for (formula, text) in formulas().iter().zip(values) {
+            let value = match formula.kind() {
+                ErrorKind::RackLead => ErrorValue::Angle(text.parse().unwrap()),
+                _ => ErrorValue::Length(text.parse().unwrap()),
+            };
+            errors.push(formula.of(&value).unwrap());
+            let delta_cd_mm = errors.last().unwrap().delta_cd(Model::Exact).unwrap().mm();
+            points.push(Point { error: text.parse().unwrap(), delta_cd_mm });
+        }
+        let spreads = propagator.spreads(&points);
+        let part = Part { errors: &errors, over_pin: Some(&over_pin), model: Model::Exact, stack };
+        let propagation = propagate(&part, &uncertainties).unwrap();
+        let coefficient = |a: Source, b: Source| {
+            let given = correlations.iter().find(|(one, other, _)| [(a, b), (b, a)].contains(&(*one, *other)));
+            if a == b { 1.0 } else { given.map_or(0.0, |(_, _, r)| r.abs()) }
+        };
+        let check = |spread: &Spread, linear: &Linear, magnitudes: &[f64]| {
+            assert!((spread.standard_mm - linear.standard_mm).abs() <= spread.rounding_mm, "{spread:?} {linear:?}");
+            let products = sources
+                .iter()
+                .zip(magnitudes)
+                .flat_map(|(a, x)| sources.iter().zip(magnitudes).map(move |(b, y)| x * y * coefficient(*a, *b)));
+            let expected = ROUNDING * products.sum::<f64>() / linear.standard_mm;
+            assert!((spread.rounding_mm / expected - 1.0).abs() < 1e-9, "{spread:?} {expected}");
+        };
+        let mut all = vec![0.0; sources.len()];
+        for (spread, (_, linear)) in spreads.errors.iter().zip(&propagation.errors) {
+            let mut each = vec![0.0; sources.len()];
+            for found in &linear.contributions {
+                let at = sources.iter().position(|source| *source == found.source).unwrap();
+                each[at] += found.contribution_mm.abs();
+                all[at] += found.contribution_mm.abs();
+            }
+            check(spread, linear, &each);
+        }
+        check(&spreads.upper, &propagation.upper, &all);
+        check(&spreads.lower, &propagation.lower, &all);
     }
 }
