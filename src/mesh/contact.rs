@@ -222,6 +222,9 @@ const DEMAND: f64 = 2e-15;
 /// Iterations after which a maximum over generators is given up refining; the bracket halves at least every third.
 const MAX_EVALUATIONS: u32 = 200;
 
+/// Where the way across the rack turns its derivative tells nothing: look this far (rad) beside it.
+const BESIDE: f64 = 1e-3;
+
 #[derive(Clone, Copy)]
 struct Bound {
     w: f64,
@@ -526,38 +529,34 @@ impl FlankContact {
             }
         }
         let harmless = self.fits && self.reach_of_root(pose) <= best.map_or(floor, |best| best.demand.max(floor));
-        let mut climb = |from: f64, to: f64| {
-            if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), (lo, hi), floor, hint)
-                && best.is_none_or(|best| touch.demand > best.demand + tie)
-            {
-                best = Some(touch);
-            }
+        let climb = |best: Option<Touch>, from: f64, to: f64| {
+            let found = if from <= to { self.climb(pose, (from, to), (lo, hi), floor, hint) } else { None };
+            found.filter(|found| best.is_none_or(|best| found.demand > best.demand + tie)).or(best)
         };
         // Along the edge where the involute starts, at δ beyond the contact line, the demand differs from the line's by
         // (r_b/sin ν)(δ³/6 − τ_0 δ²/2 + …): an involute that starts near its base circle reaches out again there.
         let rise = 2.0 * self.start_roll;
         if !harmless && zero + self.start_roll + reach > rise {
-            climb(lo.max(rise), hi);
+            best = climb(best, lo.max(rise), hi);
         }
         if self.fits && best.is_some_and(|best| best.kind == ContactKind::Line) {
             return best;
         }
-        let mut climb = |from: f64, to: f64| {
-            if from <= to
-                && let Some(touch) = self.climb(pose, (from, to), (lo, hi), floor, hint)
-                && best.is_none_or(|best| touch.demand > best.demand + tie)
-            {
-                best = Some(touch);
-            }
-        };
         if let Some(turn) = self.jump() {
             let past = turn * (1.0 + 1e-9);
-            climb(lo.max(-turn), hi.min(turn));
-            climb(lo.max(past), hi);
-            climb(lo, hi.min(-past));
+            best = climb(best, lo.max(-turn), hi.min(turn));
+            best = climb(best, lo.max(past), hi);
+            best = climb(best, lo, hi.min(-past));
         } else {
-            climb(lo, hi);
+            best = climb(best, lo, hi);
+        }
+        if best.is_none() {
+            // the faces may meet on either side of where the flank's way across the rack turns
+            let level = trig::atan2(self.across.z, self.across.t) - self.nu;
+            for turn in [level - PI, level, level + PI].into_iter().filter(|&turn| lo < turn && turn < hi) {
+                best = climb(best, lo, turn - BESIDE);
+                best = climb(best, turn + BESIDE, hi);
+            }
         }
         best
     }

@@ -105,7 +105,12 @@ impl FlankContact {
             }
             // on the base circle itself the derivative is rounding: the flank lies at greater δ, so look there once
             looked_beside |= silent;
-            let slope = if silent { f64::MIN_POSITIVE } else { sample.slope() };
+            let slope = match (sample.generator, best) {
+                // off the flank the way leads to where it was met, though the nearest edge may be another one
+                (Generator::None { .. }, Some(best)) => best.spot.delta - x,
+                _ if silent => f64::MIN_POSITIVE,
+                _ => sample.slope(),
+            };
             if slope > 0.0 && x < hi {
                 below = Some(sample);
                 run = run.max(0) + 1;
@@ -216,7 +221,8 @@ impl FlankContact {
                 }
                 (Generator::None { gap: gl, slope: sl, .. }, Generator::None { gap: gh, slope: sh, .. }) => {
                     let meet = ((gh - gl) + sl * a - sh * b) / (sl - sh);
-                    if gl + sl * (meet - a) < -super::VERTEX * self.half_face { Next::Nothing } else { Next::Try(meet) }
+                    let bound = gl + sl * (meet - a) + 0.5 * self.gap_bend() * (b - a) * (b - a);
+                    if bound < -super::VERTEX * self.half_face { Next::Nothing } else { Next::Try(meet) }
                 }
                 (Generator::None { gap, slope, .. }, _) => self.vertex((a, b), gap, slope),
                 (_, Generator::None { gap, slope, .. }) => self.vertex((b, a), gap, slope),
@@ -240,6 +246,14 @@ impl FlankContact {
             },
             (None, None) => Next::Done,
         }
+    }
+
+    /// How far the gap between bounds on w may bend up over δ: bounds at the rack's end faces go with the flank's points,
+    /// which turn about the pinion's axis, and how steeply they cross the rack divides that.
+    fn gap_bend(&self) -> f64 {
+        let turned = (self.across.t.abs() + self.across.z.abs()) * self.base_radius;
+        let crossing = self.across.w.abs() - self.kappa.abs() * turned;
+        if crossing > 0.0 { 4.0 * turned * (1.0 + self.tip_roll) / crossing } else { f64::INFINITY }
     }
 
     /// Between a generator off the flank and one on it that both lead towards its vertex: Newton's step on the gap

@@ -296,109 +296,142 @@ impl FlankContact {
 #[cfg(test)]
 mod tests {
     use crate::mesh::contact::corner::Found;
-    use crate::mesh::contact::tests::{Even, contacts};
+    use crate::mesh::contact::tests::{Even, NO_FLOOR, contacts, looks};
     use crate::mesh::contact::{ContactKind, FlankContact, Hint, Pose};
 
-    /// The search knows nothing of these formulas.
+    /// The search knows nothing of these formulas. Where they are not sure it has to be made; that must stay rare.
     #[test]
     fn corners_are_what_the_search_finds() {
-        let (mut corners, mut of_rack, mut named, mut missed, mut unsure) = (0, 0, 0, 0, 0);
-        let mut worst = 0.0_f64;
-        contacts(|contact, pose| {
-            if contact.line(pose).is_some() {
-                return;
-            }
-            let searched = FlankContact { slides: false, ..*contact }.touch(pose, f64::NEG_INFINITY, None);
-            let direct = match contact.corner(pose, f64::NEG_INFINITY, None) {
-                Found::Touch(touch) => Some(touch),
-                Found::Nothing => {
-                    assert!(searched.is_none(), "{searched:?}\n{contact:?}\n{pose:?}");
-                    missed += 1;
+        for (narrow, least) in [(false, [1180, 1644, 1226, 0, 1298]), (true, [1206, 1683, 1250, 150, 1254])] {
+            let (mut corners, mut of_rack, mut named, mut missed, mut unsure) = (0, 0, 0, 0, 0);
+            let mut worst = 0.0_f64;
+            contacts(narrow, |contact, pose| {
+                if contact.line(pose).is_some() {
                     return;
                 }
-                Found::Unsure => None,
-            };
-            corners += u32::from(direct.is_some());
-            let at_rack = contact.rack_corner(pose, f64::NEG_INFINITY, None);
-            of_rack += u32::from(at_rack.is_some());
-            let Some(touch) = direct.or(at_rack) else {
-                unsure += 1;
-                return;
-            };
-            assert!(direct.is_none() || at_rack.is_none(), "{direct:?}\n{at_rack:?}");
-            let searched = searched.expect("the search finds it too");
-            assert!(
-                touch.demand >= searched.demand - 1e-12 && touch.demand <= searched.demand + 1e-12,
-                "{touch:?}\n{searched:?}\n{contact:?}\n{pose:?}"
+                let searched = FlankContact { slides: false, ..*contact }.touch(pose, NO_FLOOR, None);
+                let direct = match contact.corner(pose, NO_FLOOR, None) {
+                    Found::Touch(touch) => Some(touch),
+                    Found::Nothing => {
+                        assert!(searched.is_none(), "{searched:?}\n{contact:?}\n{pose:?}");
+                        missed += 1;
+                        return;
+                    }
+                    Found::Unsure => None,
+                };
+                corners += u32::from(direct.is_some());
+                let at_rack = contact.rack_corner(pose, NO_FLOOR, None);
+                of_rack += u32::from(at_rack.is_some());
+                let Some(touch) = direct.or(at_rack) else {
+                    unsure += 1;
+                    return;
+                };
+                assert!(direct.is_none() || at_rack.is_none(), "{direct:?}\n{at_rack:?}");
+                let searched = searched.expect("the search finds it too");
+                assert!(
+                    (touch.demand - searched.demand).abs() <= 1e-12,
+                    "{touch:?}\n{searched:?}\n{contact:?}\n{pose:?}"
+                );
+                worst = worst.max((touch.demand - searched.demand).abs());
+                // at the base circle, where the demand is level, the search ends beside the edge
+                if (touch.spot.delta - searched.spot.delta).abs() < 1e-9 {
+                    named += 1;
+                    assert_eq!(touch.kind, searched.kind, "{touch:?}\n{searched:?}\n{contact:?}");
+                }
+            });
+            let found = [corners, of_rack, named, missed];
+            println!(
+                "{found:?} corners, at the rack's tip edge, named and off the face, {unsure} unsure, difference {worst:e}"
             );
-            worst = worst.max((touch.demand - searched.demand).abs());
-            // at the base circle, where the demand is level, the search ends beside the edge
-            if (touch.spot.delta - searched.spot.delta).abs() < 1e-9 {
-                named += 1;
-                assert_eq!(touch.kind, searched.kind, "{touch:?}\n{searched:?}\n{contact:?}");
-            }
-        });
-        println!(
-            "{corners} corners, {of_rack} at the rack's tip edge, {missed} off the face, {unsure} unsure, largest \
-             difference {worst:e}"
-        );
-        assert!(corners > 1000 && of_rack > 1500 && named > 1000, "{corners} {of_rack} {named}");
+            assert!(
+                found.iter().zip(least).all(|(&found, least)| found >= least) && unsure <= least[4],
+                "{found:?} {unsure}"
+            );
+        }
     }
 
-    /// What is found does not depend on where it was before.
+    /// What is found does not depend on where it was before; from there it takes fewer steps.
     #[test]
     fn a_hint_changes_nothing() {
-        let mut even = Even(0.2);
-        contacts(|contact, pose| {
-            let Some(fresh) = contact.touch(pose, f64::NEG_INFINITY, None) else { return };
-            for _ in 0..4 {
-                let hint = Hint {
+        for (narrow, most) in [(false, [47_550, 28_300, 48_550, 67_740]), (true, [47_390, 27_590, 44_940, 67_620])] {
+            let mut even = Even(0.2);
+            let mut counts = [0; 4];
+            contacts(narrow, |contact, pose| {
+                let (fresh, count) = looks(|| contact.touch(pose, NO_FLOOR, None));
+                counts[0] += count;
+                let Some(fresh) = fresh else { return };
+                if !contact.slides || contact.line(pose).is_some() {
+                    return;
+                }
+                let near = Hint {
+                    delta: fresh.spot.delta + even.next(-1e-4, 1e-4),
+                    w: fresh.spot.w * (1.0 + even.next(-1e-3, 1e-3)),
+                    at_rack_edge: fresh.at_rack_edge,
+                    spread: 1e-4,
+                };
+                let far = Hint {
                     delta: fresh.spot.delta + even.next(-0.1, 0.1),
                     w: even.next(-1.0, 1.0) * contact.half_face,
                     at_rack_edge: even.next(0.0, 1.0) < 0.5,
                     spread: 0.1,
                 };
-                if !contact.slides || contact.line(pose).is_some() {
-                    continue;
+                for (hint, counted) in [near, far].into_iter().zip(&mut counts[1..]) {
+                    let (found, count) = looks(|| contact.touch(pose, NO_FLOOR, Some(hint)));
+                    *counted += count;
+                    let found = found.expect("it touched before");
+                    assert!(
+                        (found.demand - fresh.demand).abs() < 1e-12,
+                        "{hint:?} {found:?}\n{fresh:?}\n{contact:?}\n{pose:?}"
+                    );
                 }
-                let Found::Touch(found) = contact.corner(pose, f64::NEG_INFINITY, Some(hint)) else {
-                    if let Some(found) = contact.rack_corner(pose, f64::NEG_INFINITY, Some(hint)) {
+                // below a floor a bound will do
+                for above in [1e-9, 1e-4, 0.01, 1.0] {
+                    let (found, count) = looks(|| contact.touch(pose, fresh.demand + above, Some(near)));
+                    counts[3] += count;
+                    if let Some(found) = found {
                         assert!(
-                            (found.demand - fresh.demand).abs() < 1e-12,
-                            "{found:?}\n{fresh:?}\n{contact:?}\n{pose:?}"
+                            found.demand >= fresh.demand - 1e-12 && found.demand <= fresh.demand + above + 1e-12,
+                            "{above} {found:?}\n{fresh:?}\n{contact:?}\n{pose:?}"
                         );
                     }
-                    continue;
-                };
-                assert!((found.demand - fresh.demand).abs() < 1e-12, "{found:?}\n{fresh:?}\n{contact:?}\n{pose:?}");
-            }
-        });
+                    let found = contact.touch(pose, fresh.demand - above, Some(far)).expect("it asks for more");
+                    assert!((found.demand - fresh.demand).abs() < 1e-12, "{found:?}\n{fresh:?}\n{contact:?}\n{pose:?}");
+                }
+            });
+            println!("{counts:?} places looked at: afresh, from near, from afar, with a floor");
+            assert!(counts.iter().zip(most).all(|(&count, most)| count <= most), "{counts:?}");
+        }
     }
 
     /// A pair that is not looked at closer asks for no more than the mark; nearly all others do ask for more, or
     /// almost.
     #[test]
     fn what_stays_below_asks_for_less() {
-        let (mut below, mut beyond, mut above) = (0, 0, 0);
-        contacts(|contact, pose| {
-            let Some(touch) = contact.touch(pose, f64::NEG_INFINITY, None) else { return };
-            assert!(!contact.stays_below(pose, touch.demand - 1e-12), "{touch:?}\n{contact:?}\n{pose:?}");
-            if touch.spot.delta.abs() > 1e-3 {
+        for (narrow, least) in [(false, [0, 1378, 3546]), (true, [1, 1392, 3432])] {
+            let mut below = [0; 3];
+            let mut beyond = 0;
+            contacts(narrow, |contact, pose| {
+                let Some(touch) = contact.touch(pose, NO_FLOOR, None) else { return };
+                assert!(!contact.stays_below(pose, touch.demand - 1e-12), "{touch:?}\n{contact:?}\n{pose:?}");
                 let line = contact.unbounded(pose);
-                beyond += 1;
-                below += u32::from(contact.stays_below(pose, touch.demand + 0.3 * (line - touch.demand)));
-                above += u32::from(contact.stays_below(pose, touch.demand + 0.9 * (line - touch.demand)));
-            }
-        });
-        println!("of {beyond} beyond the line's end {below} stay below 0.3 of what they miss, {above} below 0.9");
-        assert!(4 * above > 3 * beyond && 4 * below > beyond, "{below} {above} {beyond}");
+                if touch.demand < line {
+                    beyond += 1;
+                    for (share, below) in [0.0, 0.3, 0.9].into_iter().zip(&mut below) {
+                        *below +=
+                            u32::from(contact.stays_below(pose, touch.demand + share * (line - touch.demand) + 1e-12));
+                    }
+                }
+            });
+            println!("of {beyond} beyond the line's end {below:?} stay below none, 0.3 and 0.9 of what they miss");
+            assert!(below.iter().zip(least).all(|(&below, least)| below >= least), "{below:?}");
+        }
     }
 
     /// The eccentric offset turns with c: offset(c + h) = offset + h offset_rate to first order.
     #[test]
     fn rates_are_differences_of_demands() {
         let (mut compared, mut worst) = (0, 0.0_f64);
-        contacts(|contact, pose| {
+        contacts(false, |contact, pose| {
             let h = 1e-6;
             let moved = |h: f64| {
                 let (x, z) = pose.offset;

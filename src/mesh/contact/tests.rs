@@ -23,7 +23,7 @@ pub(super) fn count() {
 }
 
 /// How many are, while something is done.
-fn looks<T>(work: impl FnOnce() -> T) -> (T, u64) {
+pub(super) fn looks<T>(work: impl FnOnce() -> T) -> (T, u64) {
     let before = LOOKED_AT.get();
     let done = work();
     (done, LOOKED_AT.get() - before)
@@ -39,8 +39,8 @@ impl Even {
     }
 }
 
-/// A random pair and its pinion's helix angle.
-fn pair(even: &mut Even, narrow: f64) -> Option<Pair> {
+/// A random pair.
+fn pair(even: &mut Even, narrow: bool) -> Option<Pair> {
     let module = even.next(1.0, 3.0);
     let teeth = even.next(6.0, 60.0).round();
     let helix = |even: &mut Even| if even.next(0.0, 1.0) < 0.25 { 0.0 } else { even.next(-0.7, 0.7) };
@@ -48,12 +48,17 @@ fn pair(even: &mut Even, narrow: f64) -> Option<Pair> {
     let parallel = even.next(0.0, 1.0) < 0.3;
     let radius = 0.5 * module * teeth / trig::cos(pinion);
     let shift = even.next(0.0, 0.6);
+    // of narrow faces most are much narrower than the widest
+    let face = |even: &mut Even, least: f64| {
+        let share = even.next(0.0, 1.0);
+        module * if narrow { 0.05 + 15.0 * share * share * share * share } else { least + (15.0 - least) * share }
+    };
     let data = PairData {
         normal_module_mm: module,
         normal_pressure_angle_rad: even.next(0.26, 0.43),
         rack: RackData {
             helix_angle_rad: if parallel { -pinion } else { rack },
-            face_width_mm: even.next(2.0 * narrow, 15.0) * module,
+            face_width_mm: face(even, 2.0),
             addendum_mm: even.next(0.7, 1.1) * module,
             tooth_thickness_mm: None,
         },
@@ -64,7 +69,7 @@ fn pair(even: &mut Even, narrow: f64) -> Option<Pair> {
             profile_shift: shift,
             tip_diameter_mm: 2.0 * (radius + module * (shift + even.next(0.6, 1.0))),
             root_form_diameter_mm: Some(2.0 * (radius + module * (shift - even.next(0.8, 1.2)))),
-            face_width_mm: even.next(5.0 * narrow, 15.0) * module,
+            face_width_mm: face(even, 5.0),
             tooth_thickness_deviation_mm: 0.0,
         },
     };
@@ -92,12 +97,12 @@ fn positions(
     }
 }
 
-/// Flanks that fit.
-pub(super) fn contacts(mut each: impl FnMut(&FlankContact, &Pose)) {
+/// Flanks that fit, on usual faces or narrow ones.
+pub(super) fn contacts(narrow: bool, mut each: impl FnMut(&FlankContact, &Pose)) {
     let mut even = Even(0.1);
     let mut made = 0;
     while made < 600 {
-        let Some(pair) = pair(&mut even, 1.0) else { continue };
+        let Some(pair) = pair(&mut even, narrow) else { continue };
         let mesh = Mesh::nominal(pair).expect("teeth in order");
         made += 1;
         let side = if made % 2 == 0 { FlankSide::Right } else { FlankSide::Left };
@@ -110,8 +115,8 @@ pub(super) fn contacts(mut each: impl FnMut(&FlankContact, &Pose)) {
 fn tilted(mut each: impl FnMut(&FlankContact, &Pose)) {
     let mut even = Even(0.3);
     let mut made = 0;
-    while made < 400 {
-        let Some(pair) = pair(&mut even, 0.05) else { continue };
+    while made < 500 {
+        let Some(pair) = pair(&mut even, made % 2 == 0) else { continue };
         made += 1;
         let amount = |even: &mut Even| match even.next(0.0, 4.0) {
             0.0..1.0 => 0.0,
@@ -125,10 +130,10 @@ fn tilted(mut each: impl FnMut(&FlankContact, &Pose)) {
         let pinion = PinionFlanks::new(&pair, &pinion).expect("small");
         let roll = if made % 3 == 0 { Roll::new(even.next(-0.07, 0.07), even.next(-5.0, 20.0)) } else { Roll::NONE };
         let mesh = Mesh::new(pair, rack, pinion, Support::Fixed).expect("teeth in order");
-        let side = if made % 2 == 0 { FlankSide::Right } else { FlankSide::Left };
+        let side = if made % 4 < 2 { FlankSide::Right } else { FlankSide::Left };
         let contact = mesh.prepare(side, 0, &roll).contact;
         // as with a roll axis that is far away: the rack's face may pass beside the pinion's
-        let beside = if contact.fits || made % 4 != 0 { 0.0 } else { even.next(-1.5, 1.5) };
+        let beside = if contact.fits || made % 5 != 0 { 0.0 } else { even.next(-1.5, 1.5) };
         let across = roll.sin * (roll.depth + mesh.pair().nominal_center_distance_mm())
             + beside * (contact.half_face + contact.across.half_width);
         positions(&mut even, &mesh, &contact, across, &mut each);
@@ -166,7 +171,7 @@ fn scanned(contact: &FlankContact, pose: &Pose) -> Option<f64> {
     (best > -0.9e6).then_some(best)
 }
 
-const NO_FLOOR: f64 = f64::NEG_INFINITY;
+pub(super) const NO_FLOOR: f64 = f64::NEG_INFINITY;
 
 /// Flanks that do not fit touch at the highest of all generators, wherever the search begins.
 #[test]
@@ -201,7 +206,7 @@ fn the_climb_ends_at_the_top() {
     });
     println!("{some} touch, {none} do not, difference {worst:e}; {fresh} generators from afar, {hinted} from hints");
     assert!(some > 3000 && none > 300);
-    assert!(fresh <= 40_950 && hinted <= 94_900, "{fresh} {hinted}");
+    assert!(fresh <= 51_700 && hinted <= 121_900, "{fresh} {hinted}");
 }
 
 /// Below the floor a bound will do, above it nothing changes.
@@ -224,7 +229,7 @@ fn a_search_that_ends_early_ends_with_a_bound() {
     });
     println!("{early} early ends, {looked:?} generators");
     assert!(early > 1000);
-    assert!(looked.iter().zip([35_640, 30_530, 26_270, 19_340]).all(|(&looked, known)| looked <= known), "{looked:?}");
+    assert!(looked.iter().zip([45_440, 39_130, 33_700, 25_420]).all(|(&looked, known)| looked <= known), "{looked:?}");
 }
 
 /// The same flank, a little further.
