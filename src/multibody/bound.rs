@@ -40,6 +40,9 @@
 //! A pinion point at the polar angle χ from straight down lies at Z ≥ a − e − r_a cos χ, e the eccentricity, and
 //! no point of the rack is higher than its tip edge; a sphere whose flank point lies 2 R_0 higher than that is clear,
 //! because its centre is within R_0 of that point.
+//!
+//! Where spheres below a small height over the face are looked for although they do not touch, that height is added to
+//! the bounds, and clear means that much higher, or with the foot not on the patch.
 
 use super::flank::{Bounds, FlankPair, Placed, Pose};
 use super::template::{EARLY, Template};
@@ -52,6 +55,8 @@ pub(super) struct Reach {
     pub(super) rolls: bool,
     /// Polar angle beyond which no pinion point meets the rack.
     pub(super) polar: f64,
+    /// Height below which a sphere on a plane face is remembered although it does not touch, mm.
+    pub(super) margin: f64,
 }
 
 /// Added to the bound at which a walk stops, mm: rounding of D is a hundredth of it.
@@ -77,13 +82,14 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    pub(super) fn new(template: &Template, placed: &Placed) -> Self {
+    /// `margin`: how much higher a sphere must be to be passed over.
+    pub(super) fn new(template: &Template, placed: &Placed, margin: f64) -> Self {
         let Placed { n_w, length, .. } = *placed;
         let misfit = (1.0 - template.sin_base * n_w - template.cos_base * length).max(0.0);
         let line = placed.nu - placed.c;
         let per_roll = length * template.base_radius;
         Self {
-            stop: template.widest * misfit + template.form.profile_slope_mm.abs() + SLACK,
+            stop: template.widest * misfit + template.form.profile_slope_mm.abs() + SLACK + margin,
             level: placed.base - per_roll * line,
             slope: n_w - per_roll * template.kappa,
             line,
@@ -178,7 +184,10 @@ pub(super) fn row_range(template: &Template, placed: &Placed, polar: f64) -> std
     }
     let (one, other) = ((angle - widest) / template.kappa, (angle + widest) / template.kappa);
     let (low, high) = (one.min(other), one.max(other));
-    let from = rows.partition_point(|row| row.w < low);
-    let to = rows.partition_point(|row| row.w <= high);
-    from..to.max(from)
+    let (first, step) = (rows[0].w, template.row_step());
+    // rows before and after, counted with one to spare; casts cut off at both ends
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let before = |w: f64| if step > 0.0 { ((w - first) / step) as usize } else { 0 };
+    let to = if high < first { 0 } else { before(high).saturating_add(2).min(rows.len()) };
+    before(low).min(to)..to
 }

@@ -7,7 +7,7 @@ use crate::parallel;
 use crate::trig;
 
 /// Cells per pitch at first: a tooth's passage takes several.
-const CELLS_PER_PITCH: f64 = 48.0;
+const CELLS_PER_PITCH: f64 = 24.0;
 /// Cells at most, at first.
 const MOST: f64 = 1e6;
 /// How often a cell may be halved.
@@ -40,7 +40,7 @@ impl Cell {
 
 /// The mean ΔCD of the exact mesh over the strokes of a steady value, mm; `None` where the mesh has no solution.
 ///
-/// By trapezoids over the 48th part of a pitch, and where the curve bends by Simpson's rule, over cells that are halved
+/// By trapezoids over the 24th part of a pitch, and where the curve bends by Simpson's rule, over cells that are halved
 /// up to four times until it agrees with that over the halves: right to a few nanometres where it jumps. Where all
 /// teeth are alike one pitch stands for the others.
 #[must_use]

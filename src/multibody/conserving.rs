@@ -122,7 +122,7 @@ impl Scene {
             guess[i] += moved / scale[i];
         }
 
-        let solution = newton(guess, &limits, |way| {
+        let solution = newton(guess, &limits, |way: &[f64; 3]| {
             let q = std::array::from_fn(|i| from.q[i] + way[i]);
             let v = std::array::from_fn(|i| if i < n { 2.0 * way[i] / h - from.v[i] } else { 0.0 });
             let state = self.state(drive, end, q, v, work);

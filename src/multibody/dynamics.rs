@@ -343,7 +343,7 @@ impl Scene {
         let per = 1.0 / (D * h);
         let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
         let velocity = |q: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (q[i] - c[i]) * per) };
-        let solution = newton(guess, &limits, |q| {
+        let solution = newton(guess, &limits, |q: &[f64; 3]| {
             let v = velocity(q);
             let state = self.state(drive, time, *q, v, work);
             let rate = self.closing(q[1]).1;

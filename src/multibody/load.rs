@@ -1,8 +1,10 @@
 //! Sums the contact elements into generalised forces and their tangents. Called by both contact models for each
-//! element that touches; knows nothing of how its gap was found.
+//! element that touches and is not on a plane face (those are [`super::face`]'s); knows nothing of how its gap was found.
 
 use super::law::{Force, Law};
+use super::newton::Bend;
 use super::outcome::Counters;
+use super::spheres::Found;
 use super::state::Forces;
 
 /// A contact element's gap as a function of ψ, a, φ, s.
@@ -17,29 +19,6 @@ pub(super) struct Element {
     pub(super) fading: Option<[f64; 4]>,
 }
 
-/// An element over the face of a plane flank of a rack that is not rolled: most of them.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Flat {
-    pub(super) gap: f64,
-    pub(super) by_angle: f64,
-    pub(super) by_height: f64,
-    pub(super) by_stroke: f64,
-    /// The second derivative by ψ; all others are 0.
-    pub(super) by_angle_twice: f64,
-    pub(super) weight: f64,
-}
-
-/// The same on a rack that may roll.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Tilted {
-    pub(super) flat: Flat,
-    pub(super) by_roll: f64,
-    /// Second derivatives by ψφ, aφ and φφ.
-    pub(super) by_angle_roll: f64,
-    pub(super) by_height_roll: f64,
-    pub(super) by_roll_twice: f64,
-}
-
 /// What friction needs: the normal and the motion of the pinion's material point against the rack by each coordinate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sliding {
@@ -47,13 +26,19 @@ pub(super) struct Sliding {
     pub(super) motion: [[f64; 3]; 4],
 }
 
-/// A touching element, for the estimate of the indentation.
+/// An element as it was met, for the estimate of the indentation and of what a step will do.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touching {
     pub(super) gap: f64,
-    /// Its derivatives by ψ and a.
+    /// Its derivatives by ψ, a and φ.
     pub(super) by_angle: f64,
     pub(super) by_height: f64,
+    pub(super) by_roll: f64,
+    /// Share of a whole element.
+    pub(super) weight: f64,
+    /// Its force, N, and the force's derivative by the penetration, N/mm; 0 if it does not touch.
+    pub(super) force: f64,
+    pub(super) by_depth: f64,
 }
 
 /// What evaluations share: counters and memory.
@@ -61,6 +46,38 @@ pub(super) struct Touching {
 pub(super) struct Work {
     pub(super) counters: Counters,
     pub(super) touching: Touchings,
+    /// Elements of the last evaluation that a step may make touch: those whose gaps are below `margin`, mm.
+    pub(super) near: Vec<Touching>,
+    pub(super) margin: f64,
+    /// Memory for the spheres of one flank pair.
+    pub(super) found: Vec<Found>,
+}
+
+impl Work {
+    /// What the tangent leaves out of a step of ψ, a and φ: the rest of each generalised force and of each entry of the
+    /// tangent, from the elements of the last evaluation with gaps that are linear in the step. The law is one without
+    /// damping; friction is taken to stay as it is.
+    pub(super) fn bend(&self, law: &Law, step: &[f64; 3]) -> Bend {
+        let (mut rest, mut harder) = ([0.0; 3], [0.0; 6]);
+        for element in self.touching.0.iter().flatten().chain(&self.near) {
+            let g = [element.by_angle, element.by_height, element.by_roll];
+            let opening = dot3(&g, step);
+            let depth = -(element.gap + opening);
+            let after = if depth > 0.0 { law.force(depth, 0.0) } else { Force::default() };
+            let force = element.weight * after.value - element.force + element.by_depth * opening;
+            let by_depth = element.weight * after.by_depth - element.by_depth;
+            let by = g.map(|g| by_depth * g);
+            for (sum, g) in rest.iter_mut().zip(g) {
+                *sum += force * g;
+            }
+            let products = [by[0] * g[0], by[0] * g[1], by[0] * g[2], by[1] * g[1], by[1] * g[2], by[2] * g[2]];
+            for (sum, product) in harder.iter_mut().zip(products) {
+                *sum += product;
+            }
+        }
+        let [aa, ah, ar, hh, hr, rr] = harder;
+        Bend { force: rest, tangent: [[aa, ah, ar], [ah, hh, hr], [ar, hr, rr]] }
+    }
 }
 
 /// The touching elements of the last evaluation, by side: right, left. Kept to be used again.
@@ -88,13 +105,17 @@ impl Touchings {
             let turn = (left.gap * right.by_height - right.gap * left.by_height) / det;
             rise = (right.gap * left.by_angle - left.gap * right.by_angle) / det;
             let after = |t: &Touching| t.gap + t.by_angle * turn + t.by_height * rise;
-            let worst = |side: &[Touching]| side.iter().copied().min_by(|a, b| after(a).total_cmp(&after(b)));
             let mut exchanged = false;
             for (side, kept) in self.0.iter().zip([&mut right, &mut left]) {
-                if let Some(found) = worst(side)
-                    && after(&found) < after(kept) - 1e-12
-                {
-                    *kept = found;
+                let (mut lowest, mut worst) = (after(kept) - 1e-12, None);
+                for element in side {
+                    let gap = after(element);
+                    if gap < lowest {
+                        (lowest, worst) = (gap, Some(element));
+                    }
+                }
+                if let Some(found) = worst {
+                    *kept = *found;
                     exchanged = true;
                 }
             }
@@ -153,104 +174,7 @@ impl Load<'_> {
                 }
             }
         }
-        self.note(right, tooth, *gap, (g[0], g[1]), f * g[3].abs(), f, *weight, &force, rate);
-        if let Some((mu, fade)) = self.law.friction {
-            self.work.counters.friction_evaluations += 1;
-            self.rub(&sliding(), mu, fade, f, by_rate, &by_q);
-        }
-    }
-
-    /// [`Load::add`] for a flat element. The roll must not be a coordinate.
-    pub(super) fn add_flat(&mut self, right: bool, tooth: i64, flat: &Flat, sliding: impl FnOnce() -> Sliding) {
-        let Flat { gap, by_angle, by_height, by_stroke, by_angle_twice, weight } = *flat;
-        let v = &self.rates;
-        let depth = -gap;
-        let rate = -(by_angle * v[0] + by_height * v[1] + by_stroke * v[3]);
-        let force = self.law.force(depth, rate);
-        let (f, by_depth, by_rate) = (weight * force.value, weight * force.by_depth, weight * force.by_rate);
-        let by_q = [by_depth * by_angle + by_rate * by_angle_twice * v[0], by_depth * by_height];
-        let sum = &mut self.sum;
-        sum.generalized[0] += f * by_angle;
-        sum.generalized[1] += f * by_height;
-        sum.generalized[3] += f * by_stroke;
-        sum.stiffness[0][0] += by_angle * by_q[0] - f * by_angle_twice;
-        sum.stiffness[0][1] += by_angle * by_q[1];
-        sum.stiffness[1][0] += by_height * by_q[0];
-        sum.stiffness[1][1] += by_height * by_q[1];
-        if by_rate != 0.0 {
-            sum.damping[0][0] += by_rate * by_angle * by_angle;
-            sum.damping[0][1] += by_rate * by_angle * by_height;
-            sum.damping[1][0] += by_rate * by_height * by_angle;
-            sum.damping[1][1] += by_rate * by_height * by_height;
-        }
-        self.note(right, tooth, gap, (by_angle, by_height), f * by_stroke.abs(), f, weight, &force, rate);
-        if let Some((mu, fade)) = self.law.friction {
-            self.work.counters.friction_evaluations += 1;
-            self.rub(&sliding(), mu, fade, f, by_rate, &[by_q[0], by_q[1], 0.0]);
-        }
-    }
-
-    /// [`Load::add`] for a flat element of a rack that may roll.
-    #[allow(clippy::needless_range_loop)] // matrices read as in the books
-    pub(super) fn add_tilted(&mut self, right: bool, tooth: i64, tilted: &Tilted, sliding: impl FnOnce() -> Sliding) {
-        let Tilted { flat, by_roll, by_angle_roll, by_height_roll, by_roll_twice } = *tilted;
-        let Flat { gap, by_angle, by_height, by_stroke, by_angle_twice, weight } = flat;
-        let v = &self.rates;
-        let depth = -gap;
-        let rate = -(by_angle * v[0] + by_height * v[1] + by_roll * v[2] + by_stroke * v[3]);
-        let force = self.law.force(depth, rate);
-        let (f, by_depth, by_rate) = (weight * force.value, weight * force.by_depth, weight * force.by_rate);
-        let g = [by_angle, by_height, by_roll];
-        let mut by_q = g.map(|g| by_depth * g);
-        if by_rate != 0.0 {
-            by_q[0] += by_rate * (by_angle_twice * v[0] + by_angle_roll * v[2]);
-            by_q[1] += by_rate * by_height_roll * v[2];
-            by_q[2] += by_rate * (by_angle_roll * v[0] + by_height_roll * v[1] + by_roll_twice * v[2]);
-        }
-        let sum = &mut self.sum;
-        for i in 0..3 {
-            sum.generalized[i] += f * g[i];
-            for j in 0..3 {
-                sum.stiffness[i][j] += g[i] * by_q[j];
-            }
-        }
-        sum.generalized[3] += f * by_stroke;
-        sum.stiffness[0][0] -= f * by_angle_twice;
-        sum.stiffness[0][2] -= f * by_angle_roll;
-        sum.stiffness[2][0] -= f * by_angle_roll;
-        sum.stiffness[1][2] -= f * by_height_roll;
-        sum.stiffness[2][1] -= f * by_height_roll;
-        sum.stiffness[2][2] -= f * by_roll_twice;
-        if by_rate != 0.0 {
-            for i in 0..3 {
-                for j in 0..3 {
-                    sum.damping[i][j] += by_rate * g[i] * g[j];
-                }
-            }
-        }
-        self.note(right, tooth, gap, (by_angle, by_height), f * by_stroke.abs(), f, weight, &force, rate);
-        if let Some((mu, fade)) = self.law.friction {
-            self.work.counters.friction_evaluations += 1;
-            self.rub(&sliding(), mu, fade, f, by_rate, &by_q);
-        }
-    }
-
-    /// Counts an element.
-    #[allow(clippy::too_many_arguments)] // one inner step of both ways to add
-    fn note(
-        &mut self,
-        right: bool,
-        tooth: i64,
-        gap: f64,
-        (by_angle, by_height): (f64, f64),
-        along: f64,
-        f: f64,
-        weight: f64,
-        force: &Force,
-        rate: f64,
-    ) {
-        let sum = &mut self.sum;
-        sum.along += along;
+        sum.along += f * g[3].abs();
         sum.energy += weight * force.energy;
         sum.dissipation += (f - weight * force.elastic) * rate;
         if right {
@@ -259,14 +183,20 @@ impl Load<'_> {
             sum.normal_left += f;
         }
         sum.contacts += 1;
-        sum.penetration = sum.penetration.max(-gap);
-        sum.teeth = Some(sum.teeth.map_or((tooth, tooth), |(low, high)| (low.min(tooth), high.max(tooth))));
-        self.work.touching.0[usize::from(!right)].push(Touching { gap, by_angle, by_height });
+        sum.penetration = sum.penetration.max(depth);
+        sum.note_tooth(tooth);
+        let touching =
+            Touching { gap: *gap, by_angle: g[0], by_height: g[1], by_roll: g[2], weight: *weight, force: f, by_depth };
+        self.work.touching.0[usize::from(!right)].push(touching);
+        if let Some((mu, fade)) = self.law.friction {
+            self.work.counters.friction_evaluations += 1;
+            self.rub(&sliding(), mu, fade, f, by_rate, &by_q);
+        }
     }
 
     /// Friction −μ f v_t / √(v_t² + v_0²) on the pinion's point. The tangent leaves out how the direction of sliding
     /// turns with the coordinates: its share is the displacement of a step over the radius of curvature, below 1e-4.
-    fn rub(&mut self, sliding: &Sliding, mu: f64, fade: f64, f: f64, by_rate: f64, by_q: &[f64; 3]) {
+    pub(super) fn rub(&mut self, sliding: &Sliding, mu: f64, fade: f64, f: f64, by_rate: f64, by_q: &[f64; 3]) {
         let Sliding { normal, motion } = sliding;
         let v = &self.rates;
         let mut velocity = [0.0; 3];

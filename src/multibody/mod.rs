@@ -13,6 +13,7 @@ mod conserving;
 mod drive;
 mod dynamics;
 mod error;
+mod face;
 mod flank;
 mod law;
 mod load;

@@ -7,6 +7,9 @@
 //! valleys a hundred thousand times softer along than across, and along a bent one the power tells nothing.
 //!
 //! A tangent that is not positive is made so by the size of its eigenvalues, and a balance on a hill is left.
+//!
+//! A system that knows how its forces bend along a step without being asked for them there may say so; the step is then
+//! the second of two, and as near to the solution.
 
 use crate::linear::solve;
 
@@ -19,6 +22,35 @@ pub(super) struct Balance<T> {
     pub(super) potential: Option<f64>,
     /// Whatever else the caller wants of the solution.
     pub(super) with: T,
+}
+
+/// What a tangent leaves out of a step: forces at its end, and how the tangent there differs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Bend {
+    pub(super) force: [f64; 3],
+    pub(super) tangent: [[f64; 3]; 3],
+}
+
+/// Equations to be solved.
+pub(super) trait System {
+    /// What a caller wants of the solution beside it.
+    type With: Copy;
+
+    /// The balance at x.
+    fn balance(&mut self, x: &[f64; 3]) -> Balance<Self::With>;
+
+    /// An estimate of what the tangent of the last balance leaves out of a step from there, if it costs little.
+    fn bend(&self, _step: &[f64; 3]) -> Option<Bend> {
+        None
+    }
+}
+
+impl<T: Copy, F: FnMut(&[f64; 3]) -> Balance<T>> System for F {
+    type With = T;
+
+    fn balance(&mut self, x: &[f64; 3]) -> Balance<T> {
+        self(x)
+    }
 }
 
 /// How far to go.
@@ -116,27 +148,40 @@ fn hill(k: &[[f64; 3]; 3], n: usize) -> Option<[f64; 3]> {
         .map(|i| vectors[i])
 }
 
+/// The step that also takes along what the tangent leaves out of `d`, all in scaled units; `None` if that is no better.
+fn bent(system: &impl System, k: &[[f64; 3]; 3], r: &[f64; 3], d: &[f64; 3], limits: &Limits) -> Option<[f64; 3]> {
+    let (n, scale) = (limits.unknowns, &limits.scale);
+    let bend = system.bend(&std::array::from_fn(|i| if i < n { d[i] / scale[i] } else { 0.0 }))?;
+    let force = std::array::from_fn(|i| if i < n { bend.force[i] / scale[i] } else { 0.0 });
+    let k = std::array::from_fn(|i| std::array::from_fn(|j| k[i][j] + bend.tangent[i][j] / (scale[i] * scale[j])));
+    let more = solve(k, force, n)?;
+    let both: [f64; 3] = std::array::from_fn(|i| d[i] + more[i]);
+    (norm(&more) < 0.5 * norm(d) && dot(&both, r) > 0.0).then_some(both)
+}
+
+fn norm(v: &[f64; 3]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// Solves `balance(x).residual = 0` from `x`.
-pub(super) fn newton<T: Copy>(
-    mut x: [f64; 3],
-    limits: &Limits,
-    mut balance: impl FnMut(&[f64; 3]) -> Balance<T>,
-) -> Solution<T> {
+pub(super) fn newton<S: System>(mut x: [f64; 3], limits: &Limits, mut system: S) -> Solution<S::With> {
     let n = limits.unknowns;
-    let scaled = |b: &Balance<T>| {
+    let scaled = |b: &Balance<S::With>| {
         let r: [f64; 3] = std::array::from_fn(|i| if i < n { b.residual[i] / limits.scale[i] } else { 0.0 });
         let k: [[f64; 3]; 3] =
             std::array::from_fn(|i| std::array::from_fn(|j| b.tangent[i][j] / (limits.scale[i] * limits.scale[j])));
         (r, k)
     };
-    let norm = |v: &[f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let mut here = balance(&x);
+    let mut here = system.balance(&x);
     let (mut iterations, mut nudges) = (0, NUDGES);
     loop {
         let (r, k) = scaled(&here);
         let size = norm(&r);
-        let done = |x, here: &Balance<T>, iterations, converged| Solution {
+        let done = |x, here: &Balance<S::With>, iterations, converged| Solution {
             x,
             with: here.with,
             iterations,
@@ -153,7 +198,7 @@ pub(super) fn newton<T: Copy>(
                     for (i, x) in x.iter_mut().enumerate().take(n) {
                         *x += NUDGE * limits.step * direction[i] / limits.scale[i];
                     }
-                    here = balance(&x);
+                    here = system.balance(&x);
                     continue;
                 }
             }
@@ -164,20 +209,23 @@ pub(super) fn newton<T: Copy>(
         iterations += 1;
         // where no contact holds an unknown, or the balance is one of a ball on a hill
         let floor = size / limits.step;
-        let mut d = solve(k, r, n).filter(|d| dot(d, &r) > 0.0).unwrap_or_else(|| downhill(&k, &r, n, floor));
+        let straight = solve(k, r, n).filter(|d| dot(d, &r) > 0.0);
+        let mut d = straight.unwrap_or_else(|| downhill(&k, &r, n, floor));
         let length = norm(&d);
         if length <= SMALLEST {
             return done(x, &here, iterations, true);
         }
         if length > limits.step {
             d = d.map(|v| v * (limits.step / length));
+        } else if straight.is_some() {
+            d = bent(&system, &k, &r, &d, limits).unwrap_or(d);
         }
         let power = dot(&r, &d);
         let mut share = 1.0;
         loop {
             let trial: [f64; 3] =
                 std::array::from_fn(|i| if i < n { x[i] + share * d[i] / limits.scale[i] } else { x[i] });
-            let next = balance(&trial);
+            let next = system.balance(&trial);
             let (r_next, _) = scaled(&next);
             let power_next = dot(&r_next, &d);
             let by_power = power_next < -0.7 * power && norm(&r_next) > 0.7 * size;
@@ -219,7 +267,7 @@ mod tests {
     #[test]
     fn a_balance_on_a_hill_is_left() {
         let limits = Limits { unknowns: 2, scale: [1.0; 3], force: 1e-12, step: 0.1, noise: 1e-14, iterations: 100 };
-        let solution = newton([0.0, 0.3, 0.0], &limits, |x| Balance {
+        let solution = newton([0.0, 0.3, 0.0], &limits, |x: &[f64; 3]| Balance {
             residual: [-4.0 * x[0] * (x[0] * x[0] - 1.0), -2.0 * x[1], 0.0],
             tangent: [[12.0 * x[0] * x[0] - 4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0; 3]],
             potential: None,

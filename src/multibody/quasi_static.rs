@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use super::law::Law;
 use super::load::Work;
-use super::newton::{Balance, Limits, Solution, newton};
+use super::newton::{Balance, Bend, Limits, Solution, System, newton};
 use super::outcome::{Counters, Outcome, RunEnd, Sample, Watch, steady};
 use super::state::{Coordinates, Forces};
 use super::{Scene, SimulationError};
@@ -20,8 +20,41 @@ const ROLLS: u32 = 60;
 /// First and longest step of a search for the roll, rad.
 const FIRST_ROLL: f64 = 1e-5;
 const WIDEST_ROLL: f64 = 1e-3;
-/// Iterations per stroke; a warm start needs three.
+/// Elements that a step may make touch: those with gaps below this share of the deepest penetration.
+const NEAR: f64 = 0.05;
+/// Iterations per stroke; a warm start needs one or two.
 const ITERATIONS: u32 = 200;
+
+/// The balance of a scene at a stroke.
+struct AtRest<'a> {
+    scene: &'a Scene,
+    law: &'a Law,
+    stroke: f64,
+    rates: Coordinates,
+    descend: bool,
+    work: &'a mut Work,
+}
+
+impl System for AtRest<'_> {
+    type With = Forces;
+
+    fn balance(&mut self, x: &[f64; 3]) -> Balance<Forces> {
+        let scene = self.scene;
+        let at = Coordinates::from_free(*x, self.stroke);
+        let forces = scene.contact(self.law, &at, &self.rates, self.work);
+        let (closing, rate) = scene.closing(x[1]);
+        let [angle, height, roll, _] = forces.generalized;
+        let mut tangent = forces.stiffness;
+        tangent[1][1] += rate;
+        let with_energy = self.descend && scene.law.friction.is_none();
+        let potential = with_energy.then(|| forces.energy + scene.closing_energy(x[1]));
+        Balance { residual: [angle, height - closing, roll], tangent, potential, with: forces }
+    }
+
+    fn bend(&self, step: &[f64; 3]) -> Option<Bend> {
+        Some(self.work.bend(self.law, step))
+    }
+}
 
 impl Scene {
     /// The equilibrium at each sample's stroke. Friction acts as it does at the nominal sliding velocities.
@@ -49,6 +82,7 @@ impl Scene {
                     let at = Coordinates::from_free(free, stroke);
                     let sample = self.sample((stroke - p.start_mm) / p.speed_mm_per_s, &at, &forces, &work);
                     samples.push(sample);
+                    work.margin = NEAR * forces.penetration;
                     if watch(&sample) == ControlFlow::Break(()) && index < last {
                         end = RunEnd::Interrupted;
                         break;
@@ -215,15 +249,7 @@ impl Scene {
             stroke: speed,
             ..Coordinates::default()
         };
-        let solution = newton(start, limits, |x| {
-            let forces = self.contact(law, &Coordinates::from_free(*x, stroke), &rates, work);
-            let (closing, rate) = self.closing(x[1]);
-            let [angle, height, roll, _] = forces.generalized;
-            let mut tangent = forces.stiffness;
-            tangent[1][1] += rate;
-            let potential = (descend && self.law.friction.is_none()).then(|| forces.energy + self.closing_energy(x[1]));
-            Balance { residual: [angle, height - closing, roll], tangent, potential, with: forces }
-        });
+        let solution = newton(start, limits, AtRest { scene: self, law, stroke, rates, descend, work });
         work.counters.iterations += u64::from(solution.iterations);
         solution
     }
@@ -293,5 +319,40 @@ impl Scene {
         let mut counters = counters;
         counters.coordinates = self.coordinates();
         Outcome { samples, nominal, deviating, energy, counters, end }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::{PinionFlanks, RackFlanks};
+    use crate::multibody::{Parameters, Support};
+    use crate::reproduction;
+
+    /// A step that minds how the contacts bend ends nearer to the balance than one along the tangent, also where
+    /// spheres come into contact on the way.
+    #[test]
+    fn a_step_minds_how_contacts_bend() {
+        let pair = reproduction::pair().unwrap();
+        for support in [Support::Fixed, Support::FreeRoll { axis_depth_mm: 8.0 }] {
+            let (rack, pinion) = (RackFlanks::new(&pair, &[]).unwrap(), PinionFlanks::nominal(&pair));
+            let scene = Scene::new(pair, rack, pinion, Parameters { support, ..Parameters::default() }).unwrap();
+            let law = scene.law.without_damping();
+            let (mut work, stroke) = (Work::default(), 20.0);
+            let (at, forces) = scene.equilibrium(stroke, None, &law, &mut work).unwrap();
+            work.margin = NEAR * forces.penetration;
+            let mut limits = scene.limits(1e-12);
+            limits.iterations = 1;
+            for share in [-0.03, 0.03] {
+                let mut off = at;
+                off[1] += share * forces.penetration;
+                let rates = Coordinates::default();
+                let mut system = AtRest { scene: &scene, law: &law, stroke, rates, descend: false, work: &mut work };
+                let along_the_tangent = newton(off, &limits, |x: &[f64; 3]| system.balance(x)).residual;
+                let bent = newton(off, &limits, system).residual;
+                assert!(bent < 0.01 * along_the_tangent, "{support:?} {share}: {bent} {along_the_tangent}");
+                assert!(bent < 1e-6 * scene.load_n());
+            }
+        }
     }
 }

@@ -267,6 +267,8 @@ impl Scene {
     pub(super) fn contact(&self, law: &Law, at: &Coordinates, rates: &Coordinates, work: &mut Work) -> Forces {
         work.counters.evaluations += 1;
         work.touching.0.iter_mut().for_each(Vec::clear);
+        work.near.clear();
+        let margin = work.margin;
         let eccentricity = self.mesh.pinion().eccentricity_mm();
         let pose = Pose::new(*at, self.depth, eccentricity, &self.shared);
         let pair = self.mesh.pair();
@@ -283,9 +285,9 @@ impl Scene {
             + (self.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
         let (along, across) = eccentricity;
         let off = (along * along + across * across).sqrt();
-        let cosine = (at.center_distance - off - top - 2.0 * radius) / p.tip_radius_mm;
+        let cosine = (at.center_distance - off - top - 2.0 * radius - margin) / p.tip_radius_mm;
         let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
-        let reach = Reach { cull: self.parameters.cull, rolls: self.rolls, polar };
+        let reach = Reach { cull: self.parameters.cull, rolls: self.rolls, polar, margin };
         // each pinion tooth once: those whose angle from straight down is at most half a turn
         let half = 0.5 * f64::from(p.teeth);
         let middle = at.pinion_angle / self.shared.angular_pitch - 0.5;

@@ -4,10 +4,22 @@
 
 use super::bound::{Bound, Reach, Tip, row_range};
 use super::closest;
+use super::face::{Face, OnFace};
 use super::flank::{FlankPair, Patch, Placed, Pose};
-use super::load::{Element, Flat, Load, Sliding, Tilted};
+use super::load::{Element, Load, Sliding};
 use super::template::{EARLY, Node, Row, Template};
 use crate::trig;
+
+/// A sphere that may touch: below the plane, or near it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    gap: f64,
+    /// Of the angle by which its row is turned.
+    sin: f64,
+    cos: f64,
+    row: usize,
+    node: usize,
+}
 
 struct Plane {
     nx: f64,
@@ -34,7 +46,7 @@ pub(super) fn touch(
     let Placed { n_xi, n_zeta, n_w, .. } = *placed;
     let axial = template.sin_base * n_w - 1.0;
     let line = placed.nu - placed.c;
-    let bound = Bound::new(template, placed);
+    let bound = Bound::new(template, placed, reach.margin);
     if reach.cull && bound.clears_flank(template.half_face) {
         return;
     }
@@ -47,7 +59,10 @@ pub(super) fn touch(
     let n_y = n_w * placed.cos_shaft - n_xi * placed.sin_shaft;
     let lift = pose.at.center_distance + pose.depth;
     let tip = Tip::new(template, pair, placed, pose);
-    for row in &rows[range] {
+    let mut found = std::mem::take(&mut load.work.found);
+    found.clear();
+    for row_index in range {
+        let row = &rows[row_index];
         if reach.cull && bound.clears(row.w) {
             continue;
         }
@@ -69,62 +84,65 @@ pub(super) fn touch(
             load.work.counters.spheres_tested += nodes.len() as u64;
             (0, nodes.len())
         };
-        for node in &nodes[from..to] {
+        for (index, node) in nodes[from..to].iter().enumerate() {
             let gap = plane.depth(node);
-            if gap >= 0.0 {
-                continue;
+            if gap < 0.0 || gap < reach.margin && plain {
+                found.push(Found { gap, sin, cos, row: row_index, node: from + index });
             }
-            let turned = (node.xi * cos - node.zeta * sin, node.xi * sin + node.zeta * cos);
-            if plain {
-                let (xi, zeta) = (turned.0 + placed.eccentric.0, turned.1 + placed.eccentric.1);
-                let w = row.w + node.radius * template.sin_base;
-                let across = w * placed.cos_shaft - xi * placed.sin_shaft;
-                // from the axis of the roll
-                let (y, z) = if reach.rolls {
-                    let up = zeta + lift;
-                    (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll)
-                } else {
-                    (across, zeta + lift)
-                };
-                // what is left of the radius once the form is removed, and the height of the centre
-                let left = node.radius - (row.removed + node.removed);
-                let height = gap + left;
-                let beyond = pair.beyond(y, z - pose.depth, height);
-                if beyond > 0.0 && closest::clear(height, beyond, node.radius, left) {
-                    continue;
-                }
-                if beyond <= 0.0 {
-                    let flat = Flat {
-                        gap,
-                        by_angle: placed.sign * (zeta * n_xi - xi * n_zeta),
-                        by_height: n_zeta,
-                        by_stroke: placed.sign * pair.normal[0],
-                        by_angle_twice: -(xi * n_xi + zeta * n_zeta),
-                        weight: row.weight * node.weight,
-                    };
-                    let sliding = || Sliding {
-                        normal: pair.normal,
-                        motion: placed.motion_at_contact(pose, (turned.0, turned.1, w), node.radius, &pair.normal),
-                    };
-                    if reach.rolls {
-                        let [_, ny, nz] = pair.normal;
-                        let tilted = Tilted {
-                            flat,
-                            by_roll: ny * z - nz * y,
-                            by_angle_roll: placed.sign * (zeta * placed.sin_shaft * n_zeta - xi * n_y),
-                            by_height_roll: n_y,
-                            by_roll_twice: -(ny * y + nz * z),
-                        };
-                        load.add_tilted(pair.right, pair.rack_tooth, &tilted, sliding);
-                    } else {
-                        load.add_flat(pair.right, pair.rack_tooth, &flat, sliding);
-                    }
-                    continue;
-                }
-            }
-            sphere(pair, template, placed, pose, row, node, turned, gap, load);
         }
     }
+    let [_, ny, nz] = pair.normal;
+    let mut face = Face::new(load, (pair.right, pair.rack_tooth), [n_zeta, placed.sign * pair.normal[0], n_y]);
+    for &Found { gap, sin, cos, row, node } in &found {
+        let row = &rows[row];
+        let node = &template.phases[row.phase].1[node];
+        let turned = (node.xi * cos - node.zeta * sin, node.xi * sin + node.zeta * cos);
+        if plain {
+            let (xi, zeta) = (turned.0 + placed.eccentric.0, turned.1 + placed.eccentric.1);
+            let w = row.w + node.radius * template.sin_base;
+            let across = w * placed.cos_shaft - xi * placed.sin_shaft;
+            // from the axis of the roll
+            let (y, z) = if reach.rolls {
+                let up = zeta + lift;
+                (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll)
+            } else {
+                (across, zeta + lift)
+            };
+            // what is left of the radius once the form is removed, and the height of the centre
+            let left = node.radius - (row.removed + node.removed);
+            let height = gap + left;
+            let beyond = pair.beyond(y, z - pose.depth, height);
+            if beyond <= 0.0 {
+                let on = OnFace {
+                    gap,
+                    weight: row.weight * node.weight,
+                    by_angle: placed.sign * (zeta * n_xi - xi * n_zeta),
+                    by_roll: ny * z - nz * y,
+                    by_angle_twice: -(xi * n_xi + zeta * n_zeta),
+                    by_angle_roll: placed.sign * (zeta * placed.sin_shaft * n_zeta - xi * n_y),
+                    by_roll_twice: -(ny * y + nz * z),
+                };
+                let sliding = || Sliding {
+                    normal: pair.normal,
+                    motion: placed.motion_at_contact(pose, (turned.0, turned.1, w), node.radius, &pair.normal),
+                };
+                if gap >= 0.0 {
+                    face.pass(&on, load);
+                } else if reach.rolls {
+                    face.add::<true>(&on, load, sliding);
+                } else {
+                    face.add::<false>(&on, load, sliding);
+                }
+                continue;
+            }
+            if gap >= 0.0 || closest::clear(height, beyond, node.radius, left) {
+                continue;
+            }
+        }
+        sphere(pair, template, placed, pose, row, node, turned, gap, load);
+    }
+    face.close(load);
+    load.work.found = found;
 }
 
 /// Stations around the contact line that may touch.

@@ -49,3 +49,10 @@ pub struct Forces {
     /// Lowest and highest rack tooth that touches.
     pub teeth: Option<(i64, i64)>,
 }
+
+impl Forces {
+    /// Remembers that a rack tooth touches.
+    pub(super) fn note_tooth(&mut self, tooth: i64) {
+        self.teeth = Some(self.teeth.map_or((tooth, tooth), |(low, high)| (low.min(tooth), high.max(tooth))));
+    }
+}

@@ -11,8 +11,9 @@
 //! leaves the second derivatives out.
 
 use super::bound::{BEND, Bound, Reach, Tip, row_range};
+use super::face::{Face, OnFace};
 use super::flank::{FlankPair, Placed, Pose, removal};
-use super::load::{Element, Flat, Load, Sliding};
+use super::load::{Element, Load, Sliding};
 use super::template::{EARLY, Row, Template};
 use crate::deviation::RackForm;
 use crate::trig;
@@ -38,7 +39,7 @@ pub(super) fn touch(
     form: &RackForm,
     load: &mut Load<'_>,
 ) {
-    let bound = Bound::new(template, placed);
+    let bound = Bound::new(template, placed, 0.0);
     if reach.cull && bound.clears_flank(template.half_face) {
         return;
     }
@@ -49,6 +50,8 @@ pub(super) fn touch(
     let (sin_c, cos_c) = trig::sin_cos(placed.c);
     let tip = Tip::new(template, pair, placed, pose);
     let direct = Direct::new(pair, template, placed, pose, reach.cull);
+    let by = [placed.n_zeta, placed.sign * pair.normal[0], 0.0];
+    let mut face = Face::new(load, (pair.right, pair.rack_tooth), by);
     for row in &rows[range] {
         if reach.cull && bound.clears(row.w) {
             continue;
@@ -63,7 +66,7 @@ pub(super) fn touch(
         }
         let tau = crossing.clamp(template.start_roll, template.tip_roll);
         if plain && tau == crossing {
-            if direct.touch(pair, placed, pose, &bound, row, tau, load) {
+            if direct.touch(pair, placed, pose, &bound, row, tau, &mut face, load) {
                 continue;
             }
         } else if (tau - crossing).abs() > 1.5 {
@@ -71,6 +74,7 @@ pub(super) fn touch(
         }
         section(pair, template, placed, pose, form, (row.w, row.weight), (tau, tau == crossing), load);
     }
+    face.close(load);
 }
 
 /// Sections that touch on the contact line of plane flanks: their gaps are linear in everything but an eccentricity.
@@ -83,8 +87,6 @@ struct Direct {
     rise: f64,
     by_angle: f64,
     by_angle_twice: f64,
-    by_height: f64,
-    by_stroke: f64,
     top: f64,
     half_width: f64,
     tip: f64,
@@ -101,8 +103,6 @@ impl Direct {
             rise: length * template.base_radius * BEND,
             by_angle: sign * (eccentric.1 * n_xi - eccentric.0 * n_zeta - length * template.base_radius),
             by_angle_twice: -(eccentric.0 * n_xi + eccentric.1 * n_zeta),
-            by_height: n_zeta,
-            by_stroke: sign * pair.normal[0],
             top: pose.at.center_distance + eccentric.1,
             half_width: pair.bounds.half_width,
             tip: pair.bounds.tip,
@@ -120,6 +120,7 @@ impl Direct {
         bound: &Bound,
         row: &Row,
         tau: f64,
+        face: &mut Face,
         load: &mut Load<'_>,
     ) -> bool {
         let gap = bound.height(row.w);
@@ -143,15 +144,14 @@ impl Direct {
         if share < 1.0 {
             return false;
         }
-        let flat = Flat {
+        let on = OnFace {
             gap,
-            by_angle: self.by_angle,
-            by_height: self.by_height,
-            by_stroke: self.by_stroke,
-            by_angle_twice: self.by_angle_twice,
             weight: row.weight,
+            by_angle: self.by_angle,
+            by_angle_twice: self.by_angle_twice,
+            ..OnFace::default()
         };
-        load.add_flat(pair.right, pair.rack_tooth, &flat, || {
+        face.add::<false>(&on, load, || {
             let (x, w) = (self.base_radius * (self.sin - tau * self.cos), row.w);
             let zeta = -self.base_radius * (self.cos + tau * self.sin);
             Sliding { normal: pair.normal, motion: placed.point(pose, x, zeta, w).motion }
