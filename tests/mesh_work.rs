@@ -43,7 +43,7 @@ fn takes_no_more_than(counts: Counts, kind: &str, pairs: u64) {
 
 #[test]
 fn spur_pairs() {
-    takes_no_more_than([[944, 9211, 3225], [4020, 31513, 8376]], "spur", 40);
+    takes_no_more_than([[944, 9211, 3241], [4020, 31513, 8377]], "spur", 40);
 }
 
 #[test]

@@ -528,7 +528,11 @@ impl FlankContact {
                 return Some(touch);
             }
         }
-        let harmless = self.fits && self.reach_of_root(pose) <= best.map_or(floor, |best| best.demand.max(floor));
+        let root = if self.fits { self.reach_of_root(pose) } else { f64::INFINITY };
+        let harmless = root <= best.map_or(floor, |best| best.demand.max(floor));
+        // what is not looked at is still part of the bound
+        let bounded =
+            |best: Touch| Touch { demand: if harmless { best.demand.max(root) } else { best.demand }, ..best };
         let climb = |best: Option<Touch>, from: f64, to: f64| {
             let found = if from <= to { self.climb(pose, (from, to), (lo, hi), floor, hint) } else { None };
             found.filter(|found| best.is_none_or(|best| found.demand > best.demand + tie)).or(best)
@@ -540,7 +544,7 @@ impl FlankContact {
             best = climb(best, lo.max(rise), hi);
         }
         if self.fits && best.is_some_and(|best| best.kind == ContactKind::Line) {
-            return best;
+            return best.map(bounded);
         }
         if let Some(turn) = self.jump() {
             let past = turn * (1.0 + 1e-9);
@@ -558,7 +562,7 @@ impl FlankContact {
                 best = climb(best, turn + BESIDE, hi);
             }
         }
-        best
+        best.map(bounded)
     }
 
     /// Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its

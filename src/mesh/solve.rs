@@ -335,3 +335,143 @@ fn reduced(tooth: i64, pitch: f64, stroke: f64) -> f64 {
     let error = ((a * c - product) + a * d + b * c) + b * d;
     (product - stroke) + error
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::{Eccentricity, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
+    use crate::gear::{Pair, PairData, PinionData, RackData};
+
+    fn pair() -> Pair {
+        Pair::new(&PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: 0.35,
+            rack: RackData { helix_angle_rad: 0.1, face_width_mm: 20.0, addendum_mm: 1.9, tooth_thickness_mm: None },
+            pinion: PinionData {
+                teeth: 20,
+                helix_angle_rad: 0.2,
+                profile_shift: 0.2,
+                tip_diameter_mm: 45.6,
+                root_form_diameter_mm: Some(39.0),
+                face_width_mm: 24.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        })
+        .expect("a valid pair")
+    }
+
+    fn mesh(list: &[RackDeviation]) -> Mesh {
+        let pair = pair();
+        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm: 0.05, tooth: 3 }]);
+        let rack = RackFlanks::new(&pair, list).expect("small");
+        Mesh::new(pair, rack, pinion.expect("small"), Support::Fixed).expect("teeth in order")
+    }
+
+    fn all(kind: RackDeviationKind) -> RackDeviation {
+        RackDeviation { teeth: ToothRange::ALL, kind }
+    }
+
+    /// Place and stroke are multiples of 2⁻⁴⁰, so that integers give the difference exactly.
+    #[test]
+    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "what is rounded is compared")]
+    fn a_far_tooth_is_placed_with_one_rounding() {
+        let unit = f64::from_bits(0x3d70_0000_0000_0000);
+        let pitch = 6_908_617_345_679_i64;
+        for tooth in [0, 1, -3, 1_000_003, -77_777_777_777, (1 << 50) - 1, -(1 << 50) + 12_345] {
+            let product = i128::from(tooth) * i128::from(pitch);
+            for apart in [0, 1, -7, 123_456_789_012, -987_654_321_098_765] {
+                let stroke = ((product + apart) as f64) as i128;
+                let expected = (product - stroke) as f64 * unit;
+                let found = reduced(tooth, pitch as f64 * unit, stroke as f64 * unit);
+                assert_eq!(found, expected, "{tooth} {apart}");
+            }
+        }
+    }
+
+    /// Wherever the search for the rotation starts, within the bracket or beyond, it ends at the same place soon.
+    #[test]
+    fn any_start_leads_to_the_same_rotation() {
+        let (mut rotations, mut solved, mut most) = (0, 0, 0);
+        for lead in [0.0, 0.004] {
+            let mesh = mesh(&[all(RackDeviationKind::Lead(lead))]);
+            let pitch = mesh.pair().pinion().angular_pitch_rad();
+            for step in 0..8 {
+                let stroke = 0.83 * f64::from(step);
+                let fresh = mesh.at(stroke).expect("contact");
+                for start in -24..=24 {
+                    let start = 0.032 * f64::from(start) * pitch;
+                    let mut sampler = Sampler::new(&mesh);
+                    sampler.last = Some((start, 0.0));
+                    let point = sampler.at(stroke).expect("contact");
+                    assert!(point.converged(), "{start} {point:?}");
+                    assert!((point.center_distance_mm - fresh.center_distance_mm).abs() < 1e-12, "{start} {point:?}");
+                    assert!((point.transmission_error_rad - fresh.transmission_error_rad).abs() < 1e-13, "{start}");
+                    rotations += point.iterations;
+                    most = most.max(point.iterations);
+                    solved += 1;
+                }
+            }
+        }
+        println!("{rotations} rotations for {solved} strokes, at most {most}");
+        assert!(rotations <= 3280 && most <= 8, "{rotations} {most}");
+    }
+
+    /// Racks that are shifted by whole teeth and more are found under the pinion.
+    #[test]
+    fn a_displaced_rack_is_found_where_it_is() {
+        let nominal = mesh(&[]);
+        let p = nominal.pair().rack().pitch_mm;
+        for shift in [-7.3, -2.0, -0.6, 0.4, 1.0, 3.49, 60.2] {
+            let shifted = mesh(&[all(RackDeviationKind::Shift(shift * p))]);
+            for step in 0..8 {
+                let stroke = 0.91 * f64::from(step);
+                let here = shifted.at(stroke + shift * p).expect("contact");
+                // the pinion has turned by its part of the shift more
+                let turned = stroke + shift * p;
+                assert!(here.converged() && here.delta_cd_mm.abs() < 0.06, "{shift} {here:?}");
+                let tooth = here.right.rack_tooth;
+                assert!((f64::from(i32::try_from(tooth).expect("near")) * p + shift * p - turned).abs() < 3.0 * p);
+            }
+        }
+    }
+
+    #[test]
+    fn strokes_at_the_limit_have_a_place_and_beyond_it_none() {
+        let mesh = mesh(&[]);
+        let limit = Constants::new(&mesh).stroke_limit;
+        assert!(mesh.at(limit).is_ok() && mesh.at(-limit).is_ok());
+        for stroke in [limit.next_up(), -limit.next_up(), f64::NAN, f64::INFINITY] {
+            let error = mesh.at(stroke).expect_err("too far");
+            assert!(matches!(error, MeshError::StrokeOutOfDomain { .. }), "{error}");
+        }
+    }
+
+    /// Teeth too thick for the spaces stand on the tips of the rack's on both sides.
+    #[test]
+    fn teeth_that_do_not_enter_stand_on_tips() {
+        let mut data = PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: 0.35,
+            rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 1.0, tooth_thickness_mm: None },
+            pinion: PinionData {
+                teeth: 20,
+                helix_angle_rad: 0.0,
+                profile_shift: 0.2,
+                tip_diameter_mm: 44.8,
+                root_form_diameter_mm: Some(38.2),
+                face_width_mm: 24.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        };
+        let mut ends = |thickness: f64| {
+            data.rack.tooth_thickness_mm = Some(thickness);
+            let mesh = Mesh::nominal(Pair::new(&data).expect("a valid pair")).expect("teeth in order");
+            [0, 1, 2, 3, 4, 5, 6, 7].map(|step| mesh.at(0.79 * f64::from(step)))
+        };
+        assert!(ends(3.1).iter().all(Result::is_ok));
+        let tips = ends(5.6);
+        assert!(matches!(tips[0], Err(MeshError::TipOnTip { .. })), "{tips:?}");
+        // a little further one side catches the edges of tips
+        assert!(tips[1].is_ok_and(|point| point.converged() && point.delta_cd_mm > 2.0), "{tips:?}");
+    }
+}

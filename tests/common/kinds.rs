@@ -60,7 +60,7 @@ pub fn teeth(pair: &Pair, stroke: f64) -> Vec<i64> {
 pub struct Case {
     pub mesh: Mesh,
     pub stroke: f64,
-    seed: u64,
+    pub seed: u64,
 }
 
 impl Case {

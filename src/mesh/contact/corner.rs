@@ -295,15 +295,17 @@ impl FlankContact {
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::contact::corner::Found;
-    use crate::mesh::contact::tests::{Even, NO_FLOOR, contacts, looks};
+    use crate::mesh::contact::corner::{End, Found, Held};
+    use crate::mesh::contact::tests::{NO_FLOOR, Random, contacts, looks};
     use crate::mesh::contact::{ContactKind, FlankContact, Hint, Pose};
 
     /// The search knows nothing of these formulas. Where they are not sure it has to be made; that must stay rare.
     #[test]
     fn corners_are_what_the_search_finds() {
-        for (narrow, least) in [(false, [1180, 1644, 1226, 0, 1298]), (true, [1206, 1683, 1250, 150, 1254])] {
-            let (mut corners, mut of_rack, mut named, mut missed, mut unsure) = (0, 0, 0, 0, 0);
+        for (narrow, least, most) in
+            [(false, [1309, 1535, 1335, 18, 19], 964), (true, [1563, 1179, 1573, 1014, 197], 1224)]
+        {
+            let (mut both, mut corners, mut of_rack, mut named, mut missed, mut unsure) = (0, 0, 0, 0, 0, 0);
             let mut worst = 0.0_f64;
             contacts(narrow, |contact, pose| {
                 if contact.line(pose).is_some() {
@@ -320,6 +322,8 @@ mod tests {
                     Found::Unsure => None,
                 };
                 corners += u32::from(direct.is_some());
+                let at_both = |tip| matches!(contact.end(pose, None, tip), End::At(_, Held::BothEnds));
+                both += u32::from(at_both(true) || at_both(false));
                 let at_rack = contact.rack_corner(pose, NO_FLOOR, None);
                 of_rack += u32::from(at_rack.is_some());
                 let Some(touch) = direct.or(at_rack) else {
@@ -339,12 +343,13 @@ mod tests {
                     assert_eq!(touch.kind, searched.kind, "{touch:?}\n{searched:?}\n{contact:?}");
                 }
             });
-            let found = [corners, of_rack, named, missed];
+            let found = [corners, of_rack, named, missed, both];
             println!(
-                "{found:?} corners, at the rack's tip edge, named and off the face, {unsure} unsure, difference {worst:e}"
+                "{found:?} corners, at the rack's tip edge, named, off the face, and where both faces end; {unsure} unsure, \
+                 largest difference {worst:e}"
             );
             assert!(
-                found.iter().zip(least).all(|(&found, least)| found >= least) && unsure <= least[4],
+                found.iter().zip(least).all(|(&found, least)| found >= least) && unsure <= most,
                 "{found:?} {unsure}"
             );
         }
@@ -353,8 +358,8 @@ mod tests {
     /// What is found does not depend on where it was before; from there it takes fewer steps.
     #[test]
     fn a_hint_changes_nothing() {
-        for (narrow, most) in [(false, [47_550, 28_300, 48_550, 67_740]), (true, [47_390, 27_590, 44_940, 67_620])] {
-            let mut even = Even(0.2);
+        for (narrow, most) in [(false, [38_620, 23_700, 39_420, 61_940]), (true, [35_820, 20_380, 31_640, 60_060])] {
+            let mut random = Random(2);
             let mut counts = [0; 4];
             contacts(narrow, |contact, pose| {
                 let (fresh, count) = looks(|| contact.touch(pose, NO_FLOOR, None));
@@ -364,15 +369,15 @@ mod tests {
                     return;
                 }
                 let near = Hint {
-                    delta: fresh.spot.delta + even.next(-1e-4, 1e-4),
-                    w: fresh.spot.w * (1.0 + even.next(-1e-3, 1e-3)),
+                    delta: fresh.spot.delta + random.next(-1e-4, 1e-4),
+                    w: fresh.spot.w * (1.0 + random.next(-1e-3, 1e-3)),
                     at_rack_edge: fresh.at_rack_edge,
                     spread: 1e-4,
                 };
                 let far = Hint {
-                    delta: fresh.spot.delta + even.next(-0.1, 0.1),
-                    w: even.next(-1.0, 1.0) * contact.half_face,
-                    at_rack_edge: even.next(0.0, 1.0) < 0.5,
+                    delta: fresh.spot.delta + random.next(-0.1, 0.1),
+                    w: random.next(-1.0, 1.0) * contact.half_face,
+                    at_rack_edge: random.next(0.0, 1.0) < 0.5,
                     spread: 0.1,
                 };
                 for (hint, counted) in [near, far].into_iter().zip(&mut counts[1..]) {
@@ -407,7 +412,7 @@ mod tests {
     /// almost.
     #[test]
     fn what_stays_below_asks_for_less() {
-        for (narrow, least) in [(false, [0, 1378, 3546]), (true, [1, 1392, 3432])] {
+        for (narrow, least) in [(false, [4, 1642, 3475]), (true, [3, 2004, 3256])] {
             let mut below = [0; 3];
             let mut beyond = 0;
             contacts(narrow, |contact, pose| {
@@ -430,7 +435,7 @@ mod tests {
     /// The eccentric offset turns with c: offset(c + h) = offset + h offset_rate to first order.
     #[test]
     fn rates_are_differences_of_demands() {
-        let (mut compared, mut worst) = (0, 0.0_f64);
+        let mut compared = 0;
         contacts(false, |contact, pose| {
             let h = 1e-6;
             let moved = |h: f64| {
@@ -446,11 +451,11 @@ mod tests {
                 // not across a corner of the demand
                 if bend < 1e-3 {
                     compared += 1;
-                    worst = worst.max((slope - here.rate).abs());
+                    let off = (slope - here.rate).abs();
+                    assert!(off < 1e-6 + bend, "{off:e} {here:?}\n{contact:?}\n{pose:?}");
                 }
             }
         });
-        println!("{compared} rates, largest difference {worst:e}");
-        assert!(compared > 1000 && worst < 1e-5, "{compared} {worst:e}");
+        assert!(compared > 1000, "{compared}");
     }
 }

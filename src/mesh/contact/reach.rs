@@ -69,7 +69,7 @@ impl FlankContact {
         }
         let low = (mark - self.tip.d + pose.offset.1) * per_height - 1.0 / tan_nu;
         // what the tip plane asks for at most where tan(δ/2) ≥ τ
-        let kept_out = self.kappa == 0.0 || low >= lowest;
+        let kept_out = low >= lowest;
         if line <= mark && kept_out {
             return true;
         }
