@@ -168,7 +168,18 @@ mod tests {
         near(solved(20, Part::Pinion, Deviation::SectorPitch, 10), AMOUNT_MM / 10.0);
         near(solved(20, Part::Pinion, Deviation::TotalPitch, 1), AMOUNT_MM / 10.0);
         // an odd number of teeth closes as well
+        near(solved(20, Part::Pinion, Deviation::SinglePitch, 1), AMOUNT_MM);
         near(solved(21, Part::Pinion, Deviation::SinglePitch, 1), AMOUNT_MM);
+    }
+
+    /// A helix slope over the whole face lifts by as much as it is; of a profile slope the flank at the pinion's tip asks
+    /// for 1/(2 sin α_n), √5/2 times as much as it is, and the one on the other side for a part of that.
+    #[test]
+    fn slopes_of_flanks() {
+        near(solved(12, Part::Rack, Deviation::HelixSlope, 1), AMOUNT_MM);
+        near(solved(12, Part::Pinion, Deviation::HelixSlope, 1), AMOUNT_MM);
+        let found = solved(12, Part::Pinion, Deviation::ProfileSlope, 1);
+        assert!(found.is_some_and(|found| found > 0.03 && found < AMOUNT_MM * f64::sqrt(5.0)), "{found:?}");
     }
 
     /// A large pinion takes more than 50 mm for its turn.
@@ -177,11 +188,14 @@ mod tests {
         near(solved(30, Part::Pinion, Deviation::Runout, 1), AMOUNT_MM);
     }
 
-    /// A sector of one pitch is a single pitch deviation, also where more than two teeth carry at a time.
+    /// A sector of one pitch is a single pitch deviation, also where three teeth carry at a time, on faces so wide that
+    /// the first one's left flank and the last one's right flank do.
     #[test]
     fn a_sector_ends_where_it_ends() {
-        let pair = pair(20, -0.35, 0.35);
-        assert!(pair.contact_ratio().total > 2.0);
+        let mut data = example(20, -0.35, 0.35);
+        (data.rack.face_width_mm, data.pinion.face_width_mm) = (50.0, 50.0);
+        let pair = Pair::new(&data).unwrap();
+        assert!(pair.contact_ratio().overlap > 2.0);
         let of = |deviation| largest_delta_cd_mm(&pair, Part::Rack, deviation, AMOUNT_MM, 20.0, 1).ok();
         near(of(Deviation::SectorPitch), of(Deviation::SinglePitch).unwrap());
     }

@@ -135,4 +135,10 @@ mod tests {
         assert_eq!(limit.judge(&"-9".parse().unwrap(), &"0.05".parse().unwrap()), Verdict::Pass);
         assert_eq!(limit.judge(&"-9".parse().unwrap(), &"0.0500001".parse().unwrap()), Verdict::Fail);
     }
+
+    #[test]
+    fn keys_are_those_of_a_spec() {
+        assert_eq!(LimitTarget::CenterDistance.key(), "center_distance");
+        assert_eq!(LimitTarget::Error(ErrorKind::PinionRadial).key(), "pinion_radial");
+    }
 }

@@ -344,6 +344,21 @@ mod tests {
         }
     }
 
+    /// What is sure or impossible for one of two leaves the other or nothing.
+    #[test]
+    fn two_normal_variables_of_which_one_is_without_bound() {
+        let (never, always) = (f64::NEG_INFINITY, f64::INFINITY);
+        for rho in [-1.0, -0.5, 0.0, 0.75, 1.0] {
+            for (h, k) in [(never, 0.5), (0.5, never), (never, never), (never, always), (always, never)] {
+                assert_eq!(bivariate_normal_cdf(h, k, rho), 0.0, "{h} {k} {rho}");
+            }
+            for (h, k) in [(always, 0.5), (0.5, always)] {
+                assert_eq!(bivariate_normal_cdf(h, k, rho), normal_cdf(0.5), "{h} {k} {rho}");
+            }
+            assert_eq!(bivariate_normal_cdf(always, always, rho), 1.0);
+        }
+    }
+
     /// No number is asked for once, not bisected without end.
     #[test]
     fn what_is_no_number_has_no_probability() {

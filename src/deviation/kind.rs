@@ -92,3 +92,14 @@ pub enum ErrorValue {
     /// A deviation in angle.
     Angle(Angle),
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_those_of_a_spec() {
+        let keys = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch"];
+        assert_eq!(ErrorKind::ALL.map(ErrorKind::key), keys);
+    }
+}

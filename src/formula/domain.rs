@@ -71,3 +71,22 @@ pub(crate) fn tooth_thickness(normal_module: &Length, given: Option<&Length>) ->
     }
     Ok(thickness.exact_mm().clone())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn helix_and_lead_angles_are_less_than_a_right_angle_either_way() {
+        for domain in [RACK_HELIX_ANGLE, PINION_HELIX_ANGLE, LEAD_ERROR] {
+            for (degrees, inside) in [("-89.9", true), ("0", true), ("89.9", true), ("-90", false), ("90", false)] {
+                assert_eq!(
+                    domain.check_angle(&degrees.parse().unwrap()).is_ok(),
+                    inside,
+                    "{} {degrees}",
+                    domain.symbol
+                );
+            }
+        }
+    }
+}

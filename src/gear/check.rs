@@ -298,24 +298,31 @@ pub(crate) mod tests {
         data.rack.face_width_mm = 2.0;
         let narrow = pair(&data).contact_ratio();
         assert!(narrow.total < wide.total && narrow.total > 1.0, "{narrow:?} {wide:?}");
-        // points on the polygon's edges are those of a search
-        let p = *pair(&data).pinion();
-        let (sin_t, cos_t) = trig::sin_cos(p.transverse_pressure_angle_rad);
-        let (sin_s, cos_s) = trig::sin_cos(pair(&data).shaft_angle_rad());
-        let low = pair(&data).rack_tip_roll_rad().max(p.start_roll_rad);
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for i in 0..=2000 {
-            let tau = low + (p.tip_roll_rad - low) * f64::from(i) / 2000.0;
-            for y in [-1.0, 1.0] {
-                let w = (y - p.base_radius_mm * (tau * cos_t - sin_t) * sin_s) / cos_s;
-                if w.abs() <= 13.0 {
-                    let phase = tau - trig::tan(p.helix_angle_rad) / p.reference_radius_mm * w;
-                    (least, most) = (least.min(phase), most.max(phase));
+        // the ends of what a search finds; a narrow pinion bounds them, too
+        for pinion_width in [26.0, 3.0] {
+            data.pinion.face_width_mm = pinion_width;
+            let narrow = pair(&data).contact_ratio();
+            let p = *pair(&data).pinion();
+            let (sin_t, cos_t) = trig::sin_cos(p.transverse_pressure_angle_rad);
+            let (sin_s, cos_s) = trig::sin_cos(pair(&data).shaft_angle_rad());
+            let low = pair(&data).rack_tip_roll_rad().max(p.start_roll_rad);
+            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+            for i in 0..=2000 {
+                let tau = low + (p.tip_roll_rad - low) * f64::from(i) / 2000.0;
+                // |y| ≤ 1 and |w| ≤ b/2
+                let shift = p.base_radius_mm * (tau * cos_t - sin_t) * sin_s;
+                let first = ((-1.0 - shift) / cos_s).max(-0.5 * pinion_width);
+                let last = ((1.0 - shift) / cos_s).min(0.5 * pinion_width);
+                for w in [first, last] {
+                    if first <= last {
+                        let phase = tau - trig::tan(p.helix_angle_rad) / p.reference_radius_mm * w;
+                        (least, most) = (least.min(phase), most.max(phase));
+                    }
                 }
             }
+            let searched = (most - least) / p.angular_pitch_rad();
+            assert!(searched > 0.1 && (narrow.total - searched).abs() < 2e-3, "{narrow:?} {searched}");
         }
-        let searched = (most - least) / p.angular_pitch_rad();
-        assert!((narrow.total - searched).abs() < 2e-3, "{narrow:?} {searched}");
     }
 
     #[test]

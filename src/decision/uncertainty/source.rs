@@ -145,3 +145,17 @@ impl Uncertainty {
         Self { standard: half_width / distribution.half_width(), distribution, dof: f64::INFINITY }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Section and key of a spec.
+    #[test]
+    fn errors_have_the_keys_of_their_section() {
+        for kind in ErrorKind::ALL {
+            assert_eq!(Source::Error(kind).key(), format!("errors.{}", kind.key()));
+        }
+        assert_eq!(Source::FaceWidth.key(), "rack.face_width");
+    }
+}

@@ -1,0 +1,348 @@
+//! The linear propagation against differences, printed examples and closed forms.
+
+use super::propagation::stack_weight;
+use super::*;
+use crate::decision::statistics::student_quantile;
+use crate::decision::{Combined, Stack, Term};
+use crate::deviation::ErrorKind;
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Model, PartError, PinionPitch, RackLead, RackPitch};
+use crate::quantity::{Angle, Length};
+
+fn length(text: &str) -> Length {
+    text.parse().unwrap()
+}
+
+fn angle(text: &str) -> Angle {
+    text.parse().unwrap()
+}
+
+fn five(pitch: &str, lead: &str) -> Vec<PartError> {
+    let (alpha, rack, pinion) = (angle("20"), angle("12"), angle("21"));
+    vec![
+        PartError::RackOverRoller(length("0.013")),
+        PartError::RackPitch(length(pitch), RackPitch::new(&alpha, &rack).unwrap()),
+        PartError::RackLead(angle(lead), RackLead::new(&alpha, &rack, &length("19.7")).unwrap()),
+        PartError::PinionRadial(length("-0.004")),
+        PartError::PinionPitch(length("0.009"), PinionPitch::new(&alpha, &pinion).unwrap()),
+    ]
+}
+
+fn part(errors: &[PartError]) -> Part<'_> {
+    Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range }
+}
+
+/// Every quantity that can be uncertain, in the order of a [`Scene`]'s values.
+pub(in crate::decision) const SOURCES: [Source; 13] = [
+    Source::Error(ErrorKind::RackOverRoller),
+    Source::Error(ErrorKind::RackPitch),
+    Source::Error(ErrorKind::RackLead),
+    Source::Error(ErrorKind::PinionRadial),
+    Source::Error(ErrorKind::PinionPitch),
+    Source::NormalPressureAngle,
+    Source::RackHelixAngle,
+    Source::PinionHelixAngle,
+    Source::FaceWidth,
+    Source::NormalModule,
+    Source::Datum,
+    Source::Roller,
+    Source::ToothThickness,
+];
+
+/// A part of which every quantity may change; mm and degrees.
+#[derive(Clone, Copy)]
+pub(in crate::decision) struct Scene {
+    pub(in crate::decision) values: [f64; 13],
+    pub(in crate::decision) thickness: bool,
+    pub(in crate::decision) tolerances: bool,
+    pub(in crate::decision) model: Model,
+    pub(in crate::decision) stack: Stack,
+}
+
+impl Scene {
+    pub(in crate::decision) const VALUES: [f64; 13] =
+        [-0.013, 0.012, 0.0255, 0.004, -0.009, 20.0, 12.0, 21.0, 19.7, 2.5, 21.5, 5.0, 3.9];
+
+    pub(in crate::decision) fn over_pin(&self) -> OverPin {
+        let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
+        OverPin {
+            normal_module: mm(9),
+            normal_pressure_angle: Angle::from_degrees(self.values[5]).unwrap(),
+            tooth_thickness: self.thickness.then(|| mm(12)),
+            pin_diameter: mm(11),
+            datum: mm(10),
+        }
+    }
+
+    /// Its errors; the measure over the roller stays what it is when its nominal value changes.
+    pub(in crate::decision) fn errors(&self) -> Vec<PartError> {
+        let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
+        let degrees = |index: usize| Angle::from_degrees(self.values[index]).unwrap();
+        let (alpha, rack, pinion) = (degrees(5), degrees(6), degrees(7));
+        let nominal = Self { values: Self::VALUES, ..*self }.over_pin().measure().unwrap();
+        let shift = &self.over_pin().measure().unwrap() - &nominal;
+        let errors = vec![
+            PartError::RackOverRoller(&mm(0) - &shift),
+            PartError::RackPitch(mm(1), RackPitch::new(&alpha, &rack).unwrap()),
+            PartError::RackLead(degrees(2), RackLead::new(&alpha, &rack, &mm(8)).unwrap()),
+            PartError::PinionRadial(mm(3)),
+            PartError::PinionPitch(mm(4), PinionPitch::new(&alpha, &pinion).unwrap()),
+        ];
+        let within = |error| if self.tolerances { PartError::Within(Box::new(error)) } else { error };
+        errors.into_iter().map(within).collect()
+    }
+
+    /// ΔCD of each error, and the lower and upper end of all, mm.
+    pub(in crate::decision) fn delta_cd(&self) -> Vec<f64> {
+        let terms: Vec<_> = self
+            .errors()
+            .iter()
+            .map(|error| {
+                let delta_cd = error.delta_cd(self.model).unwrap();
+                Term { kind: error.kind(), delta_cd, is_tolerance: error.is_tolerance() }
+            })
+            .collect();
+        let (lower, upper) = Combined::of(&terms).unwrap().interval(self.stack);
+        let each = terms.iter().map(|term| term.delta_cd.mm());
+        each.chain([lower.mm(), upper.mm()]).collect()
+    }
+
+    pub(in crate::decision) fn all() -> impl Iterator<Item = Self> {
+        let models = [Model::Exact, Model::Paper].into_iter();
+        let stacks = move |model| [Stack::Range, Stack::WorstCase, Stack::Rss].map(|stack| (model, stack));
+        models.flat_map(stacks).flat_map(|(model, stack)| {
+            let scene = |thickness| Self { values: Self::VALUES, thickness, tolerances: !thickness, model, stack };
+            [scene(true), scene(false)]
+        })
+    }
+}
+
+/// Each sensitivity of each result against the difference of two parts.
+#[test]
+fn sensitivities_are_those_of_differences() {
+    for scene in Scene::all() {
+        let inputs = SOURCES.map(|source| (source, Uncertainty::standard(1e-7))).to_vec();
+        let (errors, over_pin) = (scene.errors(), scene.over_pin());
+        let part = Part { errors: &errors, over_pin: Some(&over_pin), model: scene.model, stack: scene.stack };
+        let linear = propagate(&part, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+        let results: Vec<_> =
+            linear.errors.iter().map(|(_, linear)| linear).chain([&linear.lower, &linear.upper]).collect();
+        for (index, source) in SOURCES.into_iter().enumerate() {
+            let step = 1e-7 * scene.values[index].abs();
+            let beside = |sign: f64| {
+                let mut beside = scene;
+                beside.values[index] += sign * step;
+                (beside.values[index], beside.delta_cd())
+            };
+            let ((from, low), (to, high)) = (beside(-1.0), beside(1.0));
+            for (which, result) in results.iter().enumerate() {
+                let difference = (high[which] - low[which]) / (to - from);
+                let found = result.contributions.iter().find(|of| of.source == source);
+                let found = found.map_or(0.0, |of| of.sensitivity);
+                assert!(
+                    (found - difference).abs() < 1e-8 + 1e-6 * difference.abs(),
+                    "{:?} {:?} {source:?} {which}: {found} {difference}",
+                    scene.model,
+                    scene.stack
+                );
+            }
+        }
+    }
+}
+
+/// The root of squares of nothing has the slope of a single error, so that the uncertainty is not lost.
+#[test]
+fn the_root_of_squares_at_zero() {
+    let errors = [PartError::RackOverRoller(Length::ZERO)];
+    let inputs = vec![(Source::Error(ErrorKind::RackOverRoller), Uncertainty::standard(0.001))];
+    let rss = Part { stack: Stack::Rss, ..part(&errors) };
+    let result = propagate(&rss, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+    assert_eq!((result.upper.standard_mm, result.lower.standard_mm), (0.001, 0.001));
+    assert_eq!(result.end_correlation, -1.0);
+}
+
+/// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom
+/// there is no ν_eff, for those results that depend on it.
+#[test]
+fn correlated_inputs_of_few_degrees_of_freedom_have_no_effective_one() {
+    let errors = five("0.012", "0.0255");
+    let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));
+    let pitch = Source::Error(ErrorKind::RackPitch);
+    let few = |dof| Uncertainty { dof, ..Uncertainty::standard(0.001) };
+    let inputs = vec![(a, few(5.0)), (b, Uncertainty::standard(0.002)), (pitch, few(7.0))];
+    let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[(a, b, 0.5)]).unwrap()).unwrap();
+    let dof = |index: usize| result.errors[index].1.dof;
+    assert_eq!((dof(0), dof(3)), (None, Some(f64::INFINITY)));
+    assert!((dof(1).unwrap() - 7.0).abs() < 1e-12);
+    assert_eq!((result.upper.dof, result.upper.coverage_factor), (None, 2.0));
+}
+
+/// Exactly three standard uncertainties from zero is far enough, and what has no uncertainty does not fold.
+#[test]
+fn three_standard_uncertainties_are_far_enough() {
+    let errors = [PartError::RackOverRoller(length("0.375"))];
+    let worst = Part { stack: Stack::WorstCase, ..part(&errors) };
+    let with = |u| Uncertainties::new(vec![(SOURCES[0], Uncertainty::standard(u))], &[]).unwrap();
+    assert!(propagate(&worst, &with(0.125)).unwrap().folded().is_empty());
+    assert!(!propagate(&worst, &with(0.126)).unwrap().folded().is_empty());
+    let zero = five("0", "0");
+    let result = propagate(&Part { stack: Stack::WorstCase, ..part(&zero) }, &with(0.001)).unwrap();
+    assert_eq!(result.folded(), []);
+}
+
+#[test]
+fn the_end_gauge_of_jcgm_100_h1() {
+    // JCGM 100:2008, H.1: contributions 25, 9.7, 2.9 and 16.6 nm with 18, 25.6, 50 and 2 degrees of freedom
+    let (terms, dofs) = ([25.0, 9.7, 2.9, 16.6], [18.0, 25.6, 50.0, 2.0]);
+    let u = terms.iter().map(|t| t * t).sum::<f64>().sqrt();
+    assert_eq!(format!("{u:.0}"), "32");
+    let dof = effective_dof(u, &terms, &dofs);
+    assert_eq!(format!("{:.0}", dof.floor()), "16");
+    let k = student_quantile(0.995, dof.floor());
+    assert_eq!(format!("{k:.2}"), "2.92");
+    assert_eq!(format!("{:.0}", k * u), "93");
+}
+
+#[test]
+fn contributions_add_up_in_squares() {
+    let errors = five("0.012", "0.0255");
+    let u = |standard| Uncertainty::standard(standard);
+    let inputs = vec![
+        (Source::Error(ErrorKind::RackOverRoller), u(0.0008)),
+        (Source::Error(ErrorKind::RackPitch), u(0.0006)),
+        (Source::Error(ErrorKind::RackLead), u(0.001)),
+        (Source::NormalPressureAngle, u(0.05)),
+        (Source::FaceWidth, u(0.1)),
+    ];
+    let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+    let shares: f64 = result.upper.contributions.iter().filter_map(|c| c.share).sum();
+    assert!((shares - 1.0).abs() < 1e-12);
+    assert_eq!(result.upper.coverage_factor, 2.0);
+    assert!(result.folded().is_empty());
+    // the lower end is the over-roller and radial error alone
+    assert!((result.lower.standard_mm - 0.0008).abs() < 1e-15);
+    assert!((result.end_correlation - 0.0008 / result.upper.standard_mm).abs() < 1e-12);
+    // the pitch error alone: cos 12° / (2 tan 20°) of its own, and its share of the pressure angle's
+    let (_, pitch) = &result.errors[1];
+    let gain = 0.978_147_600_733_805_6 / (2.0 * 0.363_970_234_266_202_4);
+    let by_alpha = 0.012 * gain / (0.342_020_143_325_668_7 * 0.939_692_620_785_908_4) * 0.017_453_292_519_943_3;
+    let (own, of_angle): (f64, f64) = (gain * 0.0006, by_alpha * 0.05);
+    let expected = (own * own + of_angle * of_angle).sqrt();
+    assert!((pitch.standard_mm / expected - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn correlations_add_or_cancel() {
+    let errors = five("0.012", "0.0255");
+    let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));
+    let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.003))];
+    for (r, expected) in [(1.0, 0.006), (0.0, 0.003 * 2.0_f64.sqrt()), (-1.0, 0.0)] {
+        let uncertainties = Uncertainties::new(inputs.clone(), &[(a, b, r)]).unwrap();
+        let result = propagate(&part(&errors), &uncertainties).unwrap();
+        assert!((result.upper.standard_mm - expected).abs() < 1e-12, "{r}");
+    }
+    assert!(matches!(
+        Uncertainties::new(inputs, &[(a, b, 1.5)]),
+        Err(UncertaintyError::Coefficient { coefficient: 1.5, .. })
+    ));
+}
+
+#[test]
+fn correlations_that_cannot_be_are_refused() {
+    let sources = [ErrorKind::RackOverRoller, ErrorKind::PinionRadial, ErrorKind::RackPitch].map(Source::Error);
+    let inputs = sources.map(|source| (source, Uncertainty::standard(0.001))).to_vec();
+    let [a, b, c] = sources;
+    let contradiction = Uncertainties::new(inputs.clone(), &[(a, b, 0.9), (b, c, 0.9), (a, c, -0.9)]);
+    assert_eq!(contradiction, Err(UncertaintyError::Contradiction(c)));
+    assert!(Uncertainties::new(inputs, &[(a, b, 1.0), (b, c, 1.0), (a, c, 1.0)]).is_ok());
+}
+
+#[test]
+fn near_zero_the_linear_result_says_that_it_is_none() {
+    let u = 0.001;
+    for (pitch, folded) in [("0", true), ("0.0029", true), ("-0.0029", true), ("0.0031", false), ("-0.0031", false)] {
+        let errors = five(pitch, "0.0255");
+        let inputs = vec![(Source::Error(ErrorKind::RackPitch), Uncertainty::standard(u))];
+        let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+        assert_eq!(result.folded().contains(&ErrorKind::RackPitch), folded, "{pitch}");
+        // and is still an upper bound: the gain times u
+        assert!((result.errors[1].1.standard_mm - u * 1.343_719_222_954_923).abs() < 1e-12, "{pitch}");
+    }
+    // the worst case folds signed errors too
+    let errors = [PartError::RackOverRoller(length("0.0001"))];
+    let inputs = vec![(Source::Error(ErrorKind::RackOverRoller), Uncertainty::standard(u))];
+    let uncertainties = Uncertainties::new(inputs, &[]).unwrap();
+    let worst = Part { stack: Stack::WorstCase, ..part(&errors) };
+    assert!(!propagate(&worst, &uncertainties).unwrap().folded().is_empty());
+    assert!(propagate(&part(&errors), &uncertainties).unwrap().folded().is_empty());
+}
+
+#[test]
+fn degrees_of_freedom_widen_the_interval() {
+    let errors = [PartError::RackOverRoller(length("0.01"))];
+    let four = Uncertainty { dof: 4.0, ..Uncertainty::standard(0.001) };
+    let uncertainties = Uncertainties::new(vec![(Source::Error(ErrorKind::RackOverRoller), four)], &[]).unwrap();
+    let result = propagate(&part(&errors), &uncertainties).unwrap().upper;
+    assert_eq!(result.dof, Some(4.0));
+    // JCGM 100:2008, Table G.2: 2.87
+    assert_eq!(format!("{:.2}", result.coverage_factor), "2.87");
+}
+
+#[test]
+fn half_widths_and_expanded_uncertainties() {
+    let near = |u: Uncertainty, expected: f64| assert!((u.standard - expected).abs() < 1e-15, "{u:?}");
+    near(Uncertainty::half_width(0.003, Distribution::Rectangular), 0.003 / 3.0_f64.sqrt());
+    near(Uncertainty::half_width(0.003, Distribution::Triangular), 0.003 / 6.0_f64.sqrt());
+    near(Uncertainty::half_width(0.003, Distribution::Arcsine), 0.003 / 2.0_f64.sqrt());
+    near(Uncertainty::expanded(0.003, 2.0), 0.0015);
+}
+
+#[test]
+fn what_does_not_reach_a_result_leaves_it_certain() {
+    let errors = [PartError::PinionRadial(length("0.004"))];
+    let inputs = vec![
+        (Source::PinionHelixAngle, Uncertainty::standard(0.04)),
+        (Source::Error(ErrorKind::PinionRadial), Uncertainty::standard(0.0)),
+    ];
+    let found = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+    assert_eq!((found.lower.standard_mm, found.upper.standard_mm, found.end_correlation), (0.0, 0.0, 0.0));
+    assert_eq!(found.lower.folded, []);
+    // the error itself has a derivative, but no share of nothing
+    let [only] = &found.upper.contributions[..] else { panic!("{:?}", found.upper.contributions) };
+    assert_eq!((only.sensitivity, only.contribution_mm, only.share), (1.0, 0.0, None));
+}
+
+/// At no ΔCD, the derivative of a magnitude is that on the positive side.
+#[test]
+fn weights_at_zero() {
+    let weight = |stack, is_upper, is_tolerance, value_mm, squares| {
+        stack_weight(stack, is_upper, ErrorKind::PinionRadial, is_tolerance, value_mm, squares)
+    };
+    for value_mm in [0.0, 0.5] {
+        assert_eq!(weight(Stack::WorstCase, true, false, value_mm, 1.0), Some(1.0));
+        assert_eq!(weight(Stack::WorstCase, false, false, value_mm, 1.0), Some(-1.0));
+        assert_eq!(weight(Stack::Range, true, true, value_mm, 1.0), Some(1.0));
+        assert_eq!(weight(Stack::Range, false, true, value_mm, 1.0), Some(-1.0));
+    }
+    assert_eq!(weight(Stack::WorstCase, true, false, -0.5, 1.0), Some(-1.0));
+    assert_eq!(weight(Stack::Rss, false, false, 0.5, 4.0), Some(-0.25));
+    assert_eq!(weight(Stack::Rss, true, false, 0.0, 0.0), Some(1.0));
+}
+
+/// Rounding makes neither the coverage factor nor an interval wider by a whole degree of freedom.
+#[test]
+fn nine_degrees_of_freedom_less_an_ulp_are_nine() {
+    let linear = |dof| Linear {
+        value_mm: 0.0,
+        standard_mm: 0.5,
+        dof: Some(dof),
+        coverage_factor: coverage_factor(dof),
+        contributions: Vec::new(),
+        folded: Vec::new(),
+    };
+    let (nine, below, eight) = (linear(9.0), linear(9.0_f64.next_down()), linear(8.9));
+    assert_eq!((nine.expanded_mm(), nine.half_width_mm(0.99)), (below.expanded_mm(), below.half_width_mm(0.99)));
+    assert!(eight.expanded_mm() > nine.expanded_mm() && eight.half_width_mm(0.99) > nine.half_width_mm(0.99));
+    assert_eq!(nine.half_width_mm(COVERAGE), nine.expanded_mm());
+    assert_eq!(linear(0.5).half_width_mm(0.9), linear(1.0).half_width_mm(0.9));
+}
