@@ -114,11 +114,9 @@ fn kinks_are_where_carriers_change() {
     let step = RackDeviation { teeth: ToothRange::single(1).unwrap(), kind: RackDeviationKind::Thickness(0.03) };
     let rack = RackFlanks::new(&pair, &[step]).unwrap();
     let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), Support::Fixed).unwrap();
-    let curve = mesh.curve(-1.0 * p, 4.0 * p, 1e-7).unwrap();
+    let curve = mesh.curve(-p, 4.0 * p, 1e-7).unwrap();
     let mut shown = 0;
     for kink in &curve.kinks {
-        let (before, after) =
-            (mesh.at(kink.stroke_mm - 1e-8 * p).unwrap(), mesh.at(kink.stroke_mm + 1e-8 * p).unwrap());
         near(mesh.at(kink.stroke_mm).unwrap().delta_cd_mm, kink.delta_cd_mm, "height of a kink");
         let rise = |s: f64| (mesh.at(s + 1e-5).unwrap().delta_cd_mm - mesh.at(s).unwrap().delta_cd_mm) / 1e-5;
         let bend = rise(kink.stroke_mm + 1e-7) - rise(kink.stroke_mm - 1.01e-5);
