@@ -5,7 +5,8 @@ mod common;
 
 use std::fmt::Write;
 
-use common::kinds::{CASES, Case, KINDS, compare, compare_formed, compare_rolling, run};
+use common::brute::{Brute, Roll};
+use common::kinds::{CASES, Case, KINDS, compare, compare_formed, compare_rolling, run, teeth};
 use rackmesh::gear::Pair;
 use rackmesh::mesh::Mesh;
 
@@ -91,6 +92,25 @@ fn an_involute_that_interferes_from_its_base_circle_is_not_passed_over() {
         worst = worst.max(point.delta_cd_mm);
     }
     assert!(worst > 1e-3, "{worst}");
+}
+
+/// At the rotation that is told both sides ask for the same, by brute force; the pinion's angle is that rotation.
+#[test]
+fn both_sides_ask_for_the_same_where_the_pinion_is() {
+    for (kind, make) in CASES.into_iter().take(4) {
+        for seed in 0..3 {
+            let case = make(seed);
+            let point = case.mesh.at(case.stroke).unwrap();
+            let (pair, rack, pinion) = (case.mesh.pair(), case.mesh.rack(), case.mesh.pinion());
+            let brute = Brute { pair, rack, pinion, roll: Roll::default() };
+            let ask = |side| brute.demand(case.stroke, side, -point.transmission_error_rad, &teeth(pair, case.stroke));
+            let (left, right) = (ask(-1.0), ask(1.0));
+            assert!((left - right).abs() < 1e-8, "{kind} {seed}: {left} {right} {point:?}");
+            assert!((left - point.center_distance_mm).abs() < 1e-8, "{kind} {seed}: {left} {point:?}");
+            let turned = case.stroke * pair.rotation_per_stroke_rad() + point.transmission_error_rad;
+            assert!((point.pinion_angle_rad - turned).abs() < 1e-13, "{kind} {seed}: {turned} {point:?}");
+        }
+    }
 }
 
 /// The first pairs of each kind again: none is worse than the README's table says.

@@ -33,7 +33,10 @@ fn takes_no_more_than(counts: Counts, kind: &str, pairs: u64) {
                 add(0, sampler.work());
             }
         }
-        add(1, walker.work());
+        let work = walker.work();
+        assert!(work.strokes <= work.rotations && 2 * work.rotations <= work.in_reach, "{work:?}");
+        assert!(work.prepared > 0 && 0 < work.searched && work.searched <= work.in_reach, "{work:?}");
+        add(1, work);
     }
     println!("{kind}: {counted:?}");
     // a little room for changes that move a result by rounding
