@@ -157,6 +157,18 @@ fn unwritable(name: &str, error: &io::Error) -> Failure {
     Diagnostic::error(Code::FileAccess, format!("cannot write {name}: {error}")).into()
 }
 
+/// What there is when the last file has been read, whether its rows were parts or teeth.
+struct Ending<'a> {
+    spec: &'a Spec,
+    targets: targets::Targets,
+    collected: &'a office::Collected,
+    /// Why files could not be read.
+    failed: &'a [Diagnostic],
+    basis: Basis,
+    /// Whether a limit was held against nothing.
+    unjudged: bool,
+}
+
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = Arc::new(super::read_spec(&self.spec)?);
@@ -220,15 +232,35 @@ impl Args {
             }
         }
         bar.finish();
-        let (outcome, written) = batch.finish();
+        let finished = batch.finish();
+        let ending = Ending {
+            spec: &spec,
+            targets,
+            collected: &collected,
+            failed: &failed,
+            basis: Basis::of(&plan),
+            unjudged: !plan.unjudged().is_empty(),
+        };
+        self.end(ending, finished, summary_format, output)
+    }
+
+    /// Ends the files that are written, and says what came of it all.
+    fn end(
+        &self,
+        ending: Ending<'_>,
+        (outcome, written): (Outcome, io::Result<()>),
+        format: Format,
+        output: &mut Output,
+    ) -> Result<Status, Failure> {
+        let Ending { spec, targets, collected, failed, basis, unjudged } = ending;
         written?;
         targets.finish()?;
-        self.write_office(&collected, &spec)?;
-        for diagnostic in &failed {
+        self.write_office(collected, spec)?;
+        for diagnostic in failed {
             output.diagnostic(diagnostic);
         }
-        self.report(&spec, &Basis::of(&plan), &outcome, summary_format, output)?;
-        Ok(status(&outcome, !failed.is_empty(), !plan.unjudged().is_empty()))
+        self.report(spec, &basis, &outcome, format, output)?;
+        Ok(status(&outcome, !failed.is_empty(), unjudged))
     }
 
     /// Writes the rows that were collected for a workbook or a Q-DAS file.

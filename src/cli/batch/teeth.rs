@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::bar::Bar;
-use super::{Args, NO_LIMITS, failures, status, unread};
+use super::{Args, Ending, NO_LIMITS, failures, unread};
 use crate::batch::{Dialect, RowFormat, RunError, Teeth, TeethRequest};
 use crate::cli::output::{Failure, Output, Status};
 use crate::cli::{mesh, office};
@@ -82,13 +82,7 @@ impl Args {
             }
         }
         bar.finish();
-        let (outcome, written) = teeth.finish();
-        written?;
-        targets.finish()?;
-        self.write_office(&collected, spec)?;
-        for diagnostic in &failed {
-            output.diagnostic(diagnostic);
-        }
+        let finished = teeth.finish();
         let limits = spec.limits();
         let judged = limits.into_iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).collect();
         let basis = Basis {
@@ -99,7 +93,7 @@ impl Args {
             quantity_limits: Teeth::quantity_limits(spec),
             taken_as_exact: Vec::new(),
         };
-        self.report(spec, &basis, &outcome, summary_format, output)?;
-        Ok(status(&outcome, !failed.is_empty(), false))
+        let ending = Ending { spec, targets, collected: &collected, failed: &failed, basis, unjudged: false };
+        self.end(ending, finished, summary_format, output)
     }
 }
