@@ -80,10 +80,14 @@ fn shares_stand_in_the_ratio_of_weights() {
     for (share, expected) in shares.iter().zip([0.01, 0.01, 0.02, 0.01]) {
         assert!((share - expected).abs() < 1e-15, "{shares:?}");
     }
+    for (line, expected) in budget.lines.iter().zip([0.2, 0.2, 0.4, 0.2]) {
+        assert!((line.share - expected).abs() < 1e-14, "{line:?}");
+    }
     // 3, 4 and 12 make 13
     let entries = vec![Entry::Fixed(PartError::RackOverRoller(length("0.05"))), Entry::Free(radial, weight(7))];
     let budget = check(&request(entries, "0.13", Rule::Rss));
     assert_eq!(budget.lines[1].error.value(), ErrorValue::Length(length("0.12")));
+    assert_eq!([budget.lines[0].share, budget.lines[1].share], [25.0 / 169.0, 144.0 / 169.0]);
 }
 
 #[test]
@@ -164,6 +168,7 @@ fn an_infeasible_budget_names_what_breaks_it() {
     ];
     let budget = allocate(&request(entries, "0.05", Rule::WorstCase)).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::PinionRadial]);
+    assert!(!budget.is_feasible());
     // exactly the limit leaves nothing for a free one, and is enough without one
     let exactly = vec![Entry::Fixed(PartError::PinionRadial(length("0.05")))];
     assert!(allocate(&request(exactly.clone(), "0.05", Rule::WorstCase)).unwrap().is_feasible());

@@ -143,6 +143,7 @@ fn far_from_zero_linear_and_simulated_results_agree() {
         let linear = propagate(&part, &uncertainties).unwrap();
         let settings = Settings { draws: Some(500_000), ..Settings::default() };
         let simulated = simulate_part(&part, &uncertainties, &Vec::new(), &settings).unwrap();
+        assert!(simulated.errors().map(|(kind, _)| kind).eq(linear.errors.iter().map(|(kind, _)| *kind)));
         let pairs = linear.errors.iter().map(|(_, linear)| linear).zip(simulated.errors().map(|(_, s)| s));
         for (linear, simulated) in pairs.chain([(&linear.upper, simulated.upper()), (&linear.lower, simulated.lower())])
         {
