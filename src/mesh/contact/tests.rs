@@ -421,6 +421,7 @@ fn the_rest_of_a_flank_is_bounded_closely() {
 /// Narrow faces on crossed axes: the gap between them bends upwards, its way turns within the flank, and a step from the
 /// contact leads to where another edge of the gap is nearer.
 #[test]
+#[expect(clippy::unreadable_literal, reason = "as they were printed")]
 fn contacts_that_once_were_missed() {
     let contact = |given: FlankContact, (d, t, w), (across_t, across_w, half_width), nu: f64| {
         let (sin_nu, cos_nu) = trig::sin_cos(nu);
