@@ -126,6 +126,7 @@ fn a_valley_beyond_the_largest_roll_is_not_called_found() {
             let point = mesh.at(0.9 * f64::from(step)).expect("contact");
             let expected = lead.abs() / trig::tan(alpha);
             assert_eq!(point.ending == Ending::IterationLimit, beyond, "{alpha} {lead} {point:?}");
+            assert_eq!(point.converged(), !beyond);
             let off = point.roll_rad.abs() - expected.min(LARGEST);
             assert!(off.abs() < 0.05 * expected, "{alpha} {lead} {expected} {point:?}");
         }
