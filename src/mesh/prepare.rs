@@ -256,3 +256,66 @@ impl Mesh {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::{
+        PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, RackForm, ToothRange,
+    };
+    use crate::gear::{Pair, example};
+    use crate::reproduction;
+
+    /// By central differences, at rolls where nothing vanishes, of flanks with lead errors and form.
+    #[test]
+    fn rates_are_what_the_roll_changes() {
+        let pair = reproduction::pair().unwrap();
+        let form = RackForm { crowning_mm: 0.01, ..RackForm::default() };
+        let lead = [RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Lead(0.01) }];
+        let rack = RackFlanks::new(&pair, &lead).unwrap().with_form(&pair, form).unwrap();
+        let support = Support::FreeRoll { axis_depth_mm: 8.0 };
+        let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), support).unwrap();
+        let plane = |plane: &Plane| [plane.d, plane.t, plane.w];
+        let all = |prepared: &Prepared| {
+            let contact = &prepared.contact;
+            let form = contact.form.unwrap();
+            let across = [contact.across.t, contact.across.w, contact.across.z];
+            let others = [prepared.per_shift, form.per_normal, form.per_normal_on_tip];
+            [plane(&contact.flank), plane(&contact.tip), across, others].concat()
+        };
+        const H: f64 = 1e-5;
+        for side in [FlankSide::Right, FlankSide::Left] {
+            for angle in [-0.3, 0.07, 0.2] {
+                let at = |angle| mesh.prepare(side, 4, &Roll::new(angle, 8.0));
+                let RollRates { flank, tip, across, per_shift, form } = at(angle).rates;
+                let rates = [
+                    plane(&flank),
+                    plane(&tip),
+                    [across.t, across.w, across.z],
+                    [per_shift, form.per_normal, form.per_normal_on_tip],
+                ]
+                .concat();
+                let (before, after) = (all(&at(angle - H)), all(&at(angle + H)));
+                for (index, rate) in rates.iter().enumerate() {
+                    let difference = (after[index] - before[index]) / (2.0 * H);
+                    assert!((rate - difference).abs() < 1e-7, "{side:?} {angle} {index}: {rate} {difference}");
+                }
+            }
+        }
+    }
+
+    /// A helix is none if the flank stays where it is to rounding, however wide the face.
+    #[test]
+    fn a_helix_is_counted_from_what_it_turns() {
+        let pair = Pair::new(&example(20, 0.0, 0.0)).unwrap();
+        let width_over_radius = pair.pinion().face_width_mm / pair.pinion().reference_radius_mm;
+        for (turn, counts) in [(0.0, false), (0.9, false), (1.1, true), (100.0, true)] {
+            let kind = PinionDeviationKind::Lead(turn * NO_HELIX / width_over_radius);
+            let leads = [PinionDeviation { teeth: ToothRange::ALL, kind }];
+            let pinion = PinionFlanks::new(&pair, &leads).unwrap();
+            let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, Support::Fixed).unwrap();
+            let kappa = mesh.prepare(FlankSide::Right, 0, &Roll::NONE).contact.kappa;
+            assert_eq!(kappa != 0.0, counts, "{turn}: {kappa}");
+        }
+    }
+}
