@@ -269,6 +269,7 @@ mod tests {
     /// By central differences, at rolls where nothing vanishes, of flanks with lead errors and form.
     #[test]
     fn rates_are_what_the_roll_changes() {
+        const H: f64 = 1e-5;
         let pair = reproduction::pair().unwrap();
         let form = RackForm { crowning_mm: 0.01, ..RackForm::default() };
         let lead = [RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Lead(0.01) }];
@@ -283,7 +284,6 @@ mod tests {
             let others = [prepared.per_shift, form.per_normal, form.per_normal_on_tip];
             [plane(&contact.flank), plane(&contact.tip), across, others].concat()
         };
-        const H: f64 = 1e-5;
         for side in [FlankSide::Right, FlankSide::Left] {
             for angle in [-0.3, 0.07, 0.2] {
                 let at = |angle| mesh.prepare(side, 4, &Roll::new(angle, 8.0));
