@@ -261,7 +261,7 @@ impl Mesh {
 mod tests {
     use super::*;
     use crate::deviation::{
-        PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, RackForm, ToothRange,
+        Eccentricity, PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, RackForm, ToothRange,
     };
     use crate::gear::{Pair, example};
     use crate::reproduction;
@@ -317,5 +317,15 @@ mod tests {
             let kappa = mesh.prepare(FlankSide::Right, 0, &Roll::NONE).contact.kappa;
             assert_eq!(kappa != 0.0, counts, "{turn}: {kappa}");
         }
+    }
+
+    /// Two a quarter of a turn apart add up as sides of a triangle; bounds lean on it.
+    #[test]
+    fn the_eccentricity_is_that_of_all_together() {
+        let pair = Pair::new(&example(20, 0.0, 0.0)).unwrap();
+        let each = [Eccentricity { amount_mm: 0.03, tooth: 0 }, Eccentricity { amount_mm: 0.04, tooth: 5 }];
+        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&each).unwrap();
+        let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, Support::Fixed).unwrap();
+        assert!((mesh.eccentricity() - 0.05).abs() < 1e-15, "{}", mesh.eccentricity());
     }
 }
