@@ -57,7 +57,7 @@ impl Moments {
 }
 
 /// The elements on a face so far.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Face {
     right: bool,
     tooth: i64,
@@ -87,7 +87,6 @@ impl Face {
     /// `by_height_roll` is not looked at where nothing rolls.
     pub(super) fn new(load: &Load<'_>, (right, tooth): (bool, i64), by: [f64; 3]) -> Self {
         let [by_height, by_stroke, by_height_roll] = by;
-        let (stiffness, damping) = (Moments::default(), Moments::default());
         Self {
             right,
             tooth,
@@ -95,19 +94,7 @@ impl Face {
             by_stroke,
             by_height_roll,
             opening: by_height * load.rates[1] + by_stroke * load.rates[3],
-            force: 0.0,
-            by_angle: 0.0,
-            by_roll: 0.0,
-            by_angle_twice: 0.0,
-            by_angle_roll: 0.0,
-            by_roll_twice: 0.0,
-            stiffness,
-            damping,
-            turning: [[0.0; 3]; 2],
-            energy: 0.0,
-            dissipation: 0.0,
-            deepest: 0.0,
-            contacts: 0,
+            ..Self::default()
         }
     }
 
