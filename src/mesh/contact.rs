@@ -128,7 +128,7 @@ pub(super) struct FlankContact {
     pub(super) reach: Reach,
     /// 1/κ, or 0 without a helix.
     pub(super) inverse_kappa: f64,
-    /// 1 over dy/dw on the contact line, or 0 if it runs along the rack.
+    /// 1 over dy/dw on the contact line; infinite if it runs along the rack.
     pub(super) inverse_across: f64,
     /// Bound of |w| from all end faces.
     pub(super) w_extent: f64,
@@ -333,7 +333,7 @@ impl FlankContact {
             // outside the rack no w helps, δ must change
             (y.p.abs() > k).then(|| {
                 let gap = (k - y.p.abs()).min(0.0);
-                let slope = -y.p_slope * y.p.signum();
+                let slope = if y.p > 0.0 { -y.p_slope } else { y.p_slope };
                 (
                     Bound { w: -gap / 2.0, slope: -slope / 2.0, rate: 0.0, kind },
                     Bound { w: gap / 2.0, slope: slope / 2.0, rate: 0.0, kind },
@@ -421,13 +421,10 @@ impl FlankContact {
         let mut contact = Self {
             scale: self.base_radius / self.sin_nu,
             inverse_kappa: if self.kappa == 0.0 { 0.0 } else { 1.0 / self.kappa },
+            // there is a contact line only if the rack is not rolled
+            inverse_across: 1.0 / (self.across.w - self.base_radius * self.kappa * (self.across.t * self.cos_nu)),
             ..self
         };
-        let Across { t, w, z, half_width } = self.across;
-        let across = w - self.base_radius * self.kappa * (t * self.cos_nu + z * self.sin_nu);
-        if across.abs() * self.half_face > 1e-12 * half_width {
-            contact.inverse_across = 1.0 / across;
-        }
         contact.slides = contact.slides(tip_radius);
         if contact.slides {
             contact.far_loss = contact.far_loss();
@@ -460,15 +457,11 @@ impl FlankContact {
             lo = lo.max(a.min(b));
             hi = hi.min(a.max(b));
         }
-        let y = self.across.t * xi + self.across.z * zeta + pose.across;
-        let k = self.across.half_width;
-        if self.inverse_across != 0.0 {
-            let (a, b) = ((-k - y) * self.inverse_across, (k - y) * self.inverse_across);
-            lo = lo.max(a.min(b));
-            hi = hi.min(a.max(b));
-        } else if y.abs() > k {
-            return None;
-        }
+        // where it runs along the rack the bounds are infinite: both on one side if it lies beside the rack's face
+        let (y, k) = (self.across.t * xi, self.across.half_width);
+        let (a, b) = ((-k - y) * self.inverse_across, (k - y) * self.inverse_across);
+        lo = lo.max(a.min(b));
+        hi = hi.min(a.max(b));
         if lo > hi {
             return None;
         }

@@ -82,6 +82,7 @@ struct Place {
 
 enum End {
     At(Place, Held),
+    /// The faces do not meet, if 0 ≤ γ ≤ π/2 on all of the flank.
     Nothing,
     Unsure,
 }
@@ -112,8 +113,7 @@ impl FlankContact {
     /// What the rack's tip plane asks for at most on the part of the flank where tan(δ/2) ≥ τ, beyond which the demand
     /// of the flank's plane may grow again.
     pub(super) fn reach_of_root(&self, pose: &Pose) -> f64 {
-        let low = self.cos_nu - self.start_roll * self.sin_nu;
-        if low < 0.0 { f64::INFINITY } else { self.tip.d + self.base_radius * low - pose.offset.1 }
+        self.tip.d + self.base_radius * (self.cos_nu - self.start_roll * self.sin_nu) - pose.offset.1
     }
 
     /// What the parts of the flank for which nothing is said here ask for at most, given the sign of δ on the others.
@@ -140,8 +140,9 @@ impl FlankContact {
                 }
                 End::At(..) => {}
                 End::Nothing => {
+                    // what was said of y holds where 0 ≤ γ ≤ π/2
                     let near = self.nu + least >= 0.0 && self.nu + most <= FRAC_PI_2;
-                    return if near || self.rest(pose, false) <= floor { Found::Nothing } else { Found::Unsure };
+                    return if near { Found::Nothing } else { Found::Unsure };
                 }
                 End::Unsure => break,
             }
@@ -192,9 +193,6 @@ impl FlankContact {
             let along = self.base_radius * (place.generator.cos + roll * place.generator.sin);
             let slope = self.across.w - self.kappa * self.across.t * along;
             let step = (end * k - place.y) / slope;
-            if slope.is_nan() || slope <= 0.0 {
-                return End::Unsure;
-            }
             place = self.place(pose, roll, place.w + step);
             if end * place.w < -half_face {
                 let other = self.place(pose, roll, -end * half_face);
@@ -213,30 +211,22 @@ impl FlankContact {
     /// the rack's face begins, at y = `target`.
     fn where_faces_meet(&self, pose: &Pose, hint: Option<Hint>, towards_tip: bool, edge: &Place, target: f64) -> End {
         let (t, w) = (self.across.t, edge.w);
-        // y is monotonous in the roll angle where 0 ≤ γ ≤ π
-        let first = edge.generator.delta + self.nu + (self.start_roll - edge.roll);
-        let last = first + (self.tip_roll - self.start_roll);
-        let nothing = if first >= 0.0 && last <= FRAC_PI_2 { End::Nothing } else { End::Unsure };
         let way = if towards_tip { -t } else { t };
         if way * (target - edge.y) <= 0.0 {
-            return nothing;
+            return End::Nothing;
         }
         // y is a convex function of τ times t: each step ends at a τ that is too large
         let start = hint.map_or(self.tip_roll, |hint| hint.delta - (pose.c - self.nu) + self.kappa * w);
         let mut place = self.place(pose, start.clamp(self.start_roll.max(1e-3), self.tip_roll), w);
         for _ in 0..MAX_STEPS {
-            let slope = t * self.base_radius * place.roll * place.generator.sin;
-            if place.generator.sin <= 0.0 || place.generator.cos <= 0.0 || slope == 0.0 {
-                return End::Unsure;
-            }
-            let step = (target - place.y) / slope;
+            let step = (target - place.y) / (t * self.base_radius * place.roll * place.generator.sin);
             let mut roll = place.roll + step;
             if roll < self.start_roll {
-                return nothing;
+                return End::Nothing;
             }
             if roll > self.tip_roll {
                 if place.roll >= self.tip_roll {
-                    return nothing;
+                    return End::Nothing;
                 }
                 roll = self.tip_roll;
             }
@@ -261,7 +251,7 @@ impl FlankContact {
         let demand = self.unbounded(pose) + self.scale * (lag - roll * versine);
         let rest = self.rest(pose, delta < 0.0);
         let along = self.base_radius * (cos + roll * sin);
-        if sin < 0.0 || cos < 0.0 || rest > demand.max(floor) || self.tip.d + along - pose.offset.1 < demand {
+        if rest > demand.max(floor) || self.tip.d + along - pose.offset.1 < demand {
             return None;
         }
         // how δ and τ move with c: with the flank, along its edge where the rack's face ends, or along the pinion's end
@@ -297,7 +287,7 @@ impl FlankContact {
 mod tests {
     use crate::mesh::contact::corner::{End, Found, Held};
     use crate::mesh::contact::tests::{NO_FLOOR, Random, contacts, looks};
-    use crate::mesh::contact::{ContactKind, FlankContact, Hint, Pose};
+    use crate::mesh::contact::{Across, ContactKind, FlankContact, Hint, Pose};
 
     /// The search knows nothing of these formulas. Where they are not sure it has to be made; that must stay rare.
     #[test]
@@ -459,5 +449,29 @@ mod tests {
             });
         }
         assert!(compared > 5000, "{compared}");
+    }
+
+    /// The closed forms ask for ∂y/∂w > 0 on all of the flank, by a hundredth of it on its tip circle.
+    #[test]
+    fn a_flank_slides_if_w_leads_across_the_rack_all_over() {
+        let nu: f64 = 0.35;
+        let (sin_nu, cos_nu) = crate::trig::sin_cos(nu);
+        let slides = |kappa: f64, (t, w): (f64, f64), tip_radius: f64| {
+            let across = Across { t, w, ..Across::default() };
+            FlankContact { base_radius: 20.0, kappa, nu, sin_nu, cos_nu, across, fits: true, ..FlankContact::default() }
+                .slides(tip_radius)
+        };
+        for (kappa, t) in [(0.03, 0.4), (-0.03, -0.4), (0.001, 0.9)] {
+            let turn = kappa * t;
+            for (share, expected) in [(0.0, false), (0.999, false), (1.001, true), (3.0, true)] {
+                // on the tip circle, and on the contact line if that reaches further
+                assert_eq!(slides(kappa, (t, share * 1.01 * turn * 25.0), 25.0), expected, "{kappa} {share}");
+                assert_eq!(slides(kappa, (t, share * turn * 20.0 / cos_nu), 20.5), expected, "{kappa} {share}");
+            }
+            // if the helix leads the other way, or on parallel axes, W need only be positive
+            for t in [-t, 0.0] {
+                assert!(slides(kappa, (t, 1e-3), 25.0) && !slides(kappa, (t, -1e-3), 25.0), "{kappa} {t}");
+            }
+        }
     }
 }

@@ -34,42 +34,39 @@ pub(in crate::mesh) struct Reach {
     tan_nu: f64,
     /// 1/(r_b sin ν).
     per_height: f64,
-    /// Roll angle at which the tip plane asks for as much on the line as it does at most where tan(δ/2) ≥ τ.
-    lowest: f64,
 }
 
 impl FlankContact {
     pub(super) fn reach(&self, tip_radius: f64, eccentricity: f64) -> Reach {
         let (kappa, across) = (self.kappa.abs(), &self.across);
-        // the end where κ w goes in the direction of `side`, with the eccentric offset in favour
+        // the end where w has the sign of `side`, with the eccentric offset in favour
         let end = |side: f64| {
-            let t = (side * self.kappa).signum() * across.t * self.base_radius;
+            let t = side.signum() * across.t * self.base_radius;
             let widest = across.half_width + (across.t * eccentricity).abs();
             let per_width = kappa / across.w;
             [per_width * (widest - t * self.sin_nu), per_width * t * self.cos_nu]
         };
-        let tip = end(-1.0);
+        let tip = end(-self.kappa);
         Reach {
             face: kappa * self.half_face,
             tip: tip[0] + tip[1] * self.tip_roll,
-            root: end(1.0),
+            root: end(self.kappa),
             share: 1.0 / (1.0 + kappa * across.t.abs() * tip_radius / across.w),
             tan_nu: self.sin_nu / self.cos_nu,
             per_height: 1.0 / (self.base_radius * self.sin_nu),
-            lowest: if self.start_roll * self.sin_nu > self.cos_nu { 0.0 } else { -self.start_roll },
         }
     }
 
     /// Whether no point of this flank, whose end is known, asks for more than the mark.
     pub(super) fn reaches_no(&self, pose: &Pose, mark: f64) -> bool {
-        let Reach { face, tip, root, share, tan_nu, per_height, lowest } = self.reach;
+        let Reach { face, tip, root, share, tan_nu, per_height } = self.reach;
         let line = self.unbounded(pose);
         if line - self.far_loss > mark {
             return false;
         }
         let low = (mark - self.tip.d + pose.offset.1) * per_height - 1.0 / tan_nu;
-        // what the tip plane asks for at most where tan(δ/2) ≥ τ
-        let kept_out = low >= lowest;
+        // where tan(δ/2) ≥ τ the tip plane asks for as much at most as it does on the line at −τ_0
+        let kept_out = low >= -self.start_roll;
         if line <= mark && kept_out {
             return true;
         }
