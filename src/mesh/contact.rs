@@ -195,11 +195,9 @@ impl Touch {
         self.spot.on_tip && self.other.is_none_or(|(spot, _)| spot.on_tip)
     }
 
-    /// Whether the contact goes with the flank's edge.
+    /// Whether the contact goes from generator to generator as the flank turns: corners do.
     pub(super) fn is_carried(&self) -> bool {
-        self.vertex.is_some()
-            || self.other.is_some()
-            || matches!(self.kind, ContactKind::TipEdge | ContactKind::RootEdge)
+        self.kind == ContactKind::Corner
     }
 }
 

@@ -61,7 +61,13 @@ mod tests {
             let delta = 4e-4 * f64::from(step);
             let turned = contact.turned(delta);
             let (half, (sin, cos)) = (trig::sin(0.5 * delta), trig::sin_cos(nu + delta));
+            // the terms of δ − sin δ, each from the last, the smallest first
+            let mut lag = 0.0;
+            for term in (1..12).rev().map(|term| 2.0 * f64::from(term)) {
+                lag = delta * delta / (term * (term + 1.0)) * (1.0 - lag);
+            }
             for (found, expected, scale) in [
+                (turned.lag, delta * lag, if delta.abs() <= SERIES { delta * lag } else { delta }),
                 (turned.sin_delta, trig::sin(delta), delta),
                 (turned.versine, 2.0 * half * half, delta * delta),
                 (turned.sin, sin, 1.0),
