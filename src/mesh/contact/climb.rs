@@ -301,6 +301,8 @@ impl FlankContact {
                 Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, on_tip: th, .. },
             ) = (l.generator, h.generator)
             && h.x - l.x <= 1e-6
+            // a higher place may have been met on the way, which none lies higher near: it is named as it was met
+            && (touch.spot.delta - l.x).abs() <= 1e-6
             && (kl != kh || tl != th || (wl > 0.0) != (wh > 0.0))
         {
             let share = -sh / (sl - sh);

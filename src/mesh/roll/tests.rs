@@ -133,6 +133,38 @@ fn a_valley_beyond_the_largest_roll_is_not_called_found() {
     }
 }
 
+/// Few teeth, an involute from its base circle and narrow faces: where that circle meets the pinion's end face is
+/// higher than where the climb over generators ended, whose name and derivative it once was given; a roll was then
+/// taken for a bottom that is none, and a valley passed over.
+#[test]
+fn no_roll_is_lower_where_narrow_faces_meet_on_the_base_circle() {
+    let pair = Pair::new(&PairData {
+        normal_module_mm: 3.178,
+        normal_pressure_angle_rad: 0.4323,
+        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 1.977, addendum_mm: 4.306, tooth_thickness_mm: None },
+        pinion: PinionData {
+            teeth: 9,
+            helix_angle_rad: -0.1478,
+            profile_shift: -0.0547,
+            tip_diameter_mm: 34.32,
+            root_form_diameter_mm: None,
+            face_width_mm: 3.254,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    })
+    .expect("a valid pair");
+    let support = Support::FreeRoll { axis_depth_mm: 16.08 };
+    let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), PinionFlanks::nominal(&pair), support).expect("in order");
+    for (stroke, rolls) in [(4.942, -60..=-50), (5.166, 60..=80), (5.243, 75..=90), (5.46, 110..=130)] {
+        let point = mesh.at(stroke).expect("contact");
+        let mut sampler = Sampler::new(&mesh);
+        for roll in rolls {
+            let here = sampler.at_roll(stroke, 1e-5 * f64::from(roll), 16.08).expect("contact");
+            assert!(here.value > point.center_distance_mm - 1e-10, "{stroke} {}: {} {point:?}", here.angle, here.value);
+        }
+    }
+}
+
 /// The bound on how the height of a rack point bends follows from the point farthest from the axis.
 #[test]
 fn the_farthest_point_is_at_a_corner_of_the_tip() {
@@ -159,4 +191,113 @@ fn a_search_that_ends_at_the_level_rack_gives_it() {
             assert!(point.roll_rad == 0.0 && lines && point.converged(), "{face} {depth} {point:?}");
         }
     }
+}
+
+/// A roll at which the centre distance would have this value and slope.
+fn rolled(angle: f64, value: f64, slope: f64) -> Rolled {
+    let mesh = spur(0.35, 20.0, 0.0);
+    let at = Sampler::new(&mesh).at_roll(0.0, 0.0, 8.0).expect("contact");
+    Rolled { angle, value, slope, ..at }
+}
+
+fn node(angle: f64, value: f64, slope: f64) -> Node {
+    Node { angle, solution: Some(rolled(angle, value, slope)) }
+}
+
+fn off_mesh(angle: f64) -> Node {
+    Node { angle, solution: None }
+}
+
+/// Two parabolas that bend down meet where both are as high; ends that bend down by more than that bound nothing.
+#[test]
+fn a_bound_is_where_the_parabolas_of_both_ends_meet() {
+    for (apart, width, curvature) in [(0.0, 0.5, 6.0), (0.05, 0.5, 6.0), (-0.1, 0.25, 40.0)] {
+        let (low, high) = (rolled(0.1, 2.0, 0.3), rolled(0.1 + width, 2.0 + apart, -0.2));
+        let (meet, bound) = lower_bound(&low, &high, curvature);
+        assert!(meet > low.angle && meet < high.angle);
+        for end in [low, high] {
+            let by = meet - end.angle;
+            let expected = end.value + end.slope * by - 0.5 * curvature * by * by;
+            assert!((bound - expected).abs() < 1e-14, "{apart}: {bound} {expected}");
+        }
+    }
+    for (low, high) in [((0.0, 0.0), (-10.0, 0.0)), ((0.0, 0.0), (10.0, 0.0)), ((0.0, 9.0), (10.0, -9.0))] {
+        let (low, high) = (rolled(0.1, low.0, low.1), rolled(0.5, high.0, high.1));
+        let (meet, bound) = lower_bound(&low, &high, 1.0);
+        assert!((meet - 0.3).abs() < 1e-15 && bound == f64::NEG_INFINITY, "{meet} {bound}");
+    }
+}
+
+/// Divided where both bounds meet but not next to an end; not at all where it is short.
+#[test]
+fn an_interval_is_divided_away_from_its_ends() {
+    let curvature = 10.0;
+    let opened = |low, high| {
+        let mut search = Search::default();
+        search.open(low, high, curvature);
+        search.intervals.pop().map(|interval| (interval.low.angle, interval.high.angle, interval.meet))
+    };
+    let (low, high) = (0.03, 0.05);
+    assert_eq!(opened(node(low, 1.0, 0.0), node(high, 1.0, 0.0)).map(|(.., meet)| (meet * 1e9).round()), Some(4e7));
+    for (value, share) in [(1.0 + 1.9e-3, 0.1), (1.0 - 1.9e-3, 0.9), (1.0 + 1e-3, 0.25), (1.0 - 1e-3, 0.75)] {
+        let (from, to, meet) = opened(node(low, 1.0, 0.0), node(high, value, 0.0)).expect("it is long");
+        assert_eq!((from, to), (low, high));
+        assert!((meet - (low + share * (high - low))).abs() < 1e-15, "{share} {meet}");
+    }
+    assert!(opened(node(low, 1.0, 0.0), node(low + 0.99 * SHORT, 1.0, 0.0)).is_none());
+    assert!(opened(node(low, 1.0, 0.0), node(low + 1.01 * SHORT, 1.0, 0.0)).is_some());
+}
+
+/// Where the mesh ends nothing is known of what lies between: that is halved until it is small.
+#[test]
+fn the_end_of_the_mesh_is_looked_for() {
+    let opened = |low: Node, high: Node| {
+        let mut search = Search::default();
+        search.open(low, high, 10.0);
+        search.intervals.pop().map(|interval| (interval.meet, interval.bound))
+    };
+    let (low, high) = (-0.03, 0.05);
+    for ends in [(off_mesh(low), node(high, 1.0, 0.0)), (node(low, 1.0, 0.0), off_mesh(high))] {
+        let (meet, bound) = opened(ends.0, ends.1).expect("it is long");
+        assert!((meet - 0.01).abs() < 1e-15 && bound == f64::NEG_INFINITY, "{meet} {bound}");
+    }
+    assert!(opened(off_mesh(low), off_mesh(high)).is_none(), "no mesh at either end");
+    assert!(opened(off_mesh(low), node(low + 0.99 * SMALLEST_GAP, 1.0, 0.0)).is_none());
+    assert!(opened(off_mesh(low), node(low + 1.01 * SMALLEST_GAP, 1.0, 0.0)).is_some());
+}
+
+/// The roll does not flicker between positions as low within rounding.
+#[test]
+fn of_positions_as_low_the_first_roll_counts() {
+    let mut search = Search::default();
+    for (angle, value) in [(0.02, 1.5), (0.01, 1.0), (-0.01, 1.0 + 0.5 * TIE), (-0.02, 1.0 + 3.0 * TIE)] {
+        search.found(rolled(angle, value, 0.0));
+    }
+    assert_eq!(search.best, Some(1.0));
+    let lowest = search.lowest().expect("found");
+    assert_eq!(lowest.angle, -0.01);
+}
+
+/// The interval with the lowest bound comes next, unless nothing in it could count.
+#[test]
+fn intervals_that_may_count_are_divided() {
+    for (above, counts) in [(-1.0, true), (0.5 * TIE, true), (2.0 * TIE, false), (1.0, false)] {
+        let mut search = Search::default();
+        search.found(rolled(0.0, 1.0, 0.0));
+        for bound in [1.5 + above, 1.0 + above, 2.0 + above] {
+            let (low, high) = (node(0.0, 1.0, 0.0), node(0.05, 1.0, 0.0));
+            search.intervals.push(Interval { low, high, meet: 0.025, bound });
+        }
+        assert_eq!(search.lowest_interval().map(|interval| interval.bound), counts.then_some(1.0 + above));
+    }
+}
+
+/// A search that is given up says so of all that it found.
+#[test]
+fn what_an_unfinished_search_found_is_not_converged() {
+    let mut search = Search::default();
+    search.found(rolled(0.01, 1.0, 0.0));
+    search.found(rolled(-0.01, 1.0, 0.0));
+    search.unfinished();
+    assert_eq!(search.lowest().expect("found").point.ending, Ending::IterationLimit);
 }
