@@ -217,7 +217,7 @@ impl Sampler<'_> {
         if best.demand.is_some() && prepared.contact.stays_below(&pose, best.mark - slack) {
             return false;
         }
-        if slack == 0.0 || best.demand.is_none() || !prepared.contact.stays_below(&pose, best.mark) {
+        if slack == 0.0 || !prepared.contact.stays_below(&pose, best.mark) {
             self.touch(turn.side, (tooth, place), &pose, best);
         }
         true

@@ -193,9 +193,9 @@ impl Mesh {
         let kappa = if kappa.abs() * pinion.face_width_mm < NO_HELIX { 0.0 } else { kappa };
         let nu = trig::atan2(1.0, plane.t);
         let (sin_nu, cos_nu) = trig::sin_cos(nu);
-        // what |y| ≤ k/2 leaves of w, wherever on the flank
-        let off_axis = (pinion.tip_radius_mm + self.eccentricity()) * (across.t.abs() + across.z.abs())
-            + roll.sin.abs() * (roll.depth.abs() + 2.0 * pinion.tip_radius_mm + 2.0 * rack.pitch_mm);
+        // what |y| ≤ k/2 leaves of w within this radius, at any centre distance up to it
+        let radius = pinion.tip_radius_mm + self.eccentricity();
+        let off_axis = across.t.abs() * radius + roll.sin.abs() * (roll.depth.abs() + 2.0 * radius);
         let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
         let fits = flank.lead_rad == 0.0 && partner.lead_rad == 0.0 && roll.angle == 0.0;
         let form = self.form().map(|form| Form {
@@ -327,5 +327,72 @@ mod tests {
         let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&each).unwrap();
         let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, Support::Fixed).unwrap();
         assert!((mesh.eccentricity() - 0.05).abs() < 1e-15, "{}", mesh.eccentricity());
+    }
+
+    /// The points within the rack's end faces and the tip circle, however the pinion is turned: along w they reach as
+    /// far as is said, and without either angle between the faces no less far.
+    #[test]
+    fn the_width_in_use_is_that_between_the_end_faces() {
+        for (shaft, angle, depth, amount_mm) in [
+            (0.0, 0.0, 8.0, 0.0),
+            (0.3, 0.0, 8.0, 1.0),
+            (-0.3, 0.0, 8.0, 3.0),
+            (0.0, 0.05, 8.0, 0.0),
+            (0.0, -0.07, 30.0, 2.0),
+            (0.3, 0.06, 8.0, 1.0),
+            (-0.2, -0.06, 1.0, 0.0),
+        ] {
+            let mut data = example(20, -0.2, 0.2 + shaft);
+            data.rack.face_width_mm = 5.0;
+            data.pinion.face_width_mm = 200.0;
+            let pair = Pair::new(&data).unwrap();
+            let each = Eccentricity { amount_mm, tooth: 0 };
+            let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[each]).unwrap();
+            let support = Support::FreeRoll { axis_depth_mm: depth };
+            let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, support).unwrap();
+            let roll = Roll::new(angle, depth);
+            let FlankContact { across, w_extent, .. } = mesh.prepare(FlankSide::Right, 0, &roll).contact;
+            let radius = pair.pinion().tip_radius_mm + amount_mm;
+            let mut farthest = 0.0_f64;
+            for step in 0..3600 {
+                let (sin, cos) = trig::sin_cos(f64::from(step) * 0.001_745_329_251_994_33);
+                for center_distance in [0.0, radius] {
+                    let y = radius * (across.t * cos + across.z * sin) + roll.sin * (depth + center_distance);
+                    farthest = farthest.max((across.half_width + y.abs()) / across.w.abs());
+                }
+            }
+            assert!(farthest <= w_extent * (1.0 + 1e-12), "{shaft} {angle}: {farthest} {w_extent}");
+            let exact = shaft == 0.0 || angle == 0.0;
+            assert!(!exact || farthest >= w_extent * (1.0 - 1e-5), "{shaft} {angle}: {farthest} {w_extent}");
+        }
+    }
+
+    /// A rack tooth is out of order from where its flanks meet at the reference plane, or its middle passes the next's.
+    #[test]
+    fn a_rack_tooth_has_thickness_and_comes_before_the_next() {
+        let pair = Pair::new(&example(20, 0.2, 0.2)).unwrap();
+        let cos = trig::cos(pair.rack().helix_angle_rad);
+        let (thickness, pitch) = (pair.rack().tooth_thickness_mm, pair.rack().pitch_mm);
+        let in_order = |kind| {
+            let list = [RackDeviation { teeth: ToothRange::single(3).unwrap(), kind }];
+            let rack = RackFlanks::new(&pair, &list).unwrap();
+            let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), Support::Fixed).unwrap();
+            [2, 3, 4].map(|tooth| mesh.prepare(FlankSide::Left, tooth, &Roll::NONE).in_order)
+        };
+        for share in [0.5, 0.99, 1.01, 3.0] {
+            let there = [true, share < 1.0, true];
+            assert_eq!(in_order(RackDeviationKind::Thickness(-share * thickness)), there, "thickness {share}");
+            let one_flank = share * thickness / cos;
+            if one_flank < 0.5 * pitch {
+                assert_eq!(in_order(RackDeviationKind::Right(-one_flank)), there, "right {share}");
+                assert_eq!(in_order(RackDeviationKind::Left(one_flank)), there, "left {share}");
+            }
+            assert_eq!(in_order(RackDeviationKind::Shift(share * pitch)), there, "shift {share}");
+            assert_eq!(
+                in_order(RackDeviationKind::Shift(-share * pitch)),
+                [share < 1.0, true, true],
+                "shift back {share}"
+            );
+        }
     }
 }

@@ -146,13 +146,14 @@ impl Sampler<'_> {
             {
                 let bottom = self.narrow(falling, rising, stroke_mm, depth_mm)?;
                 search.found(bottom);
-                for (end, side) in [(low, -1.0), (high, 1.0)] {
-                    let angle = bottom.angle + side * BESIDE;
-                    if (end.angle - angle) * side > 0.0 {
-                        let beside = search.node(angle, self.at_roll(stroke_mm, angle, depth_mm));
-                        let (low, high) = if side < 0.0 { (end, beside) } else { (beside, end) };
-                        search.open(low, high, curvature);
-                    }
+                let (left, right) = (bottom.angle - BESIDE, bottom.angle + BESIDE);
+                if left > low.angle {
+                    let left = search.node(left, self.at_roll(stroke_mm, left, depth_mm));
+                    search.open(low, left, curvature);
+                }
+                if right < high.angle {
+                    let right = search.node(right, self.at_roll(stroke_mm, right, depth_mm));
+                    search.open(right, high, curvature);
                 }
             } else {
                 let middle = search.node(meet, self.at_roll(stroke_mm, meet, depth_mm));
