@@ -1,5 +1,5 @@
-//! Systems of at most three linear equations. Called by the multibody model's iterations and by the mesh where several
-//! surfaces and edges hold a point; larger systems have no place here.
+//! Systems of at most three linear equations. Called by the multibody model's iterations; larger systems have no place
+//! here.
 
 /// Gaussian elimination of n ≤ 3 equations with pivots on the diagonal; `None` if one is not positive.
 #[allow(clippy::needless_range_loop)] // matrices read as in the books

@@ -205,7 +205,7 @@ impl Touch {
 #[derive(Debug, Clone, Copy)]
 enum Generator {
     /// It has points over the rack tooth.
-    Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, on_tip: bool },
+    Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, on_tip: bool, relieved: bool },
     /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope` and with c by `rate`.
     None { gap: f64, slope: f64, rate: f64 },
 }
@@ -390,6 +390,7 @@ impl FlankContact {
             w: bound.w,
             kind: bound.kind,
             on_tip,
+            relieved: false,
         };
         let (demand, line, on_tip) = at_bound(&hi);
         if line.q >= 0.0 {
@@ -411,6 +412,7 @@ impl FlankContact {
             w,
             kind: ContactKind::RackEdge,
             on_tip: false,
+            relieved: false,
         }
     }
 
@@ -495,8 +497,8 @@ impl FlankContact {
         if lo > hi {
             return None;
         }
-        if let Some(form) = &self.form {
-            return self.search(form, pose, (lo, hi));
+        if self.form.is_some() {
+            return self.touch_with_form(pose, (lo, hi));
         }
         let mut best = self.line(pose);
         // peaks equal within rounding: the first found names the contact
@@ -525,7 +527,7 @@ impl FlankContact {
         let bounded =
             |best: Touch| Touch { demand: if harmless { best.demand.max(root) } else { best.demand }, ..best };
         let climb = |best: Option<Touch>, from: f64, to: f64| {
-            let found = if from <= to { self.climb(pose, (from, to), (lo, hi), floor, hint) } else { None };
+            let found = if from <= to { self.climb(pose, (from, to), (lo, hi), (floor, hint), None) } else { None };
             found.filter(|found| best.is_none_or(|best| found.demand > best.demand + tie)).or(best)
         };
         // Along the edge where the involute starts, at δ beyond the contact line, the demand differs from the line's by

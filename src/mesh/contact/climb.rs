@@ -1,5 +1,6 @@
-//! The maximum over generators of a plain flank pair: a bracketed climb on the derivative. Called by
-//! [`FlankContact::touch`]; bounded in its evaluations, and ends with the best generator seen.
+//! The maximum over generators of a flank pair: a bracketed climb on the derivative. Called by
+//! [`FlankContact::touch`], with flank form for each peak by itself; bounded in its evaluations, and ends with the best
+//! generator seen.
 //!
 //! The demand is smooth except where the bound on w changes from one edge to another; there its derivative jumps. Where
 //! both ends of the bracket lie on one edge the secant of the derivative is taken, where they lie on different edges
@@ -20,17 +21,73 @@ const UNEVEN: f64 = 0.1;
 /// Brackets this short (rad) let tangents speak for the function: its square times any curvature is below rounding.
 const NARROW: f64 = 1e-7;
 
+/// A generator, and what it asks for.
 #[derive(Clone, Copy)]
-struct Sample {
-    x: f64,
-    generator: Generator,
+pub(super) struct Sample {
+    pub(super) x: f64,
+    pub(super) generator: Generator,
 }
 
 impl Sample {
     /// Derivative of the demand, or, off the flank, of the way to it.
-    fn slope(&self) -> f64 {
+    pub(super) fn slope(&self) -> f64 {
         match self.generator {
             Generator::Some { slope, .. } | Generator::None { slope, .. } => slope,
+        }
+    }
+
+    /// Where to look first for a peak between this generator and the next one; `None` if none shows.
+    pub(super) fn peak_before(&self, next: &Self) -> Option<f64> {
+        let middle = self.x + 0.5 * (next.x - self.x);
+        match (self.generator, next.generator) {
+            (Generator::Some { slope: before, .. }, Generator::Some { slope: after, .. }) => {
+                let share = before / (before - after);
+                (before >= 0.0 && after <= 0.0)
+                    .then(|| if share.is_nan() { middle } else { self.x + share * (next.x - self.x) })
+            }
+            // where the flank begins
+            (Generator::None { .. }, Generator::Some { slope, .. }) => (slope <= 0.0).then_some(middle),
+            (Generator::Some { slope, .. }, Generator::None { .. }) => (slope >= 0.0).then_some(middle),
+            (Generator::None { slope: before, .. }, Generator::None { slope: after, .. }) => {
+                (before >= 0.0 && after <= 0.0).then_some(middle)
+            }
+        }
+    }
+
+    /// Makes it the best if it asks for more.
+    fn raise(&self, best: &mut Option<Touch>) {
+        if let Generator::Some { demand, rate, w, kind, on_tip, .. } = self.generator
+            && best.is_none_or(|best| demand > best.demand)
+        {
+            let spot = Spot { delta: self.x, w, kind, on_tip };
+            let (other, spread, vertex, at_rack_edge) = (None, 0.0, None, false);
+            *best = Some(Touch { demand, rate, kind, spot, other, spread, vertex, at_rack_edge });
+        }
+    }
+
+    /// Whether a peak may lie between this generator and the next one though none shows: the tangents do not bound what
+    /// lies between as those of a concave function do.
+    pub(super) fn hides(&self, next: &Self) -> bool {
+        match (self.generator, next.generator) {
+            (
+                Generator::Some { demand: here, slope: before, .. },
+                Generator::Some { demand: there, slope: after, .. },
+            ) => {
+                let mean = (there - here) / (next.x - self.x);
+                mean > before || mean < after
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether one smooth function gives the demand of both: the same edge of the same surface.
+    fn is_as(&self, other: &Self) -> bool {
+        match (self.generator, other.generator) {
+            (
+                Generator::Some { kind: ka, w: wa, on_tip: ta, relieved: ra, .. },
+                Generator::Some { kind: kb, w: wb, on_tip: tb, relieved: rb, .. },
+            ) => ka == kb && ta == tb && ra == rb && (ka == ContactKind::Point || (wa > 0.0) == (wb > 0.0)),
+            _ => false,
         }
     }
 }
@@ -57,19 +114,23 @@ fn reach(spread: f64, run: i32) -> f64 {
 }
 
 impl FlankContact {
-    /// Largest demand for δ in `lo..=hi`, all or part of the flank that ends at `ends`.
+    /// Largest demand for δ in `lo..=hi`, all or part of the flank that ends at `ends`; of `known` ends nothing is asked
+    /// again.
     pub(super) fn climb(
         &self,
         pose: &Pose,
         (lo, hi): (f64, f64),
         ends: (f64, f64),
-        floor: f64,
-        hint: Option<Hint>,
+        (floor, hint): (f64, Option<Hint>),
+        known: Option<(Sample, Sample)>,
     ) -> Option<Touch> {
         let scale = self.scale;
         let tolerance = DEMAND * scale;
-        let (mut below, mut above): (Option<Sample>, Option<Sample>) = (None, None);
+        let (mut below, mut above) = known.map_or((None, None), |(low, high)| (Some(low), Some(high)));
         let mut best: Option<Touch> = None;
+        for end in [below, above].into_iter().flatten() {
+            end.raise(&mut best);
+        }
         // where the involute starts at its base circle the derivative vanishes whichever way it goes: look beside it
         let (mut x, spread) = match hint {
             Some(Hint { delta, spread, .. }) if delta > lo && delta < hi => (delta, spread.max(NARROW)),
@@ -83,25 +144,14 @@ impl FlankContact {
         for _ in 0..MAX_EVALUATIONS {
             let sample = Sample { x, generator: self.demand(pose, x) };
             let mut silent = false;
-            if let Generator::Some { demand, rate, w, kind, slope, on_tip } = sample.generator {
-                if best.is_none_or(|best: Touch| demand > best.demand) {
-                    let spot = Spot { delta: x, w, kind, on_tip };
-                    best = Some(Touch {
-                        demand,
-                        rate,
-                        kind,
-                        spot,
-                        other: None,
-                        spread: 0.0,
-                        vertex: None,
-                        at_rack_edge: false,
-                    });
-                }
+            sample.raise(&mut best);
+            if let Generator::Some { w, slope, .. } = sample.generator {
                 let roll = (self.nu - pose.c) + x + self.kappa * w;
-                if roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
+                // flank form may bend it less
+                if self.form.is_none() && roll > 1e-3 && slope * slope <= 2.0 * tolerance * scale * roll {
                     break;
                 }
-                silent = roll < SILENT && !looked_beside;
+                silent = self.form.is_none() && roll < SILENT && !looked_beside;
             }
             // on the base circle itself the derivative is rounding: the flank lies at greater δ, so look there once
             looked_beside |= silent;
@@ -148,6 +198,14 @@ impl FlankContact {
             );
             x = match next {
                 Next::Done => break,
+                // a step that gains nothing
+                Next::Try(x)
+                    if self.form.is_some()
+                        && (slope * (x - sample.x)).abs() <= tolerance
+                        && below.is_some_and(|low| above.is_some_and(|high| low.is_as(&high))) =>
+                {
+                    break;
+                }
                 Next::Nothing => return None,
                 // three steps that did not halve the bracket: halve it
                 Next::Try(_) if stalls >= 3 && below.is_some() && above.is_some() => {
@@ -192,18 +250,14 @@ impl FlankContact {
     ) -> Next {
         match ends {
             (Some(l), Some(h)) => match (l.generator, h.generator) {
-                (
-                    Generator::Some { demand: fl, slope: sl, kind: kl, w: wl, on_tip: tl, .. },
-                    Generator::Some { demand: fh, slope: sh, kind: kh, w: wh, on_tip: th, .. },
-                ) => {
+                (Generator::Some { demand: fl, slope: sl, .. }, Generator::Some { demand: fh, slope: sh, .. }) => {
                     let meet = ((fh - fl) + sl * a - sh * b) / (sl - sh);
                     let bound = fl + sl * (meet - a);
                     // the tangents bound a concave function; on a short bracket any smooth one, up to its square
                     if b - a <= NARROW && best.is_some_and(|best| bound - best <= tolerance) {
                         return Next::Done;
                     }
-                    let same = kl == kh && tl == th && (wl > 0.0) == (wh > 0.0);
-                    if same {
+                    if l.is_as(&h) {
                         return Next::Try(a + (b - a) * (sl / (sl - sh)));
                     }
                     // The meeting point is as good as the farther end's tangent. Where it falls next to one end, step
@@ -288,7 +342,7 @@ impl FlankContact {
                     touch.rate += slope;
                 }
             }
-            touch.kind = if self.fits {
+            touch.kind = if self.fits || matches!(touch.kind, ContactKind::Line | ContactKind::Point) {
                 if touch.spot.delta == hi { ContactKind::TipEdge } else { ContactKind::RootEdge }
             } else {
                 ContactKind::Corner
@@ -300,16 +354,27 @@ impl FlankContact {
                 Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, on_tip: tl, .. },
                 Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, on_tip: th, .. },
             ) = (l.generator, h.generator)
-            && h.x - l.x <= 1e-6
-            // a higher place may have been met on the way, which none lies higher near: it is named as it was met
-            && (touch.spot.delta - l.x).abs() <= 1e-6
-            && (kl != kh || tl != th || (wl > 0.0) != (wh > 0.0))
+            && let share = -sh / (sl - sh)
+            && if l.is_as(&h) {
+                // flank form may bend the derivative so much that the best generator's is not the peak's
+                self.form.is_some() && (0.0..=1.0).contains(&share)
+            } else {
+                // a higher place may have been met on the way, which none lies higher near: it is named as it was met
+                h.x - l.x <= 1e-6 && (touch.spot.delta - l.x).abs() <= 1e-6
+            }
         {
-            let share = -sh / (sl - sh);
             touch.rate = share * rl + (1.0 - share) * rh;
-            touch.spot = Spot { delta: l.x, w: wl, kind: kl, on_tip: tl };
-            touch.other = Some((Spot { delta: h.x, w: wh, kind: kh, on_tip: th }, share));
-            touch.kind = ContactKind::Corner;
+            let (low, high) =
+                (Spot { delta: l.x, w: wl, kind: kl, on_tip: tl }, Spot { delta: h.x, w: wh, kind: kh, on_tip: th });
+            if l.is_as(&h) && touch.spot.delta == h.x {
+                touch.other = Some((low, 1.0 - share));
+            } else {
+                touch.spot = low;
+                touch.other = Some((high, share));
+            }
+            if !l.is_as(&h) {
+                touch.kind = ContactKind::Corner;
+            }
         }
         // where the flank itself ends in a vertex, the vertex moves with c
         let vertex = match (below, above) {

@@ -29,9 +29,6 @@ impl FlankContact {
         touch: &Touch,
         (rates, moved): (&RollRates, &PoseRates),
     ) -> [f64; 2] {
-        if let Some(form) = &self.form {
-            return self.formed_roll_rate(form, pose, &touch.spot, (rates, moved));
-        }
         let first = self.spot_roll_rate(pose, &touch.spot, rates, moved);
         let mut rate = match &touch.other {
             Some((spot, share)) => {
@@ -61,6 +58,9 @@ impl FlankContact {
     }
 
     fn spot_roll_rate(&self, pose: &Pose, spot: &Spot, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
+        if let Some(form) = &self.form {
+            return self.formed_roll_rate(form, pose, spot.delta, (rates, moved));
+        }
         let at = self.coordinates(pose, spot.delta);
         let xi = at.xi.at(spot.w);
         let by_roll = |plane: &Plane| plane.d - plane.t * xi - plane.w * spot.w;

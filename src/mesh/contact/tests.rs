@@ -50,7 +50,7 @@ impl Random {
 }
 
 /// A random pair.
-fn pair(random: &mut Random, narrow: bool) -> Option<Pair> {
+pub(super) fn pair(random: &mut Random, narrow: bool) -> Option<Pair> {
     let module = random.next(1.0, 3.0);
     let teeth = random.next(6.0, 60.0).round();
     let helix = |random: &mut Random| if random.next(0.0, 1.0) < 0.25 { 0.0 } else { random.next(-0.7, 0.7) };
@@ -88,12 +88,12 @@ fn pair(random: &mut Random, narrow: bool) -> Option<Pair> {
 }
 
 /// With as much eccentricity as [`positions`] has.
-fn off_axis(pinion: PinionFlanks) -> PinionFlanks {
+pub(super) fn off_axis(pinion: PinionFlanks) -> PinionFlanks {
     pinion.with_eccentricity(&[Eccentricity { amount_mm: 0.1415, tooth: 0 }]).expect("small")
 }
 
 /// Positions of a flank pair, on its contact line and beyond.
-fn positions(
+pub(super) fn positions(
     random: &mut Random,
     mesh: &Mesh,
     contact: &FlankContact,
@@ -159,7 +159,7 @@ fn tilted(mut each: impl FnMut(&FlankContact, &Pose, bool)) {
 }
 
 /// The largest demand among many generators, refined beside the best ones.
-fn scanned(contact: &FlankContact, pose: &Pose) -> Option<f64> {
+pub(super) fn scanned(contact: &FlankContact, pose: &Pose) -> Option<f64> {
     const CELLS: u32 = 600;
     let zero = pose.c - contact.nu;
     let reach = contact.kappa.abs() * contact.half_face;
@@ -251,7 +251,7 @@ fn a_search_that_ends_early_ends_with_a_bound() {
 }
 
 /// The same flank, a little further.
-fn moved(pose: &Pose, h: f64) -> Pose {
+pub(super) fn moved(pose: &Pose, h: f64) -> Pose {
     let ((x, z), (dx, dz)) = (pose.offset, pose.offset_rate);
     Pose { c: pose.c + h, offset: (x + h * dx, z + h * dz), ..*pose }
 }

@@ -1,0 +1,96 @@
+//! Tests of formed flanks against what needs no search.
+
+use super::*;
+use crate::deviation::{PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks, RackForm, ToothRange};
+use crate::mesh::contact::tests::{NO_FLOOR, Random, looks, moved, off_axis, pair, positions, scanned};
+use crate::mesh::prepare::Roll;
+use crate::mesh::{FlankSide, Mesh, Support};
+
+/// Flanks with form, some with lead errors too, the rack rolled or not.
+fn formed(mut each: impl FnMut(&FlankContact, &Pose)) {
+    let mut random = Random(11);
+    let mut made = 0;
+    while made < 400 {
+        let Some(pair) = pair(&mut random, made % 2 == 0) else { continue };
+        made += 1;
+        let module = pair.normal_module_mm();
+        // of each kind of form some have none
+        let amount = |random: &mut Random, least: f64, most: f64| {
+            if random.next(0.0, 1.0) < 0.3 { 0.0 } else { module * random.next(least, most) }
+        };
+        let rack_form = RackForm {
+            crowning_mm: amount(&mut random, 0.0, 0.01),
+            tip_relief_mm: amount(&mut random, 0.0, 0.01),
+            tip_relief_start_mm: pair.rack().addendum_mm - module * random.next(0.1, 1.2),
+        };
+        let pinion_form = PinionForm {
+            crowning_mm: amount(&mut random, 0.0, 0.01),
+            profile_slope_mm: amount(&mut random, -0.01, 0.01),
+        };
+        let lead = if made % 3 == 0 { random.next(-0.005, 0.005) } else { 0.0 };
+        let lead = [RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Lead(lead) }];
+        let rack = RackFlanks::new(&pair, &lead).and_then(|rack| rack.with_form(&pair, rack_form)).expect("small");
+        let pinion = off_axis(PinionFlanks::nominal(&pair).with_form(pinion_form).expect("small"));
+        let roll =
+            if made % 4 == 0 { Roll::new(random.next(-0.05, 0.05), random.next(-5.0, 20.0)) } else { Roll::NONE };
+        let mesh = Mesh::new(pair, rack, pinion, Support::Fixed).expect("teeth in order");
+        let side = if made % 5 < 3 { FlankSide::Right } else { FlankSide::Left };
+        let contact = mesh.prepare(side, 0, &roll).contact;
+        if contact.form.is_none() {
+            continue;
+        }
+        let across = roll.sin * (roll.depth + mesh.pair().nominal_center_distance_mm());
+        positions(&mut random, &mesh, &contact, across, &mut each);
+    }
+}
+
+/// Wherever the search begins, it ends at the highest of all generators.
+#[test]
+fn the_highest_of_all_peaks_is_found() {
+    let (mut some, mut none, mut count, mut worst) = (0, 0, 0, 0.0_f64);
+    formed(|contact, pose| {
+        let (touch, looked) = looks(|| contact.touch(pose, NO_FLOOR, None));
+        count += looked;
+        let best = scanned(contact, pose);
+        let Some(touch) = touch else {
+            none += 1;
+            assert_eq!(best, None, "{contact:?}\n{pose:?}");
+            return;
+        };
+        some += 1;
+        let best = best.expect("the scan finds it too");
+        worst = worst.max((touch.demand - best).abs());
+        // how far a generator reaches beyond a vertex and still counts decides there
+        let allowed = if touch.vertex.is_some() { 1e-9 } else { 1e-11 };
+        assert!((touch.demand - best).abs() < allowed, "{best} {touch:?}\n{contact:?}\n{pose:?}");
+    });
+    println!("{some} touch, {none} do not, difference {worst:e}; {count} generators");
+    assert!(some > 4000 && none > 300 && count <= 177_700, "{count}");
+}
+
+/// The derivative by the flank's angle, for each kind of contact.
+#[test]
+fn rates_are_differences() {
+    let mut compared = std::collections::BTreeMap::<ContactKind, u32>::new();
+    formed(|contact, pose| {
+        let h = 1e-6;
+        let at = |h: f64| contact.touch(&moved(pose, h), NO_FLOOR, None);
+        let (Some(before), Some(here), Some(after)) = (at(-h), at(0.0), at(h)) else { return };
+        let names = |touch: &Touch| {
+            (touch.kind, touch.spot.kind, touch.other.map(|(spot, _)| spot.kind), touch.vertex.is_some())
+        };
+        if names(&before) != names(&here) || names(&here) != names(&after) {
+            return;
+        }
+        let slope = (after.demand - before.demand) / (2.0 * h);
+        let bend = (after.demand - 2.0 * here.demand + before.demand).abs() / h;
+        // not across a corner of the demand
+        if bend < 1e-3 {
+            *compared.entry(here.kind).or_default() += 1;
+            let off = (slope - here.rate).abs();
+            assert!(off < 1e-6 + bend, "{off:e} {slope} {here:?}\n{contact:?}\n{pose:?}");
+        }
+    });
+    println!("{compared:?}");
+    assert!(compared.len() == 8 && compared.values().all(|&count| count > 5), "{compared:?}");
+}
