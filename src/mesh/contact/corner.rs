@@ -251,7 +251,8 @@ impl FlankContact {
         let demand = self.unbounded(pose) + self.scale * (lag - roll * versine);
         let rest = self.rest(pose, delta < 0.0);
         let along = self.base_radius * (cos + roll * sin);
-        if rest > demand.max(floor) || self.tip.d + along - pose.offset.1 < demand {
+        let far = !(0.0..=FRAC_PI_2).contains(&(self.nu + delta));
+        if far || rest > demand.max(floor) || self.tip.d + along - pose.offset.1 < demand {
             return None;
         }
         // how δ and τ move with c: with the flank, along its edge where the rack's face ends, or along the pinion's end

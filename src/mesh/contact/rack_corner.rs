@@ -9,9 +9,13 @@
 //!
 //! - τ > τ* and tan(δ/2) < τ: F is smaller than at E(τ), and there smaller than at the crossing.
 //! - τ > τ* and tan(δ/2) ≥ τ: T is at most d + r_b (cos ν − τ sin ν), less than at the crossing if tan(δ/2) < τ there.
-//! - τ < τ*: at a fixed τ, T is largest at tan γ = τ and falls with δ from there. Say that tan γ ≥ τ at the crossing.
-//!   If so at E(τ) too, T is smaller than at E(τ), and there smaller than at the crossing. If not, the two are equal at
-//!   some E between, where T is larger than anywhere at a smaller τ.
+//! - τ < τ* and F ≥ T: at the same δ, T grows with τ, until it meets F or E(τ) below τ*, where it is smaller than at the
+//!   crossing.
+//! - τ < τ* and F ≤ T: at the same δ, F grows as τ falls, until it meets T or, at τ = 0, is less than T = d + r_b cos γ.
+//!   The latter is less than at the crossing, where γ is smaller.
+//!
+//! The points where T meets F are one for each δ, since F − T falls with τ. As δ grows along them, away from the
+//! crossing, what both ask for changes as cos γ (1 − cos δ) − sin γ sin δ does, which is negative: tan γ > tan(δ/2).
 //!
 //! So the crossing touches, if both faces are over each other there.
 //!
@@ -38,9 +42,7 @@ struct RackPoint {
     roll: f64,
     w: f64,
     delta: f64,
-    /// Sine and cosine of γ.
-    sin: f64,
-    cos: f64,
+    cos_gamma: f64,
     demand: f64,
     /// Derivative by δ at a fixed τ.
     by_delta: f64,
@@ -125,8 +127,7 @@ impl FlankContact {
             roll,
             w,
             delta,
-            sin,
-            cos,
+            cos_gamma: cos,
             demand,
             by_delta,
             demand_by,
@@ -156,13 +157,12 @@ impl FlankContact {
     /// Whether no other point of the flank asks for more than the larger of both planes' demands at a point of its end
     /// with the smallest δ, or than the floor.
     fn keeps_out_the_rest(&self, pose: &Pose, floor: f64, at: &RackPoint) -> bool {
-        let RackPoint { roll, delta, sin, cos, demand, .. } = *at;
+        let RackPoint { delta, cos_gamma: cos, demand, .. } = *at;
         if delta < 0.0 || cos <= 0.0 {
             return false;
         }
         self.kappa == 0.0
-            || sin >= roll * cos
-                && self.across.w * cos > self.turn() * self.base_radius
+            || self.across.w * cos > self.turn() * self.base_radius
                 && at.by_delta <= 0.0
                 && self.unbounded(pose) - self.far_loss <= demand.max(floor)
     }
@@ -204,8 +204,10 @@ fn solved(right: [f64; 2], first: [f64; 2], second: [f64; 2]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::contact::tests::Random;
     use crate::mesh::contact::tests::wild::wild_contacts;
+    use crate::mesh::contact::tests::{Random, scanned};
+    use crate::mesh::contact::{Across, Plane};
+    use crate::trig;
 
     /// A step inside of the rack's face bounds what is asked at its end, closely; further inside nothing is said.
     #[test]
@@ -229,7 +231,7 @@ mod tests {
             let (turned, ahead) = (contact.kappa.abs(), random.next(0.0, 0.3));
             let before = at(w - side * ahead / turned);
             let over = side * before.y - k;
-            if (end.y - side * k).abs() > 1e-9 || end.delta < 0.0 || before.cos <= 0.0 || before.by_delta > 0.0 {
+            if (end.y - side * k).abs() > 1e-9 || end.delta < 0.0 || before.cos_gamma <= 0.0 || before.by_delta > 0.0 {
                 return;
             }
             let asked = |point: &RackPoint| point.demand.max(point.demand - point.excess);
@@ -251,5 +253,55 @@ mod tests {
             assert_eq!(contact.bound_beyond(&before, true, 0.0), Some(asked(&before)));
         });
         assert!(compared > 500 && far > 50, "{compared} {far}");
+    }
+
+    /// Where the shafts cross so steeply that W hardly exceeds κ t r_a, the rack's tip plane may ask for less and less
+    /// along the rack's end face: then the corner is not the highest point.
+    #[test]
+    fn a_corner_that_is_not_the_top_does_not_touch() {
+        let mut random = Random(10);
+        let (mut corners, mut others) = (0, 0);
+        for _ in 0..3000 {
+            let (nu, w) = (random.next(0.3, 0.5), random.next(0.1, 0.9));
+            let (sin_nu, cos_nu) = trig::sin_cos(nu);
+            let (base_radius, start_roll, tip_roll) = (10.0, random.next(0.05, 0.2), random.next(0.3, 0.6));
+            let tip_radius = base_radius * f64::sqrt(1.0 + tip_roll * tip_roll);
+            let t = (1.0 - w * w).sqrt();
+            let kappa = random.next(0.9, 0.999) * w / (1.01 * t * tip_radius);
+            let contact = FlankContact {
+                base_radius,
+                kappa,
+                start_roll,
+                tip_roll,
+                half_face: random.next(1.0, 5.0),
+                flank: Plane { d: 0.0, t: cos_nu / sin_nu, w: base_radius * kappa / sin_nu },
+                across: Across { t, w, z: 0.0, half_width: random.next(0.2, 2.0) },
+                nu,
+                sin_nu,
+                cos_nu,
+                fits: true,
+                ..FlankContact::default()
+            };
+            let roll = random.next(start_roll - 0.3, tip_roll);
+            let none = (0.0, 0.0);
+            let pose = Pose { c: nu - roll, shift: 0.0, offset: none, offset_rate: none, across: 0.0 };
+            let mut contact = contact.completed(tip_radius, 0.0);
+            let asked = contact.unbounded(&pose) - contact.scale * random.next(0.0, 0.003);
+            contact.tip.d = asked - base_radius * (cos_nu + random.next(start_roll, tip_roll) * sin_nu);
+            if !contact.slides || contact.line(&pose).is_some() {
+                continue;
+            }
+            match (contact.rack_corner(&pose, f64::NEG_INFINITY, None), scanned(&contact, &pose)) {
+                (Some(corner), best) => {
+                    corners += 1;
+                    assert!(
+                        best.is_some_and(|best| (best - corner.demand).abs() < 1e-9),
+                        "{best:?} {corner:?}\n{contact:?}"
+                    );
+                }
+                (None, _) => others += 1,
+            }
+        }
+        assert!(corners > 50 && others > 1000, "{corners} {others}");
     }
 }

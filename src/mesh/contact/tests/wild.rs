@@ -73,7 +73,7 @@ fn off(found: Option<Touch>, best: Option<f64>) -> f64 {
 fn wild_flanks_touch_at_the_top() {
     let (mut some, mut none, mut nothing, mut corners, mut of_rack) = (0, 0, 0, 0, 0);
     let (mut missed, mut early, mut below) = (0, 0, [0; 4]);
-    wild_contacts(11, 500, |contact, pose| {
+    wild_contacts(15, 500, |contact, pose| {
         let best = scanned(contact, pose);
         let touch = contact.touch(pose, NO_FLOOR, None);
         let about = || format!("{best:?} {touch:?}\n{contact:?}\n{pose:?}");
@@ -101,13 +101,30 @@ fn wild_flanks_touch_at_the_top() {
             return;
         }
         let (Some(touch), Some(best)) = (touch, best) else { return };
-        assert!(!contact.stays_below(pose, best - 1e-9), "{}", about());
+        for beneath in [1e-9, 0.01, 1.0, 10.0] {
+            assert!(!contact.stays_below(pose, best - beneath), "{beneath} {}", about());
+        }
         let line = contact.unbounded(pose) + contact.tilt.abs() * contact.w_extent;
         let shares = if contact.fits { [0.0, 0.3, 0.9, 1.0] } else { [0.3, 0.9, 0.99, 1.0] };
         for (share, below) in shares.into_iter().zip(&mut below) {
             *below += u32::from(contact.stays_below(pose, best + share * (line - best) + 1e-12));
         }
         for above in [1e-9, 1e-4, 0.01, 1.0] {
+            if contact.slides && contact.line(pose).is_none() {
+                for floor in [best - above, best + above] {
+                    let of_corner = match contact.corner(pose, floor, None) {
+                        Found::Touch(touch) => Some(touch),
+                        _ => None,
+                    };
+                    for found in of_corner.into_iter().chain(contact.rack_corner(pose, floor, None)) {
+                        assert!(
+                            found.demand >= best - 1e-9 && found.demand <= floor.max(best) + 1e-9,
+                            "{found:?} {}",
+                            about()
+                        );
+                    }
+                }
+            }
             let same = contact.touch(pose, touch.demand - above, None);
             let lower = contact.touch(pose, touch.demand + above, None);
             early += u32::from(off(same, Some(best)) > 1e-9 || lower.is_some_and(|lower| lower.demand < best - 1e-9));
@@ -119,5 +136,6 @@ fn wild_flanks_touch_at_the_top() {
         "{some} touch, {none} do not; the search misses {missed}, ends too early {early} times; {corners} corners and \
          {of_rack} at the rack's tip edge, {nothing} miss; {below:?} below"
     );
-    assert!(missed <= 8 && early <= 2, "{missed} {early}");
+    assert!(missed <= 20 && early <= 7, "{missed} {early}");
+    assert!(below.iter().zip([1498, 2200, 2591, 3535]).all(|(&below, least)| below >= least), "{below:?}");
 }
