@@ -126,6 +126,26 @@ fn teeth_that_passed_each_other_are_an_error() {
     assert!(matches!(mesh, Err(MeshError::PinionToothOrder { .. })));
 }
 
+/// Where a rack has no tooth within a pitch of the pinion's axis there is no mesh, whatever its tips could do in there.
+#[test]
+fn no_tooth_under_the_pinion_is_an_error() {
+    let pair = Pair::new(&spur()).unwrap();
+    let p = pair.rack().pitch_mm;
+    for wider in [0.1, 1.5, 6.0] {
+        let kind = RackDeviationKind::Shift(wider * p);
+        let gap = RackDeviation { teeth: ToothRange::new(Some(5), None).unwrap(), kind };
+        let mesh = with(&pair, &[gap], Support::Fixed);
+        for step in 0..120 {
+            let place = 3.0 + 0.083 * f64::from(step);
+            let away = (place - 4.0).min(5.0 + wider - place);
+            let found = mesh.at(place * p);
+            let missing = matches!(found, Err(MeshError::RackToothOrder { .. }));
+            assert_eq!(missing, away > 1.0, "{wider} {place}: {found:?}");
+            assert!(away > 0.0 || found.is_ok(), "{wider} {place}: {found:?}");
+        }
+    }
+}
+
 /// A sampler skips pairs that cannot have caught up since they were last searched; a fresh start searches all.
 #[test]
 fn many_strokes_on_many_cores_are_as_each_by_itself_and_the_same_bits_again() {

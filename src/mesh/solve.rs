@@ -239,7 +239,7 @@ impl<'a> Sampler<'a> {
         let share = if (0.0..=1.0).contains(&share) { share } else { 0.5 };
         let at = |demand: &Demand| {
             let spot = &demand.touch.spot;
-            (demand.tooth, demand.touch.kind, spot.w > 0.0, spot.on_tip)
+            (demand.tooth, demand.touch.kind, spot.w.is_sign_positive(), spot.on_tip)
         };
         Rolling { rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]), at: Some([at(right), at(left)]) }
     }
@@ -263,18 +263,24 @@ impl<'a> Sampler<'a> {
         #[allow(clippy::cast_possible_truncation)] // the stroke's limit keeps it within 2⁵⁰
         let mut tooth = (stroke_mm / pitch).round() as i64;
         let mut place = reduced(tooth, pitch, stroke_mm);
+        let mut away = place + self.slot(FlankSide::Right, tooth).prepared.center;
         for _ in 0..64 {
-            let actual = place + self.slot(FlankSide::Right, tooth).prepared.center;
-            let steps = (actual / pitch).round();
-            if steps == 0.0 {
+            #[allow(clippy::cast_possible_truncation)] // clamped
+            let steps = (away / pitch).round().clamp(-1e15, 1e15) as i64;
+            if steps == 0 {
                 break;
             }
-            #[allow(clippy::cast_possible_truncation)] // clamped
-            let steps = steps.clamp(-1e15, 1e15) as i64;
-            tooth = (tooth - steps).clamp(-(1 << 52), 1 << 52);
-            place = reduced(tooth, pitch, stroke_mm);
+            // next to a gap so many steps lead too far: then one
+            let nearer = [steps, steps.signum()].into_iter().find_map(|steps| {
+                let tooth = (tooth - steps).clamp(-(1 << 52), 1 << 52);
+                let place = reduced(tooth, pitch, stroke_mm);
+                let there = place + self.slot(FlankSide::Right, tooth).prepared.center;
+                (there.abs() < away.abs()).then_some((tooth, place, there))
+            });
+            let Some(next) = nearer else { break };
+            (tooth, place, away) = next;
         }
-        if (place + self.slot(FlankSide::Right, tooth).prepared.center).abs() > 2.0 * pitch {
+        if away.abs() > pitch {
             return Err(MeshError::RackToothOrder { stroke_mm, tooth });
         }
         let teeth = i64::from(self.mesh.pair().pinion().teeth);
@@ -423,7 +429,7 @@ mod tests {
         let p = nominal.pair().rack().pitch_mm;
         for shift in [-7.3, -2.0, -0.6, 0.4, 1.0, 3.49, 60.2] {
             let shifted = mesh(&[all(RackDeviationKind::Shift(shift * p))]);
-            for step in 0..8 {
+            for step in -8..8 {
                 let stroke = 0.91 * f64::from(step);
                 let here = shifted.at(stroke + shift * p).expect("contact");
                 // the pinion has turned by its part of the shift more
@@ -473,5 +479,44 @@ mod tests {
         assert!(matches!(tips[0], Err(MeshError::TipOnTip { .. })), "{tips:?}");
         // a little further one side catches the edges of tips
         assert!(tips[1].is_ok_and(|point| point.converged() && point.delta_cd_mm > 2.0), "{tips:?}");
+    }
+
+    /// What was seen of a pair elsewhere, at another stroke, rotation, roll or place of the end faces, never hides that
+    /// it carries here.
+    #[test]
+    fn what_was_asked_for_elsewhere_hides_nothing() {
+        let pair = pair();
+        let leads = [all(RackDeviationKind::Lead(0.006))];
+        let rack = RackFlanks::new(&pair, &leads).expect("small");
+        let support = Support::FreeRoll { axis_depth_mm: 8.0 };
+        let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), support).expect("teeth in order");
+        let pitch = mesh.pair().rack().pitch_mm;
+        let share = |index: u32, step: f64| (f64::from(index) * step).fract();
+        let mut warm = Sampler::new(&mesh);
+        let (mut compared, mut skipped) = (0, 0);
+        for index in 0..4000 {
+            let stroke = (share(index / 4, 0.618_034) - 0.5) * pitch;
+            let offset = (share(index / 2, 0.414_214) - 0.5) * 0.5 * mesh.pair().pinion().angular_pitch_rad();
+            let roll = Roll::new((share(index / 8, 0.732_051) - 0.5) * 0.14, 8.0);
+            let assumed = mesh.pair().nominal_center_distance_mm() + 6.0 * (share(index, 0.236_068) - 0.5);
+            let ask = |sampler: &mut Sampler| {
+                sampler.set_roll(roll);
+                sampler.assumed = assumed;
+                let position = sampler.locate(stroke).expect("in order");
+                let before = sampler.work.searched;
+                let sides = [FlankSide::Right, FlankSide::Left];
+                let demands = sides.map(|side| sampler.demand(side, &position, (offset, false), stroke).ok());
+                (demands.map(|demand| demand.map_or(0.0, |demand| demand.value)), sampler.work.searched - before)
+            };
+            let (fresh, all) = ask(&mut Sampler::new(&mesh));
+            let (found, some) = ask(&mut warm);
+            skipped += all.saturating_sub(some);
+            for (found, fresh) in found.into_iter().zip(fresh) {
+                compared += usize::from(fresh != 0.0);
+                assert!((found - fresh).abs() < 1e-11, "{index}: {found} {fresh}");
+            }
+        }
+        println!("{compared} compared, {skipped} pairs not searched again");
+        assert!(compared > 7000 && skipped > 0, "{compared} {skipped}");
     }
 }
