@@ -7,8 +7,9 @@ use std::fmt::Write;
 
 use common::brute::{Brute, Roll};
 use common::kinds::{CASES, Case, KINDS, compare, compare_formed, compare_rolling, run, teeth};
+use rackmesh::deviation::{PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
 use rackmesh::gear::Pair;
-use rackmesh::mesh::Mesh;
+use rackmesh::mesh::{Mesh, Support};
 
 /// The brute force's own error: golden sections stop at 2e-9 of a cell, and heights are quadratic there.
 const ALLOWED_MM: f64 = 1e-7;
@@ -92,6 +93,40 @@ fn an_involute_that_interferes_from_its_base_circle_is_not_passed_over() {
         worst = worst.max(point.delta_cd_mm);
     }
     assert!(worst > 1e-3, "{worst}");
+}
+
+/// Thick teeth of low height: where one side stands on a tip and the other in a space, the pinion is held.
+#[test]
+fn one_side_on_a_tip_is_a_contact() {
+    let mut data = common::pairs::spur();
+    data.rack.tooth_thickness_mm = Some(3.56);
+    data.rack.addendum_mm = 0.3;
+    data.pinion.tip_diameter_mm = 42.0;
+    data.pinion.root_form_diameter_mm = None;
+    let pair = Pair::new(&data).unwrap();
+    let lead = RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Lead(0.01) };
+    let rack = RackFlanks::new(&pair, &[lead]).unwrap();
+    let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), Support::Fixed).unwrap();
+    for stroke in [0.963, 1.284, 2.033, 4.601] {
+        let point = mesh.at(stroke).unwrap();
+        let brute = Brute { pair: &pair, rack: mesh.rack(), pinion: mesh.pinion(), roll: Roll::default() };
+        for side in [-1.0, 1.0] {
+            let asked = brute.demand(stroke, side, -point.transmission_error_rad, &teeth(&pair, stroke));
+            let difference = point.center_distance_mm - asked;
+            assert!(difference.abs() < 1e-8 && point.converged(), "{stroke}: {difference:e} {point:?}");
+        }
+    }
+}
+
+/// Two valleys of the roll 45 nm apart in depth, of which the search comes upon the higher one, to the right, first.
+#[test]
+fn the_lower_of_two_valleys_is_left_of_the_one_found_first() {
+    let case = CASES[5].1(3);
+    let point = case.mesh.at(case.stroke).unwrap();
+    let [here, right] =
+        [point.roll_rad, 0.003_827_405_244].map(|roll| case.by_brute_force(roll, Some(&point)).unwrap());
+    assert!((point.center_distance_mm - here).abs() < 1e-9 && point.roll_rad < -0.0038, "{here} {point:?}");
+    assert!(right > here + 4e-8, "{right} {here}");
 }
 
 /// At the rotation that is told both sides ask for the same, by brute force; the pinion's angle is that rotation.

@@ -107,7 +107,7 @@ impl Sampler<'_> {
         if tangents(&falling, &rising).1 < flat.value - LEVEL {
             return None;
         }
-        let curvature = SAFETY * self.largest_distance(depth_mm);
+        let curvature = self.curvature(depth_mm);
         let mut search = Search::default();
         search.found(flat);
         let [falling, rising] = [falling, rising].map(|at| Node { angle: at.angle, solution: Some(at) });
@@ -128,7 +128,7 @@ impl Sampler<'_> {
 
     /// The lowest bottom of all valleys at a stroke; of several as deep the one with the smallest roll.
     fn lowest(&mut self, stroke_mm: f64, depth_mm: f64) -> Result<Rolled, MeshError> {
-        let curvature = SAFETY * self.largest_distance(depth_mm);
+        let curvature = self.curvature(depth_mm);
         let mut search = Search::default();
         let mut before = None;
         for step in 0..=INTERVALS {
@@ -169,11 +169,12 @@ impl Sampler<'_> {
         search.lowest()
     }
 
-    /// The largest distance of a point of the rack's flanks from its roll axis, mm.
-    fn largest_distance(&self, depth_mm: f64) -> f64 {
+    /// What no centre distance bends down by, mm/rad²: the largest distance of a point of the rack's flanks from its roll
+    /// axis, with [`SAFETY`].
+    fn curvature(&self, depth_mm: f64) -> f64 {
         let rack = self.mesh.pair().rack();
         let height = depth_mm.abs() + rack.addendum_mm.max(self.mesh.pair().normal_module_mm());
-        (height * height + 0.25 * rack.face_width_mm * rack.face_width_mm).sqrt()
+        SAFETY * (height * height + 0.25 * rack.face_width_mm * rack.face_width_mm).sqrt()
     }
 
     /// The bottom between a falling and a rising end.
