@@ -93,29 +93,19 @@ impl FlankContact {
     /// The same for any flank: at each w the best generator is δ = 0, and where that lies off the involute by the roll
     /// angle η the edge stays clear of it by (r_b/sin ν)(τ η²/2 + …).
     fn bound_by_involute(&self, pose: &Pose) -> f64 {
-        let scale = self.scale;
         let roll = self.nu - pose.c;
         let reach = self.kappa.abs() * self.w_extent;
         let beyond_tip = roll - reach - self.tip_roll;
-        let below_start = self.start_roll - reach - roll;
-        // at the involute's start the edge is clear by τ_0 η²/2 − η³/6, which turns negative where η > 3 τ_0; there the
-        // rack's tip plane bounds what is asked if it is level
-        let past_start = self.start_roll + reach - roll;
-        let again = past_start > 0.0 && past_start > 2.5 * self.start_roll;
-        let loss = if again && !self.fits {
-            -past_start * past_start * past_start / 6.0
-        } else if beyond_tip > 0.0 {
+        let loss = if beyond_tip > 0.0 {
             clearance(self.tip_roll, beyond_tip.min(1.0))
-        } else if below_start > 0.0 {
-            // whatever τ_0 is, g ≤ 2 (δ/2 − tan(δ/2)) ≤ −δ³/12 where tan(δ/2) < τ
-            let e = below_start.min(1.0);
-            (clearance(self.start_roll, e) - e * e * e / 6.0).max(e * e * e / 12.0)
         } else {
-            0.0
+            // along the involute's start g falls with δ up to tan(δ/2) = τ_0 and rises from there: it is largest at an end
+            let start = |e: f64| clearance(self.start_roll, e) - e * e * e / 6.0;
+            let below = self.start_roll - roll;
+            start((below - reach).clamp(0.0, 1.0)).min(start((below + reach).max(0.0)))
         };
         let slope = self.form.map_or(0.0, |form| (-form.profile_slope).max(0.0) * form.per_normal);
-        let bound = self.unbounded(pose) + self.tilt.abs() * self.w_extent - scale * loss + slope;
-        if again && self.fits { bound.max(self.reach_of_root(pose)) } else { bound }
+        self.unbounded(pose) + self.tilt.abs() * self.w_extent - self.scale * loss + slope
     }
 }
 

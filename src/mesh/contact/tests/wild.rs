@@ -73,7 +73,7 @@ fn off(found: Option<Touch>, best: Option<f64>) -> f64 {
 fn wild_flanks_touch_at_the_top() {
     let (mut some, mut none, mut nothing, mut corners, mut of_rack) = (0, 0, 0, 0, 0);
     let (mut missed, mut early, mut below) = (0, 0, [0; 4]);
-    wild_contacts(15, 500, |contact, pose| {
+    let mut look = |contact: &FlankContact, pose: &Pose| {
         let best = scanned(contact, pose);
         let touch = contact.touch(pose, NO_FLOOR, None);
         let about = || format!("{best:?} {touch:?}\n{contact:?}\n{pose:?}");
@@ -131,11 +131,16 @@ fn wild_flanks_touch_at_the_top() {
             let lower = lower.map_or(best, |lower| lower.demand);
             assert!(lower <= touch.demand + above + 1e-11, "{above} {lower} {}", about());
         }
-    });
+    };
+    // among them pairs that conditions of the closed forms and of the bounds were found by, each of which decides somewhere
+    for seed in [11, 15, 138, 173, 178, 183, 223] {
+        wild_contacts(seed, 100, &mut look);
+    }
     println!(
         "{some} touch, {none} do not; the search misses {missed}, ends too early {early} times; {corners} corners and \
          {of_rack} at the rack's tip edge, {nothing} miss; {below:?} below"
     );
-    assert!(missed <= 20 && early <= 7, "{missed} {early}");
-    assert!(below.iter().zip([1498, 2200, 2591, 3535]).all(|(&below, least)| below >= least), "{below:?}");
+    assert!(corners >= 592 && of_rack >= 331 && nothing >= 724, "{corners} {of_rack} {nothing}");
+    assert!(missed <= 12 && early <= 5, "{missed} {early}");
+    assert!(below.iter().zip([2072, 2936, 3422, 4655]).all(|(&below, least)| below >= least), "{below:?}");
 }
