@@ -7,6 +7,7 @@
 //! grid is narrowed where the demand is not seen to be concave. Two of 286 000 random contacts had a higher peak that it
 //! does not show, 0.14 µm at most.
 
+use std::iter::once;
 use std::ops::{Add, Mul, Sub};
 
 use super::climb::Sample;
@@ -55,8 +56,8 @@ const GRIDS: [u32; 2] = [6, 32];
 /// How often such a part is halved where its ends do not tell whether a peak lies between.
 const DIVISIONS: u32 = 4;
 
-/// The search for others goes on this far beside a peak, rad.
-const BESIDE: [f64; 4] = [1e-4, 1e-3, 0.01, 0.03];
+/// The search for others goes on at these distances from a peak, rad.
+const BESIDE: [f64; 8] = [-0.03, -0.01, -1e-3, -1e-4, 1e-4, 1e-3, 0.01, 0.03];
 
 /// Bounds on w nearer to each other than this share of the face width are a vertex.
 const SMALLEST: f64 = 1e-9;
@@ -362,16 +363,11 @@ impl FlankContact {
                 let peak = consider((low.x, high.x), Some(hint), Some((low, high)));
                 // there may be another one on either side
                 if let Some(peak) = peak.filter(|_| depth < DIVISIONS) {
-                    for side in [-1.0, 1.0] {
-                        let end = if side < 0.0 { low } else { high };
-                        let places = BESIDE.map(|beside| peak + side * beside);
-                        let within = places.into_iter().filter(|x| (end.x - x) * side > 0.0);
-                        let row: Vec<Sample> = within.map(sample).chain([end]).collect();
-                        for ends in row.windows(2) {
-                            let (a, b) = if side < 0.0 { (ends[1], ends[0]) } else { (ends[0], ends[1]) };
-                            between.push((a, b, depth + 1));
-                        }
-                    }
+                    let places = BESIDE.map(|beside| peak + beside).into_iter();
+                    let within = places.filter(|&x| low.x < x && x < high.x).map(sample);
+                    let row: Vec<Sample> = once(low).chain(within).chain(once(high)).collect();
+                    let cells = row.windows(2).map(|ends| (ends[0], ends[1], depth + 1));
+                    between.extend(cells.filter(|(low, high, _)| !(low.x < peak && peak < high.x)));
                 }
             } else if depth < DIVISIONS && low.hides(&high, floor) {
                 let middle = sample(low.x + 0.5 * (high.x - low.x));

@@ -8,9 +8,16 @@ use crate::mesh::{FlankSide, Mesh, Support};
 
 /// Flanks with form, some with lead errors too, the rack rolled or not.
 fn formed(mut each: impl FnMut(&FlankContact, &Pose)) {
-    let mut random = Random(11);
+    // numbers with peaks that do not show at once
+    for seed in [15, 23] {
+        some_formed(seed, &mut each);
+    }
+}
+
+fn some_formed(seed: u64, each: &mut impl FnMut(&FlankContact, &Pose)) {
+    let mut random = Random(seed);
     let mut made = 0;
-    while made < 400 {
+    while made < 300 {
         let Some(pair) = pair(&mut random, made % 2 == 0) else { continue };
         made += 1;
         let module = pair.normal_module_mm();
@@ -40,7 +47,7 @@ fn formed(mut each: impl FnMut(&FlankContact, &Pose)) {
             continue;
         }
         let across = roll.sin * (roll.depth + mesh.pair().nominal_center_distance_mm());
-        positions(&mut random, &mesh, &contact, across, &mut each);
+        positions(&mut random, &mesh, &contact, across, each);
     }
 }
 
@@ -65,7 +72,7 @@ fn the_highest_of_all_peaks_is_found() {
         assert!((touch.demand - best).abs() < allowed, "{best} {touch:?}\n{contact:?}\n{pose:?}");
     });
     println!("{some} touch, {none} do not, difference {worst:e}; {count} generators");
-    assert!(some > 4000 && none > 300 && count <= 156_200, "{count}");
+    assert!(some > 4000 && none > 300 && count <= 242_300, "{count}");
 }
 
 /// The derivative by the flank's angle, for each kind of contact.
