@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::deviation::{PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks, RackForm, ToothRange};
+use crate::gear::{Pair, example};
 use crate::mesh::contact::tests::{NO_FLOOR, Random, looks, moved, off_axis, pair, positions, scanned};
 use crate::mesh::prepare::Roll;
 use crate::mesh::{FlankSide, Mesh, Support};
@@ -100,4 +101,25 @@ fn rates_are_differences() {
     });
     println!("{compared:?}");
     assert!(compared.len() == 8 && compared.values().all(|&count| count > 5), "{compared:?}");
+}
+
+/// Flanks with relief alone still touch along a line, crowned ones at a point.
+#[test]
+fn crowning_makes_a_point_of_a_line() {
+    let pair = Pair::new(&example(20, 0.0, 0.0)).expect("a valid pair");
+    let start = pair.rack().addendum_mm - 0.1 * pair.normal_module_mm();
+    for (crowning_mm, kind) in [(0.0, ContactKind::Line), (0.005, ContactKind::Point)] {
+        let form = RackForm { crowning_mm, tip_relief_mm: 0.005, tip_relief_start_mm: start };
+        let rack = RackFlanks::nominal(&pair).with_form(&pair, form).expect("small");
+        let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), Support::Fixed).expect("teeth in order");
+        for step in 0..10 {
+            let point = mesh.at(0.37 * f64::from(step)).expect("contact");
+            let named = [point.right.contact, point.left.contact];
+            assert!(named.contains(&kind) && !named.contains(&other(kind)), "{crowning_mm} {point:?}");
+        }
+    }
+}
+
+fn other(kind: ContactKind) -> ContactKind {
+    if kind == ContactKind::Line { ContactKind::Point } else { ContactKind::Line }
 }
