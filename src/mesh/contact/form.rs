@@ -105,6 +105,24 @@ struct Place<T> {
     per_normal_on_tip: T,
 }
 
+impl<T: Quantity> Place<T> {
+    /// Where nothing of the rack changes.
+    fn new(form: &Form, pose: &Pose, [flank, tip, across]: [T; 3], w: T, roll: T) -> Self {
+        Self {
+            flank,
+            tip,
+            across,
+            w,
+            roll,
+            sin: form.roll.0.into(),
+            cos: form.roll.1.into(),
+            shift: pose.across.into(),
+            per_normal: form.per_normal.into(),
+            per_normal_on_tip: form.per_normal_on_tip.into(),
+        }
+    }
+}
+
 /// What holds the lowest point of a generator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Held {
@@ -150,19 +168,8 @@ impl FlankContact {
 
     /// A generator's places.
     fn along(&self, form: &Form, pose: &Pose, at: &Coordinates, lines: &[Line; 3]) -> Place<Polynomial> {
-        let [flank, tip, across] = lines.map(|line| Polynomial { a: 0.0, b: line.q, c: line.p });
-        Place {
-            flank,
-            tip,
-            across,
-            w: Polynomial { a: 0.0, b: 1.0, c: 0.0 },
-            roll: Polynomial { a: 0.0, b: self.kappa, c: at.t0 },
-            sin: form.roll.0.into(),
-            cos: form.roll.1.into(),
-            shift: pose.across.into(),
-            per_normal: form.per_normal.into(),
-            per_normal_on_tip: form.per_normal_on_tip.into(),
-        }
+        let line = |q: f64, p: f64| Polynomial { a: 0.0, b: q, c: p };
+        Place::new(form, pose, lines.map(|of| line(of.q, of.p)), line(1.0, 0.0), line(self.kappa, at.t0))
     }
 
     /// A place on a generator where flank, tip and the way across change as told, and the roll angle too.
@@ -174,19 +181,8 @@ impl FlankContact {
         (lines, w): (&[Line; 3], f64),
         (rates, roll_rate): ([f64; 3], f64),
     ) -> Place<Changing> {
-        let [flank, tip, across] = [0, 1, 2].map(|i| Changing { value: lines[i].at(w), rate: rates[i] });
-        Place {
-            flank,
-            tip,
-            across,
-            w: w.into(),
-            roll: Changing { value: at.t0 + self.kappa * w, rate: roll_rate },
-            sin: form.roll.0.into(),
-            cos: form.roll.1.into(),
-            shift: pose.across.into(),
-            per_normal: form.per_normal.into(),
-            per_normal_on_tip: form.per_normal_on_tip.into(),
-        }
+        let demands = [0, 1, 2].map(|i| Changing { value: lines[i].at(w), rate: rates[i] });
+        Place::new(form, pose, demands, w.into(), Changing { value: at.t0 + self.kappa * w, rate: roll_rate })
     }
 
     /// The largest demand on a generator.
