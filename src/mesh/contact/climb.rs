@@ -36,31 +36,6 @@ impl Sample {
         }
     }
 
-    pub(super) fn demand(&self) -> f64 {
-        match self.generator {
-            Generator::Some { demand, .. } => demand,
-            Generator::None { .. } => f64::NEG_INFINITY,
-        }
-    }
-
-    /// Where to look first for a peak between this generator and the next one; `None` if none shows.
-    pub(super) fn peak_before(&self, next: &Self) -> Option<f64> {
-        let middle = self.x + 0.5 * (next.x - self.x);
-        match (self.generator, next.generator) {
-            (Generator::Some { slope: before, .. }, Generator::Some { slope: after, .. }) => {
-                let share = before / (before - after);
-                (before >= 0.0 && after <= 0.0)
-                    .then(|| if share.is_nan() { middle } else { self.x + share * (next.x - self.x) })
-            }
-            // where the flank begins
-            (Generator::None { .. }, Generator::Some { slope, .. }) => (slope <= 0.0).then_some(middle),
-            (Generator::Some { slope, .. }, Generator::None { .. }) => (slope >= 0.0).then_some(middle),
-            (Generator::None { slope: before, .. }, Generator::None { slope: after, .. }) => {
-                (before >= 0.0 && after <= 0.0).then_some(middle)
-            }
-        }
-    }
-
     /// Makes it the best if it asks for more.
     fn raise(&self, best: &mut Option<Touch>) {
         if let Generator::Some { demand, rate, w, kind, on_tip, .. } = self.generator
@@ -72,27 +47,8 @@ impl Sample {
         }
     }
 
-    /// Whether a peak higher than `floor` may lie between this generator and the next one though none shows: where
-    /// another edge or surface takes over, or the flank begins or ends, or where the tangents do not bound what lies
-    /// between as those of a concave function do.
-    pub(super) fn hides(&self, next: &Self, floor: f64) -> bool {
-        let width = next.x - self.x;
-        match (self.generator, next.generator) {
-            (
-                Generator::Some { demand: here, slope: before, .. },
-                Generator::Some { demand: there, slope: after, .. },
-            ) => {
-                let mean = (there - here) / width;
-                let steepest = before.abs().max(after.abs());
-                here.max(there) + steepest * width > floor && !(self.is_as(next) && before >= mean && mean >= after)
-            }
-            (Generator::None { .. }, Generator::None { .. }) => false,
-            _ => true,
-        }
-    }
-
     /// Whether one smooth function gives the demand of both: the same edge of the same surface.
-    fn is_as(&self, other: &Self) -> bool {
+    pub(super) fn is_as(&self, other: &Self) -> bool {
         match (self.generator, other.generator) {
             (
                 Generator::Some { kind: ka, w: wa, on_tip: ta, relieved: ra, .. },

@@ -4,6 +4,7 @@ mod said;
 pub(super) mod wild;
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use super::{Across, ContactKind, FlankContact, Generator, Hint, Plane, Pose, Touch};
@@ -256,21 +257,17 @@ pub(super) fn moved(pose: &Pose, h: f64) -> Pose {
     Pose { c: pose.c + h, offset: (x + h * dx, z + h * dz), ..*pose }
 }
 
-/// The derivative by the flank's angle, at edges, corners and vertices alike.
-#[test]
-fn the_climbs_rates_are_differences() {
-    let mut compared = std::collections::BTreeMap::<ContactKind, u32>::new();
-    tilted(|contact, pose, _| {
+/// Compares the derivative by the flank's angle with differences, and counts the contacts compared of each kind.
+pub(super) fn compare_rates(contacts: impl FnOnce(&mut dyn FnMut(&FlankContact, &Pose))) -> BTreeMap<ContactKind, u32> {
+    let mut compared = BTreeMap::new();
+    contacts(&mut |contact, pose| {
         let h = 1e-6;
         let at = |h: f64| contact.touch(&moved(pose, h), NO_FLOOR, None);
         let (Some(before), Some(here), Some(after)) = (at(-h), at(0.0), at(h)) else { return };
-        let same = |a: &Touch, b: &Touch| {
-            let names = |touch: &Touch| {
-                (touch.kind, touch.spot.kind, touch.other.map(|(spot, _)| spot.kind), touch.vertex.is_some())
-            };
-            names(a) == names(b)
+        let names = |touch: &Touch| {
+            (touch.kind, touch.spot.kind, touch.other.map(|(spot, _)| spot.kind), touch.vertex.is_some())
         };
-        if !same(&before, &here) || !same(&after, &here) {
+        if names(&before) != names(&here) || names(&after) != names(&here) {
             return;
         }
         let slope = (after.demand - before.demand) / (2.0 * h);
@@ -283,6 +280,13 @@ fn the_climbs_rates_are_differences() {
         }
     });
     println!("{compared:?}");
+    compared
+}
+
+/// The derivative by the flank's angle, at edges, corners and vertices alike.
+#[test]
+fn the_climbs_rates_are_differences() {
+    let compared = compare_rates(|each| tilted(|contact, pose, _| each(contact, pose)));
     assert!(compared.len() >= 5 && compared.values().all(|&count| count > 5), "{compared:?}");
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::deviation::{PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks, RackForm, ToothRange};
 use crate::gear::{Pair, example};
-use crate::mesh::contact::tests::{NO_FLOOR, Random, looks, moved, off_axis, pair, positions, scanned};
+use crate::mesh::contact::tests::{NO_FLOOR, Random, compare_rates, looks, off_axis, pair, positions, scanned};
 use crate::mesh::prepare::Roll;
 use crate::mesh::{FlankSide, Mesh, Support};
 
@@ -11,14 +11,14 @@ use crate::mesh::{FlankSide, Mesh, Support};
 fn formed(mut each: impl FnMut(&FlankContact, &Pose)) {
     // numbers with peaks that do not show at once
     for seed in [15, 23] {
-        some_formed(seed, &mut each);
+        some_formed(seed, 300, &mut each);
     }
 }
 
-fn some_formed(seed: u64, each: &mut impl FnMut(&FlankContact, &Pose)) {
+fn some_formed(seed: u64, pairs: u32, each: &mut impl FnMut(&FlankContact, &Pose)) {
     let mut random = Random(seed);
     let mut made = 0;
-    while made < 300 {
+    while made < pairs {
         let Some(pair) = pair(&mut random, made % 2 == 0) else { continue };
         made += 1;
         let module = pair.normal_module_mm();
@@ -76,30 +76,30 @@ fn the_highest_of_all_peaks_is_found() {
     assert!(some > 4000 && none > 300 && count <= 242_300, "{count}");
 }
 
+/// `RACKMESH_LONG_TESTS=1` counts among very many: now and then a peak does not show.
+#[test]
+fn hardly_any_higher_peak_is_missed() {
+    if !std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1") {
+        return;
+    }
+    let (mut compared, mut missed, mut worst) = (0, 0, 0.0_f64);
+    for seed in 31..35 {
+        some_formed(seed, 6000, &mut |contact, pose| {
+            let touch = contact.touch(pose, NO_FLOOR, None).map(|touch| touch.demand);
+            let below = scanned(contact, pose).map_or(0.0, |best| best - touch.unwrap_or(f64::NEG_INFINITY));
+            compared += 1;
+            missed += u32::from(below > 1e-9);
+            worst = worst.max(below);
+        });
+    }
+    println!("{missed} of {compared} contacts have a higher peak, by {worst:e} mm at most");
+    assert!(compared > 200_000 && missed <= compared / 50_000, "{missed} of {compared}");
+}
+
 /// The derivative by the flank's angle, for each kind of contact.
 #[test]
 fn rates_are_differences() {
-    let mut compared = std::collections::BTreeMap::<ContactKind, u32>::new();
-    formed(|contact, pose| {
-        let h = 1e-6;
-        let at = |h: f64| contact.touch(&moved(pose, h), NO_FLOOR, None);
-        let (Some(before), Some(here), Some(after)) = (at(-h), at(0.0), at(h)) else { return };
-        let names = |touch: &Touch| {
-            (touch.kind, touch.spot.kind, touch.other.map(|(spot, _)| spot.kind), touch.vertex.is_some())
-        };
-        if names(&before) != names(&here) || names(&here) != names(&after) {
-            return;
-        }
-        let slope = (after.demand - before.demand) / (2.0 * h);
-        let bend = (after.demand - 2.0 * here.demand + before.demand).abs() / h;
-        // not across a corner of the demand
-        if bend < 1e-3 {
-            *compared.entry(here.kind).or_default() += 1;
-            let off = (slope - here.rate).abs();
-            assert!(off < 1e-6 + bend, "{off:e} {slope} {here:?}\n{contact:?}\n{pose:?}");
-        }
-    });
-    println!("{compared:?}");
+    let compared = compare_rates(|each| formed(each));
     assert!(compared.len() == 8 && compared.values().all(|&count| count > 5), "{compared:?}");
 }
 
