@@ -129,20 +129,22 @@ fn deviating(numbers: &mut Numbers<'_>, pair: Pair) -> Option<Mesh> {
         let off = Eccentricity { amount_mm: numbers.in_range(-0.2, 0.2), tooth: numbers.whole(0, last) };
         pinion = pinion.with_eccentricity(&[off]).ok()?;
     }
-    let support = match numbers.whole(0, 5) {
-        0 => Support::FreeRoll { axis_depth_mm: numbers.in_range(-5.0, 20.0) },
-        1 => {
-            rack = rack
-                .with_form(&pair, RackForm { crowning_mm: numbers.in_range(0.0, 0.05), ..RackForm::default() })
-                .ok()?;
-            let form = PinionForm {
-                crowning_mm: numbers.in_range(0.0, 0.05),
-                profile_slope_mm: numbers.in_range(-0.02, 0.02),
-            };
-            pinion = pinion.with_form(form).ok()?;
-            Support::Fixed
-        }
-        _ => Support::Fixed,
+    let support = if numbers.whole(0, 5) == 0 {
+        Support::FreeRoll { axis_depth_mm: numbers.in_range(-5.0, 20.0) }
+    } else {
+        Support::Fixed
     };
+    if numbers.whole(0, 2) == 0 {
+        let module = pair.normal_module_mm();
+        let form = RackForm {
+            crowning_mm: numbers.in_range(0.0, 0.05),
+            tip_relief_mm: numbers.in_range(0.0, 0.05),
+            tip_relief_start_mm: pair.rack().addendum_mm - module * numbers.in_range(0.0, 1.2),
+        };
+        rack = rack.with_form(&pair, form).ok()?;
+        let form =
+            PinionForm { crowning_mm: numbers.in_range(0.0, 0.05), profile_slope_mm: numbers.in_range(-0.02, 0.02) };
+        pinion = pinion.with_form(form).ok()?;
+    }
     Mesh::new(pair, rack, pinion, support).ok()
 }

@@ -176,7 +176,15 @@ pub(super) struct Spot {
     pub(super) delta: f64,
     pub(super) w: f64,
     pub(super) kind: ContactKind,
-    pub(super) on_tip: bool,
+    pub(super) surface: Surface,
+}
+
+/// The rack's surfaces: the flank, the flank where it has tip relief, and the tip plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Surface {
+    Flank,
+    Relieved,
+    Tip,
 }
 
 /// A generator near the one of the contact.
@@ -189,10 +197,16 @@ pub(super) struct Hint {
     pub(super) spread: f64,
 }
 
+impl Spot {
+    fn is_on_tip(&self) -> bool {
+        self.surface == Surface::Tip
+    }
+}
+
 impl Touch {
     /// Whether what touches lies over the rack tooth's tip plane, away from its flank.
     pub(super) fn is_on_tip(&self) -> bool {
-        self.spot.on_tip && self.other.is_none_or(|(spot, _)| spot.on_tip)
+        self.spot.is_on_tip() && self.other.is_none_or(|(spot, _)| spot.is_on_tip())
     }
 
     /// Whether the contact goes from generator to generator as the flank turns: corners do.
@@ -205,7 +219,7 @@ impl Touch {
 #[derive(Debug, Clone, Copy)]
 enum Generator {
     /// It has points over the rack tooth.
-    Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, on_tip: bool, relieved: bool },
+    Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, surface: Surface },
     /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope` and with c by `rate`.
     None { gap: f64, slope: f64, rate: f64 },
 }
@@ -381,24 +395,23 @@ impl FlankContact {
         }
         let at_bound = |bound: &Bound| {
             let (f, t) = (flank.at(bound.w), tip.at(bound.w));
-            if f <= t { (f, flank, false) } else { (t, tip, true) }
+            if f <= t { (f, flank, Surface::Flank) } else { (t, tip, Surface::Tip) }
         };
-        let ended = |bound: &Bound, demand: f64, line: &Line, on_tip: bool| Generator::Some {
+        let ended = |bound: &Bound, demand: f64, line: &Line, surface: Surface| Generator::Some {
             demand,
             slope: line.slope_at(bound.w) + line.q * bound.slope,
             rate: line.p_rate + line.q * bound.rate,
             w: bound.w,
             kind: bound.kind,
-            on_tip,
-            relieved: false,
+            surface,
         };
-        let (demand, line, on_tip) = at_bound(&hi);
+        let (demand, line, surface) = at_bound(&hi);
         if line.q >= 0.0 {
-            return ended(&hi, demand, &line, on_tip);
+            return ended(&hi, demand, &line, surface);
         }
-        let (demand, line, on_tip) = at_bound(&lo);
+        let (demand, line, surface) = at_bound(&lo);
         if line.q <= 0.0 {
-            return ended(&lo, demand, &line, on_tip);
+            return ended(&lo, demand, &line, surface);
         }
         // rising at the lower end and falling at the upper one: the two planes cross between
         let inverse = 1.0 / (tip.q - flank.q);
@@ -411,8 +424,7 @@ impl FlankContact {
             rate: flank.p_rate + flank.q * w_rate,
             w,
             kind: ContactKind::RackEdge,
-            on_tip: false,
-            relieved: false,
+            surface: Surface::Flank,
         }
     }
 
@@ -473,7 +485,7 @@ impl FlankContact {
             return None;
         }
         let rate = -self.scale - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
-        let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, on_tip: false };
+        let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, surface: Surface::Flank };
         Some(Touch {
             demand,
             rate,

@@ -1,7 +1,7 @@
 //! The solve at one stroke: which rotation makes both sides ask for the same centre distance. Used through
 //! [`Mesh::at`], [`Mesh::sample`] and [`Sampler`]; allocates nothing per stroke once a sampler is warm.
 
-use super::contact::{ContactKind, PoseRates};
+use super::contact::{ContactKind, PoseRates, Surface};
 use super::demand::{Demand, NEARBY, Slot};
 use super::prepare::Roll;
 use super::roll::Valleys;
@@ -36,8 +36,8 @@ pub struct Sampler<'a> {
 pub(super) struct Rolling {
     /// Derivatives of the centre distance by the roll, and by the one assumed.
     pub(super) rate: [f64; 2],
-    /// Names the contacts of both sides and the ends of the face they are at.
-    pub(super) at: Option<[(i64, ContactKind, bool, bool); 2]>,
+    /// Names the contacts of both sides, the ends of the face they are at and the surfaces they are on.
+    pub(super) at: Option<[(i64, ContactKind, bool, Surface); 2]>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -239,7 +239,7 @@ impl<'a> Sampler<'a> {
         let share = if (0.0..=1.0).contains(&share) { share } else { 0.5 };
         let at = |demand: &Demand| {
             let spot = &demand.touch.spot;
-            (demand.tooth, demand.touch.kind, spot.w.is_sign_positive(), spot.on_tip)
+            (demand.tooth, demand.touch.kind, spot.w.is_sign_positive(), spot.surface)
         };
         Rolling { rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]), at: Some([at(right), at(left)]) }
     }

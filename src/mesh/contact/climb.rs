@@ -38,10 +38,10 @@ impl Sample {
 
     /// Makes it the best if it asks for more.
     fn raise(&self, best: &mut Option<Touch>) {
-        if let Generator::Some { demand, rate, w, kind, on_tip, .. } = self.generator
+        if let Generator::Some { demand, rate, w, kind, surface, .. } = self.generator
             && best.is_none_or(|best| demand > best.demand)
         {
-            let spot = Spot { delta: self.x, w, kind, on_tip };
+            let spot = Spot { delta: self.x, w, kind, surface };
             let (other, spread, vertex, at_rack_edge) = (None, 0.0, None, false);
             *best = Some(Touch { demand, rate, kind, spot, other, spread, vertex, at_rack_edge });
         }
@@ -51,9 +51,9 @@ impl Sample {
     pub(super) fn is_as(&self, other: &Self) -> bool {
         match (self.generator, other.generator) {
             (
-                Generator::Some { kind: ka, w: wa, on_tip: ta, relieved: ra, .. },
-                Generator::Some { kind: kb, w: wb, on_tip: tb, relieved: rb, .. },
-            ) => ka == kb && ta == tb && ra == rb && (ka == ContactKind::Point || (wa > 0.0) == (wb > 0.0)),
+                Generator::Some { kind: ka, w: wa, surface: sa, .. },
+                Generator::Some { kind: kb, w: wb, surface: sb, .. },
+            ) => ka == kb && sa == sb && (ka == ContactKind::Point || (wa > 0.0) == (wb > 0.0)),
             _ => false,
         }
     }
@@ -318,8 +318,8 @@ impl FlankContact {
         }
         if let (Some(l), Some(h)) = (below, above)
             && let (
-                Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, on_tip: tl, .. },
-                Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, on_tip: th, .. },
+                Generator::Some { slope: sl, rate: rl, kind: kl, w: wl, surface: on_low, .. },
+                Generator::Some { slope: sh, rate: rh, kind: kh, w: wh, surface: on_high, .. },
             ) = (l.generator, h.generator)
             && let share = -sh / (sl - sh)
             && if l.is_as(&h) {
@@ -331,8 +331,8 @@ impl FlankContact {
             }
         {
             touch.rate = share * rl + (1.0 - share) * rh;
-            let (low, high) =
-                (Spot { delta: l.x, w: wl, kind: kl, on_tip: tl }, Spot { delta: h.x, w: wh, kind: kh, on_tip: th });
+            let low = Spot { delta: l.x, w: wl, kind: kl, surface: on_low };
+            let high = Spot { delta: h.x, w: wh, kind: kh, surface: on_high };
             if l.is_as(&h) && touch.spot.delta == h.x {
                 touch.other = Some((low, 1.0 - share));
             } else {

@@ -43,7 +43,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::turned::Turned;
-use super::{ContactKind, FlankContact, Hint, Pose, Spot, Touch};
+use super::{ContactKind, FlankContact, Hint, Pose, Spot, Surface, Touch};
 
 /// Steps of Newton's method at most; two or three are enough.
 const MAX_STEPS: u32 = 12;
@@ -275,7 +275,7 @@ impl FlankContact {
             demand: demand.max(rest),
             rate: self.scale * (rate - 1.0) - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1,
             kind,
-            spot: Spot { delta, w, kind, on_tip: false },
+            spot: Spot { delta, w, kind, surface: Surface::Flank },
             other: None,
             spread: 0.0,
             vertex: None,

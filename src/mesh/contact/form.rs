@@ -13,7 +13,7 @@ use std::ops::{Add, Mul, Sub};
 use super::climb::Sample;
 use super::{
     Bound, ContactKind, Coordinates, DEMAND, FlankContact, Generator, Hint, Line, Plane, Pose, PoseRates, RollRates,
-    Touch,
+    Surface, Touch,
 };
 
 /// Flank form of both parts: how far the material stands back along the normal, mm, and how that acts on what a point
@@ -43,12 +43,8 @@ pub(in crate::mesh) struct FormRates {
     pub(in crate::mesh) per_normal_on_tip: f64,
 }
 
-/// The flank, the flank where it has tip relief, and the tip: the least of what they ask for counts.
-const SURFACES: usize = 3;
-
-/// The tip among them, and the flank with tip relief.
-const TIP: usize = 2;
-const RELIEVED: usize = 1;
+/// The least of what these ask for counts.
+const SURFACES: [Surface; 3] = [Surface::Flank, Surface::Relieved, Surface::Tip];
 
 /// Parts that each half of a flank is divided into to see its peaks, and the finer ones where no generator has points over the rack.
 const GRIDS: [u32; 2] = [6, 32];
@@ -140,14 +136,14 @@ struct Peak {
     demand: f64,
     w: f64,
     held: Held,
-    surfaces: [Polynomial; SURFACES],
-    /// The surface that asks for the least there.
+    surfaces: [Polynomial; 3],
+    /// The one of them that asks for the least there, of two that cross the first.
     least: usize,
 }
 
 impl FlankContact {
     /// What the surfaces ask for.
-    fn surfaces<T: Quantity>(&self, form: &Form, at: &Place<T>) -> [T; SURFACES] {
+    fn surfaces<T: Quantity>(&self, form: &Form, at: &Place<T>) -> [T; 3] {
         let across = at.across * (1.0 / self.across.half_width);
         let axial = at.w * (1.0 / self.half_face);
         let profile = (at.roll - T::from(self.start_roll)) * (1.0 / (self.tip_roll - self.start_roll));
@@ -202,7 +198,7 @@ impl FlankContact {
         let level = [lo.w, hi.w].into_iter().all(|w| (demand(w) - at_middle).abs() <= tie);
         let least = |w: f64| {
             let demands = surfaces.map(|surface| surface.at(w));
-            (0..SURFACES).min_by(|&i, &j| demands[i].total_cmp(&demands[j])).unwrap_or(0)
+            (0..3).min_by(|&i, &j| demands[i].total_cmp(&demands[j])).unwrap_or(0)
         };
         let mut best = if hi.w - lo.w <= SMALLEST * self.half_face {
             // at a vertex the bound that counts is the one towards which the demand rises
@@ -224,14 +220,15 @@ impl FlankContact {
         consider(hi.w, Held::High);
         for (index, surface) in surfaces.iter().enumerate() {
             consider(-surface.b / (2.0 * surface.a), Held::Top);
-            for (other, crossed) in surfaces.iter().enumerate().skip(index + 1) {
-                for w in (*surface - *crossed).roots() {
-                    consider(w, Held::Crossing(index, other));
+            for (before, crossed) in surfaces[..index].iter().enumerate() {
+                for w in (*crossed - *surface).roots() {
+                    consider(w, Held::Crossing(before, index));
                 }
             }
         }
         let (demand, w, held) = best;
-        Peak { demand, w, held, surfaces, least: least(w) }
+        let least = if let Held::Crossing(first, _) = held { first } else { least(w) };
+        Peak { demand, w, held, surfaces, least }
     }
 
     /// How the largest demand on a generator changes where the surfaces' demands at its place and the bounds on w do as
@@ -270,12 +267,11 @@ impl FlankContact {
             kind: match peak.held {
                 Held::Low => lo.kind,
                 Held::High => hi.kind,
-                Held::Crossing(_, TIP) => ContactKind::RackEdge,
+                Held::Crossing(_, other) if SURFACES[other] == Surface::Tip => ContactKind::RackEdge,
                 Held::Level => ContactKind::Line,
                 Held::Top | Held::Crossing(..) => ContactKind::Point,
             },
-            on_tip: peak.least == TIP && !matches!(peak.held, Held::Crossing(..)),
-            relieved: peak.least == RELIEVED && !matches!(peak.held, Held::Crossing(..)),
+            surface: SURFACES[peak.least],
         }
     }
 

@@ -31,7 +31,7 @@
 
 use super::corner::SETTLED;
 use super::turned::Turned;
-use super::{ContactKind, FlankContact, Hint, Pose, Spot, Touch};
+use super::{ContactKind, FlankContact, Hint, Pose, Spot, Surface, Touch};
 
 /// Steps of Newton's method at most; two or three are enough.
 const MAX_STEPS: u32 = 12;
@@ -90,7 +90,7 @@ impl FlankContact {
                 && bound <= floor
                 && self.keeps_out_the_rest(pose, floor, &at)
             {
-                let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, on_tip: false };
+                let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, surface: Surface::Flank };
                 let demand = if self.kappa == 0.0 { bound } else { bound.max(self.unbounded(pose) - self.far_loss) };
                 return Some(Touch { demand, spread: by_roll.abs(), ..touch_at(&at, spot, at.demand_rate) });
             }
@@ -186,7 +186,7 @@ impl FlankContact {
         // across the rack and one along it, and so one ξ and one w
         let by_roll = (at.demand_rate - at.tip_rate) * (1.0 / at.excess_by[0]);
         let rate = at.demand_rate - at.demand_by[0] * by_roll;
-        let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, on_tip: false };
+        let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, surface: Surface::Flank };
         Some(touch_at(at, spot, rate))
     }
 }

@@ -67,7 +67,7 @@ impl FlankContact {
         let (on_flank, on_tip) = (by_roll(&rates.flank) + moved.shift, by_roll(&rates.tip));
         let flank = Self::plane(&self.flank, pose.shift, &at);
         let tip = Self::plane(&self.tip, 0.0, &at);
-        let (line, rate) = if spot.on_tip { (tip, on_tip) } else { (flank, on_flank) };
+        let (line, rate) = if spot.is_on_tip() { (tip, on_tip) } else { (flank, on_flank) };
         match spot.kind {
             ContactKind::RackEndEdge => {
                 let y = self.across_line(pose, &at);

@@ -1,6 +1,6 @@
 //! Tests of the searches, and what tests of the closed forms share with them.
 
-mod said;
+pub(super) mod said;
 pub(super) mod wild;
 
 use std::cell::Cell;

@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::deviation::{PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks, RackForm, ToothRange};
-use crate::gear::{Pair, example};
-use crate::mesh::contact::tests::{NO_FLOOR, Random, compare_rates, looks, off_axis, pair, positions, scanned};
+use crate::gear::{Pair, PairData, RackData, example};
+use crate::mesh::contact::tests::{
+    NO_FLOOR, Random, compare_rates, looks, off_axis, pair, positions, said::compare_roll_rates, scanned,
+};
 use crate::mesh::prepare::Roll;
 use crate::mesh::{FlankSide, Mesh, Support};
 
@@ -16,6 +18,16 @@ fn formed(mut each: impl FnMut(&FlankContact, &Pose)) {
 }
 
 fn some_formed(seed: u64, pairs: u32, each: &mut impl FnMut(&FlankContact, &Pose)) {
+    some_meshes(seed, pairs, |random, mesh, side, roll| {
+        let roll = roll.map_or(Roll::NONE, |(angle, depth)| Roll::new(angle, depth));
+        let contact = mesh.prepare(side, 0, &roll).contact;
+        let across = roll.sin * (roll.depth + mesh.pair().nominal_center_distance_mm());
+        positions(random, mesh, &contact, across, each);
+    });
+}
+
+/// Pairs with form, and for some the angle of a rolled rack and how deep its axis lies.
+fn some_meshes(seed: u64, pairs: u32, mut each: impl FnMut(&mut Random, &Mesh, FlankSide, Option<(f64, f64)>)) {
     let mut random = Random(seed);
     let mut made = 0;
     while made < pairs {
@@ -39,16 +51,12 @@ fn some_formed(seed: u64, pairs: u32, each: &mut impl FnMut(&FlankContact, &Pose
         let lead = [RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Lead(lead) }];
         let rack = RackFlanks::new(&pair, &lead).and_then(|rack| rack.with_form(&pair, rack_form)).expect("small");
         let pinion = off_axis(PinionFlanks::nominal(&pair).with_form(pinion_form).expect("small"));
-        let roll =
-            if made % 4 == 0 { Roll::new(random.next(-0.05, 0.05), random.next(-5.0, 20.0)) } else { Roll::NONE };
+        let roll = (made % 4 == 0).then(|| (random.next(-0.05, 0.05), random.next(-5.0, 20.0)));
         let mesh = Mesh::new(pair, rack, pinion, Support::Fixed).expect("teeth in order");
         let side = if made % 5 < 3 { FlankSide::Right } else { FlankSide::Left };
-        let contact = mesh.prepare(side, 0, &roll).contact;
-        if contact.form.is_none() {
-            continue;
+        if mesh.prepare(side, 0, &Roll::NONE).contact.form.is_some() {
+            each(&mut random, &mesh, side, roll);
         }
-        let across = roll.sin * (roll.depth + mesh.pair().nominal_center_distance_mm());
-        positions(&mut random, &mesh, &contact, across, each);
     }
 }
 
@@ -103,12 +111,29 @@ fn rates_are_differences() {
     assert!(compared.len() == 8 && compared.values().all(|&count| count > 5), "{compared:?}");
 }
 
+/// The derivatives by the rack's roll, at the edge of the rack's tips and elsewhere.
+#[test]
+fn rates_of_the_roll_are_differences() {
+    let at_edge = |touch: &Touch| touch.kind == ContactKind::RackEdge;
+    let (mut edges, mut others) = ([0; 2], [0; 2]);
+    some_meshes(41, 900, |random, mesh, side, roll| {
+        let Some(roll) = roll else { return };
+        compare_roll_rates((mesh, side), roll, random, at_edge, &mut edges);
+        compare_roll_rates((mesh, side), roll, random, |touch| !at_edge(touch), &mut others);
+    });
+    println!("{edges:?} {others:?}");
+    assert!(edges.iter().all(|&count| count > 200) && others.iter().all(|&count| count > 1700), "{edges:?} {others:?}");
+}
+
 /// Flanks with relief alone still touch along a line, crowned ones at a point.
 #[test]
 fn crowning_makes_a_point_of_a_line() {
-    let pair = Pair::new(&example(20, 0.0, 0.0)).expect("a valid pair");
-    let start = pair.rack().addendum_mm - 0.1 * pair.normal_module_mm();
-    for (crowning_mm, kind) in [(0.0, ContactKind::Line), (0.005, ContactKind::Point)] {
+    let data = example(20, 0.0, 0.0);
+    let narrow = RackData { face_width_mm: 0.3 * data.pinion.face_width_mm, ..data.rack };
+    let pairs = [data, PairData { rack: narrow, ..data }].map(|data| Pair::new(&data).expect("a valid pair"));
+    let kinds = [(0.0, ContactKind::Line), (0.005, ContactKind::Point)];
+    for (pair, (crowning_mm, kind)) in pairs.into_iter().flat_map(|pair| kinds.map(|kind| (pair, kind))) {
+        let start = pair.rack().addendum_mm - 0.1 * pair.normal_module_mm();
         let form = RackForm { crowning_mm, tip_relief_mm: 0.005, tip_relief_start_mm: start };
         let rack = RackFlanks::nominal(&pair).with_form(&pair, form).expect("small");
         let mesh = Mesh::new(pair, rack, PinionFlanks::nominal(&pair), Support::Fixed).expect("teeth in order");
