@@ -1,5 +1,7 @@
 //! Tests of formed flanks against what needs no search.
 
+use std::ops::Range;
+
 use super::*;
 use crate::deviation::{PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks, RackForm, ToothRange};
 use crate::gear::{Pair, PairData, RackData, example};
@@ -13,26 +15,36 @@ use crate::mesh::{FlankSide, Mesh, Support};
 fn formed(mut each: impl FnMut(&FlankContact, &Pose)) {
     // numbers with peaks that do not show at once
     for seed in [15, 23] {
-        some_formed(seed, 300, &mut each);
+        some_formed(seed, 1..301, |_, contact, pose| each(contact, pose));
     }
 }
 
-fn some_formed(seed: u64, pairs: u32, each: &mut impl FnMut(&FlankContact, &Pose)) {
-    some_meshes(seed, pairs, |random, mesh, side, roll| {
+/// Numbers that a random pair is made of: the seed, and how many were made before.
+type Made = (u64, u32);
+
+fn some_formed(seed: u64, made: Range<u32>, mut each: impl FnMut(Made, &FlankContact, &Pose)) {
+    some_meshes(seed, made, |random, made, mesh, (side, roll)| {
         let roll = roll.map_or(Roll::NONE, |(angle, depth)| Roll::new(angle, depth));
         let contact = mesh.prepare(side, 0, &roll).contact;
         let across = roll.sin * (roll.depth + mesh.pair().nominal_center_distance_mm());
-        positions(random, mesh, &contact, across, each);
+        positions(random, mesh, &contact, across, &mut |contact, pose| each(made, contact, pose));
     });
 }
 
-/// Pairs with form, and for some the angle of a rolled rack and how deep its axis lies.
-fn some_meshes(seed: u64, pairs: u32, mut each: impl FnMut(&mut Random, &Mesh, FlankSide, Option<(f64, f64)>)) {
+/// Pairs with form, one of their flanks, and for some the angle of a rolled rack and how deep its axis lies.
+fn some_meshes(
+    seed: u64,
+    made: Range<u32>,
+    mut each: impl FnMut(&mut Random, Made, &Mesh, (FlankSide, Option<(f64, f64)>)),
+) {
     let mut random = Random(seed);
-    let mut made = 0;
-    while made < pairs {
-        let Some(pair) = pair(&mut random, made % 2 == 0) else { continue };
-        made += 1;
+    for made in made {
+        let (seed, pair) = loop {
+            let seed = random.0;
+            if let Some(pair) = pair(&mut random, made % 2 == 1) {
+                break (seed, pair);
+            }
+        };
         let module = pair.normal_module_mm();
         // of each kind of form some have none
         let amount = |random: &mut Random, least: f64, most: f64| {
@@ -55,7 +67,7 @@ fn some_meshes(seed: u64, pairs: u32, mut each: impl FnMut(&mut Random, &Mesh, F
         let mesh = Mesh::new(pair, rack, pinion, Support::Fixed).expect("teeth in order");
         let side = if made % 5 < 3 { FlankSide::Right } else { FlankSide::Left };
         if mesh.prepare(side, 0, &Roll::NONE).contact.form.is_some() {
-            each(&mut random, &mesh, side, roll);
+            each(&mut random, (seed, made), &mesh, (side, roll));
         }
     }
 }
@@ -84,6 +96,29 @@ fn the_highest_of_all_peaks_is_found() {
     assert!(some > 4000 && none > 300 && count <= 242_300, "{count}");
 }
 
+/// Pairs of the long test below with a highest peak close to a lower one that shows first.
+#[test]
+fn peaks_beside_others_are_found() {
+    let pairs = [
+        (15_616_324_106_612_904_046, 860),
+        (2_326_771_475_956_986_462, 582),
+        (10_402_749_711_441_404_681, 5152),
+        (7_704_555_064_390_184_979, 5477),
+        (1_460_853_771_567_313_293, 5854),
+        (18_215_658_638_860_719_315, 2738),
+        (12_198_384_865_050_470_954, 2894),
+        (14_092_676_259_234_039_276, 3606),
+        (12_547_679_872_035_398_517, 4378),
+    ];
+    for (seed, made) in pairs {
+        some_formed(seed, made..made + 1, |made, contact, pose| {
+            let touch = contact.touch(pose, NO_FLOOR, None).map(|touch| touch.demand);
+            let off = scanned(contact, pose).map_or(0.0, |best| (best - touch.unwrap_or(f64::NEG_INFINITY)).abs());
+            assert!(off < 1e-9, "{made:?} {off:e} {touch:?}\n{contact:?}\n{pose:?}");
+        });
+    }
+}
+
 /// `RACKMESH_LONG_TESTS=1` counts among very many: now and then a peak does not show.
 #[test]
 fn hardly_any_higher_peak_is_missed() {
@@ -92,11 +127,14 @@ fn hardly_any_higher_peak_is_missed() {
     }
     let (mut compared, mut missed, mut worst) = (0, 0, 0.0_f64);
     for seed in 31..35 {
-        some_formed(seed, 6000, &mut |contact, pose| {
+        some_formed(seed, 1..6001, |made, contact, pose| {
             let touch = contact.touch(pose, NO_FLOOR, None).map(|touch| touch.demand);
             let below = scanned(contact, pose).map_or(0.0, |best| best - touch.unwrap_or(f64::NEG_INFINITY));
             compared += 1;
-            missed += u32::from(below > 1e-9);
+            if below > 1e-9 {
+                missed += 1;
+                println!("{made:?} by {below:e} mm");
+            }
             worst = worst.max(below);
         });
     }
@@ -116,7 +154,7 @@ fn rates_are_differences() {
 fn rates_of_the_roll_are_differences() {
     let at_edge = |touch: &Touch| touch.kind == ContactKind::RackEdge;
     let (mut edges, mut others) = ([0; 2], [0; 2]);
-    some_meshes(41, 900, |random, mesh, side, roll| {
+    some_meshes(41, 1..901, |random, _, mesh, (side, roll)| {
         let Some(roll) = roll else { return };
         compare_roll_rates((mesh, side), roll, random, at_edge, &mut edges);
         compare_roll_rates((mesh, side), roll, random, |touch| !at_edge(touch), &mut others);
