@@ -162,8 +162,6 @@ pub(super) struct Touch {
     pub(super) spot: Spot,
     /// Where two edges meet: the other spot, and the share of the first in what their meeting point does.
     pub(super) other: Option<(Spot, f64)>,
-    /// How far off its generator may be; not 0 only if the search ended early.
-    pub(super) spread: f64,
     /// At a vertex of the patch: a generator beyond it and the demand's rate per rate of the gap there.
     pub(super) vertex: Option<(f64, f64)>,
     /// Whether it is where the rack's tip edge ends the contact line.
@@ -486,16 +484,7 @@ impl FlankContact {
         }
         let rate = -self.scale - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
         let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, surface: Surface::Flank };
-        Some(Touch {
-            demand,
-            rate,
-            kind: ContactKind::Line,
-            spot,
-            other: None,
-            spread: 0.0,
-            vertex: None,
-            at_rack_edge: false,
-        })
+        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, vertex: None, at_rack_edge: false })
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.

@@ -30,8 +30,6 @@ struct Seen {
     /// The generator of the contact, and how it moved with the flank's angle between the last two searches.
     delta: f64,
     drift: f64,
-    /// How far off both may be.
-    spread: f64,
     w: f64,
     at_rack_edge: bool,
 }
@@ -52,7 +50,6 @@ impl Seen {
             across: pose.across,
             delta,
             drift,
-            spread: touch.spread,
             w: touch.spot.w,
             at_rack_edge: touch.at_rack_edge,
         }
@@ -60,12 +57,7 @@ impl Seen {
 
     fn hint(&self, c: f64) -> Hint {
         let by = c - self.c;
-        Hint {
-            delta: self.delta + self.drift * by,
-            w: self.w,
-            at_rack_edge: self.at_rack_edge,
-            spread: (0.1 * by.abs()).max(0.1 * self.spread),
-        }
+        Hint { delta: self.delta + self.drift * by, w: self.w, at_rack_edge: self.at_rack_edge, spread: 0.1 * by.abs() }
     }
 }
 

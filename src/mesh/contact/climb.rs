@@ -42,18 +42,18 @@ impl Sample {
             && best.is_none_or(|best| demand > best.demand)
         {
             let spot = Spot { delta: self.x, w, kind, surface };
-            let (other, spread, vertex, at_rack_edge) = (None, 0.0, None, false);
-            *best = Some(Touch { demand, rate, kind, spot, other, spread, vertex, at_rack_edge });
+            let (other, vertex, at_rack_edge) = (None, None, false);
+            *best = Some(Touch { demand, rate, kind, spot, other, vertex, at_rack_edge });
         }
     }
 
-    /// Whether one smooth function gives the demand of both: the same edge of the same surface.
+    /// Whether one smooth function gives the demand of both: the same kind of edge of the same surface.
     pub(super) fn is_as(&self, other: &Self) -> bool {
         match (self.generator, other.generator) {
             (
-                Generator::Some { kind: ka, w: wa, surface: sa, .. },
-                Generator::Some { kind: kb, w: wb, surface: sb, .. },
-            ) => ka == kb && sa == sb && (ka == ContactKind::Point || (wa > 0.0) == (wb > 0.0)),
+                Generator::Some { kind: ours, surface: on, .. },
+                Generator::Some { kind: theirs, surface: other_on, .. },
+            ) => ours == theirs && on == other_on,
             _ => false,
         }
     }
@@ -153,7 +153,7 @@ impl FlankContact {
                 && bound < floor
             {
                 // kept as an upper bound, which never carries
-                return best.map(|touch| Touch { demand: bound, spread: b - a, ..touch });
+                return best.map(|touch| Touch { demand: bound, ..touch });
             }
             let next = self.propose(
                 pose,
@@ -284,7 +284,7 @@ impl FlankContact {
         let (vertex, inward) = (off + step, (on - off).signum());
         // this near the vertex a generator off the flank counts as on it
         let fuzz = (super::VERTEX * self.half_face / slope).abs();
-        let rounding = 4.0 * f64::EPSILON * vertex.abs();
+        let rounding = 4.0 * f64::EPSILON;
         let margin = 4.0 * step * step + rounding;
         let inside = vertex + inward * margin;
         if (on - inside) * inward > rounding {

@@ -92,7 +92,7 @@ impl FlankContact {
             {
                 let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, surface: Surface::Flank };
                 let demand = if self.kappa == 0.0 { bound } else { bound.max(self.unbounded(pose) - self.far_loss) };
-                return Some(Touch { demand, spread: by_roll.abs(), ..touch_at(&at, spot, at.demand_rate) });
+                return Some(Touch { demand, ..touch_at(&at, spot, at.demand_rate) });
             }
             (roll, w) = ((roll - by_roll).min(self.tip_roll), w - by_w);
             if roll.is_nan() || roll <= self.start_roll {
@@ -192,7 +192,7 @@ impl FlankContact {
 }
 
 fn touch_at(at: &RackPoint, spot: Spot, rate: f64) -> Touch {
-    Touch { demand: at.demand, rate, kind: spot.kind, spot, other: None, spread: 0.0, vertex: None, at_rack_edge: true }
+    Touch { demand: at.demand, rate, kind: spot.kind, spot, other: None, vertex: None, at_rack_edge: true }
 }
 
 /// The solution of two linear equations.

@@ -225,7 +225,7 @@ fn the_climb_ends_at_the_top() {
     });
     println!("{some} touch, {none} do not, difference {worst:e}; {fresh} generators from afar, {hinted} from hints");
     assert!(some > 3000 && none > 300);
-    assert!(fresh <= 44_270 && hinted <= 104_940, "{fresh} {hinted}");
+    assert!(fresh <= 44_020 && hinted <= 104_340, "{fresh} {hinted}");
 }
 
 /// Below the floor a bound will do, above it nothing changes.
@@ -248,7 +248,7 @@ fn a_search_that_ends_early_ends_with_a_bound() {
     });
     println!("{early} early ends, {looked:?} generators");
     assert!(early > 1000);
-    assert!(looked.iter().zip([38_120, 33_050, 28_970, 22_500]).all(|(&looked, known)| looked <= known), "{looked:?}");
+    assert!(looked.iter().zip([37_890, 32_840, 28_800, 22_360]).all(|(&looked, known)| looked <= known), "{looked:?}");
 }
 
 /// The same flank, a little further.
@@ -315,7 +315,7 @@ fn neighbouring_strokes_take_few_looks() {
         }
     }
     println!("{fitting} places looked at on flanks that fit, {tilted} on those that do not");
-    assert!(fitting <= 2938 && tilted <= 35_160);
+    assert!(fitting <= 2935 && tilted <= 34_500);
 }
 
 /// A generator that runs along the rack lies over it or beside it as a whole, by a gap that only δ can close.

@@ -93,7 +93,7 @@ fn the_highest_of_all_peaks_is_found() {
         assert!((touch.demand - best).abs() < allowed, "{best} {touch:?}\n{contact:?}\n{pose:?}");
     });
     println!("{some} touch, {none} do not, difference {worst:e}; {count} generators");
-    assert!(some > 4000 && none > 300 && count <= 242_300, "{count}");
+    assert!(some > 4000 && none > 300 && count <= 239_130, "{count}");
 }
 
 /// Pairs of the long test below with a highest peak close to a lower one that shows first.
@@ -168,7 +168,8 @@ fn rates_of_the_roll_are_differences() {
 fn crowning_makes_a_point_of_a_line() {
     let data = example(20, 0.0, 0.0);
     let narrow = RackData { face_width_mm: 0.3 * data.pinion.face_width_mm, ..data.rack };
-    let pairs = [data, PairData { rack: narrow, ..data }].map(|data| Pair::new(&data).expect("a valid pair"));
+    let crossed = example(20, 0.25, 0.1);
+    let pairs = [data, PairData { rack: narrow, ..data }, crossed].map(|data| Pair::new(&data).expect("a valid pair"));
     let kinds = [(0.0, ContactKind::Line), (0.005, ContactKind::Point)];
     for (pair, (crowning_mm, kind)) in pairs.into_iter().flat_map(|pair| kinds.map(|kind| (pair, kind))) {
         let start = pair.rack().addendum_mm - 0.1 * pair.normal_module_mm();
