@@ -24,8 +24,9 @@ fn takes_no_more_than(counts: Counts, kind: &str, pairs: u64) {
             }
         };
         let mut walker = Sampler::new(&case.mesh);
-        for step in 0..if case.mesh.support() == Support::Fixed { 60 } else { 4 } {
-            let stroke = case.stroke + 0.013 * f64::from(step) * pitch;
+        let steps = if case.mesh.support() == Support::Fixed { 60 } else { 4 };
+        for step in 0..steps {
+            let stroke = case.stroke + 0.013 * step as f64 * pitch;
             let _ = walker.at(stroke);
             if step % 6 == 0 {
                 let mut sampler = Sampler::new(&case.mesh);
@@ -34,6 +35,7 @@ fn takes_no_more_than(counts: Counts, kind: &str, pairs: u64) {
             }
         }
         let work = walker.work();
+        assert_eq!(work.strokes, steps);
         assert!(work.strokes <= work.rotations && 2 * work.rotations <= work.in_reach, "{work:?}");
         assert!(work.prepared > 0 && 0 < work.searched && work.searched <= work.in_reach, "{work:?}");
         add(1, work);

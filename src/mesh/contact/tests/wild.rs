@@ -133,14 +133,14 @@ fn wild_flanks_touch_at_the_top() {
         }
     };
     // among them pairs that conditions of the closed forms and of the bounds were found by, each of which decides somewhere
-    for seed in [11, 15, 138, 173, 178, 183, 223] {
+    for seed in [11, 15, 138, 173, 178, 183, 223, 352] {
         wild_contacts(seed, 100, &mut look);
     }
     println!(
         "{some} touch, {none} do not; the search misses {missed}, ends too early {early} times; {corners} corners and \
          {of_rack} at the rack's tip edge, {nothing} miss; {below:?} below"
     );
-    assert!(corners >= 592 && of_rack >= 331 && nothing >= 724, "{corners} {of_rack} {nothing}");
-    assert!(missed <= 12 && early <= 5, "{missed} {early}");
-    assert!(below.iter().zip([2072, 2936, 3422, 4655]).all(|(&below, least)| below >= least), "{below:?}");
+    assert!(corners >= 666 && of_rack >= 379 && nothing >= 807, "{corners} {of_rack} {nothing}");
+    assert!(missed <= 14 && early <= 11, "{missed} {early}");
+    assert!(below.iter().zip([2363, 3333, 3901, 5289]).all(|(&below, least)| below >= least), "{below:?}");
 }
