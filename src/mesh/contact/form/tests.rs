@@ -163,6 +163,35 @@ fn rates_of_the_roll_are_differences() {
     assert!(edges.iter().all(|&count| count > 200) && others.iter().all(|&count| count > 1700), "{edges:?} {others:?}");
 }
 
+/// At the edge of the rack's tip its flank and its tip plane ask for the same; where relief starts there is no edge.
+#[test]
+fn edges_are_where_flank_and_tip_meet() {
+    let (mut edges, mut starts) = (0, 0);
+    formed(|contact, pose| {
+        let (Some(form), Some(touch)) = (&contact.form, contact.touch(pose, NO_FLOOR, None)) else { return };
+        let at = contact.coordinates(pose, touch.spot.delta);
+        let lines =
+            [(&contact.flank, pose.shift), (&contact.tip, 0.0)].map(|(of, by)| FlankContact::plane(of, by, &at));
+        let lines = [lines[0], lines[1], contact.across_line(pose, &at)];
+        let surfaces = contact.surfaces(form, &contact.along(form, pose, &at, &lines));
+        let [plain, relieved, tip] = surfaces.map(|surface| surface.at(touch.spot.w));
+        let at_edge = (tip - plain.min(relieved)).abs() < 1e-9;
+        match touch.kind {
+            ContactKind::RackEdge => {
+                edges += 1;
+                assert!(at_edge, "{tip} {touch:?}\n{contact:?}\n{pose:?}");
+            }
+            ContactKind::Point if form.tip_relief > 0.0 && (plain - relieved).abs() < 1e-9 => {
+                starts += 1;
+                assert!(!at_edge, "{touch:?}\n{contact:?}\n{pose:?}");
+            }
+            _ => {}
+        }
+    });
+    println!("{edges} {starts}");
+    assert!(edges > 200 && starts > 20, "{edges} {starts}");
+}
+
 /// Flanks with relief alone still touch along a line, crowned ones at a point.
 #[test]
 fn crowning_makes_a_point_of_a_line() {
