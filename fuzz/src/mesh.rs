@@ -129,22 +129,23 @@ fn deviating(numbers: &mut Numbers<'_>, pair: Pair) -> Option<Mesh> {
         let off = Eccentricity { amount_mm: numbers.in_range(-0.2, 0.2), tooth: numbers.whole(0, last) };
         pinion = pinion.with_eccentricity(&[off]).ok()?;
     }
-    let support = if numbers.whole(0, 5) == 0 {
-        Support::FreeRoll { axis_depth_mm: numbers.in_range(-5.0, 20.0) }
-    } else {
-        Support::Fixed
+    let (rolls, formed) = match numbers.whole(0, 5) {
+        0 => (true, false),
+        1 => (false, true),
+        2 => (true, true),
+        _ => (false, false),
     };
-    if numbers.whole(0, 2) == 0 {
-        let module = pair.normal_module_mm();
-        let form = RackForm {
-            crowning_mm: numbers.in_range(0.0, 0.05),
-            tip_relief_mm: numbers.in_range(0.0, 0.05),
-            tip_relief_start_mm: pair.rack().addendum_mm - module * numbers.in_range(0.0, 1.2),
-        };
-        rack = rack.with_form(&pair, form).ok()?;
+    if formed {
+        let crowning_mm = numbers.in_range(0.0, 0.05);
         let form =
             PinionForm { crowning_mm: numbers.in_range(0.0, 0.05), profile_slope_mm: numbers.in_range(-0.02, 0.02) };
+        let tip_relief_mm = numbers.in_range(0.0, 0.05);
+        let below_tip = pair.normal_module_mm() * numbers.in_range(0.0, 1.2);
+        let tip_relief_start_mm = pair.rack().addendum_mm - below_tip;
+        rack = rack.with_form(&pair, RackForm { crowning_mm, tip_relief_mm, tip_relief_start_mm }).ok()?;
         pinion = pinion.with_form(form).ok()?;
     }
+    let support =
+        if rolls { Support::FreeRoll { axis_depth_mm: numbers.in_range(-5.0, 20.0) } } else { Support::Fixed };
     Mesh::new(pair, rack, pinion, support).ok()
 }
