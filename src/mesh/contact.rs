@@ -177,6 +177,12 @@ pub(super) struct Spot {
     pub(super) surface: Surface,
 }
 
+impl Spot {
+    fn is_on_tip(&self) -> bool {
+        self.surface == Surface::Tip
+    }
+}
+
 /// The rack's surfaces: the flank, the flank where it has tip relief, and the tip plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Surface {
@@ -193,12 +199,6 @@ pub(super) struct Hint {
     pub(super) at_rack_edge: bool,
     /// How far off it may be.
     pub(super) spread: f64,
-}
-
-impl Spot {
-    fn is_on_tip(&self) -> bool {
-        self.surface == Surface::Tip
-    }
 }
 
 impl Touch {

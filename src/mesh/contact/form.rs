@@ -162,6 +162,11 @@ impl FlankContact {
         [plain, relieved, at.tip - at.per_normal_on_tip * pinion]
     }
 
+    /// What the planes of flank and tip ask for along a generator, and its way across the rack.
+    fn lines(&self, pose: &Pose, at: &Coordinates) -> [Line; 3] {
+        [Self::plane(&self.flank, pose.shift, at), Self::plane(&self.tip, 0.0, at), self.across_line(pose, at)]
+    }
+
     /// A generator's places.
     fn along(&self, form: &Form, pose: &Pose, at: &Coordinates, lines: &[Line; 3]) -> Place<Polynomial> {
         let line = |q: f64, p: f64| Polynomial { a: 0.0, b: q, c: p };
@@ -198,7 +203,7 @@ impl FlankContact {
         let level = [lo.w, hi.w].into_iter().all(|w| (demand(w) - at_middle).abs() <= tie);
         let least = |w: f64| {
             let demands = surfaces.map(|surface| surface.at(w));
-            (0..3).min_by(|&i, &j| demands[i].total_cmp(&demands[j])).unwrap_or(0)
+            (0..SURFACES.len()).min_by(|&i, &j| demands[i].total_cmp(&demands[j])).unwrap_or(0)
         };
         let mut best = if hi.w - lo.w <= SMALLEST * self.half_face {
             // at a vertex the bound that counts is the one towards which the demand rises
@@ -285,8 +290,8 @@ impl FlankContact {
     ) -> [f64; 2] {
         let at = self.coordinates(pose, delta);
         let (lo, hi) = self.interval(pose, &at);
-        let across = self.across_line(pose, &at);
-        let lines = [Self::plane(&self.flank, pose.shift, &at), Self::plane(&self.tip, 0.0, &at), across];
+        let lines = self.lines(pose, &at);
+        let [.., across] = lines;
         let peak = self.peak(form, pose, (&at, &lines), (&lo, &hi));
         let w = peak.w;
         let sweep = Self::sweep(&at, w, rates, moved);
