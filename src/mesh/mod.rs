@@ -25,5 +25,6 @@ pub use curve::{Curve, Kink};
 pub use measure::{PinionReading, RackReading};
 pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, Work};
 pub use prepare::{Mesh, Support};
+pub use roll::LARGEST_ROLL_RAD;
 pub use solve::Sampler;
 pub use summary::Summary;

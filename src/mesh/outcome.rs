@@ -42,6 +42,9 @@ pub enum Ending {
     BracketExhausted,
     /// The iteration limit was reached; the residual says how far both sides are apart.
     IterationLimit,
+    /// Both sides are balanced, but the rack's roll is not known to be the one with the smallest centre distance: the
+    /// search was given up, or its lowest roll is at the end of what is searched. The residual is that of both sides.
+    RollNotFound,
 }
 
 /// The mesh at one stroke.

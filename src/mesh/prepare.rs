@@ -15,7 +15,8 @@ pub enum Support {
     #[default]
     Fixed,
     /// It may roll freely about an axis parallel to X, at Y = 0 and this far below the reference plane, as a rack
-    /// in a cylindrical joint does; it takes the roll with the smallest centre distance.
+    /// in a cylindrical joint does; it takes the roll with the smallest centre distance, of those up to
+    /// [`LARGEST_ROLL_RAD`](super::LARGEST_ROLL_RAD).
     FreeRoll {
         /// Depth of the axis below the reference plane, mm.
         axis_depth_mm: f64,

@@ -29,8 +29,9 @@ use super::prepare::Roll;
 use super::solve::Rolling;
 use super::{Ending, MeshError, MeshPoint, Sampler};
 
-/// Rolls considered, rad: enough to level a flank with a lead error of 1° at a pressure angle of 14°.
-const LARGEST: f64 = 0.075;
+/// Rolls of a rack that is free to roll that are searched, rad: enough to level a flank with a lead error of 1° at a
+/// pressure angle of 14°.
+pub const LARGEST_ROLL_RAD: f64 = 0.075;
 /// Intervals to begin with; an odd number, so that none ends at 0, where full lines of contact make a kink.
 const INTERVALS: i32 = 7;
 /// Intervals between a roll with a mesh and one without are divided down to this, to find where the mesh ends.
@@ -39,12 +40,21 @@ const SMALLEST_GAP: f64 = 1e-6;
 const SAFETY: f64 = 20.0;
 /// Intervals divided at one stroke; mostly fewer than 20 are, and 60 were the most among random pairs.
 const MAX_DIVISIONS: u32 = 200;
+/// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and on pairs that somebody would build 2,000 were the
+/// most.
+const MAX_SEARCHES: u64 = 30_000;
 /// Intervals divided until a rack that is not rolled is known to be lowest; mostly none is.
 const LEVEL_DIVISIONS: u32 = 6;
 /// The search goes on this far beside a bottom.
 const BESIDE: f64 = 1e-5;
 /// Evaluations of one valley; a bisection of the whole range to rounding takes 50.
 const MAX_EVALUATIONS: u32 = 80;
+/// Rounds until the centre distance that the end faces are placed with is the one that follows; two mostly do.
+const MAX_ROUNDS: u32 = 20;
+/// Sides that are this far apart (mm) where the solve ends meet at no rotation; after so many such rounds nothing better
+/// is expected.
+const APART: f64 = 1e-6;
+const MAX_APART: u32 = 3;
 /// Bottoms known to this much (mm) are known well enough; rounding of a position leaves up to 1e-12.
 const LEVEL: f64 = 3e-12;
 /// Valleys as deep within this (mm): the first one is taken, so that the roll does not flicker.
@@ -74,6 +84,20 @@ struct Rolled {
     rolling: Rolling,
 }
 
+impl Rolled {
+    /// Whether no rotation balances both sides.
+    fn is_apart(&self) -> bool {
+        self.point.residual_mm.abs() > APART
+    }
+
+    /// It is not known to be the lowest.
+    fn doubt(&mut self) {
+        if self.point.ending == Ending::Converged {
+            self.point.ending = Ending::RollNotFound;
+        }
+    }
+}
+
 impl Sampler<'_> {
     pub(super) fn solve_rolling(&mut self, stroke_mm: f64, depth_mm: f64) -> Result<MeshPoint, MeshError> {
         if let Some(level) = self.level(stroke_mm, depth_mm) {
@@ -88,9 +112,9 @@ impl Sampler<'_> {
                 found = flat;
             }
         }
-        if found.angle.abs() >= LARGEST && found.slope * found.angle < 0.0 {
+        if found.angle.abs() >= LARGEST_ROLL_RAD && found.slope * found.angle < 0.0 {
             // it goes on falling where no search was made
-            found.point.ending = Ending::IterationLimit;
+            found.doubt();
         }
         self.valleys.carried = [found.point.right.rack_tooth, found.point.left.rack_tooth];
         Ok(found.point)
@@ -111,8 +135,8 @@ impl Sampler<'_> {
         let mut search = Search::default();
         search.found(flat);
         let [falling, rising] = [falling, rising].map(|at| Node { angle: at.angle, solution: Some(at) });
-        let [lowest, highest] =
-            [-LARGEST, LARGEST].map(|angle| search.node(angle, self.at_roll(stroke_mm, angle, depth_mm)));
+        let [lowest, highest] = [-LARGEST_ROLL_RAD, LARGEST_ROLL_RAD]
+            .map(|angle| search.node(angle, self.at_roll(stroke_mm, angle, depth_mm)));
         search.open(lowest, falling, curvature);
         search.open(rising, highest, curvature);
         for _ in 0..LEVEL_DIVISIONS {
@@ -129,10 +153,11 @@ impl Sampler<'_> {
     /// The lowest bottom of all valleys at a stroke; of several as deep the one with the smallest roll.
     fn lowest(&mut self, stroke_mm: f64, depth_mm: f64) -> Result<Rolled, MeshError> {
         let curvature = self.curvature(depth_mm);
+        let most_searched = self.work.searched + MAX_SEARCHES;
         let mut search = Search::default();
         let mut before = None;
         for step in 0..=INTERVALS {
-            let angle = LARGEST * f64::from(2 * step - INTERVALS) / f64::from(INTERVALS);
+            let angle = LARGEST_ROLL_RAD * f64::from(2 * step - INTERVALS) / f64::from(INTERVALS);
             let here = search.node(angle, self.at_roll(stroke_mm, angle, depth_mm));
             if let Some(before) = before.replace(here) {
                 search.open(before, here, curvature);
@@ -144,7 +169,7 @@ impl Sampler<'_> {
                 && falling.slope < 0.0
                 && rising.slope >= 0.0
             {
-                let bottom = self.narrow(falling, rising, stroke_mm, depth_mm)?;
+                let bottom = self.narrow((falling, rising), stroke_mm, depth_mm, most_searched);
                 search.found(bottom);
                 let (left, right) = (bottom.angle - BESIDE, bottom.angle + BESIDE);
                 if left > low.angle {
@@ -161,7 +186,7 @@ impl Sampler<'_> {
                 search.open(middle, high, curvature);
             }
             positions += 1;
-            if positions > MAX_DIVISIONS {
+            if positions > MAX_DIVISIONS || self.work.searched > most_searched {
                 search.unfinished();
                 break;
             }
@@ -177,15 +202,14 @@ impl Sampler<'_> {
         SAFETY * (height * height + 0.25 * rack.face_width_mm * rack.face_width_mm).sqrt()
     }
 
-    /// The bottom between a falling and a rising end.
+    /// A bottom between a falling and a rising end, which need not be the lowest one there.
     fn narrow(
         &mut self,
-        mut low: Rolled,
-        mut high: Rolled,
+        (mut low, mut high): (Rolled, Rolled),
         stroke_mm: f64,
         depth_mm: f64,
-    ) -> Result<Rolled, MeshError> {
-        let mut best = if low.value <= high.value { low } else { high };
+        most_searched: u64,
+    ) -> Rolled {
         let mut run = 0_i32;
         let mut stalls = 0;
         for _ in 0..MAX_EVALUATIONS {
@@ -193,7 +217,7 @@ impl Sampler<'_> {
             let (meet, bound) = tangents(&low, &high);
             let same = low.rolling.at == high.rolling.at;
             let near = if same { SAME } else { SHORT };
-            if (width <= near && (best.value - bound).abs() <= LEVEL) || width <= 1e-12 {
+            if (width <= near && (low.value.min(high.value) - bound).abs() <= LEVEL) || width <= 1e-12 {
                 break;
             }
             let mut angle = if same {
@@ -213,10 +237,14 @@ impl Sampler<'_> {
             if angle <= low.angle || angle >= high.angle {
                 break;
             }
-            let here = self.at_roll(stroke_mm, angle, depth_mm)?;
-            if here.value < best.value {
-                best = here;
-            }
+            let here =
+                if self.work.searched > most_searched { None } else { self.at_roll(stroke_mm, angle, depth_mm).ok() };
+            // where the mesh ends in between, what is known so far counts
+            let Some(here) = here else {
+                low.doubt();
+                high.doubt();
+                break;
+            };
             if here.slope < 0.0 {
                 low = here;
                 run = run.max(0) + 1;
@@ -224,15 +252,17 @@ impl Sampler<'_> {
                 high = here;
                 run = run.min(0) - 1;
             } else {
-                return Ok(here);
+                return here;
             }
             stalls = if high.angle - low.angle > 0.5 * width { stalls + 1 } else { 0 };
         }
         // at a kink either side's contacts could be named; always those of the lower roll, so that names do not flicker
-        let below = if low.rolling.at == high.rolling.at { best } else { low };
-        best.point.right = below.point.right;
-        best.point.left = below.point.left;
-        Ok(best)
+        let mut bottom = if low.value <= high.value { low } else { high };
+        if low.rolling.at != high.rolling.at {
+            bottom.point.right = low.point.right;
+            bottom.point.left = low.point.left;
+        }
+        bottom
     }
 
     /// The solution at one roll. The rack's end faces are then inclined and cut the flanks at a place that depends on
@@ -243,29 +273,30 @@ impl Sampler<'_> {
         self.carried = self.valleys.carried;
         let mut point = self.solve(stroke_mm)?;
         let nominal = self.mesh.pair().nominal_center_distance_mm();
+        let mut apart = 0;
         let mut settled = false;
-        for _ in 0..20 {
+        for _ in 0..MAX_ROUNDS {
             let moved = point.center_distance_mm - self.assumed;
-            let feedback = self.rolling.rate[1];
-            let feedback = if feedback.abs() < 0.5 { feedback } else { 0.0 };
-            let newton = self.assumed + moved / (1.0 - feedback);
+            self.assumed += moved / self.rolling.remaining();
             if (moved * angle).abs() <= 1e-9 {
-                point.center_distance_mm = newton;
-                point.delta_cd_mm = newton - nominal;
+                point.center_distance_mm = self.assumed;
+                point.delta_cd_mm = self.assumed - nominal;
                 settled = true;
+                break;
             }
-            self.assumed = newton;
-            if settled {
+            apart += u32::from(point.residual_mm.abs() > APART);
+            if apart >= MAX_APART {
                 break;
             }
             point = self.solve(stroke_mm)?;
         }
-        if !settled {
-            point.ending = Ending::IterationLimit;
-        }
         let rolling = self.rolling;
-        let slope = rolling.rate[0] / (1.0 - if rolling.rate[1].abs() < 0.5 { rolling.rate[1] } else { 0.0 });
-        Ok(Rolled { angle, value: point.center_distance_mm, slope, point, rolling })
+        let slope = rolling.rate[0] / rolling.remaining();
+        let mut rolled = Rolled { angle, value: point.center_distance_mm, slope, point, rolling };
+        if !settled {
+            rolled.doubt();
+        }
+        Ok(rolled)
     }
 }
 
@@ -344,9 +375,7 @@ impl Search {
 
     /// What was found is not known to be the lowest.
     fn unfinished(&mut self) {
-        for position in &mut self.lowest {
-            position.point.ending = Ending::IterationLimit;
-        }
+        self.lowest.iter_mut().for_each(Rolled::doubt);
     }
 
     fn lowest(self) -> Result<Rolled, MeshError> {
@@ -377,8 +406,15 @@ fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, f64) {
         let bound = low.value + (low.slope - 0.5 * curvature * from_low) * from_low;
         (low.angle + from_low, bound)
     } else {
-        // it bends down by more than was thought: nothing is known of what lies between
-        (low.angle + 0.5 * width, f64::NEG_INFINITY)
+        let steepest = low.slope.abs().max(high.slope.abs());
+        let bound = if low.is_apart() || high.is_apart() {
+            // derivatives say little where a pair leaves its partner's face
+            low.value.min(high.value) - (steepest + 0.5 * curvature * width) * width
+        } else {
+            // it bends down by more than was thought: nothing is known of what lies between
+            f64::NEG_INFINITY
+        };
+        (low.angle + 0.5 * width, bound)
     }
 }
 

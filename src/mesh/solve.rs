@@ -40,6 +40,15 @@ pub(super) struct Rolling {
     pub(super) at: Option<[(i64, ContactKind, bool, Surface); 2]>,
 }
 
+impl Rolling {
+    /// What remains of a change of the centre distance when the one that follows has changed with it: what the end faces
+    /// feed back is a small part, and where it is not it is not believed.
+    pub(super) fn remaining(&self) -> f64 {
+        let fed_back = self.rate[1];
+        if fed_back < MOST_FED_BACK { 1.0 - fed_back } else { 1.0 }
+    }
+}
+
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Constants {
     pub(super) pitch: f64,
@@ -73,6 +82,13 @@ const MAX_ITERATIONS: u32 = 120;
 
 /// Rotations after which the bracket is only halved: what is left of [`MAX_ITERATIONS`] takes it down to rounding.
 const PATIENCE: u32 = 50;
+
+/// Newton's step and the secant's are taken where what both sides ask for approaches by at least this share of
+/// r_b / sin α_t per rad.
+const LEAST_SLOPE: f64 = 1e-3;
+
+/// See [`Rolling::remaining`].
+const MOST_FED_BACK: f64 = 0.5;
 
 /// Both sides agree if their demands differ by less than this share of r_a; rounding leaves 1e-15 of it.
 const AGREEMENT: f64 = 1e-14;
@@ -164,13 +180,13 @@ impl<'a> Sampler<'a> {
             let left = self.demand(FlankSide::Left, &position, (offset, again), stroke_mm)?;
             let excess = right.value - left.value;
             let mut slope = right.rate - left.rate;
-            if !slope.is_finite() || slope >= -0.1 * default_rate {
+            if !slope.is_finite() || slope >= -LEAST_SLOPE * default_rate {
                 slope = -2.0 * default_rate;
             }
             // where edges meet the derivative may belong to one of them only: the secant knows better
             if let Some((at, value)) = before {
                 let secant: f64 = (excess - value) / (offset - at);
-                if iterations > 3 && secant < -0.1 * default_rate && secant.is_finite() {
+                if iterations > 3 && secant < -LEAST_SLOPE * default_rate && secant.is_finite() {
                     slope = secant;
                 }
             }
@@ -236,7 +252,7 @@ impl<'a> Sampler<'a> {
         };
         let (r, l) = (rate(FlankSide::Right, right), rate(FlankSide::Left, left));
         let share = left.rate / (left.rate - right.rate);
-        let share = if (0.0..=1.0).contains(&share) { share } else { 0.5 };
+        let share = if share.is_finite() { share } else { 0.5 };
         let at = |demand: &Demand| {
             let spot = &demand.touch.spot;
             (demand.tooth, demand.touch.kind, spot.w.is_sign_positive(), spot.surface)
