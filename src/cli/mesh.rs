@@ -306,12 +306,7 @@ fn remark_on(trust: Trust, output: &mut Output) {
     if let Some(error) = trust.failure {
         output.diagnostic(&unsolved_stroke(&error));
     }
-    if trust.unconverged > 0 {
-        output.remark(&format!(
-            "note: {} strokes did not converge; the largest residual is {:.1e} mm",
-            trust.unconverged, trust.largest_residual_mm
-        ));
-    }
+    trust.notes().iter().for_each(|note| output.remark(note));
 }
 
 /// Solves strokes on all cores and writes them in order.

@@ -135,6 +135,7 @@ impl MeshReport<'_> {
             "points": points,
             "largest_residual_mm": trust.largest_residual_mm,
             "unconverged": trust.unconverged,
+            "roll_not_found": trust.roll_not_found,
             "notes": self.notes,
         })
     }
@@ -167,12 +168,7 @@ impl Report for MeshReport<'_> {
             blocks.push(Block::Table(mesh_points::table(self.listed)));
         }
         blocks.extend(self.notes.iter().map(|note| Block::Note(format!("note: {note}"))));
-        let Trust { unconverged, largest_residual_mm: residual, .. } = self.trust().and(Trust::of(self.listed));
-        if unconverged > 0 {
-            blocks.push(Block::Note(format!(
-                "note: {unconverged} strokes did not converge; the largest residual is {residual:.1e} mm"
-            )));
-        }
+        blocks.extend(self.trust().and(Trust::of(self.listed)).notes().into_iter().map(Block::Note));
         if !self.curve.resolved {
             blocks.push(Block::Note(format!(
                 "note: the curve bends too often to be resolved to {} mm everywhere; choose a shorter stroke or a larger \

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::number::{plain, tidy};
 use super::{Column, Table};
-use crate::mesh::{MeshError, MeshPoint};
+use crate::mesh::{Ending, LARGEST_ROLL_RAD, MeshError, MeshPoint};
 
 /// A stroke with its solution, or why there is none.
 pub type ListedPoint = (f64, Result<MeshPoint, MeshError>);
@@ -30,6 +30,8 @@ pub(super) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 pub struct Trust {
     /// Strokes that did not converge.
     pub unconverged: usize,
+    /// Of those, the ones of which only the rack's roll is in doubt.
+    pub roll_not_found: usize,
     /// Largest |residual|, mm.
     pub largest_residual_mm: f64,
     /// Why the first stroke without a solution has none.
@@ -42,6 +44,7 @@ impl Trust {
     pub fn and(self, next: Self) -> Self {
         Self {
             unconverged: self.unconverged + next.unconverged,
+            roll_not_found: self.roll_not_found + next.roll_not_found,
             largest_residual_mm: self.largest_residual_mm.max(next.largest_residual_mm),
             failure: self.failure.or(next.failure),
         }
@@ -53,10 +56,35 @@ impl Trust {
         points.into_iter().fold(Self::default(), |trust, (_, point)| trust.and(Self::of_point(point.as_ref())))
     }
 
+    /// What there is to say of strokes that did not converge.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let strokes = |count: usize| if count == 1 { "1 stroke".to_owned() } else { format!("{count} strokes") };
+        let apart = self.unconverged - self.roll_not_found;
+        let mut notes = Vec::new();
+        if apart > 0 {
+            notes.push(format!(
+                "note: {} did not converge; the largest residual is {:.1e} mm",
+                strokes(apart),
+                self.largest_residual_mm
+            ));
+        }
+        if self.roll_not_found > 0 {
+            notes.push(format!(
+                "note: at {} the rack's roll is not known to be the one with the smallest centre distance, which may be \
+                 smaller than given; rolls up to {:.1}° are searched",
+                strokes(self.roll_not_found),
+                LARGEST_ROLL_RAD * DEGREES_PER_RADIAN
+            ));
+        }
+        notes
+    }
+
     pub(super) fn of_point(point: Result<&MeshPoint, &MeshError>) -> Self {
         match point {
             Ok(point) => Self {
                 unconverged: usize::from(!point.converged()),
+                roll_not_found: usize::from(point.ending == Ending::RollNotFound),
                 largest_residual_mm: point.residual_mm.abs(),
                 failure: None,
             },
