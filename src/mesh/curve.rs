@@ -1,7 +1,7 @@
 //! The centre distance over a range of strokes, with every kink. Made by [`Mesh::curve`], read by reports and plots;
 //! solves nothing itself.
 
-use super::{Carrier, Mesh, MeshError, MeshPoint, Sampler};
+use super::{Carrier, Mesh, MeshError, MeshPoint, Sampler, Support};
 use crate::parallel;
 
 /// Where the carrying flank pair of one side, or the place on it, changes.
@@ -39,12 +39,18 @@ const STEPS_PER_PITCH: f64 = 32.0;
 const KINK_WIDTH: f64 = 1e-10;
 /// Points nearer than this share of a pitch to a kink are not worth keeping.
 const CROWDED: f64 = 1e-6;
-/// First steps that are refined together, on one core: the curve does not depend on how many cores there are.
+/// First steps that are refined together, on one core: the curve does not depend on how many cores there are. A rack
+/// that may roll is solved at many rolls for each stroke.
 const BLOCK: usize = 64;
-/// Rotations of the pinion that may be tried in refining, for each first step and in all: a fixed rack takes two or
-/// three for a stroke, a rolling one some 200, and thousands where edges leave each other's faces at every roll.
-const ROTATIONS_PER_STEP: u64 = 20_000;
-const ROTATIONS: u64 = 1_000_000;
+const ROLLING_BLOCK: usize = 8;
+/// Flank pairs that may be searched in refining, see [`searches`]: for kinks in each first step and in the whole curve,
+/// and for bends in each first step at [`FINE`].
+const FOR_KINKS: f64 = 10_000.0;
+const FOR_KINKS_IN_ALL: f64 = 500_000.0;
+const FOR_BENDS: f64 = 40_000.0;
+/// A tolerance, mm, and how many times as many points finer ones are allowed.
+const FINE: f64 = 1e-6;
+const MOST_POINTS: f64 = 10.0;
 /// First steps at most; longer ranges start coarser.
 const MAX_STEPS: f64 = 4e6;
 /// Halvings of a first step at most: 2⁻³⁵ of 1/32 pitch is below the width of a kink.
@@ -78,10 +84,14 @@ impl Mesh {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped above
         let strokes: Vec<f64> = (0..=steps as u32).map(|step| at(f64::from(step))).collect();
         let first: Vec<MeshPoint> = self.sample(&strokes).into_iter().collect::<Result<_, _>>()?;
-        let blocks = first.len().div_ceil(BLOCK);
-        let budget = ROTATIONS_PER_STEP * BLOCK as u64 + ROTATIONS / blocks as u64;
+        let steps_to_a_block = match self.support() {
+            Support::Fixed => BLOCK,
+            Support::FreeRoll { .. } => ROLLING_BLOCK,
+        };
+        let blocks = first.len().div_ceil(steps_to_a_block);
+        let budget = searches(steps_to_a_block, blocks, tolerance_mm);
         let refined = |(): &mut (), block: usize| {
-            let ends = &first[block * BLOCK..first.len().min((block + 1) * BLOCK + 1)];
+            let ends = &first[block * steps_to_a_block..first.len().min((block + 1) * steps_to_a_block + 1)];
             let curve =
                 Curve { points: vec![ends[0]], kinks: Vec::new(), tolerance_mm, solved: ends.len(), resolved: true };
             let mut refiner = Refiner { sampler: Sampler::new(self), tolerance: tolerance_mm, pitch, curve, budget };
@@ -100,13 +110,21 @@ impl Mesh {
     }
 }
 
+/// How many flank pairs may be searched in refining a block: many times what pairs that somebody would build take. A kink
+/// is located whatever the tolerance, while the points that bends take go with the tolerance's inverse root.
+fn searches(steps: usize, blocks: usize, tolerance_mm: f64) -> f64 {
+    #[allow(clippy::cast_precision_loss)] // at most MAX_STEPS
+    let (steps, blocks) = (steps as f64, blocks as f64);
+    steps * (FOR_KINKS + FOR_BENDS * (FINE / tolerance_mm).sqrt().min(MOST_POINTS)) + FOR_KINKS_IN_ALL / blocks
+}
+
 struct Refiner<'a> {
     sampler: Sampler<'a>,
     tolerance: f64,
     pitch: f64,
     curve: Curve,
-    /// Rotations that may be tried; keeps a curve that is rough at every scale from running forever.
-    budget: u64,
+    /// Flank pairs that may be searched; keeps a curve that is rough at every scale from running forever.
+    budget: f64,
 }
 
 impl Refiner<'_> {
@@ -126,7 +144,8 @@ impl Refiner<'_> {
             self.keep(b, kinked);
             return Ok(());
         }
-        if self.sampler.work().rotations >= self.budget {
+        #[allow(clippy::cast_precision_loss)] // a count
+        if self.sampler.work().searched as f64 >= self.budget {
             self.curve.resolved = false;
             self.keep(b, false);
             return Ok(());

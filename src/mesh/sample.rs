@@ -4,11 +4,13 @@
 //! The result does not depend on the number of cores: strokes are dealt in blocks of fixed size, each solved from a
 //! fresh start.
 
-use super::{Mesh, MeshError, MeshPoint, Sampler};
+use super::{Mesh, MeshError, MeshPoint, Sampler, Support};
 use crate::parallel;
 
-/// Long enough that starting a block costs nothing, short enough to share out evenly.
+/// Strokes to a block: long enough that starting one costs nothing, short enough to share out evenly. A rack that may roll
+/// is solved at many rolls for each stroke.
 const BLOCK: usize = 512;
+const ROLLING_BLOCK: usize = 16;
 /// Blocks per core that are held at once when results are passed on.
 const BLOCKS_HELD: usize = 16;
 /// What stands in memory until a stroke is solved.
@@ -25,8 +27,9 @@ impl Mesh {
 
     /// The same, written to the caller's memory. Ends with the shorter of the two slices.
     pub fn sample_into(&self, strokes_mm: &[f64], points: &mut [Result<MeshPoint, MeshError>]) {
-        let blocks = strokes_mm.len().min(points.len()).div_ceil(BLOCK);
-        parallel::deal(cores(blocks), strokes_mm.chunks(BLOCK).zip(points.chunks_mut(BLOCK)), |(strokes, points)| {
+        let block = self.strokes_to_a_block();
+        let blocks = strokes_mm.len().min(points.len()).div_ceil(block);
+        parallel::deal(cores(blocks), strokes_mm.chunks(block).zip(points.chunks_mut(block)), |(strokes, points)| {
             let mut sampler = Sampler::new(self);
             for (&stroke, point) in strokes.iter().zip(points) {
                 *point = sampler.at(stroke);
@@ -46,7 +49,7 @@ impl Mesh {
         make: impl Fn(&[(f64, Result<MeshPoint, MeshError>)]) -> T + Sync,
         mut take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
-        let block = BLOCK as u64;
+        let block = self.strokes_to_a_block() as u64;
         let blocks = count.div_ceil(block);
         let cores = cores(usize::try_from(blocks).unwrap_or(usize::MAX));
         let held = cores * BLOCKS_HELD;
@@ -67,6 +70,13 @@ impl Mesh {
             first += held as u64;
         }
         Ok(())
+    }
+
+    fn strokes_to_a_block(&self) -> usize {
+        match self.support() {
+            Support::Fixed => BLOCK,
+            Support::FreeRoll { .. } => ROLLING_BLOCK,
+        }
     }
 }
 
