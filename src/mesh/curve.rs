@@ -191,3 +191,18 @@ impl Refiner<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a curve may take goes with its length and with the inverse root of its tolerance, within bounds.
+    #[test]
+    fn a_curve_may_take_as_many_searches_as_its_points_need() {
+        let near = |found: f64, expected: f64| (found - expected).abs() <= 1e-9 * expected;
+        assert!(near(searches(64, 4, FINE), 64.0 * (FOR_KINKS + FOR_BENDS) + FOR_KINKS_IN_ALL / 4.0));
+        assert!(near(searches(8, 1, 100.0 * FINE), 8.0 * (FOR_KINKS + FOR_BENDS / 10.0) + FOR_KINKS_IN_ALL));
+        let finest = 8.0 * (FOR_KINKS + FOR_BENDS * MOST_POINTS) + FOR_KINKS_IN_ALL;
+        assert!(near(searches(8, 1, FINE / 100.0), finest) && near(searches(8, 1, f64::MIN_POSITIVE), finest));
+    }
+}

@@ -88,6 +88,7 @@ fn cores(blocks: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deviation::{PinionFlanks, RackFlanks};
     use crate::gear::{Pair, PairData, PinionData, RackData};
 
     fn mesh() -> Mesh {
@@ -122,6 +123,27 @@ mod tests {
             })
             .unwrap();
             assert_eq!(strokes, (0..count).map(stroke).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn blocks_of_a_rolling_rack_are_short() {
+        let fixed = mesh();
+        let (rack, pinion) = (RackFlanks::nominal(fixed.pair()), PinionFlanks::nominal(fixed.pair()));
+        let rolling = Mesh::new(*fixed.pair(), rack, pinion, Support::FreeRoll { axis_depth_mm: 8.0 });
+        let rolling = rolling.expect("nominal teeth are in order");
+        for (mesh, expected) in [(fixed, vec![512, 88]), (rolling, [vec![16; 37], vec![8]].concat())] {
+            let mut lengths = Vec::new();
+            let taken = mesh.sample_blocks::<_, ()>(
+                600,
+                |_| 0.5,
+                <[_]>::len,
+                |length| {
+                    lengths.push(length);
+                    Ok(())
+                },
+            );
+            assert_eq!((taken, lengths), (Ok(()), expected));
         }
     }
 

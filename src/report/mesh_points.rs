@@ -203,3 +203,41 @@ pub(super) fn table(points: &[ListedPoint]) -> Table {
         rows: points.iter().map(row).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What did not converge is told apart from what is only not known to be the lowest.
+    #[test]
+    fn notes_say_what_is_in_doubt() {
+        let notes = |unconverged, roll_not_found| {
+            let trust = Trust { unconverged, roll_not_found, largest_residual_mm: 2.5e-7, failure: None };
+            trust.and(Trust::default()).notes().join("\n")
+        };
+        let apart = "note: 1 stroke did not converge; the largest residual is 2.5e-7 mm";
+        let rolled = "note: at 3 strokes the rack's roll is not known to be the one with the smallest centre distance, which \
+                      may be smaller than given; rolls up to 4.3° are searched";
+        assert_eq!(notes(0, 0), "");
+        assert_eq!(notes(1, 0), apart);
+        assert_eq!(notes(3, 3), rolled);
+        assert_eq!(notes(4, 3), format!("{apart}\n{rolled}"));
+    }
+
+    #[test]
+    fn an_ending_is_counted_once() {
+        let pair = crate::reproduction::pair().expect("the paper's pair");
+        let mesh = crate::mesh::Mesh::nominal(pair).expect("teeth in order");
+        let mut point = mesh.at(0.0).expect("contact");
+        for (ending, unconverged, roll_not_found) in [
+            (Ending::Converged, 0, 0),
+            (Ending::BracketExhausted, 1, 0),
+            (Ending::IterationLimit, 1, 0),
+            (Ending::RollNotFound, 1, 1),
+        ] {
+            point.ending = ending;
+            let trust = Trust::of(&[(0.0, Ok(point))]).and(Trust::of(&[(0.0, Ok(point))]));
+            assert_eq!((trust.unconverged, trust.roll_not_found), (2 * unconverged, 2 * roll_not_found));
+        }
+    }
+}
