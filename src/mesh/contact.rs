@@ -28,7 +28,7 @@ mod rack_corner;
 mod reach;
 mod roll_rate;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod turned;
 
 pub(super) use form::{Form, FormRates};

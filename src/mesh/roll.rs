@@ -40,8 +40,8 @@ const SMALLEST_GAP: f64 = 1e-6;
 const SAFETY: f64 = 20.0;
 /// Intervals divided at one stroke; mostly fewer than 20 are, and 60 were the most among random pairs.
 const MAX_DIVISIONS: u32 = 200;
-/// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and on pairs that somebody would build 2,000 were the
-/// most.
+/// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and on random pairs as one would build them 3,200 were
+/// the most.
 const MAX_SEARCHES: u64 = 30_000;
 /// Intervals divided until a rack that is not rolled is known to be lowest; mostly none is.
 const LEVEL_DIVISIONS: u32 = 6;

@@ -35,10 +35,10 @@ pub(super) fn looks<T>(work: impl FnOnce() -> T) -> (T, u64) {
 }
 
 /// Random numbers, the same each time.
-pub(super) struct Random(pub(super) u64);
+pub(in crate::mesh) struct Random(pub(in crate::mesh) u64);
 
 impl Random {
-    pub(super) fn next(&mut self, low: f64, high: f64) -> f64 {
+    pub(in crate::mesh) fn next(&mut self, low: f64, high: f64) -> f64 {
         // splitmix64
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -51,7 +51,7 @@ impl Random {
 }
 
 /// A random pair.
-pub(super) fn pair(random: &mut Random, narrow: bool) -> Option<Pair> {
+pub(in crate::mesh) fn pair(random: &mut Random, narrow: bool) -> Option<Pair> {
     let module = random.next(1.0, 3.0);
     let teeth = random.next(6.0, 60.0).round();
     let helix = |random: &mut Random| if random.next(0.0, 1.0) < 0.25 { 0.0 } else { random.next(-0.7, 0.7) };

@@ -6,6 +6,7 @@ use crate::deviation::{
     RackFlanks, RackForm, ToothRange,
 };
 use crate::gear::{Pair, PairData, PinionData, RackData};
+use crate::mesh::contact::tests::{self as contact_tests, Random};
 use crate::mesh::{ContactKind, Mesh, Support};
 use crate::reproduction;
 use crate::trig;
@@ -185,6 +186,86 @@ fn a_valley_above_an_end_is_not_that_end() {
             }
         }
     }
+}
+
+/// A random pair as somebody would build it, on a rack that may roll, with errors and perhaps form.
+fn random_mesh(random: &mut Random) -> Option<Mesh> {
+    let pair = contact_tests::pair(random, false)?;
+    let deviation = |random: &mut Random, kind: fn(f64) -> RackDeviationKind, most: f64| RackDeviation {
+        teeth: ToothRange::new(Some([-3, 0, 2, 5][random.next(0.0, 4.0) as usize]), None).expect("in order"),
+        kind: kind(random.next(-most, most)),
+    };
+    let mut deviations = vec![deviation(random, RackDeviationKind::Lead, 0.006)];
+    if random.next(0.0, 1.0) < 0.6 {
+        deviations.push(deviation(random, RackDeviationKind::Pitch, 0.03));
+        deviations.push(deviation(random, RackDeviationKind::Left, 0.03));
+    }
+    let mut rack = RackFlanks::new(&pair, &deviations).ok()?;
+    let off_axis = Eccentricity { amount_mm: random.next(0.0, 0.05), tooth: 0 };
+    let lead = PinionDeviation {
+        teeth: ToothRange::single(2).ok()?,
+        kind: PinionDeviationKind::Lead(random.next(-0.004, 0.004)),
+    };
+    let mut pinion = PinionFlanks::new(&pair, &[lead]).and_then(|pinion| pinion.with_eccentricity(&[off_axis])).ok()?;
+    if random.next(0.0, 1.0) < 0.2 {
+        let relief = RackForm { crowning_mm: random.next(0.0, 0.02), tip_relief_mm: 0.01, tip_relief_start_mm: 0.0 };
+        rack = rack.with_form(&pair, relief).ok()?;
+        pinion = pinion.with_form(PinionForm { crowning_mm: 0.01, profile_slope_mm: -0.01 }).ok()?;
+    }
+    Mesh::new(pair, rack, pinion, Support::FreeRoll { axis_depth_mm: random.next(0.0, 15.0) }).ok()
+}
+
+/// By how much some roll is lower than the one found, among many and those beside the lowest of them.
+fn below_the_found(mesh: &Mesh, stroke: f64, point: &MeshPoint) -> f64 {
+    let Support::FreeRoll { axis_depth_mm } = mesh.support() else { unreachable!() };
+    let mut sampler = Sampler::new(mesh);
+    let mut at = |roll: f64| sampler.at_roll(stroke, roll, axis_depth_mm).map_or(f64::INFINITY, |here| here.value);
+    let places: Vec<f64> = (-100..=100).map(|step| 0.00075 * f64::from(step)).collect();
+    let mut all: Vec<(f64, f64)> = places.iter().map(|&roll| (at(roll), roll)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut lowest = all[0].0;
+    for &(_, roll) in &all[..4] {
+        let (mut low, mut high) = (roll - 0.00075, roll + 0.00075);
+        while high - low > 1e-9 {
+            let (left, right) = (low + 0.382 * (high - low), low + 0.618 * (high - low));
+            let (on_left, on_right) = (at(left), at(right));
+            lowest = lowest.min(on_left).min(on_right);
+            if on_left < on_right {
+                high = right;
+            } else {
+                low = left;
+            }
+        }
+    }
+    point.center_distance_mm - lowest
+}
+
+/// `RACKMESH_LONG_TESTS=1` looks at very many.
+#[test]
+fn no_roll_of_random_pairs_is_lower() {
+    let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
+    let (mut made, mut converged, mut most, mut worst) = (0, 0, 0, 0.0_f64);
+    for seed in 0..if long { 3000 } else { 40 } {
+        let mut random = Random(seed);
+        let Some(mesh) = random_mesh(&mut random) else { continue };
+        for _ in 0..3 {
+            let stroke = random.next(-20.0, 60.0);
+            let mut sampler = Sampler::new(&mesh);
+            let Ok(point) = sampler.at(stroke) else { continue };
+            made += 1;
+            most = most.max(sampler.work().searched);
+            if point.converged() {
+                converged += 1;
+                let below = below_the_found(&mesh, stroke, &point);
+                worst = worst.max(below);
+                if below > 1e-10 {
+                    println!("seed {seed}, stroke {stroke}: by {below:e} {point:?}");
+                }
+            }
+        }
+    }
+    println!("{converged} of {made} converged, at most {most} searched; {worst:e} mm");
+    assert!(worst < 1e-10, "{worst:e}");
 }
 
 /// Pairs that nobody would build: flanks of 2° to 4°, helices that do not fit, form, and lead errors of the pinion.
