@@ -167,7 +167,7 @@ fn a_valley_above_an_end_is_not_that_end() {
     let pair = reproduction::pair().expect("the paper's pair");
     let lead = RackDeviation {
         teeth: ToothRange::new(Some(4), None).expect("in order"),
-        kind: RackDeviationKind::Lead(0.25_f64.to_radians()),
+        kind: RackDeviationKind::Lead(0.004_363),
     };
     let rack = RackFlanks::new(&pair, &[lead]).expect("small");
     let support = Support::FreeRoll { axis_depth_mm: 8.0 };
@@ -192,7 +192,7 @@ fn a_valley_above_an_end_is_not_that_end() {
 fn random_mesh(random: &mut Random) -> Option<Mesh> {
     let pair = contact_tests::pair(random, false)?;
     let deviation = |random: &mut Random, kind: fn(f64) -> RackDeviationKind, most: f64| RackDeviation {
-        teeth: ToothRange::new(Some([-3, 0, 2, 5][random.next(0.0, 4.0) as usize]), None).expect("in order"),
+        teeth: ToothRange::new(Some(if random.next(0.0, 1.0) < 0.5 { 0 } else { 4 }), None).expect("in order"),
         kind: kind(random.next(-most, most)),
     };
     let mut deviations = vec![deviation(random, RackDeviationKind::Lead, 0.006)];
