@@ -104,7 +104,7 @@ impl Sampler<'_> {
             self.valleys.carried = [level.point.right.rack_tooth, level.point.left.rack_tooth];
             return Ok(level.point);
         }
-        let mut found = self.lowest(stroke_mm, depth_mm)?;
+        let mut found = self.lowest(stroke_mm, depth_mm, MAX_SEARCHES)?;
         if found.angle.abs() < FLAT {
             // an unrolled rack has full lines of contact, which a search from outside never quite meets
             let flat = self.at_roll(stroke_mm, 0.0, depth_mm)?;
@@ -150,10 +150,11 @@ impl Sampler<'_> {
         None
     }
 
-    /// The lowest bottom of all valleys at a stroke; of several as deep the one with the smallest roll.
-    fn lowest(&mut self, stroke_mm: f64, depth_mm: f64) -> Result<Rolled, MeshError> {
+    /// The lowest bottom of all valleys at a stroke, as far as so many searches of flank pairs tell; of several as deep the
+    /// one with the smallest roll.
+    fn lowest(&mut self, stroke_mm: f64, depth_mm: f64, searches: u64) -> Result<Rolled, MeshError> {
         let curvature = self.curvature(depth_mm);
-        let most_searched = self.work.searched + MAX_SEARCHES;
+        let most_searched = self.work.searched + searches;
         let mut search = Search::default();
         let mut before = None;
         for step in 0..=INTERVALS {
