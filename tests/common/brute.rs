@@ -233,7 +233,7 @@ impl Brute<'_> {
             return None;
         }
         let mut last = 0;
-        for _ in 0..60 {
+        for _ in 0..400 {
             let x = (a * fb - b * fa) / (fb - fa);
             let at = sides(x);
             let f = difference(at);
