@@ -85,11 +85,6 @@ struct Rolled {
 }
 
 impl Rolled {
-    /// Whether no rotation balances both sides.
-    fn is_apart(&self) -> bool {
-        self.point.residual_mm.abs() > APART
-    }
-
     /// It is not known to be the lowest.
     fn doubt(&mut self) {
         if self.point.ending == Ending::Converged {
@@ -285,7 +280,7 @@ impl Sampler<'_> {
                 settled = true;
                 break;
             }
-            apart += u32::from(point.residual_mm.abs() > APART);
+            apart += u32::from(is_apart(&point));
             if apart >= MAX_APART {
                 break;
             }
@@ -397,7 +392,13 @@ fn tangents(low: &Rolled, high: &Rolled) -> (f64, f64) {
     (meet, low.value + low.slope * (meet - low.angle))
 }
 
-/// Where the bounds from both ends of an interval meet, and how low that is.
+/// Whether no rotation balances both sides.
+fn is_apart(point: &MeshPoint) -> bool {
+    point.residual_mm.abs() > APART
+}
+
+/// Where the bounds from both ends of an interval meet, and how low that is; next to a roll at which no rotation balances
+/// both sides the derivatives say little, and it is what the steeper end allows below the lower one.
 fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, f64) {
     let width = high.angle - low.angle;
     // both parabolas have the same square: their difference is a straight line
@@ -408,8 +409,7 @@ fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, f64) {
         (low.angle + from_low, bound)
     } else {
         let steepest = low.slope.abs().max(high.slope.abs());
-        let bound = if low.is_apart() || high.is_apart() {
-            // derivatives say little where a pair leaves its partner's face
+        let bound = if is_apart(&low.point) || is_apart(&high.point) {
             low.value.min(high.value) - (steepest + 0.5 * curvature * width) * width
         } else {
             // it bends down by more than was thought: nothing is known of what lies between

@@ -41,8 +41,8 @@ pub(super) struct Rolling {
 }
 
 impl Rolling {
-    /// What remains of a change of the centre distance when the one that follows has changed with it: what the end faces
-    /// feed back is a small part, and where it is not it is not believed.
+    /// 1 less the share of a change of the assumed centre distance that the end faces feed back: that is small, and a
+    /// share of [`MOST_FED_BACK`] and more is not believed.
     pub(super) fn remaining(&self) -> f64 {
         let fed_back = self.rate[1];
         if fed_back < MOST_FED_BACK { 1.0 - fed_back } else { 1.0 }

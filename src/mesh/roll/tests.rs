@@ -265,6 +265,10 @@ fn no_roll_of_random_pairs_is_lower() {
         }
     }
     println!("{converged} of {made} converged, at most {most} searched; {worst:e} mm");
+    assert!(
+        made > 100 && converged > made - made / 500 - 1 && most < MAX_SEARCHES / 5,
+        "{converged} of {made}, {most}"
+    );
     assert!(worst < 1e-10, "{worst:e}");
 }
 
