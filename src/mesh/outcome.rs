@@ -40,6 +40,9 @@ pub enum Ending {
     /// The bracket of the rotation shrank to neighbouring numbers first; the residual says how far both sides are
     /// apart.
     BracketExhausted,
+    /// The same side asks for more at every rotation tried, the last one three quarters of a pitch from where the teeth
+    /// face each other; the residual says how much more there.
+    Unbalanced,
     /// The iteration limit was reached; the residual says how far both sides are apart.
     IterationLimit,
     /// Both sides are balanced, but the rack's roll is not known to be the one with the smallest centre distance: the

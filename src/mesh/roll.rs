@@ -42,7 +42,7 @@ const SAFETY: f64 = 20.0;
 const MAX_DIVISIONS: u32 = 200;
 /// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and on random pairs as one would build them 3,200 were
 /// the most.
-const MAX_SEARCHES: u64 = 30_000;
+const MAX_SEARCHES: u64 = 20_000;
 /// Intervals divided until a rack that is not rolled is known to be lowest; mostly none is.
 const LEVEL_DIVISIONS: u32 = 6;
 /// The search goes on this far beside a bottom.
@@ -85,6 +85,15 @@ struct Rolled {
 }
 
 impl Rolled {
+    /// Whether a rotation was found at which both sides balance, or at least change places.
+    fn is_balanced(&self) -> bool {
+        self.point.ending != Ending::Unbalanced
+    }
+
+    fn is_nearer_to_balance(&self, other: &Self) -> bool {
+        self.point.residual_mm.abs() < other.point.residual_mm.abs()
+    }
+
     /// It is not known to be the lowest.
     fn doubt(&mut self) {
         if self.point.ending == Ending::Converged {
@@ -103,7 +112,7 @@ impl Sampler<'_> {
         if found.angle.abs() < FLAT {
             // an unrolled rack has full lines of contact, which a search from outside never quite meets
             let flat = self.at_roll(stroke_mm, 0.0, depth_mm)?;
-            if flat.value <= found.value + TIE {
+            if flat.is_balanced() && flat.value <= found.value + TIE {
                 found = flat;
             }
         }
@@ -119,7 +128,7 @@ impl Sampler<'_> {
     /// which the centre distance rises so steeply that a few bounds close the rest. Most strokes without lead
     /// deviations are such; `None` if this one is not, or not seen to be at once.
     fn level(&mut self, stroke_mm: f64, depth_mm: f64) -> Option<Rolled> {
-        let flat = self.at_roll(stroke_mm, 0.0, depth_mm).ok()?;
+        let flat = self.at_roll(stroke_mm, 0.0, depth_mm).ok().filter(Rolled::is_balanced)?;
         let beside = 0.5 * SHORT;
         let falling = self.at_roll(stroke_mm, -beside, depth_mm).ok().filter(|low| low.slope < 0.0)?;
         let rising = self.at_roll(stroke_mm, beside, depth_mm).ok().filter(|high| high.slope > 0.0)?;
@@ -155,15 +164,22 @@ impl Sampler<'_> {
         for step in 0..=INTERVALS {
             let angle = LARGEST_ROLL_RAD * f64::from(2 * step - INTERVALS) / f64::from(INTERVALS);
             let here = search.node(angle, self.at_roll(stroke_mm, angle, depth_mm));
-            if let Some(before) = before.replace(here) {
+            let Some(before) = before.replace(here) else { continue };
+            if 2 * step == INTERVALS + 1 && !(before.is_balanced() && here.is_balanced()) {
+                // wide racks of small teeth may have a mesh only where they are hardly rolled
+                let angle = 0.5 * FLAT;
+                let middle = search.node(angle, self.at_roll(stroke_mm, angle, depth_mm));
+                search.open(before, middle, curvature);
+                search.open(middle, here, curvature);
+            } else {
                 search.open(before, here, curvature);
             }
         }
         let mut positions = 0;
         while let Some(Interval { low, high, meet, .. }) = search.lowest_interval() {
             if let (Some(falling), Some(rising)) = (low.solution, high.solution)
-                && falling.slope < 0.0
-                && rising.slope >= 0.0
+                && (low.is_balanced() && falling.slope < 0.0)
+                && (high.is_balanced() && rising.slope >= 0.0)
             {
                 let bottom = self.narrow((falling, rising), stroke_mm, depth_mm, most_searched);
                 search.found(bottom);
@@ -233,9 +249,10 @@ impl Sampler<'_> {
             if angle <= low.angle || angle >= high.angle {
                 break;
             }
+            // where the mesh ends in between, what is known so far counts
             let here =
                 if self.work.searched > most_searched { None } else { self.at_roll(stroke_mm, angle, depth_mm).ok() };
-            // where the mesh ends in between, what is known so far counts
+            let here = here.filter(Rolled::is_balanced);
             let Some(here) = here else {
                 low.doubt();
                 high.doubt();
@@ -272,6 +289,9 @@ impl Sampler<'_> {
         let mut apart = 0;
         let mut settled = false;
         for _ in 0..MAX_ROUNDS {
+            if point.ending == Ending::Unbalanced {
+                break;
+            }
             let moved = point.center_distance_mm - self.assumed;
             self.assumed += moved / self.rolling.remaining();
             if (moved * angle).abs() <= 1e-9 {
@@ -303,6 +323,12 @@ struct Node {
     solution: Option<Rolled>,
 }
 
+impl Node {
+    fn is_balanced(&self) -> bool {
+        self.solution.as_ref().is_some_and(Rolled::is_balanced)
+    }
+}
+
 /// Two neighbouring rolls, with a lower bound of the centre distance between them and the roll where it is.
 #[derive(Debug, Clone, Copy)]
 struct Interval {
@@ -321,14 +347,20 @@ struct Search {
     lowest: Vec<Rolled>,
     /// Intervals that may hold a lower one.
     intervals: Vec<Interval>,
+    /// If there is none: why there is no mesh at some roll, and the position that was nearest to balance.
     failure: Option<MeshError>,
+    unbalanced: Option<Rolled>,
 }
 
 impl Search {
     fn node(&mut self, angle: f64, solved: Result<Rolled, MeshError>) -> Node {
         match solved {
             Ok(solution) => {
-                self.found(solution);
+                if solution.is_balanced() {
+                    self.found(solution);
+                } else if self.unbalanced.is_none_or(|nearest| solution.is_nearer_to_balance(&nearest)) {
+                    self.unbalanced = Some(solution);
+                }
                 Node { angle, solution: Some(solution) }
             }
             Err(error) => {
@@ -349,12 +381,12 @@ impl Search {
         let width = high.angle - low.angle;
         let middle = low.angle + 0.5 * width;
         let (meet, bound) = match (low.solution, high.solution) {
+            _ if !(low.is_balanced() || high.is_balanced()) => return,
             (Some(_), Some(_)) if width <= SHORT => return,
             (Some(low), Some(high)) => {
                 let (meet, bound) = lower_bound(&low, &high, curvature);
                 (meet.clamp(low.angle + 0.1 * width, high.angle - 0.1 * width), bound)
             }
-            (None, None) => return,
             // the mesh ends in here, perhaps below all that was found
             _ if width <= SMALLEST_GAP => return,
             _ => (middle, f64::NEG_INFINITY),
@@ -377,10 +409,11 @@ impl Search {
     fn lowest(self) -> Result<Rolled, MeshError> {
         let best = self.best.unwrap_or(f64::INFINITY);
         let lowest = self.lowest.into_iter().filter(|position| position.value <= best + TIE);
-        match (lowest.min_by(|a, b| a.angle.total_cmp(&b.angle)), self.failure) {
-            (Some(lowest), _) => Ok(lowest),
-            (None, Some(failure)) => Err(failure),
-            (None, None) => unreachable!("every position is a solution or a failure"),
+        match (lowest.min_by(|a, b| a.angle.total_cmp(&b.angle)), self.failure, self.unbalanced) {
+            (Some(lowest), ..) => Ok(lowest),
+            (None, Some(failure), _) => Err(failure),
+            (None, None, Some(unbalanced)) => Ok(unbalanced),
+            (None, None, None) => unreachable!("every position is a solution or a failure"),
         }
     }
 }
@@ -420,4 +453,4 @@ fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, f64) {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

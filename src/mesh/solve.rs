@@ -83,6 +83,9 @@ const MAX_ITERATIONS: u32 = 120;
 /// Rotations after which the bracket is only halved: what is left of [`MAX_ITERATIONS`] takes it down to rounding.
 const PATIENCE: u32 = 50;
 
+/// Rotations after which the end of the bracket is tried that Newton's steps lead to: mostly three find the solution.
+const UNTIL_END: u32 = 8;
+
 /// Newton's step and the secant's are taken where what both sides ask for approaches by at least this share of
 /// r_b / sin α_t per rad.
 const LEAST_SLOPE: f64 = 1e-3;
@@ -171,7 +174,8 @@ impl<'a> Sampler<'a> {
         }
         let mut iterations = 0;
         let mut before: Option<(f64, f64)> = None;
-        let first = offset;
+        let range = (low, high);
+        let mut first = offset;
         let (right, left, step, ending) = loop {
             iterations += 1;
             self.work.rotations += 1;
@@ -202,6 +206,17 @@ impl<'a> Sampler<'a> {
             }
             if iterations >= MAX_ITERATIONS {
                 break (right, left, 0.0, Ending::IterationLimit);
+            }
+            let (end, untried) = if excess > 0.0 { (high, high == range.1) } else { (low, low == range.0) };
+            if iterations == UNTIL_END && untried {
+                first = end;
+                if let Some([right, left]) = self.glance(&position, end, stroke_mm)
+                    && (right.value > left.value) == (excess > 0.0)
+                {
+                    offset = end;
+                    iterations += 1;
+                    break (right, left, 0.0, Ending::Unbalanced);
+                }
             }
             let mut next = offset + step;
             // Newton's step, unless it leaves the bracket or has been given its chance
@@ -239,6 +254,16 @@ impl<'a> Sampler<'a> {
             iterations,
             ending,
         })
+    }
+
+    /// What both sides ask for at a rotation that is not on the way to the solution.
+    fn glance(&mut self, position: &Position, offset: f64, stroke_mm: f64) -> Option<[Demand; 2]> {
+        self.work.rotations += 1;
+        let carried = self.carried;
+        let [right, left] = [FlankSide::Right, FlankSide::Left]
+            .map(|side| self.demand(side, position, (offset, false), stroke_mm).ok());
+        self.carried = carried;
+        Some([right?, left?])
     }
 
     /// At the balance of both sides their shares in the centre distance are those that cancel the rotation.
@@ -495,6 +520,40 @@ mod tests {
         assert!(matches!(tips[0], Err(MeshError::TipOnTip { .. })), "{tips:?}");
         // a little further one side catches the edges of tips
         assert!(tips[1].is_ok_and(|point| point.converged() && point.delta_cd_mm > 2.0), "{tips:?}");
+    }
+
+    /// Where both sides are not seen to balance, the same one asks for more at every rotation from the first one tried to the
+    /// end of the range: of flanks that overhang when the rack rolls.
+    #[test]
+    fn what_is_given_up_has_no_balance_ahead() {
+        let mut given_up = 0;
+        for mesh in crate::mesh::roll::tests::odd_pairs() {
+            let mut sampler = Sampler::new(&mesh);
+            for (stroke, angle) in [0.0, 1.3, 5.7].into_iter().flat_map(|s| [-0.07, -0.04, 0.03, 0.06].map(|a| (s, a)))
+            {
+                sampler.set_roll(Roll::new(angle, 14.0));
+                sampler.last = None;
+                let Ok(point) = sampler.solve(stroke) else { continue };
+                if point.ending != Ending::Unbalanced {
+                    continue;
+                }
+                given_up += 1;
+                assert!(point.iterations == UNTIL_END + 1 && !point.converged(), "{point:?}");
+                let position = sampler.locate(stroke).expect("in order");
+                let Constants { angle_per_mm, angular_pitch, .. } = sampler.constants;
+                let start = sampler.slot(FlankSide::Right, position.tooth).prepared.center * angle_per_mm;
+                let end = -point.transmission_error_rad;
+                assert!(((end - start).abs() / angular_pitch - 0.75).abs() < 1e-9, "{start} {end}");
+                for part in 0..=40 {
+                    let at = start + (end - start) * f64::from(part) / 40.0;
+                    let [right, left] = sampler.glance(&position, at, stroke).expect("contact");
+                    let excess = right.value - left.value;
+                    assert!(excess * point.residual_mm > 0.0, "{excess} at {at}: {point:?}");
+                }
+            }
+        }
+        println!("{given_up} given up");
+        assert!(given_up > 10, "{given_up}");
     }
 
     /// What was seen of a pair elsewhere, at another stroke, rotation, roll or place of the end faces, never hides that

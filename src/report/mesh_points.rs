@@ -232,6 +232,7 @@ mod tests {
         for (ending, unconverged, roll_not_found) in [
             (Ending::Converged, 0, 0),
             (Ending::BracketExhausted, 1, 0),
+            (Ending::Unbalanced, 1, 0),
             (Ending::IterationLimit, 1, 0),
             (Ending::RollNotFound, 1, 1),
         ] {

@@ -272,8 +272,9 @@ fn no_roll_of_random_pairs_is_lower() {
     assert!(worst < 1e-10, "{worst:e}");
 }
 
-/// Pairs that nobody would build: flanks of 2° to 4°, helices that do not fit, form, and lead errors of the pinion.
-fn odd_pairs() -> [Mesh; 3] {
+/// Pairs that nobody would build: flanks of 2° to 4°, helices that do not fit, form, lead errors of the pinion, and faces
+/// of 136 modules on which those are three teeth.
+pub(in crate::mesh) fn odd_pairs() -> [Mesh; 4] {
     let odd = |data: &PairData, lead: f64, [rack_crowning, relief, pinion_crowning, slope]: [f64; 4], depth: f64| {
         let pair = Pair::new(data).expect("a valid pair");
         let form = RackForm { crowning_mm: rack_crowning, tip_relief_mm: relief, tip_relief_start_mm: 0.0 };
@@ -331,10 +332,25 @@ fn odd_pairs() -> [Mesh; 3] {
             tooth_thickness_deviation_mm: -0.051,
         },
     };
+    let fine = PairData {
+        normal_module_mm: 0.12,
+        normal_pressure_angle_rad: 0.1354,
+        rack: rack(0.632, 16.3, 0.104),
+        pinion: PinionData {
+            teeth: 119,
+            helix_angle_rad: 0.5637,
+            profile_shift: 0.685,
+            tip_diameter_mm: 17.2,
+            root_form_diameter_mm: None,
+            face_width_mm: 55.9,
+            tooth_thickness_deviation_mm: -0.095,
+        },
+    };
     [
         odd(&overhanging, 0.0, [0.0267, 0.0468, 0.0, 0.0], 15.1),
         odd(&few_teeth, 0.0, [0.0107, 0.0062, 0.0284, -0.0131], 12.5),
         odd(&wide, 0.02, [0.0084, 0.0275, 0.0118, -0.0177], 18.9),
+        odd(&fine, 0.022, [0.0, 0.0, 0.0, 0.0], 13.1),
     ]
 }
 
@@ -342,36 +358,53 @@ fn odd_pairs() -> [Mesh; 3] {
 /// are given up soon.
 #[test]
 fn rolls_of_odd_pairs_are_solved_in_few_rotations() {
-    for (mesh, (most, settled)) in odd_pairs().iter().zip([(4000, 65), (920, 83), (2730, 81)]) {
+    for (mesh, (most, settled)) in odd_pairs().iter().zip([(860, 52), (920, 83), (2630, 79)]) {
         let Support::FreeRoll { axis_depth_mm } = mesh.support() else { unreachable!() };
         let mut sampler = Sampler::new(mesh);
-        let (mut solved, mut found) = (0, 0);
+        let (mut solved, mut found, mut given_up) = (0, 0, 0);
         for stroke in [0.0, 1.3, 5.7, 31.4] {
             for step in -10..=10 {
-                if let Ok(here) = sampler.at_roll(stroke, 0.0071 * f64::from(step), axis_depth_mm) {
-                    solved += 1;
-                    found += usize::from(here.point.converged());
-                }
+                let Ok(here) = sampler.at_roll(stroke, 0.0071 * f64::from(step), axis_depth_mm) else { continue };
+                solved += 1;
+                found += usize::from(here.point.converged());
+                given_up += usize::from(here.point.ending == Ending::Unbalanced);
             }
         }
         let rotations = sampler.work().rotations;
-        println!("{rotations} rotations at {solved} rolls, {found} converged");
+        println!("{rotations} rotations at {solved} rolls, {found} converged, {given_up} given up");
         assert!(solved == 84 && rotations <= most && found >= settled, "{rotations} {solved} {found}");
+        assert!(found + given_up >= 80, "{found} {given_up}");
     }
 }
 
-/// Of flanks that overhang when the rack rolls, no rotation balances both sides at most rolls: the search among their
-/// jumps ends soon, and says so.
+/// Of flanks that overhang when the rack rolls, no rotation balances both sides at most rolls: that asks for no centre
+/// distance, and the lowest of the others is found.
 #[test]
-fn a_search_among_jumps_ends_soon() {
+fn a_search_among_rolls_without_balance_finds_one_with() {
     let [mesh, ..] = odd_pairs();
+    let mut converged = 0;
+    for step in 0..8 {
+        let stroke = 0.5 * f64::from(step);
+        let mut sampler = Sampler::new(&mesh);
+        let point = sampler.at(stroke).expect("something is found");
+        assert!(point.residual_mm.abs() < 1e-12 && point.delta_cd_mm.abs() < 2.0, "{point:?}");
+        assert!(sampler.work().searched < MAX_SEARCHES, "{}", sampler.work().searched);
+        converged += usize::from(point.converged());
+    }
+    println!("{converged} converged");
+    assert!(converged >= 6, "{converged}");
+}
+
+/// Where no roll has a balance, and an unrolled rack carries the pinion on its tips, that is what is wrong.
+#[test]
+fn teeth_that_enter_at_no_roll_are_said_to() {
+    let [.., mesh] = odd_pairs();
     for step in 0..4 {
         let mut sampler = Sampler::new(&mesh);
-        let point = sampler.at(0.5 * f64::from(step)).expect("something is found");
+        let found = sampler.at(0.11 * f64::from(step));
+        assert!(matches!(found, Err(MeshError::TipOnTip { .. })), "{found:?}");
         let searched = sampler.work().searched;
-        println!("{searched} {point:?}");
-        assert!(!point.converged() && point.residual_mm.abs() > 1.0, "{point:?}");
-        assert!(searched < MAX_SEARCHES, "{searched}");
+        assert!(searched < MAX_SEARCHES / 2, "{searched}");
     }
 }
 
