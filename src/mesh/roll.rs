@@ -51,6 +51,8 @@ const BESIDE: f64 = 1e-5;
 const MAX_EVALUATIONS: u32 = 80;
 /// Rounds until the centre distance that the end faces are placed with is the one that follows; two mostly do.
 const MAX_ROUNDS: u32 = 20;
+/// At smaller rolls (rad) the slope needs the centre distance as well as the value needs it at this one.
+const LEAST_LEVER: f64 = 1e-7;
 /// Sides that are this far apart (mm) where the solve ends meet at no rotation; after so many such rounds nothing better
 /// is expected.
 const APART: f64 = 1e-6;
@@ -294,7 +296,7 @@ impl Sampler<'_> {
             }
             let moved = point.center_distance_mm - self.assumed;
             self.assumed += moved / self.rolling.remaining();
-            if (moved * angle).abs() <= 1e-9 {
+            if moved.abs() * angle.abs().max(LEAST_LEVER) <= 1e-9 {
                 point.center_distance_mm = self.assumed;
                 point.delta_cd_mm = self.assumed - nominal;
                 settled = true;
