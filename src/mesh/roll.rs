@@ -92,6 +92,11 @@ impl Rolled {
         self.point.ending != Ending::Unbalanced
     }
 
+    /// The rack that is not rolled, if it is as low.
+    fn or_level(self, level: Self) -> Self {
+        if level.is_balanced() && level.value <= self.value + TIE { level } else { self }
+    }
+
     fn is_nearer_to_balance(&self, other: &Self) -> bool {
         self.point.residual_mm.abs() < other.point.residual_mm.abs()
     }
@@ -113,10 +118,7 @@ impl Sampler<'_> {
         let mut found = self.lowest(stroke_mm, depth_mm, MAX_SEARCHES)?;
         if found.angle.abs() < FLAT {
             // an unrolled rack has full lines of contact, which a search from outside never quite meets
-            let flat = self.at_roll(stroke_mm, 0.0, depth_mm)?;
-            if flat.is_balanced() && flat.value <= found.value + TIE {
-                found = flat;
-            }
+            found = found.or_level(self.at_roll(stroke_mm, 0.0, depth_mm)?);
         }
         if found.angle.abs() >= LARGEST_ROLL_RAD && found.slope * found.angle < 0.0 {
             // it goes on falling where no search was made
@@ -162,20 +164,18 @@ impl Sampler<'_> {
         let curvature = self.curvature(depth_mm);
         let most_searched = self.work.searched + searches;
         let mut search = Search::default();
-        let mut before = None;
-        for step in 0..=INTERVALS {
-            let angle = LARGEST_ROLL_RAD * f64::from(2 * step - INTERVALS) / f64::from(INTERVALS);
-            let here = search.node(angle, self.at_roll(stroke_mm, angle, depth_mm));
-            let Some(before) = before.replace(here) else { continue };
-            if 2 * step == INTERVALS + 1 && !(before.is_balanced() && here.is_balanced()) {
-                // wide racks of small teeth may have a mesh only where they are hardly rolled
-                let angle = 0.5 * FLAT;
-                let middle = search.node(angle, self.at_roll(stroke_mm, angle, depth_mm));
-                search.open(before, middle, curvature);
-                search.open(middle, here, curvature);
-            } else {
-                search.open(before, here, curvature);
-            }
+        let angles =
+            (0..=INTERVALS).map(|step| LARGEST_ROLL_RAD * f64::from(2 * step - INTERVALS) / f64::from(INTERVALS));
+        let mut nodes: Vec<Node> =
+            angles.map(|angle| search.node(angle, self.at_roll(stroke_mm, angle, depth_mm))).collect();
+        // racks of small teeth on wide faces may have a mesh only where they are hardly rolled
+        let middle = nodes.len() / 2;
+        if !(nodes[middle - 1].is_balanced() && nodes[middle].is_balanced()) {
+            let angle = 0.5 * FLAT;
+            nodes.insert(middle, search.node(angle, self.at_roll(stroke_mm, angle, depth_mm)));
+        }
+        for pair in nodes.windows(2) {
+            search.open(pair[0], pair[1], curvature);
         }
         let mut positions = 0;
         while let Some(Interval { low, high, meet, .. }) = search.lowest_interval() {

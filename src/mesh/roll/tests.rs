@@ -358,7 +358,7 @@ pub(in crate::mesh) fn odd_pairs() -> [Mesh; 4] {
 /// are given up soon.
 #[test]
 fn rolls_of_odd_pairs_are_solved_in_few_rotations() {
-    for (mesh, (most, settled)) in odd_pairs().iter().zip([(860, 52), (930, 83), (2630, 79)]) {
+    for (mesh, (most, settled)) in odd_pairs().iter().zip([(860, 52), (930, 83), (2650, 78)]) {
         let Support::FreeRoll { axis_depth_mm } = mesh.support() else { unreachable!() };
         let mut sampler = Sampler::new(mesh);
         let (mut solved, mut found, mut given_up) = (0, 0, 0);
@@ -426,6 +426,104 @@ fn the_slope_at_the_smallest_rolls_does_not_depend_on_what_was_assumed() {
     }
     println!("{compared} slopes, largest difference {largest:e}");
     assert!(compared > 60 && largest < 0.01, "{compared} {largest}");
+}
+
+/// Thick teeth and wide faces, an eccentric pinion: the rack meshes where it is hardly rolled, and where it is rolled so far
+/// that it carries at one end of its face, but not, or higher, in between.
+#[test]
+fn a_rack_that_meshes_when_hardly_rolled_is_found() {
+    let large = PairData {
+        normal_module_mm: 2.832,
+        normal_pressure_angle_rad: 0.117,
+        rack: RackData {
+            helix_angle_rad: 0.0,
+            face_width_mm: 45.9,
+            addendum_mm: 4.147,
+            tooth_thickness_mm: Some(7.227),
+        },
+        pinion: PinionData {
+            teeth: 99,
+            helix_angle_rad: 0.2038,
+            profile_shift: 0.5327,
+            tip_diameter_mm: 290.03,
+            root_form_diameter_mm: Some(285.65),
+            face_width_mm: 42.1,
+            tooth_thickness_deviation_mm: 0.013,
+        },
+    };
+    let flat = PairData {
+        normal_module_mm: 1.343,
+        normal_pressure_angle_rad: 0.5872,
+        rack: RackData {
+            helix_angle_rad: 0.0566,
+            face_width_mm: 18.68,
+            addendum_mm: 0.23,
+            tooth_thickness_mm: Some(3.968),
+        },
+        pinion: PinionData {
+            teeth: 39,
+            helix_angle_rad: 0.4128,
+            profile_shift: -0.3429,
+            tip_diameter_mm: 57.69,
+            root_form_diameter_mm: Some(52.226),
+            face_width_mm: 12.12,
+            tooth_thickness_deviation_mm: -0.184,
+        },
+    };
+    for (data, depth, amount_mm, strokes) in
+        [(large, 9.479, 0.12, [22.656, 39.648]), (flat, 4.711, 0.174, [10.744, 40.29])]
+    {
+        let pair = Pair::new(&data).expect("a valid pair");
+        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm, tooth: 0 }]);
+        let support = Support::FreeRoll { axis_depth_mm: depth };
+        let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion.expect("small"), support).expect("in order");
+        for stroke in strokes {
+            let mut sampler = Sampler::new(&mesh);
+            let point = sampler.at(stroke).expect("contact");
+            assert!(point.converged() && point.roll_rad.abs() < 5e-3, "{point:?}");
+            // two rotations may hold so odd a pair, 2 µm apart; what is missed between is 90 µm lower
+            for step in -40..=40 {
+                let Ok(here) = sampler.at_roll(stroke, 2e-4 * f64::from(step), depth) else { continue };
+                let lower = point.center_distance_mm - here.value;
+                assert!(!here.point.converged() || lower < 2e-3, "{lower} at {}: {point:?}", here.angle);
+            }
+        }
+    }
+}
+
+/// A roll at which no rotation balances both sides.
+fn unbalanced(angle: f64, residual: f64) -> Rolled {
+    let mut at = rolled(angle, -100.0, 0.0);
+    (at.point.ending, at.point.residual_mm) = (Ending::Unbalanced, residual);
+    at
+}
+
+/// The rack that is not rolled is taken where it is as low as what was found next to it, and balanced.
+#[test]
+fn the_level_rack_counts_where_it_is_as_low() {
+    let found = rolled(1e-9, 1.0, 0.0);
+    for (value, angle) in [(1.0 - TIE, 0.0), (1.0 + 0.5 * TIE, 0.0), (1.0 + 2.0 * TIE, 1e-9), (2.0, 1e-9)] {
+        assert_eq!(found.or_level(rolled(0.0, value, 0.0)).angle, angle, "{value}");
+    }
+    assert_eq!(found.or_level(unbalanced(0.0, 0.1)).angle, 1e-9);
+}
+
+/// What is nearest to balance is given where nothing balances, why there is no mesh before it, and what balances before both.
+#[test]
+fn what_nothing_balances_is_given_last() {
+    let mut search = Search::default();
+    for (angle, residual) in [(0.01, -0.3), (0.02, 0.2), (0.03, -0.2), (0.04, 0.25)] {
+        assert!(!search.node(angle, Ok(unbalanced(angle, residual))).is_balanced());
+    }
+    let with = |node: Option<Result<Rolled, MeshError>>| {
+        let mut search = Search { unbalanced: search.unbalanced, ..Search::default() };
+        node.map(|node| search.node(0.0, node));
+        search.lowest().map(|found| found.angle)
+    };
+    assert_eq!(with(None), Ok(0.02));
+    let failure = MeshError::TipOnTip { stroke_mm: 1.0, right: 0, left: 0 };
+    assert_eq!(with(Some(Err(failure))), Err(failure));
+    assert_eq!(with(Some(Ok(rolled(0.05, 1.0, 0.0)))), Ok(0.05));
 }
 
 /// A search ends within a roll of what it may take, in a valley or between, and says that it did not see everything.
