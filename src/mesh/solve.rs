@@ -527,7 +527,7 @@ mod tests {
     #[test]
     fn what_is_given_up_has_no_balance_ahead() {
         let mut given_up = 0;
-        for mesh in crate::mesh::roll::tests::odd_pairs() {
+        for mesh in crate::mesh::roll::tests::odd::pairs() {
             let mut sampler = Sampler::new(&mesh);
             for (stroke, angle) in [0.0, 1.3, 5.7].into_iter().flat_map(|s| [-0.07, -0.04, 0.03, 0.06].map(|a| (s, a)))
             {
