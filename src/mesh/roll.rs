@@ -23,7 +23,9 @@
 //!
 //! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ,
 //! and the slope and curvature of the flank that it touches enter on top. It is taken as [`SAFETY`] times the largest
-//! such distance; a fifth of that misses a valley now and then, three times as much finds no other.
+//! such distance; a fifth of that misses a valley now and then, three times as much finds no other. Where teeth hardly
+//! enter and two rotations may hold the pinion, the centre distance bends down sharply from one to the other: there a
+//! valley may be missed, by micrometres in pairs made for it.
 
 use super::prepare::Roll;
 use super::solve::Rolling;
