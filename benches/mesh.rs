@@ -1,7 +1,7 @@
 //! Positions per second of the exact mesh, and the error of adaptive curves at several tolerances.
 #![allow(missing_docs)]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 
 use std::hint::black_box;

@@ -4,11 +4,10 @@
 //! tests hold the README to them and the solver to the table. Every case comes from a seed. The multibody model has its
 //! orders of convergence against those that theory gives.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
-#[path = "../tests/common/formulas.rs"]
-#[allow(dead_code, unreachable_pub, missing_docs, clippy::pedantic)]
-mod formulas;
+
+use common::formulas;
 
 /// Random pairs of each kind; a rolling rack takes as long as twenty others.
 const PAIRS: u64 = 100;

@@ -1,5 +1,5 @@
 //! What each fuzz target checks of an arbitrary input: one module a target, one function `check` each.
-//! Called by the fuzzer's targets and by `tests/fuzz_corpus.rs`; must not need the fuzzer.
+//! Called by the fuzzer's targets and by `tests/it/fuzz_corpus.rs`; must not need the fuzzer.
 
 pub mod batch;
 pub mod mesh;

@@ -1,10 +1,9 @@
 //! What rackmesh is built from: licences that go with its own, and no C.
 //!
-//! `RACKMESH_UPDATE=1 cargo test --test dependencies` writes the list in `LICENSE-THIRD-PARTY.md` anew. Nothing is
+//! `RACKMESH_UPDATE=1 cargo test --test it dependencies` writes the list in `LICENSE-THIRD-PARTY.md` anew. Nothing is
 //! asked of the network: Cargo knows the licence of every package that it has built. The list is that of 64-bit Linux
 //! with every feature.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
-#![allow(missing_docs)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -88,7 +87,7 @@ fn licences_are_listed_and_compatible() {
         std::fs::write(&path, list).unwrap();
     } else {
         let written = std::fs::read_to_string(&path).unwrap();
-        assert_eq!(written, list, "RACKMESH_UPDATE=1 cargo test --test dependencies writes the list anew");
+        assert_eq!(written, list, "RACKMESH_UPDATE=1 cargo test --test it dependencies writes the list anew");
     }
 }
 

@@ -1,12 +1,10 @@
 //! The multibody model against the exact mesh, and its own promises.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
-
-mod common;
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
 use std::ops::ControlFlow;
 
-use common::random::{self, Random};
-use common::{convergence, paper};
+use crate::common::random::{self, Random};
+use crate::common::{convergence, paper};
 use rackmesh::deviation::*;
 use rackmesh::multibody::*;
 

@@ -1,7 +1,6 @@
 //! Every input that a fuzzer found worth keeping, checked as the fuzzer checks it.
-#![allow(missing_docs)]
 
-#[path = "../fuzz/src/lib.rs"]
+#[path = "../../fuzz/src/lib.rs"]
 #[allow(unreachable_pub, clippy::pedantic)]
 mod fuzz;
 

@@ -495,8 +495,7 @@ impl Checks {
 /// Runs `case` on as many inputs as the run has, over all processors, and judges the outcome.
 fn run(formula: &str, case: impl Fn(&mut Checks) + Sync) -> Checked {
     let start = Instant::now();
-    let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
-    let inputs = if long { LONG_RUN } else { SHORT_RUN };
+    let inputs = if super::is_long() { LONG_RUN } else { SHORT_RUN };
     let name_seed = formula.bytes().fold(0_u64, |seed, byte| seed.wrapping_mul(131).wrapping_add(byte.into()));
     let next_chunk = AtomicUsize::new(0);
     let finished = Mutex::new((BTreeMap::<String, Worst>::new(), Vec::new()));

@@ -3,12 +3,10 @@
 //! takes.
 //!
 //! The default run is short; `RACKMESH_LONG_TESTS=1` runs 40 times as many cases.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
-mod common;
-
-use common::pairs::spur;
-use common::random::{self, Random};
+use crate::common::pairs::spur;
+use crate::common::random::{self, Random};
 use rackmesh::deviation::*;
 use rackmesh::formula::{Input, Model, PinionPitch, RackLead, RackPitch, over_roller};
 use rackmesh::gear::{GeometryWarning, Pair, PairData, PinionData, RackData};
@@ -16,8 +14,7 @@ use rackmesh::mesh::{ContactKind, Mesh, MeshError, Sampler, Support, Work};
 use rackmesh::quantity::{Angle, DomainError, Length};
 
 fn cases(short: u64) -> std::ops::Range<u64> {
-    let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
-    0..if long { 40 * short } else { short }
+    0..if crate::common::is_long() { 40 * short } else { short }
 }
 
 // ---- formulas --------------------------------------------------------------------------------------

@@ -1,12 +1,10 @@
 //! Coulomb friction in the contact: its direction and size against a balance by hand, its fading at low speed, and
 //! where the energy goes.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
-
-mod common;
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
 use std::ops::ControlFlow;
 
-use common::paper::spur;
+use crate::common::paper::spur;
 use rackmesh::deviation::{PinionFlanks, RackFlanks};
 use rackmesh::multibody::*;
 

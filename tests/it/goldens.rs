@@ -6,8 +6,8 @@
 //! a digest of those up to the next.
 //!
 //! ```sh
-//! RACKMESH_GOLDENS=compare cargo test --test goldens   # lists what differs, and by how much
-//! RACKMESH_GOLDENS=write cargo test --test goldens     # after a wanted change
+//! RACKMESH_GOLDENS=compare cargo test --test it goldens   # lists what differs, and by how much
+//! RACKMESH_GOLDENS=write cargo test --test it goldens     # after a wanted change
 //! ```
 //!
 //! `RACKMESH_GOLDENS_PROGRAM` names another program to run. Without `RACKMESH_GOLDENS` nothing is compared.

@@ -1,10 +1,6 @@
 //! Every formula against an independent implementation with 448-bit numbers; see `common/formulas.rs`.
 
-#[path = "common/formulas.rs"]
-#[allow(dead_code, unreachable_pub, missing_docs)]
-mod formulas;
-
-use formulas::{angle, length};
+use crate::common::formulas::{self, angle, length};
 use rackmesh::formula::{Model, RackLead};
 use rackmesh::quantity::Angle;
 

@@ -1,10 +1,8 @@
 //! What is made of solved points, curves and their summaries, and the virtual measuring machine, against values known
 //! in closed form.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
-mod common;
-
-use common::pairs::{spur, steering};
+use crate::common::pairs::{spur, steering};
 use rackmesh::deviation::*;
 use rackmesh::gear::Pair;
 use rackmesh::mesh::{Carrier, ContactKind, Curve, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support};

@@ -16,9 +16,9 @@ fn valid(text: &str) -> bool {
 }
 
 const EXAMPLES: [&str; 4] = [
-    include_str!("../examples/minimal.toml"),
-    include_str!("../examples/steering.toml"),
-    include_str!("../examples/everything.toml"),
+    include_str!("../../examples/minimal.toml"),
+    include_str!("../../examples/steering.toml"),
+    include_str!("../../examples/everything.toml"),
     TEMPLATE,
 ];
 

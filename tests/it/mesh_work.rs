@@ -1,10 +1,8 @@
 //! What the solver does for random pairs, counted: guesses, bounds and hints change no result, but without them, or
 //! with worse ones, there is more to do.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
-mod common;
-
-use common::kinds::CASES;
+use crate::common::kinds::CASES;
 use rackmesh::mesh::{Sampler, Support, Work};
 
 /// Rotations tried, flank pairs in reach and flank pairs searched: from a fresh start each, and along strokes near each

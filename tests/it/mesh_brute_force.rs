@@ -1,12 +1,11 @@
 //! The solver against an independent brute force on random pairs and deviations.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
-
-mod common;
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
 use std::fmt::Write;
 
-use common::brute::{Brute, Roll};
-use common::kinds::{CASES, Case, KINDS, compare, compare_formed, compare_rolling, run, teeth};
+use crate::common::brute::{Brute, Roll};
+use crate::common::is_long;
+use crate::common::kinds::{CASES, Case, KINDS, compare, compare_formed, compare_rolling, run, teeth};
 use rackmesh::deviation::{PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
 use rackmesh::gear::Pair;
 use rackmesh::mesh::{Mesh, Support};
@@ -14,14 +13,10 @@ use rackmesh::mesh::{Mesh, Support};
 /// The brute force's own error: golden sections stop at 2e-9 of a cell, and heights are quadratic there.
 const ALLOWED_MM: f64 = 1e-7;
 
-fn long() -> bool {
-    std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|v| v == "1")
-}
-
 #[test]
 fn random_pairs_agree_with_brute_force() {
     let first: u64 = std::env::var("RACKMESH_FIRST_SEED").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
-    let count = if long() { 400 } else { 24 };
+    let count = if is_long() { 400 } else { 24 };
     // these once found peaks that the solver missed: corners of functions that are not concave, an involute that starts
     // at its base circle, almost no helix
     const ONCE_WRONG: [u64; 6] = [33, 35, 67, 2291, 2481, 384];
@@ -34,7 +29,7 @@ fn random_pairs_agree_with_brute_force() {
 #[test]
 fn flank_form_agrees_with_brute_force() {
     // at this one both sides touch at the rack's tip edges, which was taken for its tip planes
-    let seeds: Vec<u64> = std::iter::once(19).chain(1..if long() { 200 } else { 9 }).collect();
+    let seeds: Vec<u64> = std::iter::once(19).chain(1..if is_long() { 200 } else { 9 }).collect();
     let (compared, worst, failures) = run(&seeds, 1e-7, compare_formed);
     println!("{compared} pairs with flank form compared, largest difference {worst:e} mm");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
@@ -44,9 +39,9 @@ fn flank_form_agrees_with_brute_force() {
 fn a_rolling_rack_agrees_with_brute_force_at_every_roll() {
     let first: u64 = std::env::var("RACKMESH_FIRST_SEED").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
     // at this one the derivative by the roll was that of a point that stays, at a vertex that moves
-    let seeds: Vec<u64> = std::iter::once(129).chain(first..first + if long() { 30 } else { 1 }).collect();
+    let seeds: Vec<u64> = std::iter::once(129).chain(first..first + if is_long() { 30 } else { 1 }).collect();
     let (compared, worst, failures) =
-        run(&seeds, 1e-7, |seed| compare_rolling(seed, if long() { 21 } else { 5 }, false));
+        run(&seeds, 1e-7, |seed| compare_rolling(seed, if is_long() { 21 } else { 5 }, false));
     println!("{compared} rolling racks compared, largest difference {worst:e} mm");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }
@@ -54,9 +49,9 @@ fn a_rolling_rack_agrees_with_brute_force_at_every_roll() {
 #[test]
 fn a_rolling_rack_with_flank_form_agrees_with_brute_force_at_every_roll() {
     let first: u64 = std::env::var("RACKMESH_FIRST_SEED").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
-    let seeds: Vec<u64> = (first..first + if long() { 30 } else { 2 }).collect();
+    let seeds: Vec<u64> = (first..first + if is_long() { 30 } else { 2 }).collect();
     let (compared, worst, failures) =
-        run(&seeds, 1e-7, |seed| compare_rolling(seed, if long() { 21 } else { 5 }, true));
+        run(&seeds, 1e-7, |seed| compare_rolling(seed, if is_long() { 21 } else { 5 }, true));
     println!("{compared} rolling racks with flank form compared, largest difference {worst:e} mm");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }
@@ -65,7 +60,7 @@ fn a_rolling_rack_with_flank_form_agrees_with_brute_force_at_every_roll() {
 /// zero, and the search once took this corner for the highest point, 55 µm too low.
 #[test]
 fn a_corner_on_the_base_circle_is_no_peak() {
-    let (name, compare) = common::kinds::KINDS[1];
+    let (name, compare) = crate::common::kinds::KINDS[1];
     assert_eq!(name, "helical, parallel axes");
     let (difference, case) = compare(26).expect("it has contact");
     assert!(difference.abs() <= 1e-9, "{difference:e}: {case}");
@@ -79,7 +74,7 @@ fn an_involute_that_interferes_from_its_base_circle_is_not_passed_over() {
     for (teeth, shift, addendum, stroke) in
         [(6, 0.2, 2.0, 0.7), (8, 0.0, 2.0, 1.4), (10, 0.1, 2.0, 2.8), (10, 0.1, 1.6, 3.5), (12, 0.0, 2.0, 2.1)]
     {
-        let mut data = common::pairs::spur();
+        let mut data = crate::common::pairs::spur();
         data.rack.addendum_mm = addendum;
         data.pinion.teeth = teeth;
         data.pinion.profile_shift = shift;
@@ -98,7 +93,7 @@ fn an_involute_that_interferes_from_its_base_circle_is_not_passed_over() {
 /// Thick teeth of low height: where one side stands on a tip and the other in a space, the pinion is held.
 #[test]
 fn one_side_on_a_tip_is_a_contact() {
-    let mut data = common::pairs::spur();
+    let mut data = crate::common::pairs::spur();
     data.rack.tooth_thickness_mm = Some(3.56);
     data.rack.addendum_mm = 0.3;
     data.pinion.tip_diameter_mm = 42.0;
@@ -155,7 +150,7 @@ fn both_sides_ask_for_the_same_where_the_pinion_is() {
 /// The first pairs of each kind again: none is worse than the README's table says.
 #[test]
 fn the_accuracy_that_is_written_is_true() {
-    let written = include_str!("../benches/results/accuracy.md");
+    let written = include_str!("../../benches/results/accuracy.md");
     for (kind, compare) in KINDS {
         let row = written.lines().find(|line| line.starts_with(&format!("| {kind} |"))).expect(kind);
         let worst = row.split(" | ").nth(2).and_then(|cell| cell.strip_suffix(" mm |")).expect(row);
@@ -229,7 +224,7 @@ fn agrees_with_the_record(kind: &str, count: usize) {
     let failures = parallel(count, |seed| {
         let row = rows[seed];
         let recorded: Option<f64> = row.strip_prefix(&format!("{kind}; {seed}; ")).expect(row).parse().ok();
-        if long() {
+        if is_long() {
             let again = search(seed);
             assert_eq!(again.is_some(), recorded.is_some(), "{row}");
             assert!(again.is_none_or(|again| (again - recorded.unwrap()).abs() < ALLOWED_MM), "{row}: {again:?}");

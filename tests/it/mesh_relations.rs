@@ -1,11 +1,9 @@
 //! The exact relations of a zero-backlash rack and pinion, on random pairs.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
-mod common;
-
+use crate::common::pairs;
+use crate::common::random::{self, Random};
 use approx::assert_abs_diff_eq;
-use common::pairs;
-use common::random::{self, Random};
 use proptest::prelude::*;
 use rackmesh::deviation::*;
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};

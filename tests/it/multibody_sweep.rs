@@ -1,20 +1,17 @@
 //! Whatever a simulation is asked ends in a right answer or in an error that says what to change.
 //!
 //! The default run is short; `RACKMESH_LONG_TESTS=1` runs 10 times as many scenes.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
-
-mod common;
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
 use std::ops::ControlFlow;
 
-use common::paper;
-use common::random::{self, Random};
+use crate::common::paper;
+use crate::common::random::{self, Random};
 use rackmesh::deviation::*;
 use rackmesh::multibody::*;
 
 fn cases(short: u64) -> std::ops::Range<u64> {
-    let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
-    0..if long { 10 * short } else { short }
+    0..if crate::common::is_long() { 10 * short } else { short }
 }
 
 fn power(random: &mut Random, low: f64, high: f64) -> f64 {

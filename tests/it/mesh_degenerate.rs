@@ -1,10 +1,8 @@
 //! Odd inputs get a right answer or a clear error, never a panic, a NaN or a hang.
-#![allow(missing_docs, clippy::pedantic, clippy::disallowed_methods)]
+#![allow(clippy::pedantic, clippy::disallowed_methods)]
 
-mod common;
-
-use common::pairs::{spur, steering};
-use common::random::{self, Random};
+use crate::common::pairs::{spur, steering};
+use crate::common::random::{self, Random};
 use rackmesh::deviation::*;
 use rackmesh::gear::{GeometryError, Pair, PairData};
 use rackmesh::mesh::{Mesh, MeshError, Sampler, Support};

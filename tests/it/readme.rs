@@ -1,7 +1,6 @@
 //! Measured numbers in the README are copied from the files that the examples wrote, and never typed.
 //!
-//! `RACKMESH_UPDATE=1 cargo test --test readme` copies them anew.
-#![allow(missing_docs)]
+//! `RACKMESH_UPDATE=1 cargo test --test it readme` copies them anew.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,7 +22,7 @@ fn check(name: &str, text: &str) {
     if std::env::var_os("RACKMESH_UPDATE").is_some() {
         std::fs::write(&path, format!("{}{text}{}", &readme[..start], &readme[end..])).unwrap();
     } else {
-        assert_eq!(&readme[start..end], text, "RACKMESH_UPDATE=1 cargo test --test readme copies the numbers anew");
+        assert_eq!(&readme[start..end], text, "RACKMESH_UPDATE=1 cargo test --test it readme copies the numbers anew");
     }
 }
 

@@ -1,5 +1,4 @@
 //! What a program that uses the library may count on.
-#![allow(missing_docs)]
 
 use std::error::Error;
 use std::fmt::Debug;

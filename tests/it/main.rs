@@ -1,0 +1,28 @@
+//! Everything that the library and the program promise, a module for each subject.
+//!
+//! The default run is short; `RACKMESH_LONG_TESTS=1` runs many times as many cases where a module says so.
+#![allow(missing_docs)]
+
+mod api;
+mod batch;
+mod batch_exact;
+mod common;
+mod decimal_exactness;
+mod dependencies;
+mod domains;
+mod formula_accuracy;
+#[cfg(feature = "xlsx")]
+mod fuzz_corpus;
+mod goldens;
+mod mesh_brute_force;
+mod mesh_curve;
+mod mesh_degenerate;
+mod mesh_relations;
+mod mesh_work;
+mod multibody;
+mod multibody_friction;
+mod multibody_sweep;
+mod process;
+mod readme;
+mod spec;
+mod stability;
