@@ -4,9 +4,5 @@
 
 #[test]
 fn readme_and_transcripts() {
-    let cases = trycmd::TestCases::new();
-    cases.case("README.md").case("tests/cmd/*.md");
-    if cfg!(not(feature = "xlsx")) {
-        cases.skip("tests/cmd/workbooks.md");
-    }
+    trycmd::TestCases::new().case("README.md").case("tests/cmd/*.md");
 }

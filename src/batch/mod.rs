@@ -13,7 +13,7 @@
 //! | `number`, `buffer`, `write`, `rows` | decimal text to integers and back |
 //! | `evaluate`, `results` | one row: the fast way, and the exact one where that cannot decide |
 //! | `run`, `pack` | chunks through all cores, in order |
-//! | `parquet` | rows as Parquet, with the feature of that name |
+//! | `parquet` | rows as Parquet |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
 //! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
 //!
@@ -57,7 +57,6 @@ mod number;
 mod outcome;
 mod output;
 mod pack;
-#[cfg(feature = "parquet")]
 mod parquet;
 mod plan;
 mod request;
@@ -75,7 +74,6 @@ pub use layout::Layout;
 pub use number::Decimals;
 pub use outcome::{Counts, Outcome, Part, Problem, Work};
 pub use pack::Packing;
-#[cfg(feature = "parquet")]
 pub use parquet::{ColumnKind, GROUP, ParquetRows};
 pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};

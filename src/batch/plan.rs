@@ -257,7 +257,6 @@ impl Plan {
     }
 
     /// What each column written holds.
-    #[cfg(feature = "parquet")]
     #[must_use]
     pub fn column_kinds(&self) -> Vec<super::parquet::ColumnKind> {
         use super::parquet::ColumnKind;

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use super::output::Failure;
 use crate::batch::Input;
-use crate::cmm::Sheet;
 use crate::cmm::qdas::{self, QdasTable};
-
+use crate::cmm::xlsx::{CellRange, SheetRows, Workbook};
+use crate::cmm::{Sheet, paste};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
 use crate::report::Report;
@@ -27,8 +27,7 @@ pub(super) struct Place {
 /// A table that is no text.
 pub(super) enum Office {
     /// A sheet of a workbook.
-    #[cfg(feature = "xlsx")]
-    Sheet(crate::cmm::xlsx::SheetRows),
+    Sheet(SheetRows),
     /// A file of statistics software.
     Qdas(Box<QdasTable>),
 }
@@ -80,10 +79,7 @@ fn qdas(paths: &[String], spec: &Spec) -> Result<Office, Failure> {
     Ok(Office::Qdas(Box::new(qdas::read(&files)?.table(&spec.column_names()))))
 }
 
-#[cfg(feature = "xlsx")]
 fn sheet(path: &str, spec: &Spec, place: &Place) -> Result<Office, Failure> {
-    use crate::cmm::paste;
-    use crate::cmm::xlsx::{CellRange, Workbook};
     let range = match &place.range {
         Some(range) => {
             range.parse().map_err(|problem| Diagnostic::error(Code::Usage, format!("--range: {problem}")))?
@@ -96,17 +92,10 @@ fn sheet(path: &str, spec: &Spec, place: &Place) -> Result<Office, Failure> {
     Ok(Office::Sheet(book.rows(place.sheet.as_deref(), range, &known)?))
 }
 
-#[cfg(not(feature = "xlsx"))]
-fn sheet(path: &str, _: &Spec, _: &Place) -> Result<Office, Failure> {
-    let message = format!("{path} is an Excel workbook, and this rackmesh was built without the feature `xlsx`");
-    Err(Diagnostic::error(Code::FileAccess, message).help("save the sheet as CSV").into())
-}
-
 impl Office {
     /// The spec with what the file says where it is silent, and remarks on that.
     pub(super) fn completed(&self, spec: &Spec, model: Model) -> (Spec, Vec<String>) {
         match self {
-            #[cfg(feature = "xlsx")]
             Self::Sheet(_) => (spec.clone(), Vec::new()),
             Self::Qdas(table) => spec.completed_by(table.qdas(), model),
         }
@@ -115,7 +104,6 @@ impl Office {
     /// The table as rows of a batch; `path` is what messages call it.
     pub(super) fn input(self, path: &str) -> Input {
         match self {
-            #[cfg(feature = "xlsx")]
             Self::Sheet(sheet) => {
                 // the place of a row is asked for after it was read: the batch counts rows, the sheet may skip some
                 let numbers = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
@@ -156,7 +144,6 @@ impl Office {
                 .help("`rackmesh batch` evaluates tables of any length")
         };
         match self {
-            #[cfg(feature = "xlsx")]
             Self::Sheet(sheet) => {
                 let most = MOST_CELLS / sheet.columns.len().max(1);
                 let mut rows = Vec::new();
@@ -207,12 +194,6 @@ impl std::io::Write for Collected {
 }
 
 impl Collected {
-    /// There is nothing to write behind them.
-    #[cfg(not(feature = "parquet"))]
-    pub(super) fn finish(&self) -> std::io::Result<()> {
-        self.0.lock().map(|_| ()).map_err(|_| std::io::Error::other("the rows are lost"))
-    }
-
     /// The rows, header included.
     pub(super) fn rows(&self) -> Result<Vec<Vec<String>>, Failure> {
         let kept = self.0.lock().map_err(|_| std::io::Error::other("the rows are lost"))?;
@@ -230,10 +211,7 @@ pub(super) fn write_rows(path: &str, rows: &[Vec<String>], spec: &Spec) -> Resul
     let title = spec.title.as_deref().unwrap_or("rackmesh");
     let bytes = match Path::new(path).extension().and_then(|extension| extension.to_str()) {
         Some(extension) if extension.eq_ignore_ascii_case("dfq") => crate::report::qdas(rows, title, &spec.limits()),
-        #[cfg(feature = "xlsx")]
         _ => crate::report::xlsx::workbook("rackmesh", rows).map_err(|error| failed(&error))?,
-        #[cfg(not(feature = "xlsx"))]
-        _ => return Err(failed(&"this rackmesh was built without the feature `xlsx`").into()),
     };
     std::fs::write(path, bytes).map_err(|error| failed(&error))?;
     Ok(())

@@ -20,7 +20,6 @@ mod table;
 mod teeth;
 mod text;
 mod written;
-#[cfg(feature = "xlsx")]
 pub mod xlsx;
 
 pub use sheet::Sheet;

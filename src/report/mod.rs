@@ -32,7 +32,6 @@ mod simulation;
 mod sketch;
 mod table;
 mod uncertainty;
-#[cfg(feature = "xlsx")]
 pub mod xlsx;
 
 #[cfg(feature = "batch")]

@@ -326,19 +326,6 @@ fn parts_with_their_teeth_go_through_the_exact_mesh() {
 }
 
 #[test]
-#[cfg(not(feature = "parquet"))]
-fn a_format_that_was_not_built_in_says_how_to_get_it() {
-    let output = batch(&[SPEC, "--format", "parquet"], TABLE.as_bytes());
-    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
-    let messages = text(&output.stderr);
-    assert!(
-        messages.contains("without the feature `parquet`") && messages.contains("--features parquet"),
-        "{messages}"
-    );
-}
-
-#[test]
-#[cfg(feature = "parquet")]
 fn parquet_holds_what_csv_holds() {
     use parquet::file::reader::{FileReader as _, SerializedFileReader};
     let file = path("rows.parquet");

@@ -1,9 +1,8 @@
-//! What rackmesh is built from: licences that go with its own, and no C.
+//! What rackmesh is built from: licences that go with its own, and no C. Which licences go with it says `deny.toml`.
 //!
 //! `RACKMESH_UPDATE=1 cargo test --test it dependencies` writes the list in `LICENSE-THIRD-PARTY.md` anew. Nothing is
-//! asked of the network: Cargo knows the licence of every package that it has built. The list is that of 64-bit Linux
-//! with every feature.
-#![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+//! asked of the network: Cargo knows every package that it has built. The list is that of 64-bit Linux.
+#![cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -11,27 +10,14 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// Licences that allow use in a program under the MIT licence, with no more asked than that they be named.
-const ALLOWED: &[&str] = &[
-    "0BSD",
-    "Apache-2.0",
-    "Apache-2.0 WITH LLVM-exception",
-    "BSD-3-Clause",
-    "BSL-1.0",
-    "CC0-1.0",
-    "MIT",
-    "Unicode-3.0",
-    "Unlicense",
-    "Zlib",
-];
-
 /// Packages whose build scripts compile C or look for C libraries.
 const C_BUILDERS: &[&str] = &["bindgen", "cc", "cmake", "pkg-config", "vcpkg"];
 
+/// What Cargo says of the packages that this test was built with; others need not be there.
 fn metadata() -> Value {
     let output = Command::new(env!("CARGO"))
         .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(["metadata", "--format-version=1", "--locked", "--offline", "--all-features"])
+        .args(["metadata", "--format-version=1", "--locked", "--offline"])
         .arg("--filter-platform=x86_64-unknown-linux-gnu")
         .output()
         .unwrap();
@@ -61,23 +47,15 @@ fn packages<'a>(metadata: &'a Value, with_tests: bool) -> BTreeMap<(&'a str, &'a
     others.map(|id| ((text(id, "name"), text(id, "version")), packages[id])).collect()
 }
 
-/// Whether one alternative of every part of an SPDX expression is allowed.
-fn is_allowed(expression: &str) -> bool {
-    let plain = expression.replace(['(', ')'], "").replace('/', " OR ");
-    plain.split(" AND ").all(|part| part.split(" OR ").any(|licence| ALLOWED.contains(&licence.trim())))
-}
-
 #[test]
-fn licences_are_listed_and_compatible() {
+fn licences_are_listed() {
     let metadata = metadata();
     let mut by_licence: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for ((name, version), package) in packages(&metadata, false) {
         let licence = package["license"].as_str().unwrap_or_else(|| panic!("{name} {version} names no licence"));
-        assert!(is_allowed(licence), "{name} {version}: {licence}");
         by_licence.entry(licence).or_default().push(format!("{name} {version}"));
     }
-    let mut list = "# Licences of what rackmesh is built from\n\nWith every feature, on 64-bit Linux. Each allows use in a program under the \
-                    MIT licence.\n"
+    let mut list = "# Licences of what rackmesh is built from\n\nOn 64-bit Linux. Each allows use in a program under the MIT licence.\n"
         .to_owned();
     for (licence, packages) in by_licence {
         list += &format!("\n## {licence}\n\n{}\n", packages.join(", "));
@@ -92,26 +70,10 @@ fn licences_are_listed_and_compatible() {
 }
 
 #[test]
-fn expressions_are_read() {
-    assert!(is_allowed("(MIT OR Apache-2.0) AND Unicode-3.0"));
-    assert!(is_allowed("GPL-3.0/MIT"));
-    assert!(!is_allowed("MIT AND GPL-3.0-only"));
-    assert!(!is_allowed("MPL-2.0"));
-}
-
-#[test]
 fn nothing_compiles_or_links_c() {
     let metadata = metadata();
     for ((name, version), package) in packages(&metadata, true) {
         assert!(package["links"].is_null() || name == "rayon-core", "{name} {version} links {}", package["links"]);
-        for dependency in
-            package["dependencies"].as_array().unwrap().iter().filter(|dependency| dependency["kind"] == "build")
-        {
-            let builder = dependency["name"].as_str().unwrap();
-            assert!(
-                !C_BUILDERS.contains(&builder) || dependency["optional"] == true,
-                "{name} {version} is built with {builder}"
-            );
-        }
+        assert!(!C_BUILDERS.contains(&name), "{name} {version} builds C");
     }
 }

@@ -11,7 +11,6 @@ mod decimal_exactness;
 mod dependencies;
 mod domains;
 mod formula_accuracy;
-#[cfg(feature = "xlsx")]
 mod fuzz_corpus;
 mod goldens;
 mod mesh_brute_force;

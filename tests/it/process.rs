@@ -259,8 +259,7 @@ fn a_workbook_and_statistics_software_get_the_results_of_a_batch() {
     let folder = Folder::new("office");
     let rows = text(&with_input(&["batch", "examples/steering.toml", "examples/lot.dfq"], b"").stdout).to_owned();
     assert!(rows.contains("P-0001,0.013000,"), "{rows}");
-    let files: &[&str] = if cfg!(feature = "xlsx") { &["results.xlsx", "results.dfq"] } else { &["results.dfq"] };
-    for file in files {
+    for file in ["results.xlsx", "results.dfq"] {
         let output =
             with_input(&["batch", "examples/steering.toml", "examples/lot.dfq", "-o", &folder.path(file)], b"");
         assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));

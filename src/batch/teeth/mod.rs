@@ -195,7 +195,6 @@ impl<'a> Teeth<'a> {
     }
 
     /// What each column written holds, of those that `columns` asks for.
-    #[cfg(feature = "parquet")]
     #[must_use]
     pub fn column_kinds(columns: Option<&[String]>) -> Vec<super::ColumnKind> {
         use super::ColumnKind;

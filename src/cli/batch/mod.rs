@@ -111,7 +111,7 @@ enum BatchFormat {
     Tsv,
     /// One JSON object per line.
     Jsonl,
-    /// Parquet (rows), with the feature `parquet`.
+    /// Parquet (rows).
     Parquet,
     /// Aligned tables for people (summary).
     Table,
@@ -192,11 +192,7 @@ impl Args {
         self.remarks(&spec, &plan, &first, output);
 
         let collected = office::Collected::default();
-        #[cfg(feature = "parquet")]
-        let kinds = || plan.column_kinds();
-        #[cfg(not(feature = "parquet"))]
-        let kinds = || ();
-        let mut targets = self.targets(&collected, &kinds)?;
+        let mut targets = self.targets(&collected, &|| plan.column_kinds())?;
         let sinks = targets.sinks();
         let mut batch = Batch::new(&plan, sinks, self.threads.map(usize::from));
         let mut failed = Vec::new();

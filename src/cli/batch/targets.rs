@@ -4,42 +4,15 @@ use std::fs::File;
 use std::io::Write;
 
 use super::{Args, BatchFormat, unwritable};
-use crate::batch::{Packing, Sink, Sinks};
+use crate::batch::{ColumnKind, Packing, ParquetRows, Sink, Sinks};
 use crate::cli::output::Failure;
 use crate::cli::{office, stream};
-#[cfg(not(feature = "parquet"))]
-use crate::diagnostic::{Code, Diagnostic};
-
-/// What the columns of a Parquet file hold.
-#[cfg(feature = "parquet")]
-pub(super) type Kinds = Vec<crate::batch::ColumnKind>;
-#[cfg(feature = "parquet")]
-type Parquet = crate::batch::ParquetRows;
-
-/// There are no Parquet files without the feature.
-#[cfg(not(feature = "parquet"))]
-pub(super) type Kinds = ();
-#[cfg(not(feature = "parquet"))]
-type Parquet = office::Collected;
-
-#[cfg(feature = "parquet")]
-#[expect(clippy::unnecessary_wraps, reason = "without the feature it fails")]
-fn parquet(rows: Box<dyn Write + Send>, kinds: Kinds) -> Result<Parquet, Failure> {
-    Ok(Parquet::new(rows, kinds))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn parquet(_: Box<dyn Write + Send>, (): Kinds) -> Result<Parquet, Failure> {
-    Err(Diagnostic::error(Code::Usage, "this rackmesh was built without the feature `parquet`")
-        .help("build it with `cargo install --path . --features parquet`, or write csv")
-        .into())
-}
 
 /// Files that are written.
 pub(super) struct Targets {
     rows: Option<Box<dyn Write + Send>>,
     /// The rows, too, if they become a Parquet file, which has an end of its own.
-    parquet: Option<Parquet>,
+    parquet: Option<ParquetRows>,
     rejects: Option<File>,
     packing: Packing,
     rejects_packing: Packing,
@@ -62,7 +35,11 @@ impl Targets {
 
 impl Args {
     /// Where rows and rejected rows go.
-    pub(super) fn targets(&self, collected: &office::Collected, kinds: &dyn Fn() -> Kinds) -> Result<Targets, Failure> {
+    pub(super) fn targets(
+        &self,
+        collected: &office::Collected,
+        kinds: &dyn Fn() -> Vec<ColumnKind>,
+    ) -> Result<Targets, Failure> {
         let rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
             (_, true) => None,
             (Some(path), false) if office::is_office(path) => Some(Box::new(collected.clone())),
@@ -71,7 +48,7 @@ impl Args {
         };
         let (rows, parquet) = match rows {
             Some(rows) if self.is_parquet() => {
-                let parquet = parquet(rows, kinds())?;
+                let parquet = ParquetRows::new(rows, kinds());
                 let writer: Box<dyn Write + Send> = Box::new(parquet.clone());
                 (Some(writer), Some(parquet))
             }

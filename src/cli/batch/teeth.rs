@@ -52,11 +52,7 @@ impl Args {
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let workers = self.threads.map_or_else(cores, usize::from);
         let collected = office::Collected::default();
-        #[cfg(feature = "parquet")]
-        let kinds = || Teeth::column_kinds(self.columns.as_deref());
-        #[cfg(not(feature = "parquet"))]
-        let kinds = || ();
-        let mut targets = self.targets(&collected, &kinds)?;
+        let mut targets = self.targets(&collected, &|| Teeth::column_kinds(self.columns.as_deref()))?;
         let mut teeth = Teeth::new(spec, &tables, request, targets.sinks(), workers)?;
         let mut failed = Vec::new();
         let mut bar = Bar::new(files, "parts");
