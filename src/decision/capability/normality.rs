@@ -1,5 +1,5 @@
-//! Whether the values of a batch look normally distributed, which capability indices suppose. Called with the values
-//! themselves, or with how many of them lie where; it says what it finds and refuses nothing.
+//! Whether the values of a batch look normally distributed, which capability indices suppose. Called with how many of
+//! them lie where; it says what it finds and refuses nothing.
 
 use super::count;
 use crate::decision::statistics::{normal_cdf, normal_density};
@@ -18,31 +18,6 @@ pub struct Normality {
 }
 
 impl Normality {
-    /// Of values whose mean and standard deviation are known.
-    ///
-    /// Skewness, kurtosis, and the Anderson-Darling statistic.
-    pub(super) fn of(values: &[f64], mean: f64, deviation: f64) -> Self {
-        let n = count(values.len());
-        let moments = values.iter().fold([0.0; 3], |[m2, m3, m4], value| {
-            let d = value - mean;
-            [m2 + d * d, m3 + d * d * d, m4 + d * d * d * d]
-        });
-        let [m2, m3, m4] = moments.map(|moment| moment / n);
-        let mut sorted = values.to_vec();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let log_cdf = |z: f64| libm::log(0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2));
-        let standardised = |value: f64| (value - mean) / deviation;
-        let sum: f64 = sorted
-            .iter()
-            .zip(sorted.iter().rev())
-            .zip(0_usize..)
-            .map(|((low, high), i)| {
-                (2.0 * count(i) + 1.0) * (log_cdf(standardised(*low)) + log_cdf(-standardised(*high)))
-            })
-            .sum();
-        Self::with_statistic(n, -n - sum / n, [m2, m3, m4])
-    }
-
     /// Of values counted in groups, from the lowest group to the highest: its ends and count. Within a group they are
     /// taken as spread evenly. `None` if a group is wider than a quarter of the standard deviation.
     ///
@@ -229,6 +204,20 @@ mod tests {
         assert!(Normality::of_groups(&[(0.0, 0.51, 10)], 0.25, 2.0).is_none());
     }
 
+    /// The statistic as its definition gives it.
+    fn by_values(values: &[f64], mean: f64, deviation: f64) -> Normality {
+        let n = count(values.len());
+        let moments = [2, 3, 4].map(|k| {
+            let power = |value: &f64| (0..k).fold(1.0, |product, _| product * (value - mean));
+            values.iter().map(power).sum::<f64>() / n
+        });
+        let z = |value: f64| (value - mean) / deviation;
+        let terms = values.iter().zip(values.iter().rev()).zip(0_u32..).map(|((low, high), i)| {
+            (2.0 * f64::from(i) + 1.0) * libm::log(normal_cdf(z(*low)) * normal_cdf(-z(*high)))
+        });
+        Normality::with_statistic(n, -n - terms.sum::<f64>() / n, moments)
+    }
+
     #[test]
     fn groups_say_what_the_values_say() {
         // a normal and a skewed sample: the groups are a thousandth of a standard deviation wide
@@ -242,7 +231,7 @@ mod tests {
             let n = count(values.len());
             let mean = values.iter().sum::<f64>() / n;
             let deviation = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt();
-            let by_values = Normality::of(&values, mean, deviation);
+            let by_values = by_values(&values, mean, deviation);
             let width = 1e-3 * deviation;
             let mut groups: Vec<(f64, f64, u64)> = Vec::new();
             for value in &values {
