@@ -10,7 +10,7 @@ use rackmesh::decision::monte_carlo::{Settings, simulate_part};
 use rackmesh::decision::uncertainty::{Part, Source, Uncertainties, Uncertainty};
 use rackmesh::decision::{Limit, LimitTarget, Stack};
 use rackmesh::deviation::ErrorKind;
-use rackmesh::formula::{Model, PartError, PinionPitch, RackLead, RackPitch};
+use rackmesh::formula::{Law, Model, PartError};
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
 use rackmesh::mesh::Mesh;
 use rackmesh::quantity::{Angle, Length};
@@ -25,14 +25,14 @@ fn length(text: &str) -> Length {
 
 fn errors() -> Vec<PartError> {
     let (alpha, rack, pinion) = (angle("20"), angle("12"), angle("21"));
-    let pitch = RackPitch::new(&alpha, &rack).expect("valid");
-    let lead = RackLead::new(&alpha, &rack, &length("19.7")).expect("valid");
+    let pitch = Law::rack_pitch(alpha, rack).expect("valid");
+    let lead = Law::rack_lead(alpha, rack, length("19.7")).expect("valid");
     vec![
-        PartError::RackOverRoller(length("13 um")),
-        PartError::RackPitch(length("12 um"), pitch),
-        PartError::RackLead(angle("0.0255"), lead),
-        PartError::PinionRadial(length("-4 um")),
-        PartError::PinionPitch(length("9 um"), PinionPitch::new(&alpha, &pinion).expect("valid")),
+        PartError::new(Law::rack_over_roller(), length("13 um")),
+        PartError::new(pitch, length("12 um")),
+        PartError::new(lead, angle("0.0255")),
+        PartError::new(Law::pinion_radial(), length("-4 um")),
+        PartError::new(Law::pinion_pitch(alpha, pinion).expect("valid"), length("9 um")),
     ]
 }
 
@@ -40,7 +40,7 @@ fn draws(c: &mut Criterion) {
     const DRAWS: u64 = 2_000_000;
     let errors = errors();
     let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range };
-    let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(&length("0.05")))];
+    let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.05")))];
     let errors_only: Vec<_> =
         ErrorKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();
     let mut with_gear = errors_only.clone();

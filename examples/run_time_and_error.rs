@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use rackmesh::deviation::{PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
-use rackmesh::formula::{Model, RackLead, RackPitch, over_roller};
+use rackmesh::formula::{Law, Model};
 use rackmesh::gear::Pair;
 use rackmesh::mesh::{Mesh, Support};
 use rackmesh::multibody::{ContactModel, Outcome, Parameters, Scene, SphereGrid, StripGrid};
@@ -50,7 +50,7 @@ fn cases() -> [Case; 3] {
             name: "over-roller",
             title: "over-roller error ΔM = 0.02 mm",
             kinds: vec![RackDeviationKind::OverRoller(0.02)],
-            formula: || Ok(over_roller::delta_cd(&"0.02".parse()?).mm()),
+            formula: || Ok(Law::rack_over_roller().delta_cd("0.02".parse::<Length>()?, Model::Exact)?.mm()),
         },
         Case {
             name: "pitch",
@@ -58,7 +58,7 @@ fn cases() -> [Case; 3] {
             kinds: vec![RackDeviationKind::Pitch(0.02), RackDeviationKind::Thickness(0.01)],
             formula: || {
                 let alpha: Angle = PRESSURE_ANGLE.parse()?;
-                Ok(RackPitch::new(&alpha, &Angle::ZERO)?.delta_cd(&"0.02".parse()?, Model::Exact)?.mm())
+                Ok(Law::rack_pitch(alpha, Angle::ZERO)?.delta_cd("0.02".parse::<Length>()?, Model::Exact)?.mm())
             },
         },
         Case {
@@ -67,7 +67,7 @@ fn cases() -> [Case; 3] {
             kinds: vec![RackDeviationKind::Lead(0.25 * std::f64::consts::PI / 180.0)],
             formula: || {
                 let (alpha, width): (Angle, Length) = (PRESSURE_ANGLE.parse()?, FACE_WIDTH.parse()?);
-                Ok(RackLead::new(&alpha, &Angle::ZERO, &width)?.delta_cd(&"0.25".parse()?, Model::Exact)?.mm())
+                Ok(Law::rack_lead(alpha, Angle::ZERO, width)?.delta_cd("0.25".parse::<Angle>()?, Model::Exact)?.mm())
             },
         },
     ]

@@ -9,10 +9,10 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`quantity`] | lengths and angles, known exactly; domains and their errors |
+//! | [`quantity`] | lengths and angles on a grid finer than any measurement; domains and their errors |
 //! | [`trig`] | the only place that computes sines, the same bits everywhere |
 //! | [`deviation`] | what is wrong with a part |
-//! | [`formula`] | ΔCD of one error: the paper's formulas and the exact ones, inverses, sensitivities |
+//! | [`formula`] | ΔCD of one error: a law for each, with its inverse and sensitivities |
 //! | [`standard`] | accuracy grades: permissible deviations by standard and edition |
 //! | [`gear`] | the nominal pair, valid by construction |
 //! | [`mesh`] | ΔCD along the stroke: the exact zero-backlash mesh of every tooth's own deviations |
@@ -28,10 +28,11 @@
 //!
 //! # For a calculation
 //! ```
-//! use rackmesh::formula::{Model, RackPitch};
+//! use rackmesh::formula::{Law, Model};
+//! use rackmesh::quantity::Length;
 //!
-//! let formula = RackPitch::new(&"20 deg".parse()?, &"12 deg".parse()?)?;
-//! let delta_cd = formula.delta_cd(&"20 um".parse()?, Model::Exact)?;
+//! let law = Law::rack_pitch("20 deg".parse()?, "12 deg".parse()?)?;
+//! let delta_cd = law.delta_cd("20 um".parse::<Length>()?, Model::Exact)?;
 //! assert_eq!(format!("{:.4} mm", delta_cd.mm()), "0.0269 mm");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -39,12 +40,12 @@
 //! # For a check
 //! ```
 //! use rackmesh::decision::{Limit, LimitTarget, Stack, Verdict, evaluate};
-//! use rackmesh::formula::{Model, PartError};
+//! use rackmesh::formula::{Law, Model, PartError};
 //! use rackmesh::quantity::Length;
 //!
 //! let (measured, nominal): (Length, Length) = ("25.0131".parse()?, "25.0000".parse()?);
-//! let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(&"0.0131".parse()?))];
-//! let errors = [PartError::RackOverRoller(&measured - &nominal)];
+//! let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric("0.0131".parse()?))];
+//! let errors = [PartError::new(Law::rack_over_roller(), measured - nominal)];
 //! let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range)?;
 //! assert_eq!(evaluation.verdict, Some(Verdict::Pass)); // equal to the limit is inside it
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -8,8 +8,10 @@
 //! rest is one pair, found by search, whose accumulated pitch errors agree with the printed multibody values to 1.6 µm
 //! rms; any other pair with those values is as good ([`pair`]).
 
-use crate::deviation::{DeviationError, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
-use crate::formula::{Model, RackLead, RackPitch, over_roller};
+use crate::deviation::{
+    DeviationError, ErrorValue, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
+};
+use crate::formula::{Law, Model};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{self, Mesh, MeshError};
 use crate::multibody::{Outcome, Parameters, Scene, SimulationError, Support, exact_mean_mm};
@@ -137,14 +139,15 @@ impl Printed {
     /// None that the printed values can cause.
     pub fn analytic(&self, model: Model) -> Result<Length, ReproductionError> {
         let pressure_angle: Angle = PRESSURE_ANGLE.parse()?;
-        Ok(match self.table {
-            PaperTable::Pitch => {
-                RackPitch::new(&pressure_angle, &Angle::ZERO)?.delta_cd(&self.error.parse()?, model)?
+        let (law, error): (Law, ErrorValue) = match self.table {
+            PaperTable::Pitch => (Law::rack_pitch(pressure_angle, Angle::ZERO)?, self.error.parse::<Length>()?.into()),
+            PaperTable::Lead => {
+                let law = Law::rack_lead(pressure_angle, Angle::ZERO, FACE_WIDTH.parse()?)?;
+                (law, self.error.parse::<Angle>()?.into())
             }
-            PaperTable::Lead => RackLead::new(&pressure_angle, &Angle::ZERO, &FACE_WIDTH.parse()?)?
-                .delta_cd(&self.error.parse()?, model)?,
-            PaperTable::OverRoller => over_roller::delta_cd(&self.error.parse()?),
-        })
+            PaperTable::OverRoller => (Law::rack_over_roller(), self.error.parse::<Length>()?.into()),
+        };
+        Ok(law.delta_cd(error, model)?)
     }
 
     /// The formula's value with as many decimals and the sign as the paper prints them.

@@ -1,10 +1,10 @@
-//! The only place that computes trigonometric functions. Called by everything that needs one; angles are in rad unless
-//! they are exact.
+//! The only place that computes trigonometric functions. Called by everything that needs one; angles are in rad or an
+//! [`Angle`].
 //!
 //! The platform's own functions differ in the last bits between C libraries, so they are banned by
 //! lint (`clippy.toml`); the ones here are pure Rust and give the same bits everywhere.
 
-pub(crate) mod precise;
+use crate::quantity::Angle;
 
 /// Sine and cosine of an angle in radians.
 #[must_use]
@@ -60,4 +60,29 @@ pub fn atan(x: f64) -> f64 {
 #[inline]
 pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
+}
+
+/// Sine and cosine of an [`Angle`]: what its nearest number of radians leaves out is made good.
+#[must_use]
+pub fn sin_cos_of(angle: Angle) -> (f64, f64) {
+    let (radians, rest) = angle.radians_and_rest();
+    let (sin, cos) = sin_cos(radians);
+    (sin + rest * cos, cos - rest * sin)
+}
+
+/// Sine of an [`Angle`] within ±90°, in the same way.
+#[must_use]
+#[inline]
+pub fn sin_of(angle: Angle) -> f64 {
+    let (radians, rest) = angle.radians_and_rest();
+    // as much of the cosine as the rest needs
+    sin(radians) + rest * (1.0 - 0.5 * radians * radians)
+}
+
+/// Tangent of an [`Angle`], in the same way.
+#[must_use]
+pub fn tan_of(angle: Angle) -> f64 {
+    let (radians, rest) = angle.radians_and_rest();
+    let tan = tan(radians);
+    tan + rest * (1.0 + tan * tan)
 }

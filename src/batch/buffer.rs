@@ -25,12 +25,6 @@ impl Buffer {
         &self.bytes[..self.at]
     }
 
-    /// The place behind what was written.
-    #[inline]
-    pub(super) fn mark(&self) -> usize {
-        self.at
-    }
-
     /// Forgets what was written behind a mark.
     #[inline]
     pub(super) fn truncate(&mut self, mark: usize) {

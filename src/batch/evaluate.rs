@@ -1,8 +1,7 @@
 //! One row after another: fields to deviations, deviations to results, results to text and counts.
 //!
-//! A worker has an [`Evaluator`] and gives it chunks. Each row takes the fast way (integers of 1e-15 mm, each
-//! result with a bound on its error) as far as that decides every digit and verdict; else the exact way,
-//! which is that of `eval`.
+//! A worker has an [`Evaluator`] and gives it chunks. A line of plain numbers is read in one pass; every other record is
+//! split into its fields first. What follows from the deviations is the same for both, and for `eval`.
 
 use std::sync::Arc;
 
@@ -10,18 +9,16 @@ use super::buffer::Buffer;
 use super::chunk::{Holds, LONGEST_RECORD};
 use super::input::text;
 use super::layout::{Layout, Role};
-use super::number::read;
 use super::outcome::{Kept, Part, Problem, Tally, WORST, keep_worst};
 use super::plan::Plan;
-use super::results::{Judgement, KINDS, Results, exact_result, fixed, spread_of};
+use super::results::{KINDS, Margin, Results, spread_of};
 use super::split::{Field, Record, next_record};
 use super::statistics::Statistics;
-use super::uncertain::Known;
+use super::uncertain::RowUncertainty;
+use crate::decision::Verdict;
 use crate::decision::uncertainty::Spreads;
-use crate::decision::{Evaluation, LimitTarget, Rule, Verdict, evaluate};
-use crate::deviation::ErrorValue;
-use crate::formula::{Fixed, PartError};
-use crate::quantity::shown;
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::quantity::{Decimal, shown};
 
 /// Some records of a table.
 #[derive(Debug, Default)]
@@ -31,13 +28,27 @@ pub(super) struct Chunk {
     pub(super) first_record: u64,
 }
 
-/// Where a row is within its chunk, and its name and copied fields.
+/// Where a row is within its chunk, and its name.
 #[derive(Clone, Copy)]
 pub(super) struct Row<'a> {
+    /// The chunk.
     pub(super) bytes: &'a [u8],
+    /// Where the row starts in it, and where the next one does.
+    start: usize,
+    next: usize,
     pub(super) record: u64,
     pub(super) line: u64,
     pub(super) id: Option<Field>,
+}
+
+/// Why a row makes no part.
+#[derive(Default)]
+struct Refusal {
+    message: String,
+    /// The text that is wrong, if it is one.
+    text: Vec<u8>,
+    /// The column that is to blame, by its index, if one is.
+    column: Option<usize>,
 }
 
 /// Evaluates the rows of chunks.
@@ -53,7 +64,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) statistics: Vec<Statistics>,
     pub(super) fields: Vec<Field>,
     pub(super) scratch: Vec<u8>,
-    deviations: [i64; KINDS],
+    deviations: [ErrorValue; KINDS],
     /// Whether rejected rows are kept at all.
     keeps_rejects: bool,
 }
@@ -71,7 +82,7 @@ impl<'a> Evaluator<'a> {
             statistics: vec![Statistics::default(); quantities],
             fields: Vec::new(),
             scratch: Vec::new(),
-            deviations: [0; KINDS],
+            deviations: [ErrorValue::zero(ErrorKind::RackOverRoller); KINDS],
             keeps_rejects,
         }
     }
@@ -95,15 +106,10 @@ impl<'a> Evaluator<'a> {
                 return;
             }
             let record = self.tally.counts.rows + 1;
-            if plain && let Some((id, next)) = self.fast_row(bytes, at) {
-                let row = Row { bytes, record, line: self.tally.lines + 1, id };
+            if plain && let Some((id, next)) = self.plain_row(bytes, at) {
                 self.tally.counts.rows += 1;
                 self.tally.lines += 1;
-                self.tally.work.fields += self.layout.columns.len() as u64;
-                if !self.fast_part(row, chunk.first_record) {
-                    let values = (0..self.layout.columns.len()).map(|column| self.exact_deviation(column)).collect();
-                    self.exact_part(row, chunk.first_record, values, at..next);
-                }
+                self.part(Row { bytes, start: at, next, record, line: self.tally.lines, id }, chunk.first_record);
                 at = next;
                 continue;
             }
@@ -126,7 +132,7 @@ impl<'a> Evaluator<'a> {
     /// Reads the line at `at` if it is made of as many fields as the header, with plain numbers where values
     /// are read: the deviations, the part's name, and the next line's place.
     #[inline]
-    fn fast_row(&mut self, bytes: &[u8], at: usize) -> Option<(Option<Field>, usize)> {
+    fn plain_row(&mut self, bytes: &[u8], at: usize) -> Option<(Option<Field>, usize)> {
         let layout = self.layout;
         let copies = !layout.copied.is_empty();
         let last = layout.roles.len() - 1;
@@ -143,8 +149,8 @@ impl<'a> Evaluator<'a> {
             let start = at;
             if let Role::Value(value) = *role {
                 let column = &layout.columns[value];
-                let (decimal, end) = read(bytes, at, layout.mark)?;
-                self.deviations[value] = column.scale.integer(decimal)?.checked_sub(column.nominal?)?;
+                let (number, end) = Decimal::plain(bytes, at, layout.mark)?;
+                self.deviations[value] = column.plain(number)?;
                 at = end;
             } else {
                 while let Some(&byte) = bytes.get(at) {
@@ -178,129 +184,90 @@ impl<'a> Evaluator<'a> {
     /// A row of any kind, with its fields found.
     fn general_row(&mut self, bytes: &[u8], found: Record, record: u64, first_record: u64) {
         let line = self.tally.lines + found.lines_before + 1;
-        let raw = found.start..found.next;
+        let mut row = Row { bytes, start: found.start, next: found.next, record, line, id: None };
         if found.open {
-            let message = "a quote is not closed, so the rest of the table is in one field";
-            return self.reject(bytes, raw, record, line, None, b"", message.to_owned());
+            let message = "a quote is not closed, so the rest of the table is in one field".to_owned();
+            return self.reject(row, Refusal { message, ..Refusal::default() });
         }
         if self.fields.len() != self.layout.roles.len() {
             let message =
                 format!("the row has {} fields and the header has {}", self.fields.len(), self.layout.roles.len());
             let text = bytes[found.start..found.end].to_vec();
-            return self.reject(bytes, raw, record, line, None, &text, message);
+            return self.reject(row, Refusal { message, text, column: None });
         }
-        let mut values = Vec::new();
         let mut scratch = std::mem::take(&mut self.scratch);
         for (index, column) in self.layout.columns.iter().enumerate() {
             let content = self.fields[column.field].content(bytes, &mut scratch).trim_ascii();
-            if values.is_empty()
-                && let Some(integer) = column.integer(content, self.layout.mark)
-            {
-                self.deviations[index] = integer;
-                continue;
-            }
-            // the first value that is no plain number: the row takes the exact way
-            while values.len() < index {
-                values.extend(self.exact_deviation(values.len()));
-            }
-            match column.exact(&text(content), &self.plan.sources[index].reading, self.layout.mark) {
-                Ok(value) => values.push(value),
+            match column.read(&text(content), self.layout.mark) {
+                Ok(value) => self.deviations[index] = value,
                 Err(message) => {
-                    let name = column.name.clone();
-                    let content = content.to_vec();
+                    let refusal = Refusal { message, text: content.to_vec(), column: Some(index) };
                     self.scratch = scratch;
-                    return self.reject(bytes, raw, record, line, Some(name), &content, message);
+                    return self.reject(row, refusal);
                 }
             }
         }
         self.scratch = scratch;
-        self.tally.work.fields += self.layout.columns.len() as u64;
-        let id = self.layout.id.map(|id| self.fields[id]);
-        let row = Row { bytes, record, line, id };
-        if values.is_empty() {
-            if self.fast_part(row, first_record) {
-                return;
-            }
-            values = (0..self.layout.columns.len()).filter_map(|column| self.exact_deviation(column)).collect();
-        }
-        self.exact_part(row, first_record, values.into_iter().map(Some).collect(), raw);
+        row.id = self.layout.id.map(|id| self.fields[id]);
+        self.part(row, first_record);
     }
 
-    fn exact_deviation(&self, column: usize) -> Option<ErrorValue> {
-        self.layout.columns[column].deviation(self.deviations[column])
-    }
-
-    /// Evaluates the part with these deviations, if the fast way decides everything about it.
+    /// Evaluates, writes and counts the part with these deviations, or rejects its row.
     #[inline]
-    fn fast_part(&mut self, row: Row<'_>, first_record: u64) -> bool {
-        let Some(results) = Results::new(self.plan, self.layout, &self.deviations) else { return false };
-        if self.plan.uncertain.is_some() {
-            return self.uncertain_part(row, first_record, &results);
+    fn part(&mut self, row: Row<'_>, first_record: u64) {
+        if let Err(refusal) = self.evaluate(row, first_record) {
+            self.reject(row, refusal);
         }
-        let Judgement::Known(verdict) = results.judge(self.plan) else { return false };
-        self.settle(row, first_record, &results, None, verdict)
     }
 
-    /// The same for a part with its uncertainties.
-    #[inline(never)]
-    fn uncertain_part(&mut self, row: Row<'_>, first_record: u64, results: &Results) -> bool {
+    #[inline]
+    fn evaluate(&mut self, row: Row<'_>, first_record: u64) -> Result<(), Refusal> {
         let plan = self.plan;
-        if plan.uncertain.as_ref().is_some_and(|uncertain| uncertain.monte_carlo.is_some()) {
-            return false;
-        }
-        let Some(spreads) = results.spreads(plan, self.layout, &self.deviations) else { return false };
-        let judgement = match plan.request.rule {
-            Rule::Iso14253 => results.judge_iso_14253(plan, &spreads),
-            _ => results.judge(plan),
-        };
-        let Judgement::Known(verdict) = judgement else { return false };
-        self.settle(row, first_record, results, Some(&spreads), verdict)
-    }
-
-    /// Writes and counts a part; `false`, and nothing done, if a digit takes exact arithmetic.
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "a call for each row costs a twentieth of all it takes")]
-    fn settle(
-        &mut self,
-        row: Row<'_>,
-        first_record: u64,
-        results: &Results,
-        spreads: Option<&Spreads>,
-        verdict: Option<Verdict>,
-    ) -> bool {
-        let plan = self.plan;
-        if plan.request.rows.has(verdict) {
-            let mark = self.out.mark();
-            if !self.write_row(row, first_record, results, spreads, verdict) {
-                self.out.truncate(mark);
-                return false;
+        let refused = |message: String| Refusal { message, ..Refusal::default() };
+        let results = Results::new(plan, &self.deviations).map_err(|none| {
+            let kind = none.source.map(|source| plan.sources[source].law.kind());
+            let name = kind.map_or("combination", ErrorKind::name);
+            Refusal { message: format!("{name}: {}", none.problem), text: Vec::new(), column: none.source }
+        })?;
+        let uncertainty = match &plan.uncertain {
+            Some(uncertain) => {
+                let known = uncertain.of_row(&plan.sources, &self.deviations, &results, &plan.limits);
+                Some(known.map_err(|error| refused(error.to_string()))?)
             }
+            None => None,
+        };
+        let verdict = results.judge(plan, uncertainty.as_ref()).map_err(|error| refused(error.to_string()))?;
+        if plan.request.rows.has(verdict) {
+            self.write_row(row, first_record, &results, uncertainty.as_ref(), verdict);
         }
         self.tally.counts.judge(verdict);
-        self.tally.work.results += plan.results_per_part;
         if plan.request.statistics {
-            for (statistics, output) in self.statistics.iter_mut().zip(plan.quantities()) {
-                statistics.add(results.of(output).units);
-            }
-            for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&plan.followed) {
-                moving.add(results.of(output).units);
-            }
-            if let Some(spreads) = spreads {
-                self.add_gauge(spreads);
-            }
-            let (margin, on, result) = results.margin(self.plan);
+            self.count(&results, uncertainty.as_ref());
+            let margin = results.margin(plan);
             let full = self.tally.worst.len() == WORST;
-            if !full || self.tally.worst.last().is_some_and(|last| margin < last.margin) {
-                let part = self.part(row, first_record, verdict, margin, on, result);
-                keep_worst(&mut self.tally.worst, Kept { part, margin });
+            if !full || self.tally.worst.last().is_some_and(|last| margin.inside_by < last.margin) {
+                let part = self.kept(row, first_record, verdict, margin);
+                keep_worst(&mut self.tally.worst, Kept { part, margin: margin.inside_by });
             }
         }
         if self.keeps_failure(verdict) {
-            let (margin, on, result) = results.margin(self.plan);
-            let part = self.part(row, first_record, verdict, margin, on, result);
+            let part = self.kept(row, first_record, verdict, results.margin(plan));
             self.tally.failures.push(part);
         }
-        true
+        Ok(())
+    }
+
+    /// Takes the results into the statistics.
+    fn count(&mut self, results: &Results, uncertainty: Option<&RowUncertainty>) {
+        for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
+            statistics.add(results.of(output));
+        }
+        for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
+            moving.add(results.of(output));
+        }
+        if let Some(known) = uncertainty {
+            self.add_gauge(&known.spreads);
+        }
     }
 
     /// Adds what measuring contributes to the variance of each result.
@@ -317,17 +284,8 @@ impl<'a> Evaluator<'a> {
         kept > 0 && matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate)) && self.tally.failures.len() < kept
     }
 
-    fn part(
-        &self,
-        row: Row<'_>,
-        first_record: u64,
-        verdict: Option<Verdict>,
-        margin: i128,
-        on: Option<LimitTarget>,
-        (lower, upper): (Fixed, Fixed),
-    ) -> Part {
-        #[expect(clippy::cast_precision_loss, reason = "mm with 16 digits")]
-        let mm = |units: i128| units as f64 / Fixed::PER_MM as f64;
+    /// A part as it is kept for the summary.
+    fn kept(&self, row: Row<'_>, first_record: u64, verdict: Option<Verdict>, margin: Margin) -> Part {
         Part {
             id: Self::id(row, first_record),
             file: Arc::clone(&self.file),
@@ -335,9 +293,9 @@ impl<'a> Evaluator<'a> {
             record: row.record,
             place: None,
             verdict,
-            margin_mm: mm(margin),
-            on,
-            result_mm: (mm(i128::from(lower.units)), mm(i128::from(upper.units))),
+            margin_mm: margin.inside_by.mm(),
+            on: margin.on,
+            result_mm: (margin.result.0.mm(), margin.result.1.mm()),
         }
     }
 
@@ -349,107 +307,17 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Evaluates the part exactly, as `eval` does.
-    fn exact_part(
-        &mut self,
-        row: Row<'_>,
-        first_record: u64,
-        values: Vec<Option<ErrorValue>>,
-        raw: std::ops::Range<usize>,
-    ) {
-        let plan = self.plan;
-        self.tally.work.exact += 1;
-        let errors: Option<Vec<PartError>> =
-            plan.sources.iter().zip(values).map(|(source, value)| source.formula.formula().of(&value?)).collect();
-        let evaluated = match errors {
-            Some(errors) => self.evaluated(&errors),
-            None => Err((None, "a value is beyond the range of double-precision numbers".to_owned())),
-        };
-        let (evaluation, known) = match evaluated {
-            Ok(evaluated) => evaluated,
-            Err((column, message)) => {
-                return self.reject(row.bytes, raw, row.record, row.line, column, b"", message);
-            }
-        };
-        let verdict = match evaluation.verdict {
-            Some(Verdict::Pass | Verdict::Indeterminate) if !plan.unjudged.is_empty() => None,
-            verdict => verdict,
-        };
-        if plan.request.rows.has(verdict) {
-            self.write_exact_row(row, first_record, &evaluation, known.as_ref(), verdict);
-        }
-        self.tally.counts.judge(verdict);
-        self.tally.work.results += plan.results_per_part;
-        let wants_part = plan.request.statistics || self.keeps_failure(verdict);
-        if !wants_part {
-            return;
-        }
-        let results = Results::rounded(&evaluation, plan);
-        if plan.request.statistics {
-            for (index, output) in plan.quantities().enumerate() {
-                match exact_result(&evaluation, plan, output).and_then(fixed) {
-                    Some(units) => self.statistics[index].add(units),
-                    None => self.statistics[index].add_beyond(),
-                }
-            }
-            for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&plan.followed) {
-                moving.add(results.of(output).units);
-            }
-            if let Some(known) = &known {
-                self.add_gauge(&known.spreads);
-            }
-        }
-        let (margin, on, result) = results.margin(self.plan);
-        let part = self.part(row, first_record, verdict, margin, on, result);
-        if self.keeps_failure(verdict) {
-            self.tally.failures.push(part.clone());
-        }
-        if plan.request.statistics {
-            keep_worst(&mut self.tally.worst, Kept { part, margin });
-        }
-    }
-
-    /// Evaluates errors exactly, with their uncertainties where these are needed; else the column that is to blame, if
-    /// one is, and what is wrong.
-    fn evaluated(&self, errors: &[PartError]) -> Result<(Evaluation, Option<Known>), (Option<String>, String)> {
-        let plan = self.plan;
-        let mut evaluation = evaluate(errors, &plan.limits, plan.model, plan.stack).map_err(|error| {
-            let column = error.error.and_then(|kind| plan.sources.iter().position(|source| source.kind == kind));
-            (column.map(|column| self.layout.columns[column].name.clone()), error.to_string())
-        })?;
-        let known = plan.uncertain.as_ref();
-        let known = known.map(|uncertain| uncertain.exact(errors, plan.model, plan.stack, &plan.limits));
-        let known = known.transpose().map_err(|error| (None, error.to_string()))?;
-        if known.is_some() || plan.request.rule != Rule::Simple {
-            let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
-            let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());
-            let decided =
-                evaluation.decide_by(&plan.request.rule, known.as_ref().map(|known| &known.propagation), inside);
-            decided.map_err(|error| (None, error.to_string()))?;
-        }
-        Ok((evaluation, known))
-    }
-
     /// Counts a row that makes no part, and keeps it as it is.
-    #[expect(clippy::too_many_arguments, reason = "all that there is to say about a row")]
-    fn reject(
-        &mut self,
-        bytes: &[u8],
-        raw: std::ops::Range<usize>,
-        record: u64,
-        line: u64,
-        column: Option<String>,
-        content: &[u8],
-        message: String,
-    ) {
+    fn reject(&mut self, row: Row<'_>, refusal: Refusal) {
         self.tally.counts.rejected += 1;
         if self.keeps_rejects {
-            self.rejects.extend_from_slice(&bytes[raw]);
+            self.rejects.extend_from_slice(&row.bytes[row.start..row.next]);
             if !self.rejects.ends_with(b"\n") && !self.rejects.ends_with(b"\r") {
                 self.rejects.push(b'\n');
             }
         }
-        self.problem(record, line, column, content, message);
+        let column = refusal.column.map(|column| self.layout.columns[column].name.clone());
+        self.problem(row.record, row.line, column, &refusal.text, refusal.message);
     }
 
     fn problem(&mut self, record: u64, line: u64, column: Option<String>, content: &[u8], message: String) {

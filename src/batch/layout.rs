@@ -2,14 +2,13 @@
 //! reads no row.
 
 use super::input::Header;
-use super::number::{Scale, degrees_per_integer, read};
 use super::output::Output;
 use super::plan::Plan;
 use crate::cmm::name_and_unit;
 use crate::cmm::paste::{self, Holds};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, NumberError, QuantityError, Rational};
+use crate::quantity::{Angle, AngleUnit, Decimal, Length, LengthUnit, NumberError, QuantityError};
 use crate::spec::{Reading, Spec};
 
 /// The unit of a column.
@@ -56,12 +55,9 @@ pub(super) struct Column {
     pub(super) field: usize,
     /// Its name in the header.
     pub(super) name: String,
-    pub(super) unit: Unit,
-    pub(super) scale: Scale,
-    /// The nominal value in the column's integers; `None` if it is no integer, and the exact path is taken.
-    pub(super) nominal: Option<i64>,
-    /// Degrees in one integer, for angles.
-    pub(super) degrees: f64,
+    unit: Unit,
+    /// What is taken from a value; nothing of a deviation.
+    nominal: ErrorValue,
 }
 
 /// What a field is.
@@ -100,9 +96,9 @@ impl Layout {
         let mut columns = Vec::new();
         let mut understood = Vec::new();
         for source in &plan.sources {
-            match find_column(&plan.spec, header, source.kind) {
+            match find_column(&plan.spec, header, source.law.kind()) {
                 Ok(Some(found)) => {
-                    match found.reading(&plan.spec, header, source.kind) {
+                    match found.reading(&plan.spec, header, source.law.kind()) {
                         Ok(reading) if reading == source.reading => {}
                         Ok(_) => diagnostics.push(Diagnostic::error(
                             Code::BadTable,
@@ -117,11 +113,11 @@ impl Layout {
                         let holds = if source.reading == Reading::Deviation { "deviations" } else { "measured values" };
                         let unit = found.unit.symbol();
                         let name = &header.columns[found.field];
-                        understood.push(format!("`{name}` is {} ({holds}, {unit})", source.kind.key()));
+                        understood.push(format!("`{name}` is {} ({holds}, {unit})", source.law.kind().key()));
                     }
                     columns.push(Column::new(header, found.field, found.unit, &source.reading));
                 }
-                Ok(None) => diagnostics.push(missing(&plan.spec, header, source.kind)),
+                Ok(None) => diagnostics.push(missing(&plan.spec, header, source.law.kind())),
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
@@ -184,66 +180,38 @@ impl Unit {
 
 impl Column {
     fn new(header: &Header, field: usize, unit: Unit, reading: &Reading) -> Self {
-        let (scale, degrees) = match unit {
-            Unit::Length(unit) => (Scale::of_lengths(unit), 0.0),
-            Unit::Angle(unit) => (Scale::of_angles(), degrees_per_integer(unit)),
+        let nominal = match (reading, unit) {
+            (Reading::Measured(nominal), _) => *nominal,
+            (Reading::Deviation, Unit::Length(_)) => ErrorValue::Length(Length::ZERO),
+            (Reading::Deviation, Unit::Angle(_)) => ErrorValue::Angle(Angle::ZERO),
         };
-        let in_unit = match (reading, unit) {
-            (Reading::Measured(ErrorValue::Length(nominal)), _) => Some(nominal.exact_mm().clone()),
-            (Reading::Measured(ErrorValue::Angle(nominal)), Unit::Angle(unit)) => {
-                Some(nominal.exact_degrees() / &unit.in_degrees())
-            }
-            _ => Some(Rational::ZERO),
-        };
-        let nominal = in_unit.and_then(|nominal| {
-            let scaled = &nominal * &Rational::power_of_ten(15);
-            let integer = i64::try_from(scaled.to_fixed_point(0)).ok()?;
-            (scaled == integer && integer.unsigned_abs() < 1 << 62).then_some(integer)
-        });
-        Self { field, name: header.columns[field].clone(), unit, scale, nominal, degrees }
+        Self { field, name: header.columns[field].clone(), unit, nominal }
     }
 
-    /// The exact deviation of which the fast path has the integer.
-    pub(super) fn deviation(&self, integer: i64) -> Option<ErrorValue> {
-        let number = &Rational::integer(integer) * &Rational::power_of_ten(-15);
-        match self.unit {
-            // the integers of lengths are of 1e-15 mm whatever the unit
-            Unit::Length(_) => Length::from_exact_mm(number, "the deviation").ok().map(ErrorValue::Length),
-            Unit::Angle(unit) => {
-                Angle::from_exact_degrees(&number * &unit.in_degrees(), "the deviation").ok().map(ErrorValue::Angle)
-            }
-        }
-    }
-
-    /// The exact deviation that a field's text means.
-    pub(super) fn exact(&self, text: &str, reading: &Reading, mark: u8) -> Result<ErrorValue, String> {
-        let text = text.trim();
-        match self.unit {
-            Unit::Length(unit) => {
-                let value: Length = quantity(text, unit.symbol(), mark)?;
-                Ok(ErrorValue::Length(match reading {
-                    Reading::Measured(ErrorValue::Length(nominal)) => &value - nominal,
-                    _ => value,
-                }))
-            }
-            Unit::Angle(unit) => {
-                let value: Angle = quantity(text, unit.symbol(), mark)?;
-                Ok(ErrorValue::Angle(match reading {
-                    Reading::Measured(ErrorValue::Angle(nominal)) => &value - nominal,
-                    _ => value,
-                }))
-            }
-        }
-    }
-
-    /// The integer of a whole field; `None` if it is not a plain number.
+    /// The deviation of a plain number in the column's unit; `None` where it is too large.
     #[inline]
-    pub(super) fn integer(&self, text: &[u8], mark: u8) -> Option<i64> {
-        let (decimal, end) = read(text, 0, mark)?;
-        if end != text.len() {
-            return None;
+    pub(super) fn plain(&self, number: Decimal) -> Option<ErrorValue> {
+        let value = match self.unit {
+            Unit::Length(unit) => ErrorValue::Length(Length::of_number(number, unit).ok()?),
+            Unit::Angle(unit) => ErrorValue::Angle(Angle::of_number(number, unit).ok()?),
+        };
+        Some(value.less(self.nominal))
+    }
+
+    /// The deviation that a field's text means.
+    pub(super) fn read(&self, text: &str, mark: u8) -> Result<ErrorValue, String> {
+        let text = text.trim();
+        if let Some((number, end)) = Decimal::plain(text.as_bytes(), 0, mark)
+            && end == text.len()
+            && let Some(value) = self.plain(number)
+        {
+            return Ok(value);
         }
-        self.scale.integer(decimal)?.checked_sub(self.nominal?)
+        let value = match self.unit {
+            Unit::Length(unit) => ErrorValue::Length(quantity(text, unit.symbol(), mark)?),
+            Unit::Angle(unit) => ErrorValue::Angle(quantity(text, unit.symbol(), mark)?),
+        };
+        Ok(value.less(self.nominal))
     }
 }
 

@@ -9,19 +9,18 @@
 //! |---|---|
 //! | `input`, `chunk`, `split` | bytes to chunks that end with a record, records to fields |
 //! | `layout`, `plan`, `output` | which column holds what; what is computed and written |
-//! | `limits`, `uncertain` | what results are held against, and how certain they are |
-//! | `number`, `buffer`, `write`, `rows` | decimal text to integers and back |
-//! | `evaluate`, `results` | one row: the fast way, and the exact one where that cannot decide |
+//! | `uncertain` | how certain results are |
+//! | `number`, `buffer`, `write`, `rows` | results as text |
+//! | `evaluate`, `results` | one row: its deviations, what follows from them, the verdict |
 //! | `run`, `pack` | chunks through all cores, in order |
 //! | `parquet` | rows as Parquet |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
 //! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
 //!
 //! # Right to the last digit
-//! A field such as `25.0131` becomes an integer of 1e-15 mm, from which the nominal value is taken as an
-//! integer: differences are decimal differences. ΔCD follows in integers with a proven bound on the error
-//! ([`Prepared`](crate::formula::Prepared)). Where the bound does not decide a written digit or a verdict,
-//! and for numbers that are no plain decimals, the row is evaluated by the exact arithmetic of `eval`.
+//! A field such as `25.0131` becomes a [`Length`](crate::quantity::Length), from which the nominal value is taken:
+//! differences are decimal differences. ΔCD, the combinations and the verdict are computed by the functions that
+//! [`evaluate`](crate::decision::evaluate) calls.
 //!
 //! # Example
 //! ```
@@ -52,7 +51,6 @@ mod chunk;
 mod evaluate;
 mod input;
 mod layout;
-mod limits;
 mod number;
 mod outcome;
 mod output;
@@ -72,7 +70,7 @@ mod write;
 pub use input::{Dialect, Header, Input};
 pub use layout::Layout;
 pub use number::Decimals;
-pub use outcome::{Counts, Outcome, Part, Problem, Work};
+pub use outcome::{Counts, Outcome, Part, Problem};
 pub use pack::Packing;
 pub use parquet::{ColumnKind, GROUP, ParquetRows};
 pub use plan::Plan;

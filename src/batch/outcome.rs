@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::statistics::{Moving, Statistics};
 use crate::decision::{LimitTarget, Verdict};
 use crate::diagnostic::Code;
+use crate::quantity::Length;
 
 /// How many rows there were, and what became of them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -47,26 +48,6 @@ impl Counts {
             Some(Verdict::Indeterminate) => self.indeterminate += 1,
             None => self.unjudged += 1,
         }
-    }
-}
-
-/// What was done: how much was read, and which way it was evaluated.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Fields that were read as numbers.
-    pub fields: u64,
-    /// Results computed: ΔCD of single errors and combinations.
-    pub results: u64,
-    /// Parts evaluated by exact rational arithmetic, because the fast way could not decide a digit or a
-    /// verdict, or because the numbers were no plain decimals.
-    pub exact: u64,
-}
-
-impl Work {
-    fn add(&mut self, other: &Self) {
-        self.fields += other.fields;
-        self.results += other.results;
-        self.exact += other.exact;
     }
 }
 
@@ -148,8 +129,6 @@ pub struct Part {
 pub struct Outcome {
     /// The counts.
     pub counts: Counts,
-    /// What was done.
-    pub work: Work,
     /// The first rejected rows.
     pub problems: Vec<Problem>,
     /// The first parts that did not pass.
@@ -174,14 +153,13 @@ pub(super) const WORST: usize = 10;
 pub(super) struct Kept {
     pub(super) part: Part,
     /// The order of the worst: smaller is worse.
-    pub(super) margin: i128,
+    pub(super) margin: Length,
 }
 
 /// What one chunk came to.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     pub(super) counts: Counts,
-    pub(super) work: Work,
     pub(super) lines: u64,
     pub(super) problems: Vec<Problem>,
     pub(super) failures: Vec<Part>,
@@ -244,7 +222,6 @@ impl Total<'_> {
         self.lines += tally.lines;
         self.records += tally.counts.rows;
         self.outcome.counts.add(&tally.counts);
-        self.outcome.work.add(&tally.work);
     }
 }
 

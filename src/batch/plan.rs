@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use super::input::Header;
 use super::layout::{Found, find_column, find_id};
-use super::limits::{FixedLimit, JudgedLimits};
-use super::number::{Decimals, Places};
+use super::number::Decimals;
 use super::output::{
     Asked, Of, Output, column_name, conformance_name, end_name, expanded_name, own_name, standard_name,
 };
@@ -18,15 +17,14 @@ use crate::decision::monte_carlo::MonteCarloError;
 use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
 use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Model, Prepared};
+use crate::formula::{Law, Model};
 use crate::quantity::Length;
 use crate::spec::{Reading, Spec};
 
 /// One error that is read from the table.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
-    pub(super) kind: ErrorKind,
-    pub(super) formula: Prepared,
+    pub(super) law: Law,
     pub(super) reading: Reading,
 }
 
@@ -39,22 +37,15 @@ pub struct Plan {
     pub(super) stack: Stack,
     /// The limits that can be judged.
     pub(super) limits: Limits,
-    pub(super) fixed_limits: Vec<FixedLimit>,
     /// The limits on errors that the table does not have.
     pub(super) unjudged: Vec<LimitTarget>,
     pub(super) decimals: Decimals,
-    pub(super) places: Option<Places>,
     pub(super) format: RowFormat,
     pub(super) request: Request,
-    /// Which combinations some output or limit needs.
-    pub(super) needs_range: bool,
-    pub(super) needs_worst: bool,
-    pub(super) needs_rss: bool,
     /// The results that are held against a limit, by their place among the quantities, where statistics are kept.
     pub(super) followed: Vec<(usize, Output)>,
     /// The uncertainties, if some output, the rule or a statistic needs them.
     pub(super) uncertain: Option<Box<Uncertain>>,
-    pub(super) results_per_part: u64,
     /// What stands before each value of a JSON line.
     pub(super) json_names: Vec<Vec<u8>>,
     pub(super) names_length: usize,
@@ -86,8 +77,7 @@ impl Plan {
         for (kind, column) in present.iter().copied().zip(found).filter(|(kind, _)| needed(*kind)) {
             let source = column.reading(spec, header, kind).and_then(|reading| {
                 let what = format!("the column of `{}`", kind.key());
-                let formula = spec.part_formula(kind, &what)?;
-                Ok(Source { kind, formula: Prepared::new(&formula, request.model), reading })
+                Ok(Source { law: spec.law(kind, &what)?, reading })
             });
             match source {
                 Ok(source) => sources.push(source),
@@ -98,9 +88,13 @@ impl Plan {
             diagnostics.dedup();
             return Err(Diagnostics(diagnostics));
         }
-        let index = |kind: ErrorKind| sources.iter().position(|source| source.kind == kind);
-        let JudgedLimits { limits: judged, fixed: fixed_limits, unjudged } =
-            JudgedLimits::new(limits, &request.rule, &index);
+        let index = |kind: ErrorKind| sources.iter().position(|source| source.law.kind() == kind);
+        let is_read = |on: LimitTarget| match on {
+            LimitTarget::CenterDistance => true,
+            LimitTarget::Error(kind) => index(kind).is_some(),
+        };
+        let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
+        let unjudged = unjudged.into_iter().map(|(on, _)| on).collect();
         let outputs: Vec<_> = outputs.into_iter().filter_map(|asked| asked.output(&index, &judged)).collect();
         let uncertain = is_uncertain
             && (request.statistics
@@ -109,29 +103,16 @@ impl Plan {
                 || outputs.iter().any(Output::is_uncertain));
         let uncertain = if uncertain { Some(Box::new(Uncertain::new(spec, &sources, &request)?)) } else { None };
         let stack = request.stack;
-        let needs = |output: &Output, by: Stack| outputs.contains(output) || (judged_together && stack == by);
-        let needs_range = needs(&Output::RangeLower, Stack::Range) || outputs.contains(&Output::RangeUpper);
-        let (needs_worst, needs_rss) = (needs(&Output::WorstCase, Stack::WorstCase), needs(&Output::Rss, Stack::Rss));
-        let combinations = 2 * u64::from(needs_range) + u64::from(needs_worst) + u64::from(needs_rss);
         let mut plan = Self {
-            needs_range,
-            needs_worst,
-            needs_rss,
             followed: Vec::new(),
             uncertain,
-            results_per_part: sources.len() as u64 + combinations,
             json_names: Vec::new(),
             names_length: 0,
             model: request.model,
             stack,
             limits: judged,
-            fixed_limits,
             unjudged,
             decimals: request.decimals,
-            places: match request.decimals {
-                Decimals::Places(places) => Places::new(places),
-                Decimals::Full => None,
-            },
             format: request.format,
             sources,
             outputs,
@@ -230,7 +211,7 @@ impl Plan {
     #[must_use]
     pub fn quantity_limits(&self) -> Vec<(Option<f64>, Option<f64>)> {
         let limit = |on: LimitTarget| self.limits.iter().find(|(target, _)| *target == on).map(|(_, limit)| limit);
-        let ends = |limit: &Limit| (limit.lower.as_ref().map(Length::mm), limit.upper.as_ref().map(Length::mm));
+        let ends = |limit: &Limit| (limit.lower.map(Length::mm), limit.upper.map(Length::mm));
         let combined = |stack: Stack| {
             limit(LimitTarget::CenterDistance).filter(|_| self.stack == stack).map_or((None, None), ends)
         };
@@ -241,7 +222,9 @@ impl Plan {
             (None, nearer)
         };
         let quantities = self.quantities().map(|output| match output {
-            Output::Error(source) => limit(LimitTarget::Error(self.sources[*source].kind)).map_or((None, None), ends),
+            Output::Error(source) => {
+                limit(LimitTarget::Error(self.sources[*source].law.kind())).map_or((None, None), ends)
+            }
             Output::RangeLower | Output::RangeUpper => combined(Stack::Range),
             Output::WorstCase => magnitude(Stack::WorstCase),
             Output::Rss => magnitude(Stack::Rss),
@@ -271,7 +254,7 @@ impl Plan {
     fn output_name(&self, output: &Output) -> String {
         match output {
             Output::Id => "part_id".to_owned(),
-            Output::Error(source) => column_name(self.sources[*source].kind),
+            Output::Error(source) => column_name(self.sources[*source].law.kind()),
             Output::RangeLower => "range_lower_mm".to_owned(),
             Output::RangeUpper => "range_upper_mm".to_owned(),
             Output::WorstCase => "worst_case_mm".to_owned(),
@@ -289,7 +272,7 @@ impl Plan {
 
     fn name_of(&self, of: Of) -> String {
         match of {
-            Of::Source(source) => own_name(self.sources[source].kind),
+            Of::Source(source) => own_name(self.sources[source].law.kind()),
             end => end_name(self.stack, end).to_owned(),
         }
     }
@@ -308,7 +291,7 @@ impl Plan {
 
     /// The errors that are read.
     pub fn errors(&self) -> impl Iterator<Item = ErrorKind> + '_ {
-        self.sources.iter().map(|source| source.kind)
+        self.sources.iter().map(|source| source.law.kind())
     }
 
     /// The model of the formulas.

@@ -1,22 +1,23 @@
-//! What is uncertain about the parts of a batch, and what that makes of one part in the exact way. Made by the plan,
-//! asked by the row evaluator; decides nothing.
+//! What is uncertain about the parts of a batch, and what that makes of one part. Made by the plan, asked by the row
+//! evaluator; decides nothing.
 
+use super::output::Of;
 use super::plan::Source;
 use super::request::Request;
-use crate::decision::monte_carlo::{MonteCarloError, PartSimulation, Settings, simulate_part, validate};
-use crate::decision::uncertainty::{Part, Propagation, Propagator, Spreads, propagate};
-use crate::decision::{Limits, Stack};
+use super::results::{KINDS, Results};
+use crate::decision::Limits;
+use crate::decision::monte_carlo::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
+use crate::decision::uncertainty::{Part, Point, Propagator, Spreads};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::PartError;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Model, PartError};
 use crate::spec::{Reading, Spec};
 
 /// What is known of the uncertainty of a part's results.
-pub(super) struct Known {
-    pub(super) propagation: Propagation,
+pub(super) struct RowUncertainty {
     pub(super) spreads: Spreads,
-    pub(super) simulation: Option<PartSimulation>,
+    simulation: Option<PartSimulation>,
     /// Whether the simulation confirms the linear result for both ends of the combination.
     pub(super) validated: Option<bool>,
 }
@@ -28,49 +29,83 @@ pub(super) struct Uncertain {
     /// What the nominal measure over the roller is computed from, if it is.
     over_pin: Option<OverPin>,
     /// How to simulate, if that is asked for.
-    pub(super) monte_carlo: Option<Settings>,
+    monte_carlo: Option<Settings>,
+    /// The model and the combination.
+    request: Request,
+}
+
+impl RowUncertainty {
+    /// The simulated probability that the limit with that index is met.
+    pub(super) fn inside(&self, limit: usize) -> Option<f64> {
+        let inside = &self.simulation.as_ref()?.outcome.inside;
+        inside.get(limit).copied().filter(|probability| !probability.is_nan())
+    }
+
+    /// The simulated distribution of a result.
+    pub(super) fn simulation_of(&self, of: Of) -> Option<&Simulation> {
+        let part = self.simulation.as_ref()?;
+        Some(match of {
+            Of::Source(source) => &part.outcome.results[source],
+            Of::Lower => part.lower(),
+            Of::Upper => part.upper(),
+        })
+    }
 }
 
 impl Uncertain {
     /// What is uncertain about parts of which these errors are read.
     pub(super) fn new(spec: &Spec, sources: &[Source], request: &Request) -> Result<Self, Diagnostics> {
-        let kinds: Vec<_> = sources.iter().map(|source| source.kind).collect();
-        let formulas: Vec<_> = sources.iter().map(|source| source.formula.clone()).collect();
+        let kinds: Vec<_> = sources.iter().map(|source| source.law.kind()).collect();
         let over_pin = spec.over_pin().filter(|over_pin| {
             // another nominal value may stand in the way
             let computed = over_pin.measure().map(ErrorValue::Length);
             computed.is_ok_and(|nominal| {
                 let nominal = Reading::Measured(nominal);
-                sources.iter().any(|source| source.kind == ErrorKind::RackOverRoller && source.reading == nominal)
+                let is_so =
+                    |source: &Source| source.law.kind() == ErrorKind::RackOverRoller && source.reading == nominal;
+                sources.iter().any(is_so)
             })
         });
         let uncertainties = spec.uncertainties_of(&kinds)?;
-        let propagator = Propagator::new(&formulas, over_pin.as_ref(), uncertainties, request.stack)
+        let errors: Vec<_> =
+            sources.iter().map(|source| PartError::new(source.law, ErrorValue::zero(source.law.kind()))).collect();
+        let part = Part { errors: &errors, over_pin: over_pin.as_ref(), model: request.model, stack: request.stack };
+        let propagator = Propagator::new(&part, uncertainties)
             .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
         // every part has a core of its own
         let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
-        Ok(Self { propagator, over_pin, monte_carlo })
+        Ok(Self { propagator, over_pin, monte_carlo, request: request.clone() })
     }
 
-    /// The uncertainties of one part as `eval` computes them.
-    pub(super) fn exact(
+    /// The uncertainties of one part.
+    pub(super) fn of_row(
         &self,
-        errors: &[PartError],
-        model: Model,
-        stack: Stack,
+        sources: &[Source],
+        deviations: &[ErrorValue; KINDS],
+        results: &Results,
         limits: &Limits,
-    ) -> Result<Known, MonteCarloError> {
-        let part = Part { errors, over_pin: self.over_pin.as_ref(), model, stack };
-        let uncertainties = self.propagator.uncertainties();
-        let propagation = propagate(&part, uncertainties)?;
-        let spreads = self.propagator.exact(&part, &propagation)?;
-        let simulate = |settings: &Settings| simulate_part(&part, uncertainties, limits, settings);
-        let simulation = self.monte_carlo.as_ref().map(simulate).transpose()?;
-        let validated = simulation.as_ref().map(|simulation| {
-            let digits = simulation.outcome.digits;
-            let ends = [(&propagation.lower, simulation.lower()), (&propagation.upper, simulation.upper())];
-            ends.into_iter().all(|(linear, simulated)| validate(linear, simulated, digits).validated)
-        });
-        Ok(Known { propagation, spreads, simulation, validated })
+    ) -> Result<RowUncertainty, MonteCarloError> {
+        let mut points = [Point::default(); KINDS];
+        for ((point, deviation), delta_cd) in points.iter_mut().zip(deviations).zip(&results.each) {
+            *point = Point { error: deviation.base(), delta_cd_mm: delta_cd.mm() };
+        }
+        let spreads = self.propagator.spreads(&points[..sources.len()]);
+        let Some(settings) = &self.monte_carlo else {
+            return Ok(RowUncertainty { spreads, simulation: None, validated: None });
+        };
+        let errors: Vec<_> =
+            sources.iter().zip(deviations).map(|(source, value)| PartError::new(source.law, *value)).collect();
+        let part = Part {
+            errors: &errors,
+            over_pin: self.over_pin.as_ref(),
+            model: self.request.model,
+            stack: self.request.stack,
+        };
+        let simulation = simulate_part(&part, self.propagator.uncertainties(), limits, settings)?;
+        let propagation = self.propagator.propagation(&errors)?;
+        let digits = simulation.outcome.digits;
+        let ends = [(&propagation.lower, simulation.lower()), (&propagation.upper, simulation.upper())];
+        let validated = ends.into_iter().all(|(linear, simulated)| validate(linear, simulated, digits).validated);
+        Ok(RowUncertainty { spreads, simulation: Some(simulation), validated: Some(validated) })
     }
 }

@@ -9,8 +9,8 @@ use crate::decision::budget::simulation::{Simulation, Spread};
 use crate::decision::budget::{self, Budget, Request, Rule};
 use crate::decision::class::{ErrorClass, deviation_of};
 use crate::decision::{Limit, LimitTarget};
-use crate::deviation::ErrorValue;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::Model;
 use crate::quantity::Length;
 use crate::report::plot::{Bar, TornadoPlot};
 use crate::report::{BudgetReport, Format};
@@ -102,7 +102,7 @@ impl Args {
         };
         let budget =
             budget::allocate(&request).map_err(|error| Diagnostic::error(Code::NoBudget, error.to_string()))?;
-        let grades = grades(&spec, &budget);
+        let grades = grades(&spec, &budget, request.model);
         let report = BudgetReport {
             title: spec.title.as_deref(),
             budget: &budget,
@@ -121,12 +121,12 @@ impl Args {
     }
 
     fn limit(&self, spec: &Spec) -> Result<Limit, Failure> {
-        if let Some(delta_cd) = &self.delta_cd {
+        if let Some(delta_cd) = self.delta_cd {
             return Ok(Limit::symmetric(delta_cd));
         }
         let written = spec.limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
         match written {
-            Some((_, limit)) => Ok(limit.value.clone()),
+            Some((_, limit)) => Ok(limit.value),
             None => Err(Diagnostic::error(Code::NoBudget, "there is no ΔCD to distribute")
                 .help("give --delta-cd, or limits.center_distance in the spec")
                 .into()),
@@ -163,7 +163,7 @@ impl Args {
 }
 
 /// For each free tolerance, the coarsest grade of the spec's standard that stays within it.
-fn grades(spec: &Spec, budget: &Budget) -> Vec<ErrorClass> {
+fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
     let Some(standard) = spec.tolerance.standard.as_ref().map(|standard| standard.value) else { return Vec::new() };
     if !budget.is_feasible() {
         return Vec::new();
@@ -172,10 +172,8 @@ fn grades(spec: &Spec, budget: &Budget) -> Vec<ErrorClass> {
     free.filter_map(|line| {
         let kind = line.error.kind();
         let limiting = standard.that_limits(deviation_of(kind))?;
-        let within = |class: &ErrorClass| match (&class.value, line.error.value()) {
-            (ErrorValue::Length(permitted), ErrorValue::Length(tolerance)) => *permitted <= tolerance.abs(),
-            (ErrorValue::Angle(permitted), ErrorValue::Angle(tolerance)) => *permitted <= tolerance.abs(),
-            _ => false,
+        let within = |class: &ErrorClass| {
+            line.error.law().delta_cd(class.value, model).is_ok_and(|delta_cd| delta_cd <= line.delta_cd)
         };
         limiting.grades().rev().filter_map(|grade| spec.class_of(kind, grade)).find(within)
     })
@@ -185,7 +183,7 @@ fn grades(spec: &Spec, budget: &Budget) -> Vec<ErrorClass> {
 /// Writes the tornado plot.
 fn draw(path: &Path, report: &BudgetReport<'_>) -> Result<(), Failure> {
     let bars = report.bars().into_iter().map(|(label, from_mm, to_mm, pale)| Bar { label, from_mm, to_mm, pale });
-    let limits = [&report.limit.lower, &report.limit.upper].into_iter().flatten().map(Length::mm).collect();
+    let limits = [report.limit.lower, report.limit.upper].into_iter().flatten().map(Length::mm).collect();
     let title = report.title.unwrap_or("ΔCD by error").to_owned();
     let plot = TornadoPlot { title, bars: bars.collect(), limits };
     write_picture(path, || plot.svg(), || plot.png())

@@ -3,13 +3,15 @@
 use clap::Subcommand;
 
 use super::eval::ModelArg;
+use super::explain::for_screen;
 use super::output::{Failure, Output, Status};
 use crate::deviation::ErrorValue;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::law::lead_slope;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Model, PinionPitch, RackLead, RackPitch, ideal_pin, over_roller, pinion_radial, roller_change};
+use crate::formula::{CATALOGUE, FormulaPage, Law, Model, ideal_pin, roller_change};
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
-use crate::report::{Calculation, Computed, Format, ResultUnit};
+use crate::report::{Calculation, Format, ResultUnit};
 
 pub(super) const ABOUT: &str = "Compute one formula: prints just the number and its unit";
 
@@ -73,7 +75,7 @@ struct Common {
     /// Round the result to this many decimals; all digits, and at least six decimals, unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=100))]
     decimals: Option<u8>,
-    /// Show the formula with the numbers put in.
+    /// Show the formula's page too.
     #[arg(long)]
     explain: bool,
     /// Write the result in this format instead of a single line.
@@ -204,9 +206,9 @@ struct RollerChange {
 }
 
 /// What a ΔCD formula is asked for.
-enum Asked<E> {
+enum Asked {
     /// ΔCD of this error.
-    DeltaCd(E),
+    DeltaCd(ErrorValue),
     /// The largest error within this ΔCD.
     Error(Length),
 }
@@ -218,7 +220,9 @@ fn usage(message: impl Into<String>) -> Failure {
 /// A value that a formula refuses.
 fn refused(error: &DomainError) -> Failure {
     let code = match error {
-        DomainError::Outside { .. } | DomainError::NoSpace { .. } => Code::OutOfDomain,
+        DomainError::Outside { .. } | DomainError::NoSpace { .. } | DomainError::WrongDimension { .. } => {
+            Code::OutOfDomain
+        }
         DomainError::NeverReached { .. } | DomainError::Overflow(_) => Code::NoResult,
     };
     Diagnostic::error(code, error.to_string()).into()
@@ -229,20 +233,16 @@ fn read<Q: std::str::FromStr<Err = QuantityError>>(text: &str) -> Result<Q, Fail
 }
 
 impl Given {
-    fn asked<E>(&self, subtract: impl Fn(&E, &E) -> E) -> Result<Asked<E>, Failure>
-    where
-        E: std::str::FromStr<Err = QuantityError>,
-    {
+    fn asked<E: std::str::FromStr<Err = QuantityError> + Into<ErrorValue>>(&self) -> Result<Asked, Failure> {
+        let value = |text: &str| -> Result<ErrorValue, Failure> { Ok(read::<E>(text)?.into()) };
         match (&self.value, &self.measured, &self.nominal, &self.inverse) {
             (None, _, _, Some(Some(delta_cd))) | (Some(delta_cd), _, _, Some(None)) => {
                 Ok(Asked::Error(read(delta_cd)?))
             }
             (Some(_), _, _, Some(Some(_))) => Err(usage("--inverse already gives the ΔCD; leave the other value out")),
             (None, _, _, Some(None)) => Err(usage("--inverse needs a ΔCD: --inverse 50um")),
-            (Some(error), ..) => Ok(Asked::DeltaCd(read(error)?)),
-            (None, Some(measured), Some(nominal), None) => {
-                Ok(Asked::DeltaCd(subtract(&read(measured)?, &read(nominal)?)))
-            }
+            (Some(error), ..) => Ok(Asked::DeltaCd(value(error)?)),
+            (None, Some(measured), Some(nominal), None) => Ok(Asked::DeltaCd(value(measured)?.less(value(nominal)?))),
             (None, ..) => {
                 Err(usage("give the error (such as 20um), or --measured and --nominal, or --inverse with a ΔCD"))
             }
@@ -271,28 +271,14 @@ impl Common {
     }
 
     /// Prints a result: its line, its explanation, or a report.
-    fn print(
-        &self,
-        output: &mut Output,
-        formula: &'static str,
-        result: Computed,
-        models: Option<(Model, Computed)>,
-        is_bound: bool,
-    ) -> Result<Status, Failure> {
-        let (model, other) = models.unzip();
-        let calculation = Calculation {
-            formula,
-            unit: self.unit(matches!(result.value, ErrorValue::Angle(_)))?,
-            result,
-            model,
-            other,
-            decimals: self.decimals.map(usize::from),
-            is_bound,
-        };
+    fn print(&self, output: &mut Output, mut calculation: Calculation) -> Result<Status, Failure> {
+        calculation.unit = self.unit(!matches!(calculation.result, ErrorValue::Length(_)))?;
+        calculation.decimals = self.decimals.map(usize::from);
         if let Some(format) = self.format {
             output.report(&calculation, format)?;
         } else if self.explain {
-            output.text(&calculation.explanation())?;
+            let width = output.screen().width;
+            output.text(&for_screen(&calculation.explanation(), width))?;
         } else {
             output.text(&format!("{}\n", calculation.line()))?;
             if let Some(remark) = calculation.model_remark() {
@@ -306,21 +292,11 @@ impl Common {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         match self.formula {
-            Formula::OverRoller(args) => signed(&args, output, "rack-over-roller", ["M", "M_nom"]),
-            Formula::Radial(args) => signed(&args, output, "pinion-radial", ["r", "r_nom"]),
-            Formula::Pitch(args) => {
-                let formula = RackPitch::new(&args.pressure_angle, &args.helix_angle).map_err(|e| refused(&e))?;
-                pitch(&args, output, "rack-pitch", ["Δp", "β_r"], |asked, model| match asked {
-                    Asked::DeltaCd(error) => formula.delta_cd(error, model),
-                    Asked::Error(delta_cd) => formula.largest_error(delta_cd, model),
-                })
-            }
+            Formula::OverRoller(args) => signed(&args, output, Law::rack_over_roller()),
+            Formula::Radial(args) => signed(&args, output, Law::pinion_radial()),
+            Formula::Pitch(args) => pitch(&args, output, Law::rack_pitch(args.pressure_angle, args.helix_angle)),
             Formula::PinionPitch(args) => {
-                let formula = PinionPitch::new(&args.pressure_angle, &args.helix_angle).map_err(|e| refused(&e))?;
-                pitch(&args, output, "pinion-pitch", ["f_p", "β_p"], |asked, model| match asked {
-                    Asked::DeltaCd(error) => formula.delta_cd(error, model),
-                    Asked::Error(delta_cd) => formula.largest_error(delta_cd, model),
-                })
+                pitch(&args, output, Law::pinion_pitch(args.pressure_angle, args.helix_angle))
             }
             Formula::Lead(args) => lead(&args, output),
             Formula::Pin(args) => pin(&args, output),
@@ -330,176 +306,79 @@ impl Args {
     }
 }
 
-/// The formulas whose ΔCD is the error itself.
-fn signed(
-    args: &Signed,
-    output: &mut Output,
-    formula: &'static str,
-    [measure, nominal]: [&str; 2],
-) -> Result<Status, Failure> {
-    let given = &args.given;
-    let (equation, with_numbers, value) = match given.asked::<Length>(|a, b| a - b)? {
-        Asked::DeltaCd(error) => {
-            let numbers = match (&given.measured, &given.nominal) {
-                (Some(measured), Some(nominal)) => {
-                    format!("{} - {}", read::<Length>(measured)?, read::<Length>(nominal)?)
-                }
-                _ => error.to_string(),
-            };
-            let delta_cd = if formula == "pinion-radial" {
-                pinion_radial::delta_cd(&error)
-            } else {
-                over_roller::delta_cd(&error)
-            };
-            (format!("ΔCD = {measure} - {nominal}"), numbers, delta_cd)
-        }
-        Asked::Error(delta_cd) => {
-            (format!("{measure} - {nominal} = ΔCD"), delta_cd.to_string(), over_roller::largest_error(&delta_cd))
-        }
-    };
-    let result = Computed { equation, with_numbers, value: ErrorValue::Length(value) };
-    args.common.print(output, formula, result, None, given.inverse.is_some())
+/// A result of a formula in its base unit.
+fn calculation(formula: &'static FormulaPage, result: impl Into<ErrorValue>) -> Calculation {
+    let unit = ResultUnit::Length(LengthUnit::Millimetre, String::new());
+    Calculation { formula, result: result.into(), model: None, other: None, unit, decimals: None, is_bound: false }
 }
 
-fn pitch(
-    args: &Pitch,
-    output: &mut Output,
-    formula: &'static str,
-    [error, helix]: [&str; 2],
-    compute: impl Fn(&Asked<Length>, Model) -> Result<Length, DomainError>,
-) -> Result<Status, Failure> {
-    let asked = args.given.asked::<Length>(|a, b| a - b)?;
-    let (alpha, beta) = (&args.pressure_angle, &args.helix_angle);
-    let computed = |model| -> Result<Computed, Failure> {
-        let value = ErrorValue::Length(compute(&asked, model).map_err(|e| refused(&e))?);
-        let (equation, with_numbers) = match (&asked, model) {
-            (Asked::DeltaCd(e), Model::Exact) => (
-                format!("ΔCD = |{error}| cos {helix} / (2 tan α_n)"),
-                format!("|{e}| · cos {beta} / (2 · tan {alpha})"),
-            ),
-            (Asked::DeltaCd(e), Model::Paper) => {
-                (format!("ΔCD = |{error}| / (2 tan α_n)"), format!("|{e}| / (2 · tan {alpha})"))
-            }
-            (Asked::Error(d), Model::Exact) => {
-                (format!("|{error}| = 2 ΔCD tan α_n / cos {helix}"), format!("2 · {d} · tan {alpha} / cos {beta}"))
-            }
-            (Asked::Error(d), Model::Paper) => (format!("|{error}| = 2 ΔCD tan α_n"), format!("2 · {d} · tan {alpha}")),
-        };
-        Ok(Computed { equation, with_numbers, value })
-    };
-    print_models(&args.common, output, formula, args.model.into(), matches!(asked, Asked::Error(_)), computed)
+/// What a law gives for what is asked.
+fn by_law(law: Law, asked: &Asked, model: Model) -> Result<ErrorValue, DomainError> {
+    match asked {
+        Asked::DeltaCd(error) => law.delta_cd(*error, model).map(ErrorValue::Length),
+        Asked::Error(delta_cd) => law.largest_error(*delta_cd, model),
+    }
 }
 
-/// Prints the chosen model's value and, if it has one, the other's.
-fn print_models(
-    common: &Common,
-    output: &mut Output,
-    formula: &'static str,
-    model: Model,
-    is_bound: bool,
-    computed: impl Fn(Model) -> Result<Computed, Failure>,
-) -> Result<Status, Failure> {
-    let other = if model == Model::Exact { Model::Paper } else { Model::Exact };
-    let result = computed(model)?;
+/// The laws whose ΔCD is the error itself.
+fn signed(args: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
+    let asked = args.given.asked::<Length>()?;
+    let result = by_law(law, &asked, Model::Exact).map_err(|error| refused(&error))?;
+    let is_bound = matches!(asked, Asked::Error(_));
+    args.common.print(output, Calculation { is_bound, ..calculation(law.page(), result) })
+}
+
+fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Result<Status, Failure> {
+    by_models(
+        output,
+        &args.common,
+        law.map_err(|error| refused(&error))?,
+        &args.given.asked::<Length>()?,
+        args.model.into(),
+    )
+}
+
+/// The chosen model's value and the other's.
+fn by_models(output: &mut Output, common: &Common, law: Law, asked: &Asked, model: Model) -> Result<Status, Failure> {
+    let result = by_law(law, asked, model).map_err(|error| refused(&error))?;
     // the other model may have no value where the chosen one has
-    let other = computed(other).unwrap_or_else(|_| result.clone());
-    common.print(output, formula, result, Some((model, other)), is_bound)
+    let other = Some(by_law(law, asked, model.other()).unwrap_or(result));
+    let is_bound = matches!(asked, Asked::Error(_));
+    common.print(output, Calculation { model: Some(model), other, is_bound, ..calculation(law.page(), result) })
 }
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
-    let (alpha, beta, k) = (&args.pressure_angle, &args.helix_angle, &args.face_width);
-    let asked = match (&args.f_h_beta, &args.length) {
-        (Some(slope), Some(length)) => {
-            Asked::DeltaCd(RackLead::error_from_slope(slope, length).map_err(|e| refused(&e))?)
-        }
-        _ => args.given.asked::<Angle>(|a, b| a - b)?,
+    let asked = match (args.f_h_beta, args.length) {
+        (Some(slope), Some(length)) => Asked::DeltaCd(lead_slope(slope, length).map_err(|error| refused(&error))?),
+        _ => args.given.asked::<Angle>()?,
     };
-    let formula = RackLead::new(alpha, beta, k).map_err(|e| refused(&e))?;
-    let computed = |model| -> Result<Computed, Failure> {
-        let value = match &asked {
-            Asked::DeltaCd(error) => formula.delta_cd(error, model).map(ErrorValue::Length),
-            Asked::Error(delta_cd) => formula.largest_error(delta_cd, model).map(ErrorValue::Angle),
-        };
-        let (equation, with_numbers) = match (&asked, model) {
-            (Asked::DeltaCd(e), Model::Exact) => (
-                "ΔCD = k |sin Δβ| / (2 cos β_r tan α_n)".to_owned(),
-                format!("{k} · |sin {e}| / (2 · cos {beta} · tan {alpha})"),
-            ),
-            (Asked::DeltaCd(e), Model::Paper) => {
-                ("ΔCD = k |tan Δβ| / (2 tan α_n)".to_owned(), format!("{k} · |tan {e}| / (2 · tan {alpha})"))
-            }
-            (Asked::Error(d), Model::Exact) => (
-                "|Δβ| = asin(2 ΔCD cos β_r tan α_n / k)".to_owned(),
-                format!("asin(2 · {d} · cos {beta} · tan {alpha} / {k})"),
-            ),
-            (Asked::Error(d), Model::Paper) => {
-                ("|Δβ| = atan(2 ΔCD tan α_n / k)".to_owned(), format!("atan(2 · {d} · tan {alpha} / {k})"))
-            }
-        };
-        Ok(Computed { equation, with_numbers, value: value.map_err(|e| refused(&e))? })
-    };
-    print_models(&args.common, output, "rack-lead", args.model.into(), matches!(asked, Asked::Error(_)), computed)
+    let law =
+        Law::rack_lead(args.pressure_angle, args.helix_angle, args.face_width).map_err(|error| refused(&error))?;
+    by_models(output, &args.common, law, &asked, args.model.into())
+}
+
+/// The page of a formula that is no law.
+fn page(name: &str) -> &'static FormulaPage {
+    CATALOGUE.iter().find(|page| page.name == name).unwrap_or(&CATALOGUE[0])
 }
 
 fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {
-    let diameter = ideal_pin::diameter(&args.normal_module, &args.pressure_angle, args.tooth_thickness.as_ref())
-        .map_err(|e| refused(&e))?;
-    let result = Computed {
-        equation: format!("d_p' = (π m_n - {}) / cos α_n", thickness_symbol(args.tooth_thickness.as_ref())),
-        with_numbers: format!(
-            "(π · {} - {}) / cos {}",
-            args.normal_module,
-            thickness_number(&args.normal_module, args.tooth_thickness.as_ref()),
-            args.pressure_angle
-        ),
-        value: ErrorValue::Length(diameter),
-    };
-    args.common.print(output, "ideal-pin", result, None, false)
-}
-
-fn thickness_symbol(tooth_thickness: Option<&Length>) -> &'static str {
-    if tooth_thickness.is_some() { "s_n" } else { "π m_n / 2" }
-}
-
-fn thickness_number(normal_module: &Length, tooth_thickness: Option<&Length>) -> String {
-    tooth_thickness.map_or_else(|| format!("π · {normal_module} / 2"), Length::to_string)
+    let diameter = ideal_pin::diameter(args.normal_module, args.pressure_angle, args.tooth_thickness);
+    args.common.print(output, calculation(page("ideal-pin"), diameter.map_err(|error| refused(&error))?))
 }
 
 fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> {
-    let measure = OverPin {
-        normal_module: args.normal_module.clone(),
-        normal_pressure_angle: args.pressure_angle.clone(),
-        tooth_thickness: args.tooth_thickness.clone(),
-        pin_diameter: args.pin.clone(),
-        datum: args.datum.clone(),
-    }
-    .measure()
-    .map_err(|e| refused(&e))?;
-    let thickness = args.tooth_thickness.as_ref();
-    let result = Computed {
-        equation: format!(
-            "M = K - (π m_n - {}) / (2 tan α_n) + (d_p / 2) (1 + 1 / sin α_n)",
-            thickness_symbol(thickness)
-        ),
-        with_numbers: format!(
-            "{K} - (π · {m} - {s}) / (2 · tan {alpha}) + ({d} / 2) · (1 + 1 / sin {alpha})",
-            K = args.datum,
-            m = args.normal_module,
-            s = thickness_number(&args.normal_module, thickness),
-            alpha = args.pressure_angle,
-            d = args.pin
-        ),
-        value: ErrorValue::Length(measure),
+    let over_pin = OverPin {
+        normal_module: args.normal_module,
+        normal_pressure_angle: args.pressure_angle,
+        tooth_thickness: args.tooth_thickness,
+        pin_diameter: args.pin,
+        datum: args.datum,
     };
-    args.common.print(output, "over-pin", result, None, false)
+    args.common.print(output, calculation(page("over-pin"), over_pin.measure().map_err(|error| refused(&error))?))
 }
 
 fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status, Failure> {
-    let difference = roller_change::difference(&args.from, &args.to, &args.pressure_angle).map_err(|e| refused(&e))?;
-    let result = Computed {
-        equation: "ΔM = (D_2 - D_1) / 2 · (1 + 1 / sin α_n)".to_owned(),
-        with_numbers: format!("({} - {}) / 2 · (1 + 1 / sin {})", args.to, args.from, args.pressure_angle),
-        value: ErrorValue::Length(difference),
-    };
-    args.common.print(output, "roller-change", result, None, false)
+    let difference = roller_change::difference(args.from, args.to, args.pressure_angle);
+    args.common.print(output, calculation(page("roller-change"), difference.map_err(|error| refused(&error))?))
 }

@@ -115,7 +115,7 @@ impl Args {
             (Some(spec), Some((path, true))) => self.run_obtained(standard, spec, path, output),
             _ => match (self.grade, &self.for_delta_cd) {
                 (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), output),
-                (None, Some(limit)) => self.run_search(standard, &limit.abs(), spec.as_ref(), output),
+                (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
                 // clap requires one of them
                 (None, None) => Err(usage("give --grade, --obtained or --for-delta-cd").into()),
             },
@@ -125,25 +125,25 @@ impl Args {
     /// The part asked for, by the options and else the spec.
     fn sized(&self, part: Part, spec: Option<&Spec>) -> Result<Sized, Failure> {
         let mut wheel = spec.map(|spec| spec.wheel(part)).unwrap_or_default();
-        let options = (self.normal_module.clone(), self.face_width.clone(), self.teeth, self.helix_angle.clone());
+        let options = (self.normal_module, self.face_width, self.teeth, self.helix_angle);
         wheel.normal_module = options.0.or(wheel.normal_module);
         wheel.face_width = options.1.or(wheel.face_width);
         wheel.teeth = options.2.or(wheel.teeth);
         wheel.helix_angle = options.3.or(wheel.helix_angle);
-        positive(Size::NormalModule, wheel.normal_module.as_ref())?;
-        positive(Size::FaceWidth, wheel.face_width.as_ref())?;
+        positive(Size::NormalModule, wheel.normal_module)?;
+        positive(Size::FaceWidth, wheel.face_width)?;
         let written = spec.and_then(|spec| spec.tolerance.diameter.as_ref()).map(|choice| choice.value.clone());
         let pinion = || -> Result<Option<Length>, Failure> {
             // of the spec's pinion for a rack, else of this wheel
             let (module, teeth, helix_angle) = match (part, spec) {
                 (Part::Rack, Some(spec)) => {
                     let pinion = spec.wheel(Part::Pinion);
-                    (wheel.normal_module.clone().or(pinion.normal_module), pinion.teeth, pinion.helix_angle)
+                    (wheel.normal_module.or(pinion.normal_module), pinion.teeth, pinion.helix_angle)
                 }
-                _ => (wheel.normal_module.clone(), wheel.teeth, wheel.helix_angle.clone()),
+                _ => (wheel.normal_module, wheel.teeth, wheel.helix_angle),
             };
             let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
-            let diameter = class::reference_diameter(&module, teeth, &helix_angle.unwrap_or(Angle::ZERO));
+            let diameter = class::reference_diameter(module, teeth, helix_angle.unwrap_or(Angle::ZERO));
             Ok(Some(diameter.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?))
         };
         // where both parts are graded, --diameter is the rack's unless the pinion's own is not known
@@ -155,7 +155,7 @@ impl Args {
         };
         let (diameter, source) = match (part, choice) {
             (_, Some(RackDiameter::Given(diameter))) => {
-                positive(Size::Diameter, Some(&diameter))?;
+                positive(Size::Diameter, Some(diameter))?;
                 (Some(diameter), DiameterSource::Given)
             }
             (Part::Rack, Some(RackDiameter::Developed)) => {
@@ -164,7 +164,7 @@ impl Args {
                     usage("a developed diameter needs the toothed length of the rack")
                         .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
                 })?;
-                let diameter = class::developed_diameter(&length.value)
+                let diameter = class::developed_diameter(length.value)
                     .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
                 (Some(diameter), DiameterSource::Developed)
             }
@@ -185,15 +185,14 @@ impl Args {
         };
         wheel.diameter = diameter;
         let diameter_source = wheel.diameter.as_ref().map(|_| source);
-        let written = spec.and_then(|spec| spec.pair.normal_pressure_angle.as_ref()).map(|angle| angle.value.clone());
+        let written = spec.and_then(|spec| spec.pair.normal_pressure_angle.as_ref()).map(|angle| angle.value);
         let meshing = Meshing {
-            pressure_angle: self.pressure_angle.clone().or(written),
-            helix_angle: wheel.helix_angle.clone(),
-            face_width: wheel.face_width.clone(),
+            pressure_angle: self.pressure_angle.or(written),
+            helix_angle: wheel.helix_angle,
+            face_width: wheel.face_width,
         };
-        let pressure_angle =
-            meshing.pressure_angle.as_ref().map(|angle| domain::NORMAL_PRESSURE_ANGLE.check_angle(angle));
-        let helix_angle = meshing.helix_angle.as_ref().map(|angle| domain::RACK_HELIX_ANGLE.check_angle(angle));
+        let pressure_angle = meshing.pressure_angle.map(|angle| domain::NORMAL_PRESSURE_ANGLE.check_angle(angle));
+        let helix_angle = meshing.helix_angle.map(|angle| domain::RACK_HELIX_ANGLE.check_angle(angle));
         for checked in [pressure_angle, helix_angle].into_iter().flatten() {
             checked.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
         }
@@ -288,7 +287,7 @@ impl Args {
                 diameters.push(format!("{}: d = {:.4} mm ({})", part.name(), diameter.mm(), source.in_words()));
             }
             for value in of_part {
-                match grade::obtained(standard, part, value.deviation, &value.amount, &value.origin, &sized.wheel) {
+                match grade::obtained(standard, part, value.deviation, value.amount, &value.origin, &sized.wheel) {
                     Ok(one) => obtained.push(one),
                     Err(error @ StandardError::OutOfScope { .. }) => return Err(no_class(&error).into()),
                     Err(error) => not_graded.push(format!("{} {}: {}", part.name(), value.deviation, reason(&error))),
@@ -309,7 +308,7 @@ impl Args {
     fn run_search(
         &self,
         standard: Standard,
-        limit: &Length,
+        limit: Length,
         spec: Option<&Spec>,
         output: &mut Output,
     ) -> Result<Status, Failure> {
@@ -335,11 +334,11 @@ impl Args {
             let missing = || StandardError::NoSuchDeviation { standard, deviation };
             let (limiting, sized) = standard.that_limits(deviation).zip(of(kind)).ok_or_else(missing)?;
             let permissible = limiting.permissible(deviation, grade, &sized.wheel)?;
-            let delta_cd = class::delta_cd(deviation, &permissible.length(), &sized.meshing, model)?;
+            let delta_cd = class::delta_cd(deviation, permissible.length(), &sized.meshing, model)?;
             Ok(Term { kind, delta_cd, is_tolerance: true })
         };
         let mut fatal: Option<StandardOrEffect> = None;
-        let search = GradeSearch::new(standard, limit.clone(), |grade| {
+        let search = GradeSearch::new(standard, limit, |grade| {
             let terms: Result<Vec<_>, _> = kinds.iter().map(|kind| term(*kind, grade)).collect();
             terms.map_err(|error| {
                 let text = error.to_string();
@@ -396,12 +395,11 @@ impl StandardOrEffect {
 fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair>) -> ClassRow {
     let deviation = permissible.deviation;
     let delta_cd =
-        class::delta_cd(deviation, &permissible.length(), &sized.meshing, model).map_err(|error| error.to_string());
+        class::delta_cd(deviation, permissible.length(), &sized.meshing, model).map_err(|error| error.to_string());
     let mesh = pair.and_then(|pair| {
         let arrangement = arrangement(deviation, sized.part)?;
-        let pitches =
-            permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken.to_f64());
-        let face_width = sized.wheel.face_width.as_ref().map_or(1.0, Length::mm);
+        let pitches = permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken);
+        let face_width = sized.wheel.face_width.map_or(1.0, Length::mm);
         let amount = permissible.length().mm();
         #[expect(clippy::cast_possible_truncation, reason = "an eighth of at most 100 000 teeth")]
         let mm = class_mesh::largest_delta_cd_mm(pair, sized.part, deviation, amount, face_width, pitches as i64);
@@ -440,9 +438,9 @@ fn no_class(error: &StandardError) -> Diagnostic {
     }
 }
 
-fn positive(size: Size, length: Option<&Length>) -> Result<(), Failure> {
+fn positive(size: Size, length: Option<Length>) -> Result<(), Failure> {
     match length {
-        Some(length) if *length <= Length::ZERO => {
+        Some(length) if length <= Length::ZERO => {
             let message = format!("the {} is {length}; it must be above 0 mm", size.name());
             Err(Diagnostic::error(Code::OutOfDomain, message).into())
         }

@@ -23,6 +23,11 @@ pub(super) struct Args {
 /// What makes numbers out of several formulas; each is the documentation of its module.
 const METHODS: &[Page] = &[
     Page {
+        name: "precision",
+        aliases: &["accuracy", "rounding", "digits"],
+        text: include_str!("../formula/precision.md"),
+    },
+    Page {
         name: "combination",
         aliases: &["range", "worst-case", "worst", "rss", "stack"],
         text: include_str!("../decision/stack.md"),
@@ -82,7 +87,7 @@ fn page(topic: &str) -> Option<String> {
 
 /// Markdown as it reads on a screen: code indented instead of fenced; and where there is a width, paragraphs broken to
 /// fit it and tables drawn.
-fn for_screen(text: &str, width: Option<u16>) -> String {
+pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
     /// Longer lines are tiring to read.
     const WIDEST: u16 = 100;
     let width = width.map(|width| width.min(WIDEST));

@@ -66,14 +66,14 @@ impl Args {
                     let space = std::f64::consts::PI * pair.normal_module_mm() - pair.rack().tooth_thickness_mm;
                     space / crate::trig::cos(pair.normal_pressure_angle_rad())
                 };
-                let written = self.pin.as_ref().or(spec.rack.pin.as_ref().map(|pin| &pin.value));
+                let written = self.pin.or(spec.rack.pin.as_ref().map(|pin| pin.value));
                 let pin_mm = written.map_or_else(ideal, Length::mm);
                 let readings = mesh.measure_rack(pin_mm, self.first..=self.last).map_err(|error| unsolved(&error))?;
                 let datum_mm = spec.rack.datum.as_ref().map(|datum| datum.value.mm());
                 MeasureReport::Rack { pin_mm, datum_mm, readings }
             }
             Part::Pinion => {
-                let ball_mm = self.pin.as_ref().map_or_else(|| mesh.pinion_ball_mm(), Length::mm);
+                let ball_mm = self.pin.map_or_else(|| mesh.pinion_ball_mm(), Length::mm);
                 let readings = mesh.measure_pinion(ball_mm).map_err(|error| unsolved(&error))?;
                 MeasureReport::Pinion { ball_mm, readings }
             }

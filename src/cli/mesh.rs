@@ -342,7 +342,7 @@ fn plot(report: &MeshReport<'_>) -> CurvePlot {
         };
         Some(Mark { stroke_mm: kink.stroke_mm, delta_cd_mm: kink.delta_cd_mm, label })
     });
-    let limits = report.limit.into_iter().flat_map(|limit| [&limit.lower, &limit.upper]);
+    let limits = report.limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]);
     CurvePlot {
         title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
         curves: vec![Series {

@@ -134,7 +134,7 @@ fn want(spec: &Spec) -> Want {
         own: spec.column_names(),
         nominals: ErrorKind::ALL.into_iter().filter_map(measured).collect(),
         units: spec.batch.columns.iter().filter_map(unit).collect(),
-        module: spec.pair.normal_module.as_ref().map(|module| module.value.clone()),
+        module: spec.pair.normal_module.as_ref().map(|module| module.value),
         ..Want::default()
     }
 }

@@ -162,7 +162,7 @@ impl Args {
             screen: Screen::default(),
         };
         let line = curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
-        let ends = limit.into_iter().flat_map(|limit| [&limit.lower, &limit.upper]).flatten().map(Length::mm);
+        let ends = limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]).flatten().map(Length::mm);
         let chart = Chart {
             caption: "ΔCD along the stroke by the exact mesh (line), the range of the formulas (band), limits (dashed)"
                 .to_owned(),
@@ -395,7 +395,7 @@ impl RunChart {
             return None;
         }
         let limit = plan.limits().iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
-        let limits = limit.into_iter().flat_map(|(_, limit)| [&limit.lower, &limit.upper]).flatten().map(Length::mm);
+        let limits = limit.into_iter().flat_map(|(_, limit)| [limit.lower, limit.upper]).flatten().map(Length::mm);
         #[expect(clippy::cast_precision_loss, reason = "a picture")]
         let at = |index: usize| (index as u64 * self.size + 1) as f64;
         let range: Vec<_> =

@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Angle, Length};
 
 /// A value as a table gives it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measured {
     /// What was measured; its deviation follows with the nominal value.

@@ -5,10 +5,11 @@
 //! a rack's diameter.
 
 use crate::deviation::{ErrorKind, ErrorValue, Part};
-use crate::formula::{Model, PartError, RackLead, RackPitch};
-use crate::quantity::{Angle, DomainError, Length, Rational};
+use crate::formula::law::lead_slope;
+use crate::formula::{Law, Model};
+use crate::quantity::{Angle, DomainError, Length};
 use crate::standard::{Deviation, Permissible};
-use crate::trig::precise;
+use crate::trig;
 
 /// Which diameter stands for a rack in a standard for toothed wheels. There is no default.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,7 +72,7 @@ impl ErrorClass {
             "{}: {} = {} µm by {standard}, grade {grade}",
             self.kind,
             self.permissible.symbol(),
-            self.permissible.value_um().to_f64(),
+            self.permissible.value_um(),
         );
         if let Some((diameter, source)) = &self.diameter {
             text.push_str(&format!(", d = {:.3} mm ({})", diameter.mm(), source.in_words()));
@@ -93,26 +94,21 @@ pub const fn deviation_of(kind: ErrorKind) -> Deviation {
 /// The reference diameter d = m_n z / cos β.
 ///
 /// # Errors
-/// [`DomainError`] if an input is outside its domain, or the result is beyond the range of `f64`.
-pub fn reference_diameter(normal_module: &Length, teeth: u32, helix_angle: &Angle) -> Result<Length, DomainError> {
+/// [`DomainError`] if an input is outside its domain, or the result is beyond the largest length.
+pub fn reference_diameter(normal_module: Length, teeth: u32, helix_angle: Angle) -> Result<Length, DomainError> {
     crate::formula::domain::NORMAL_MODULE.check_length(normal_module)?;
     crate::formula::domain::PINION_HELIX_ANGLE.check_angle(helix_angle)?;
-    let product = normal_module.exact_mm() * &Rational::integer(i64::from(teeth));
-    let diameter = &product / &precise::cos(helix_angle.exact_degrees());
-    Ok(Length::from_exact_mm(diameter.round_significant(DIGITS), "the reference diameter d")?)
+    let diameter_mm = normal_module.mm() * f64::from(teeth) / trig::sin_cos_of(helix_angle).1;
+    Ok(Length::nearest(diameter_mm * 1e12, "the reference diameter d")?)
 }
 
 /// The developed diameter L/π of a rack with the toothed length L.
 ///
 /// # Errors
-/// [`DomainError`] if the result is beyond the range of `f64`.
-pub fn developed_diameter(toothed_length: &Length) -> Result<Length, DomainError> {
-    let diameter = toothed_length.exact_mm() / Rational::pi();
-    Ok(Length::from_exact_mm(diameter.round_significant(DIGITS), "the developed diameter L/π")?)
+/// [`DomainError`] if the result is beyond the largest length.
+pub fn developed_diameter(toothed_length: Length) -> Result<Length, DomainError> {
+    Ok(Length::nearest(toothed_length.mm() / std::f64::consts::PI * 1e12, "the developed diameter L/π")?)
 }
-
-/// Digits of a diameter: those to which the functions behind it are known, less some.
-const DIGITS: u16 = 40;
 
 /// What a deviation's ΔCD needs beside the deviation.
 #[derive(Debug, Clone, Default)]
@@ -184,18 +180,18 @@ pub enum NoEffect {
 ///
 /// # Errors
 /// [`NoEffect`] if there is no formula, or something that it needs is missing or outside its domain.
-pub fn delta_cd(deviation: Deviation, amount: &Length, meshing: &Meshing, model: Model) -> Result<Length, NoEffect> {
-    let helix_angle = meshing.helix_angle.clone().unwrap_or(Angle::ZERO);
-    let pressure_angle = || meshing.pressure_angle.as_ref().ok_or(NoEffect::Missing("normal pressure angle α_n"));
+pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: Model) -> Result<Length, NoEffect> {
+    let helix_angle = meshing.helix_angle.unwrap_or(Angle::ZERO);
+    let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
     match deviation {
-        Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Ok(amount.clone()),
+        Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Ok(amount),
         Deviation::SinglePitch | Deviation::SectorPitch | Deviation::TotalPitch => {
-            Ok(RackPitch::new(pressure_angle()?, &helix_angle)?.delta_cd(amount, model)?)
+            Ok(Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
         }
         Deviation::HelixSlope | Deviation::TotalHelix => {
-            let face_width = meshing.face_width.as_ref().ok_or(NoEffect::Missing("face width b"))?;
-            let formula = RackLead::new(pressure_angle()?, &helix_angle, face_width)?;
-            Ok(formula.delta_cd(&RackLead::error_from_slope(amount, face_width)?, model)?)
+            let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
+            let law = Law::rack_lead(pressure_angle()?, helix_angle, face_width)?;
+            Ok(law.delta_cd(lead_slope(amount, face_width)?, model)?)
         }
         Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => {
             Err(NoEffect::NoFormula)
@@ -206,18 +202,16 @@ pub fn delta_cd(deviation: Deviation, amount: &Length, meshing: &Meshing, model:
 /// The error that a permissible deviation stands for.
 ///
 /// # Errors
-/// [`DomainError`] if a lead error has no angle.
+/// [`DomainError`] if the face width is not above 0.
 pub fn error_value(
     kind: ErrorKind,
     permissible: &Permissible,
-    face_width: Option<&Length>,
+    face_width: Option<Length>,
 ) -> Result<ErrorValue, DomainError> {
-    Ok(match (kind, face_width) {
-        (ErrorKind::RackLead, Some(width)) => {
-            ErrorValue::Angle(RackLead::error_from_slope(&permissible.length(), width)?)
-        }
-        _ => ErrorValue::Length(permissible.length()),
-    })
+    match (kind, face_width) {
+        (ErrorKind::RackLead, Some(width)) => lead_slope(permissible.length(), width),
+        _ => Ok(ErrorValue::Length(permissible.length())),
+    }
 }
 
 /// The part that a kind of error is on.
@@ -227,12 +221,6 @@ pub const fn part_of(kind: ErrorKind) -> Part {
         ErrorKind::RackOverRoller | ErrorKind::RackPitch | ErrorKind::RackLead => Part::Rack,
         ErrorKind::PinionRadial | ErrorKind::PinionPitch => Part::Pinion,
     }
-}
-
-/// An error that is only known to lie within plus and minus a value.
-#[must_use]
-pub fn within(error: PartError) -> PartError {
-    PartError::Within(Box::new(error))
 }
 
 #[cfg(test)]
@@ -245,19 +233,19 @@ mod tests {
 
     #[test]
     fn diameters() {
-        let d = |m, z, beta: &str| reference_diameter(&length(m), z, &beta.parse().unwrap()).unwrap();
+        let d = |m, z, beta: &str| reference_diameter(length(m), z, beta.parse().unwrap()).unwrap();
         assert_eq!(d("2.5", 20, "0"), length("50"));
         // on the limit of a range, exactly
         assert_eq!(d("1", 10, "60"), length("20"));
         assert_eq!(format!("{:.3}", d("1.9", 7, "25").mm()), "14.675");
-        assert_eq!(format!("{:.6}", developed_diameter(&length("100")).unwrap().mm()), "31.830989");
+        assert_eq!(format!("{:.6}", developed_diameter(length("100")).unwrap().mm()), "31.830989");
     }
 
     #[test]
     fn each_deviation_has_its_effect() {
         let meshing =
             Meshing { pressure_angle: Some("45".parse().unwrap()), helix_angle: None, face_width: Some(length("20")) };
-        let effect = |deviation| delta_cd(deviation, &length("0.02"), &meshing, Model::Exact);
+        let effect = |deviation| delta_cd(deviation, length("0.02"), &meshing, Model::Exact);
         // 1/(2 tan 45°) = 1/2
         for deviation in [Deviation::SinglePitch, Deviation::SectorPitch, Deviation::TotalPitch] {
             assert_eq!(effect(deviation).unwrap(), length("0.01"));
@@ -274,7 +262,7 @@ mod tests {
         }
         let bare = Meshing::default();
         assert_eq!(
-            delta_cd(Deviation::SinglePitch, &length("0.02"), &bare, Model::Exact).unwrap_err().to_string(),
+            delta_cd(Deviation::SinglePitch, length("0.02"), &bare, Model::Exact).unwrap_err().to_string(),
             "it needs the normal pressure angle α_n"
         );
     }

@@ -31,15 +31,15 @@ impl Contribution {
     /// The term that it is in a combination.
     #[must_use]
     pub fn term(&self, model: Model) -> Term {
-        Term { kind: self.kind, delta_cd: self.delta_cd(model).clone(), is_tolerance: self.is_tolerance }
+        Term { kind: self.kind, delta_cd: self.delta_cd(model), is_tolerance: self.is_tolerance }
     }
 
     /// ΔCD by `model`.
     #[must_use]
-    pub fn delta_cd(&self, model: Model) -> &Length {
+    pub fn delta_cd(&self, model: Model) -> Length {
         match model {
-            Model::Exact => &self.exact,
-            Model::Paper => &self.paper,
+            Model::Exact => self.exact,
+            Model::Paper => self.paper,
         }
     }
 
@@ -101,14 +101,14 @@ impl Evaluation {
         simulated: Option<&[f64]>,
     ) -> Result<(), QuantityError> {
         for (index, check) in self.limits.iter_mut().enumerate() {
-            let Some((lower, upper)) = &check.result else { continue };
+            let Some(result) = check.result else { continue };
             let ends = propagation.and_then(|propagation| propagation.ends(check.on));
             let probability = simulated.and_then(|inside| inside.get(index)).copied().filter(|p| !p.is_nan());
-            let decision = decide(rule, &check.limit, (lower, upper), ends.as_ref(), probability)?;
+            let decision = decide(rule, &check.limit, result, ends.as_ref(), probability)?;
             check.verdict = Some(decision.verdict);
             check.decision = Some(decision);
         }
-        self.verdict = overall(&self.limits);
+        self.verdict = overall(self.limits.iter().map(|check| check.verdict));
         Ok(())
     }
 
@@ -161,7 +161,7 @@ pub fn evaluate(
     if !combined.worst_case.is_zero() {
         for contribution in &mut contributions {
             let magnitude = contribution.delta_cd(model).abs();
-            contribution.share = Some((magnitude.exact_mm() / combined.worst_case.exact_mm()).to_f64());
+            contribution.share = Some(magnitude.mm() / combined.worst_case.mm());
         }
     }
     let limits: Vec<_> = limits
@@ -173,32 +173,30 @@ pub fn evaluate(
                     contributions.iter().find(|c| c.kind == *kind).map(|c| c.term(model).interval())
                 }
             };
-            let verdict = result.as_ref().map(|(lower, upper)| limit.judge(lower, upper));
-            LimitCheck { on: *on, limit: limit.clone(), result, verdict, decision: None }
+            let verdict = result.map(|(lower, upper)| limit.judge(lower, upper));
+            LimitCheck { on: *on, limit: *limit, result, verdict, decision: None }
         })
         .collect();
-    let verdict = overall(&limits);
+    let verdict = overall(limits.iter().map(|check| check.verdict));
     Ok(Evaluation { model, stack, contributions, combined, limits, verdict })
 }
 
-/// Fail if any limit fails; open if there are none or one could not be judged; indeterminate if any is; else pass.
-fn overall(limits: &[LimitCheck]) -> Option<Verdict> {
-    let any = |verdict| limits.iter().any(|check| check.verdict == verdict);
-    if any(Some(Verdict::Fail)) {
-        Some(Verdict::Fail)
-    } else if limits.is_empty() || any(None) {
-        None
-    } else if any(Some(Verdict::Indeterminate)) {
-        Some(Verdict::Indeterminate)
-    } else {
-        Some(Verdict::Pass)
-    }
+/// Of the verdicts on all limits, `None` where one could not be judged: fail if any fails; open if there are none or one
+/// could not be judged; indeterminate if any is; else pass.
+pub(crate) fn overall(verdicts: impl Iterator<Item = Option<Verdict>>) -> Option<Verdict> {
+    let worse = |a: Option<Verdict>, b: Option<Verdict>| match (a, b) {
+        (Some(Verdict::Fail), _) | (_, Some(Verdict::Fail)) => Some(Verdict::Fail),
+        (None, _) | (_, None) => None,
+        (Some(Verdict::Indeterminate), _) | (_, Some(Verdict::Indeterminate)) => Some(Verdict::Indeterminate),
+        _ => Some(Verdict::Pass),
+    };
+    verdicts.reduce(worse)?
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formula::{PinionPitch, RackPitch};
+    use crate::formula::Law;
     use crate::quantity::Angle;
 
     fn angle(text: &str) -> Angle {
@@ -210,26 +208,29 @@ mod tests {
     }
 
     fn center_distance(limit: &str) -> Limits {
-        vec![(LimitTarget::CenterDistance, Limit::symmetric(&length(limit)))]
+        vec![(LimitTarget::CenterDistance, Limit::symmetric(length(limit)))]
     }
 
     #[test]
     fn a_rational_gain_meets_a_decimal_limit_exactly() {
         // cos 30° / (2 tan 30°) = 3/4, and 1/(2 tan 45°) = 1/2
         let errors = [
-            PartError::RackPitch(length("0.02"), RackPitch::new(&angle("30"), &angle("30")).unwrap()),
-            PartError::PinionPitch(length("0.03"), PinionPitch::new(&angle("45"), &angle("0")).unwrap()),
-            PartError::RackOverRoller(length("0.02")),
+            PartError::new(Law::rack_pitch(angle("30"), angle("30")).unwrap(), length("0.02")),
+            PartError::new(Law::pinion_pitch(angle("45"), angle("0")).unwrap(), length("0.03")),
+            PartError::new(Law::rack_over_roller(), length("0.02")),
         ];
         let verdict =
             |limit: &str| evaluate(&errors, &center_distance(limit), Model::Exact, Stack::Range).unwrap().verdict;
         assert_eq!(verdict("0.05"), Some(Verdict::Pass));
-        assert_eq!(verdict("0.0499999999999999999999999"), Some(Verdict::Fail));
+        assert_eq!(verdict("0.049999999999"), Some(Verdict::Fail));
     }
 
     #[test]
     fn the_stack_picks_what_is_judged() {
-        let errors = [PartError::RackOverRoller(length("0.03")), PartError::PinionRadial(length("-0.04"))];
+        let errors = [
+            PartError::new(Law::rack_over_roller(), length("0.03")),
+            PartError::new(Law::pinion_radial(), length("-0.04")),
+        ];
         let verdict =
             |stack| evaluate(&errors, &center_distance("0.05"), Model::Exact, stack).unwrap().verdict.unwrap();
         assert_eq!(verdict(Stack::Range), Verdict::Pass);
@@ -239,9 +240,9 @@ mod tests {
 
     #[test]
     fn a_limit_without_its_error_is_not_passed() {
-        let errors = [PartError::RackOverRoller(length("0.01"))];
+        let errors = [PartError::new(Law::rack_over_roller(), length("0.01"))];
         let mut limits = center_distance("0.05");
-        limits.push((LimitTarget::Error(ErrorKind::RackLead), Limit::symmetric(&length("0.01"))));
+        limits.push((LimitTarget::Error(ErrorKind::RackLead), Limit::symmetric(length("0.01"))));
         let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range).unwrap();
         assert_eq!(evaluation.verdict, None);
         assert_eq!(evaluation.unjudged().collect::<Vec<_>>(), [LimitTarget::Error(ErrorKind::RackLead)]);

@@ -33,7 +33,7 @@ pub fn obtained(
     standard: Standard,
     part: Part,
     deviation: Deviation,
-    measured: &Length,
+    measured: Length,
     origin: &str,
     wheel: &Wheel,
 ) -> Result<Obtained, StandardError> {
@@ -107,18 +107,18 @@ impl GradeSearch {
     /// The coarsest grade whose worst case does not exceed the limit.
     #[must_use]
     pub fn by_worst_case(&self) -> Option<u8> {
-        self.coarsest(|combined| &combined.worst_case)
+        self.coarsest(|combined| combined.worst_case)
     }
 
     /// The coarsest grade whose RSS does not exceed the limit.
     #[must_use]
     pub fn by_rss(&self) -> Option<u8> {
-        self.coarsest(|combined| &combined.rss)
+        self.coarsest(|combined| combined.rss)
     }
 
-    fn coarsest(&self, of: impl Fn(&Combined) -> &Length) -> Option<u8> {
+    fn coarsest(&self, of: impl Fn(&Combined) -> Length) -> Option<u8> {
         let within =
-            self.steps.iter().filter(|step| step.combined.as_ref().is_ok_and(|combined| of(combined) <= &self.limit));
+            self.steps.iter().filter(|step| step.combined.as_ref().is_ok_and(|combined| of(combined) <= self.limit));
         within.map(|step| step.grade).max()
     }
 }
@@ -138,7 +138,7 @@ mod tests {
 
     fn reached(measured: &str) -> Option<u8> {
         let standard = Standard::Iso1328Part1Of2013;
-        let one = obtained(standard, Part::Pinion, Deviation::SinglePitch, &measured.parse().unwrap(), "", &wheel());
+        let one = obtained(standard, Part::Pinion, Deviation::SinglePitch, measured.parse().unwrap(), "", &wheel());
         one.unwrap().reached.map(|permissible| permissible.grade)
     }
 
@@ -147,7 +147,7 @@ mod tests {
         // f_pT is exactly 10 µm at class 5, 5 µm at class 3, 80 µm at class 11
         assert_eq!(reached("10 um"), Some(5));
         assert_eq!(reached("-10 um"), Some(5));
-        assert_eq!(reached("10.0000001 um"), Some(6));
+        assert_eq!(reached("10.000001 um"), Some(6));
         assert_eq!(reached("5 um"), Some(3));
         assert_eq!(reached("0"), Some(1));
         assert_eq!(reached("80 um"), Some(11));
@@ -159,7 +159,7 @@ mod tests {
         let standard = Standard::Iso1328Part1Of2013;
         let one = |measured: &str| {
             let measured = measured.parse().unwrap();
-            obtained(standard, Part::Pinion, Deviation::SinglePitch, &measured, "", &wheel()).unwrap()
+            obtained(standard, Part::Pinion, Deviation::SinglePitch, measured, "", &wheel()).unwrap()
         };
         assert_eq!(overall(&[one("5 um"), one("9 um")]), Some(5));
         assert_eq!(overall(&[one("5 um"), one("90 um")]), None);

@@ -7,7 +7,7 @@ use crate::deviation::ErrorKind;
 use crate::quantity::Length;
 
 /// Permitted values: from `lower` to `upper`, both inside; an end that is not given is open.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Limit {
     /// The lowest permitted value.
     pub lower: Option<Length>,
@@ -73,15 +73,15 @@ impl Verdict {
 impl Limit {
     /// From `-magnitude` to `+magnitude`.
     #[must_use]
-    pub fn symmetric(magnitude: &Length) -> Self {
-        Self { lower: Some(-&magnitude.abs()), upper: Some(magnitude.abs()) }
+    pub fn symmetric(magnitude: Length) -> Self {
+        Self { lower: Some(-magnitude.abs()), upper: Some(magnitude.abs()) }
     }
 
     /// Whether every value from `lower` to `upper` is permitted.
     #[must_use]
-    pub fn judge(&self, lower: &Length, upper: &Length) -> Verdict {
-        let above = self.lower.as_ref().is_none_or(|limit| limit <= lower);
-        let below = self.upper.as_ref().is_none_or(|limit| upper <= limit);
+    pub fn judge(&self, lower: Length, upper: Length) -> Verdict {
+        let above = self.lower.is_none_or(|limit| limit <= lower);
+        let below = self.upper.is_none_or(|limit| upper <= limit);
         if above && below { Verdict::Pass } else { Verdict::Fail }
     }
 }
@@ -90,7 +90,7 @@ impl Limit {
 impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (&self.lower, &self.upper) {
-            (Some(lower), Some(upper)) => write!(f, "{} … {upper}", lower.mm()),
+            (Some(lower), Some(upper)) => write!(f, "{} … {upper}", lower.to_string().trim_end_matches(" mm")),
             (None, Some(upper)) => write!(f, "at most {upper}"),
             (Some(lower), None) => write!(f, "at least {lower}"),
             (None, None) => f.write_str("none"),
@@ -109,31 +109,29 @@ mod tests {
             let nominal: Length = "25.0000".parse().unwrap();
             let measured: Length = format!("25.{step:04}").parse().unwrap();
             let limit: Length = format!("0.{step:04}").parse().unwrap();
-            let deviation = &measured - &nominal;
-            for (lower, upper) in [(&deviation, &deviation), (&-&deviation, &deviation)] {
-                assert_eq!(Limit::symmetric(&limit).judge(lower, upper), Verdict::Pass, "{measured:?}");
+            let deviation = measured - nominal;
+            for (lower, upper) in [(deviation, deviation), (-deviation, deviation)] {
+                assert_eq!(Limit::symmetric(limit).judge(lower, upper), Verdict::Pass, "{measured:?}");
             }
-            let beyond = &deviation + &"1e-9".parse().unwrap();
-            assert_eq!(Limit::symmetric(&limit).judge(&beyond, &beyond), Verdict::Fail, "{measured:?}");
+            let beyond = deviation + Length::from_fm(1);
+            assert_eq!(Limit::symmetric(limit).judge(beyond, beyond), Verdict::Fail, "{measured:?}");
         }
     }
 
     #[test]
     fn a_limit_reads_as_one_would_say_it() {
         let (lower, upper): (Length, Length) = ("-0.03".parse().unwrap(), "50 um".parse().unwrap());
-        let text = |lower: Option<&Length>, upper: Option<&Length>| {
-            Limit { lower: lower.cloned(), upper: upper.cloned() }.to_string()
-        };
-        assert_eq!(text(Some(&lower), Some(&upper)), "-0.03 … 0.05 mm");
-        assert_eq!(text(None, Some(&upper)), "at most 0.05 mm");
-        assert_eq!(text(Some(&lower), None), "at least -0.03 mm");
+        let text = |lower: Option<Length>, upper: Option<Length>| Limit { lower, upper }.to_string();
+        assert_eq!(text(Some(lower), Some(upper)), "-0.03 … 0.05 mm");
+        assert_eq!(text(None, Some(upper)), "at most 0.05 mm");
+        assert_eq!(text(Some(lower), None), "at least -0.03 mm");
     }
 
     #[test]
     fn an_open_end_permits_everything() {
         let limit = Limit { lower: None, upper: Some("0.05".parse().unwrap()) };
-        assert_eq!(limit.judge(&"-9".parse().unwrap(), &"0.05".parse().unwrap()), Verdict::Pass);
-        assert_eq!(limit.judge(&"-9".parse().unwrap(), &"0.0500001".parse().unwrap()), Verdict::Fail);
+        assert_eq!(limit.judge("-9".parse().unwrap(), "0.05".parse().unwrap()), Verdict::Pass);
+        assert_eq!(limit.judge("-9".parse().unwrap(), "0.0500001".parse().unwrap()), Verdict::Fail);
     }
 
     #[test]

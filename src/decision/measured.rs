@@ -63,7 +63,7 @@ impl Feature {
 }
 
 /// One deviation and its ΔCD by the formula.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effect {
     /// The deviation.
     pub deviation: ErrorValue,
@@ -72,7 +72,7 @@ pub struct Effect {
 }
 
 /// One space or tooth.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredRow {
     /// Its number.
     pub number: i64,
@@ -81,7 +81,7 @@ pub struct MeasuredRow {
 }
 
 /// A measured rack or pinion, by the formulas.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPart {
     /// Whether it is a rack; a pinion otherwise.
     pub is_rack: bool,
@@ -105,8 +105,8 @@ impl MeasuredPart {
     #[must_use]
     pub fn range_of(&self, feature: usize) -> Option<(Length, Length)> {
         let effects =
-            || self.rows.iter().filter_map(|row| row.effects.get(feature)?.as_ref()).map(|effect| &effect.delta_cd);
-        let (low, high) = (effects().min()?.clone(), effects().max()?.clone());
+            || self.rows.iter().filter_map(|row| row.effects.get(feature)?.as_ref()).map(|effect| effect.delta_cd);
+        let (low, high) = (effects().min()?, effects().max()?);
         Some(if self.features[feature].error().always_acts() { (low, high) } else { (Length::ZERO, high) })
     }
 
@@ -119,11 +119,11 @@ impl MeasuredPart {
             if feature.error() == ErrorKind::PinionPitch {
                 pinion_pitch = pinion_pitch.max(to);
             } else {
-                low = &low + &from;
-                high = &high + &to;
+                low = low + from;
+                high = high + to;
             }
         }
-        (low, &high + &pinion_pitch)
+        (low, high + pinion_pitch)
     }
 }
 

@@ -20,6 +20,8 @@ mod stack;
 pub mod statistics;
 pub mod uncertainty;
 
+#[cfg(feature = "batch")]
+pub(crate) use evaluation::overall;
 pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
 pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};

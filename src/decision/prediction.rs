@@ -5,9 +5,11 @@
 //! its value. Values are good to a nanometre, for comparison beside a curve.
 
 use crate::deviation::{
-    Eccentricity, PinionDeviation, PinionDeviationKind, PinionToothRow, RackDeviation, RackDeviationKind, RackSpaceRow,
-    ToothRange,
+    Eccentricity, ErrorKind, PinionDeviation, PinionDeviationKind, PinionToothRow, RackDeviation, RackDeviationKind,
+    RackSpaceRow, ToothRange,
 };
+use crate::formula::Model;
+use crate::formula::law::unit_gain;
 use crate::gear::Pair;
 use crate::trig;
 
@@ -161,13 +163,14 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 impl Gains {
     fn new(pair: &Pair) -> Self {
-        let normal = 0.5 / trig::tan(pair.normal_pressure_angle_rad());
-        let cos_rack = trig::cos(pair.rack().helix_angle_rad);
+        let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
+        let gain = |kind, model, helix: f64| unit_gain(kind, model, tan_alpha, trig::cos(helix));
+        let (rack, pinion) = (pair.rack().helix_angle_rad, pair.pinion().helix_angle_rad);
         Self {
-            rack: cos_rack * normal,
-            normal,
-            pinion: trig::cos(pair.pinion().helix_angle_rad) * normal,
-            lead: pair.rack().face_width_mm * normal / cos_rack,
+            rack: gain(ErrorKind::RackPitch, Model::Exact, rack),
+            normal: gain(ErrorKind::RackPitch, Model::Paper, rack),
+            pinion: gain(ErrorKind::PinionPitch, Model::Exact, pinion),
+            lead: pair.rack().face_width_mm * gain(ErrorKind::RackLead, Model::Exact, rack),
         }
     }
 }

@@ -107,8 +107,8 @@ impl Ends {
             }
             Some(distance) => distance / standard,
         };
-        let below = limit.lower.as_ref().map(|lower| self.lower_mm - lower.mm());
-        let above = limit.upper.as_ref().map(|upper| upper.mm() - self.upper_mm);
+        let below = limit.lower.map(|lower| self.lower_mm - lower.mm());
+        let above = limit.upper.map(|upper| upper.mm() - self.upper_mm);
         let (h, k) = (reduced(below, self.lower_standard_mm), reduced(above, self.upper_standard_mm));
         // the lower end must not be too low and the upper one not too high: of opposite sense
         let rho = -self.correlation;
@@ -160,7 +160,7 @@ pub struct Decision {
 pub fn decide(
     rule: &Rule,
     limit: &Limit,
-    result: (&Length, &Length),
+    result: (Length, Length),
     ends: Option<&Ends>,
     simulated: Option<f64>,
 ) -> Result<Decision, QuantityError> {
@@ -169,6 +169,29 @@ pub fn decide(
         (None, Some(ends)) => Some(Conformance { probability: ends.conformance(limit), simulated: false }),
         (None, None) => None,
     };
+    let standard_mm = ends.map_or((0.0, 0.0), |ends| (ends.lower_standard_mm, ends.upper_standard_mm));
+    let Judgement { verdict, guard } = verdict(rule, limit, result, standard_mm, simulated)?;
+    Ok(Decision { guard_mm: guard.map(|(lower, upper)| (lower.mm(), upper.mm())), conformance, verdict })
+}
+
+/// A verdict, and the guard bands at the lower and the upper limit that led to it.
+pub(crate) struct Judgement {
+    pub(crate) verdict: Verdict,
+    pub(crate) guard: Option<(Length, Length)>,
+}
+
+/// The verdict on a result, from its lower to its upper end, with the standard uncertainties of both, or its simulated
+/// probability of conformance.
+///
+/// # Errors
+/// [`QuantityError`] if a guard band is beyond the largest length.
+pub(crate) fn verdict(
+    rule: &Rule,
+    limit: &Limit,
+    result: (Length, Length),
+    standard_mm: (f64, f64),
+    simulated: Option<f64>,
+) -> Result<Judgement, QuantityError> {
     if let (Rule::Iso14253, Some(probability)) = (rule, simulated) {
         let verdict = if probability >= ISO_14253_PROBABILITY {
             Verdict::Pass
@@ -177,30 +200,41 @@ pub fn decide(
         } else {
             Verdict::Indeterminate
         };
-        return Ok(Decision { guard_mm: None, conformance, verdict });
+        return Ok(Judgement { verdict, guard: None });
     }
-    let guard = match rule {
-        Rule::Simple => None,
-        Rule::Iso14253 => {
-            let band = |standard: f64| Length::from_mm(ISO_14253_FACTOR * standard);
-            let (lower, upper) = ends.map_or((0.0, 0.0), |ends| (ends.lower_standard_mm, ends.upper_standard_mm));
-            Some((band(lower)?, band(upper)?))
-        }
-        Rule::Guard(guard) => Some((guard.clone(), guard.clone())),
+    let guard = rule.guard_bands(standard_mm)?;
+    Ok(Judgement { verdict: judge(limit, result, guard), guard })
+}
+
+impl Rule {
+    /// The guard bands at the lower and the upper limit for results of these standard uncertainties; `None` where the
+    /// rule has none.
+    ///
+    /// # Errors
+    /// [`QuantityError`] if a guard band is beyond the largest length.
+    fn guard_bands(&self, standard_mm: (f64, f64)) -> Result<Option<(Length, Length)>, QuantityError> {
+        let band = |standard_mm: f64| Length::nearest(ISO_14253_FACTOR * standard_mm * 1e12, "the guard band");
+        Ok(match self {
+            Self::Simple => None,
+            Self::Iso14253 => Some((band(standard_mm.0)?, band(standard_mm.1)?)),
+            Self::Guard(guard) => Some((*guard, *guard)),
+        })
+    }
+}
+
+/// Holds a result, from its lower to its upper end, against a limit with guard bands: inside the limit moved inwards it
+/// passes, outside the limit moved outwards it fails.
+fn judge(limit: &Limit, result: (Length, Length), guard: Option<(Length, Length)>) -> Verdict {
+    let Some((at_lower, at_upper)) = guard else { return limit.judge(result.0, result.1) };
+    let moved = |lower: Length, upper: Length| Limit {
+        lower: limit.lower.map(|end| end + lower),
+        upper: limit.upper.map(|end| end - upper),
     };
-    let Some((at_lower, at_upper)) = guard else {
-        return Ok(Decision { guard_mm: None, conformance, verdict: limit.judge(result.0, result.1) });
-    };
-    let shifted = |inward: bool| Limit {
-        lower: limit.lower.as_ref().map(|end| if inward { end + &at_lower } else { end - &at_lower }),
-        upper: limit.upper.as_ref().map(|end| if inward { end - &at_upper } else { end + &at_upper }),
-    };
-    let verdict = match (shifted(true).judge(result.0, result.1), shifted(false).judge(result.0, result.1)) {
+    match (moved(at_lower, at_upper).judge(result.0, result.1), moved(-at_lower, -at_upper).judge(result.0, result.1)) {
         (Verdict::Pass, _) => Verdict::Pass,
         (_, Verdict::Fail) => Verdict::Fail,
         _ => Verdict::Indeterminate,
-    };
-    Ok(Decision { guard_mm: Some((at_lower.mm(), at_upper.mm())), conformance, verdict })
+    }
 }
 
 #[cfg(test)]
@@ -213,10 +247,8 @@ mod tests {
 
     fn verdict(rule: &str, value: &str, u: f64) -> Verdict {
         let value = length(value);
-        let limit = Limit::symmetric(&length("0.05"));
-        decide(&rule.parse().unwrap(), &limit, (&value, &value), Some(&Ends::value(value.mm(), u)), None)
-            .unwrap()
-            .verdict
+        let limit = Limit::symmetric(length("0.05"));
+        decide(&rule.parse().unwrap(), &limit, (value, value), Some(&Ends::value(value.mm(), u)), None).unwrap().verdict
     }
 
     #[test]
@@ -245,7 +277,7 @@ mod tests {
 
     #[test]
     fn probabilities_of_conformance() {
-        let limit = Limit::symmetric(&length("0.05"));
+        let limit = Limit::symmetric(length("0.05"));
         let near = |ends: Ends, expected: f64| assert!((ends.conformance(&limit) - expected).abs() < 1e-9, "{ends:?}");
         // on one limit, the other far away
         near(Ends::value(0.05, 0.001), 0.5);
@@ -275,9 +307,9 @@ mod tests {
 
     #[test]
     fn a_simulated_probability_decides_where_there_is_one() {
-        let (value, limit) = (length("0.049"), Limit::symmetric(&length("0.05")));
+        let (value, limit) = (length("0.049"), Limit::symmetric(length("0.05")));
         for (probability, expected) in [(0.96, Verdict::Pass), (0.94, Verdict::Indeterminate), (0.04, Verdict::Fail)] {
-            let decision = decide(&Rule::Iso14253, &limit, (&value, &value), None, Some(probability)).unwrap();
+            let decision = decide(&Rule::Iso14253, &limit, (value, value), None, Some(probability)).unwrap();
             assert_eq!(decision.verdict, expected);
             let conformance = decision.conformance.unwrap();
             assert!(conformance.simulated);

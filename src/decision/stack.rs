@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::deviation::ErrorKind;
-use crate::quantity::{Length, QuantityError, Rational};
+use crate::quantity::{Length, QuantityError};
 
 /// How errors are combined to the result that is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,7 +44,7 @@ impl fmt::Display for Stack {
 }
 
 /// One ΔCD of a sum.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Term {
     /// The kind of error that it comes from.
     pub kind: ErrorKind,
@@ -60,15 +60,15 @@ impl Term {
     #[must_use]
     pub fn interval(&self) -> (Length, Length) {
         if self.is_tolerance && self.kind.always_acts() {
-            (-&self.delta_cd.abs(), self.delta_cd.abs())
+            (-self.delta_cd.abs(), self.delta_cd.abs())
         } else {
-            (self.delta_cd.clone(), self.delta_cd.clone())
+            (self.delta_cd, self.delta_cd)
         }
     }
 }
 
 /// The combinations of several ΔCD.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Combined {
     /// The lower end of the range: the sum of the signed errors.
     pub range_lower: Length,
@@ -81,37 +81,17 @@ pub struct Combined {
 }
 
 impl Combined {
-    /// Combines the ΔCD of each measured error.
-    ///
-    /// # Errors
-    /// [`QuantityError::Overflow`] if a sum is beyond the range of `f64`.
-    pub fn new(terms: &[(ErrorKind, Length)]) -> Result<Self, QuantityError> {
-        let measured = |(kind, delta_cd): &(ErrorKind, Length)| Term {
-            kind: *kind,
-            delta_cd: delta_cd.clone(),
-            is_tolerance: false,
-        };
-        Self::of(&terms.iter().map(measured).collect::<Vec<_>>())
-    }
-
     /// Combines the ΔCD of each error, measured or permissible.
     ///
     /// # Errors
-    /// [`QuantityError::Overflow`] if a sum is beyond the range of `f64`.
+    /// [`QuantityError::Overflow`] if a sum is beyond the largest length.
     pub fn of(terms: &[Term]) -> Result<Self, QuantityError> {
-        let sum = |terms: &mut dyn Iterator<Item = Length>| -> Result<Length, QuantityError> {
-            let sum: Length = terms.sum();
-            Length::from_exact_mm(sum.exact_mm().clone(), "the sum of ΔCD")
-        };
-        let squares = terms.iter().fold(Rational::ZERO, |sum, term| &sum + &term.delta_cd.exact_mm().square());
-        // a root that is rational, as that of 0.03² + 0.04², is exact, and stays so
-        let root = squares.sqrt().unwrap_or(Rational::ZERO);
-        let rss = if root.square() == squares { root } else { root.round_significant(40) };
+        let sum = |ends: &mut dyn Iterator<Item = Length>| Length::sum(ends, "the sum of ΔCD");
         Ok(Self {
             range_lower: sum(&mut terms.iter().filter(|term| term.kind.always_acts()).map(|term| term.interval().0))?,
             range_upper: sum(&mut terms.iter().map(|term| term.interval().1))?,
             worst_case: sum(&mut terms.iter().map(|term| term.delta_cd.abs()))?,
-            rss: Length::from_exact_mm(rss, "the RSS of ΔCD")?,
+            rss: root_sum_square(terms.iter().map(|term| term.delta_cd)),
         })
     }
 
@@ -119,11 +99,33 @@ impl Combined {
     #[must_use]
     pub fn interval(&self, stack: Stack) -> (Length, Length) {
         match stack {
-            Stack::Range => (self.range_lower.clone(), self.range_upper.clone()),
-            Stack::WorstCase => (-&self.worst_case, self.worst_case.clone()),
-            Stack::Rss => (-&self.rss, self.rss.clone()),
+            Stack::Range => (self.range_lower, self.range_upper),
+            Stack::WorstCase => (-self.worst_case, self.worst_case),
+            Stack::Rss => (-self.rss, self.rss),
         }
     }
+}
+
+/// The root of the sum of squares, to the nearest step of the grid: that of 0.03² + 0.04² is 0.05.
+fn root_sum_square(values: impl Iterator<Item = Length>) -> Length {
+    let squares: u128 = values.map(|value| u128::from(value.fm().unsigned_abs()).pow(2)).sum();
+    // a double is within 1 of the root of what ΔCD are; whole numbers tell which is nearest
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a start for whole numbers"
+    )]
+    let mut root = (squares as f64).sqrt() as u64;
+    let square = |root: u64| u128::from(root) * u128::from(root);
+    // (n ± 1/2)² = n² ± n + 1/4
+    while squares > square(root) + u128::from(root) {
+        root += 1;
+    }
+    while square(root) > squares + u128::from(root) - u128::from(root > 0) {
+        root -= 1;
+    }
+    Length::from_fm(i64::try_from(root).unwrap_or(i64::MAX))
 }
 
 #[cfg(test)]
@@ -131,8 +133,12 @@ mod tests {
     use super::*;
 
     fn combined(terms: &[(ErrorKind, &str)]) -> Combined {
-        let terms: Vec<_> = terms.iter().map(|(kind, text)| (*kind, text.parse().unwrap())).collect();
-        Combined::new(&terms).unwrap()
+        let term = |(kind, text): &(ErrorKind, &str)| Term {
+            kind: *kind,
+            delta_cd: text.parse().unwrap(),
+            is_tolerance: false,
+        };
+        Combined::of(&terms.iter().map(term).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]
@@ -167,21 +173,19 @@ mod tests {
         assert_eq!(c.rss, "0.05".parse().unwrap());
     }
 
-    /// However many decimals an exact root has; another one is rounded to forty.
     #[test]
-    fn a_long_decimal_root_is_exact_and_an_irrational_one_rounded() {
-        let (three, four) = (format!("3.{}3", "0".repeat(43)), format!("4.{}4", "0".repeat(43)));
-        let five: Length = format!("5.{}5", "0".repeat(43)).parse().unwrap();
-        assert_eq!(combined(&[(ErrorKind::RackOverRoller, &three), (ErrorKind::RackPitch, &four)]).rss, five);
+    fn an_irrational_root_is_the_nearest_step() {
         let one = combined(&[(ErrorKind::RackOverRoller, "1"), (ErrorKind::RackPitch, "1")]).rss;
-        assert_eq!(one, "1.414213562373095048801688724209698078570".parse().unwrap());
+        assert_eq!(one, "1.414213562373".parse().unwrap());
+        let three = combined(&[(ErrorKind::RackOverRoller, "1"), (ErrorKind::RackPitch, "1.4142135623731")]).rss;
+        assert_eq!(three, "1.732050807569".parse().unwrap());
     }
 
     #[test]
     fn nothing_combines_to_nothing_and_overflow_is_an_error() {
         assert!(combined(&[]).rss.is_zero());
-        let huge: Length = "1.7e308".parse().unwrap();
-        let terms = [(ErrorKind::RackPitch, huge.clone()), (ErrorKind::RackLead, huge)];
-        assert!(Combined::new(&terms).is_err());
+        let large = |kind| Term { kind, delta_cd: "9e5".parse().unwrap(), is_tolerance: false };
+        let error = Combined::of(&[large(ErrorKind::RackPitch), large(ErrorKind::RackLead)]).unwrap_err();
+        assert_eq!(error.to_string(), "the sum of ΔCD is too large: its magnitude must stay within 1e6 mm");
     }
 }

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use crate::quantity::{Angle, Length};
+use crate::trig;
 
 /// A part of the pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -85,12 +86,87 @@ impl fmt::Display for ErrorKind {
 }
 
 /// The value of an error: a length, or an angle for a lead error.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ErrorValue {
     /// A deviation in length.
     Length(Length),
     /// A deviation in angle.
     Angle(Angle),
+    /// The tangent of a deviation in angle: f_Hβ over its evaluation length.
+    Slope(f64),
+}
+
+impl ErrorValue {
+    /// No error of a kind.
+    #[must_use]
+    pub const fn zero(kind: ErrorKind) -> Self {
+        match kind {
+            ErrorKind::RackLead => Self::Angle(Angle::ZERO),
+            _ => Self::Length(Length::ZERO),
+        }
+    }
+
+    /// The value in its base unit, mm or degrees.
+    #[must_use]
+    pub fn base(self) -> f64 {
+        match self {
+            Self::Length(length) => length.mm(),
+            Self::Angle(angle) => angle.degrees(),
+            Self::Slope(slope) => trig::atan(slope) * (180.0 / std::f64::consts::PI),
+        }
+    }
+
+    /// The value less a nominal one of the same dimension.
+    #[must_use]
+    pub fn less(self, nominal: Self) -> Self {
+        match (self, nominal) {
+            (Self::Length(value), Self::Length(nominal)) => Self::Length(value - nominal),
+            (Self::Angle(value), Self::Angle(nominal)) => Self::Angle(value - nominal),
+            _ => self,
+        }
+    }
+
+    /// The magnitude.
+    #[must_use]
+    pub fn abs(self) -> Self {
+        match self {
+            Self::Length(length) => Self::Length(length.abs()),
+            Self::Angle(angle) => Self::Angle(angle.abs()),
+            Self::Slope(slope) => Self::Slope(slope.abs()),
+        }
+    }
+
+    /// Whether it is no error at all.
+    #[must_use]
+    pub fn is_zero(self) -> bool {
+        match self {
+            Self::Length(length) => length.is_zero(),
+            Self::Angle(angle) => angle.is_zero(),
+            Self::Slope(slope) => slope == 0.0,
+        }
+    }
+}
+
+impl fmt::Display for ErrorValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length(length) => length.fmt(f),
+            Self::Angle(angle) => angle.fmt(f),
+            Self::Slope(_) => write!(f, "{}°", self.base()),
+        }
+    }
+}
+
+impl From<Length> for ErrorValue {
+    fn from(length: Length) -> Self {
+        Self::Length(length)
+    }
+}
+
+impl From<Angle> for ErrorValue {
+    fn from(angle: Angle) -> Self {
+        Self::Angle(angle)
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The formulas by name, with the text that documents each: what `explain` prints.
 
+use super::Model;
+
 /// A formula's documentation.
 #[derive(Debug, Clone, Copy)]
 pub struct FormulaPage {
@@ -9,6 +11,21 @@ pub struct FormulaPage {
     pub aliases: &'static [&'static str],
     /// The equation, symbols, domain and source, in Markdown.
     pub text: &'static str,
+}
+
+impl FormulaPage {
+    /// Its equation by a model, as it stands in the text: `ΔCD = |Δp| cos β_r / (2 tan α_n)`.
+    #[must_use]
+    pub fn equation(&self, model: Model) -> &'static str {
+        let mut block =
+            self.text.lines().skip_while(|line| *line != "```text").skip(1).take_while(|line| *line != "```");
+        let of_model = |line: &'static str| {
+            let (first, rest) = line.split_once(' ')?;
+            let is_named = [Model::Exact, Model::Paper].iter().any(|model| model.name() == first);
+            if is_named { (first == model.name()).then(|| rest.trim_start()) } else { Some(line) }
+        };
+        block.find_map(of_model).unwrap_or_default()
+    }
 }
 
 /// Every formula, in the paper's order.

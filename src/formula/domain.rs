@@ -1,7 +1,8 @@
 //! The quantities that the formulas take, and the values that each may have. Checked by the formulas, shown by the JSON
 //! Schema and the command line; each bound stands here only.
 
-use crate::quantity::{Bound, Domain, DomainError, Length, Rational};
+use super::femtometres;
+use crate::quantity::{Bound, Domain, DomainError, Length};
 
 /// Normal pressure angle α_n: above 0° and at most 45°.
 pub const NORMAL_PRESSURE_ANGLE: Domain =
@@ -52,24 +53,20 @@ const fn helix_angle(name: &'static str, symbol: &'static str) -> Domain {
     Domain { name, symbol, lower: Bound::Exclusive(-90), upper: Bound::Exclusive(90) }
 }
 
-/// The normal pitch π m_n in mm. It may be beyond the range of `f64` where the formula's result is not.
-pub(crate) fn normal_pitch(normal_module: &Length) -> Result<Rational, DomainError> {
+/// The normal pitch π m_n, in fm.
+pub(crate) fn normal_pitch_fm(normal_module: Length) -> Result<f64, DomainError> {
     NORMAL_MODULE.check_length(normal_module)?;
-    Ok(normal_module.exact_mm() * Rational::pi())
+    Ok(std::f64::consts::PI * femtometres(normal_module))
 }
 
-/// The tooth thickness s_n in mm, or π m_n / 2 where none is given; it must leave a space in the pitch.
-pub(crate) fn tooth_thickness(normal_module: &Length, given: Option<&Length>) -> Result<Rational, DomainError> {
-    let pitch = normal_pitch(normal_module)?;
-    let Some(thickness) = given else {
-        return Ok(&pitch / &Rational::integer(2));
-    };
+/// A tooth thickness s_n that leaves a space in the normal pitch.
+pub(crate) fn checked_thickness(thickness: Length, normal_pitch_fm: f64) -> Result<Length, DomainError> {
     TOOTH_THICKNESS.check_length(thickness)?;
-    if *thickness.exact_mm() >= pitch {
-        let pitch = Length::from_exact_mm(pitch, "the normal pitch")?;
-        return Err(DomainError::NoSpace { thickness: thickness.clone(), pitch });
+    if femtometres(thickness) >= normal_pitch_fm {
+        let pitch = Length::nearest(normal_pitch_fm, "the normal pitch")?;
+        return Err(DomainError::NoSpace { thickness, pitch });
     }
-    Ok(thickness.exact_mm().clone())
+    Ok(thickness)
 }
 
 #[cfg(test)]
@@ -80,12 +77,7 @@ mod tests {
     fn helix_and_lead_angles_are_less_than_a_right_angle_either_way() {
         for domain in [RACK_HELIX_ANGLE, PINION_HELIX_ANGLE, LEAD_ERROR] {
             for (degrees, inside) in [("-89.9", true), ("0", true), ("89.9", true), ("-90", false), ("90", false)] {
-                assert_eq!(
-                    domain.check_angle(&degrees.parse().unwrap()).is_ok(),
-                    inside,
-                    "{} {degrees}",
-                    domain.symbol
-                );
+                assert_eq!(domain.check_angle(degrees.parse().unwrap()).is_ok(), inside, "{} {degrees}", domain.symbol);
             }
         }
     }

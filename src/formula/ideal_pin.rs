@@ -4,72 +4,70 @@
 //! ```
 //! use rackmesh::formula::ideal_pin;
 //!
-//! let diameter = ideal_pin::diameter(&"2".parse()?, &"20 deg".parse()?, None)?;
+//! let diameter = ideal_pin::diameter("2".parse()?, "20 deg".parse()?, None)?;
 //! assert_eq!(format!("{:.3}", diameter.mm()), "3.343");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::{Input, Sensitivity, domain, per_degree, result_mm};
-use crate::quantity::{Angle, DomainError, Length, Rational};
-use crate::trig::precise;
+use super::{Input, Sensitivity, domain, femtometres};
+use crate::quantity::{Angle, DomainError, Length};
+use crate::trig;
 
 /// The ideal pin diameter d_p' = (π m_n − s_n) / cos α_n; s_n = π m_n / 2 if `None`.
 ///
 /// # Errors
-/// [`DomainError`] if an input is outside its domain, or the result is beyond the range of `f64`.
+/// [`DomainError`] if an input is outside its domain, or the result is beyond the largest length.
 pub fn diameter(
-    normal_module: &Length,
-    normal_pressure_angle: &Angle,
-    tooth_thickness: Option<&Length>,
+    normal_module: Length,
+    normal_pressure_angle: Angle,
+    tooth_thickness: Option<Length>,
 ) -> Result<Length, DomainError> {
-    result_mm(&exact_diameter(normal_module, normal_pressure_angle, tooth_thickness)?, "the pin diameter d_p'")
+    let fm = diameter_fm(normal_module, normal_pressure_angle, tooth_thickness)?;
+    Ok(Length::nearest(fm, "the pin diameter d_p'")?)
 }
 
-/// d_p' in mm, of any size, after a check of every input.
-fn exact_diameter(
-    normal_module: &Length,
-    normal_pressure_angle: &Angle,
-    tooth_thickness: Option<&Length>,
-) -> Result<Rational, DomainError> {
+/// d_p' in fm, after a check of every input.
+fn diameter_fm(
+    normal_module: Length,
+    normal_pressure_angle: Angle,
+    tooth_thickness: Option<Length>,
+) -> Result<f64, DomainError> {
     domain::NORMAL_PRESSURE_ANGLE.check_angle(normal_pressure_angle)?;
-    let space = space_width(normal_module, tooth_thickness)?;
-    Ok(&space / &precise::cos(normal_pressure_angle.exact_degrees()))
+    Ok(space_width_fm(normal_module, tooth_thickness)? / trig::sin_cos_of(normal_pressure_angle).1)
 }
 
 /// ∂d_p'/∂m_n, ∂d_p'/∂α_n and, if a tooth thickness is given, ∂d_p'/∂s_n.
 ///
 /// # Errors
-/// [`DomainError`] if an input is outside its domain, or a derivative is beyond the range of `f64`.
+/// [`DomainError`] if an input is outside its domain.
 pub fn sensitivities(
-    normal_module: &Length,
-    normal_pressure_angle: &Angle,
-    tooth_thickness: Option<&Length>,
+    normal_module: Length,
+    normal_pressure_angle: Angle,
+    tooth_thickness: Option<Length>,
 ) -> Result<Vec<Sensitivity>, DomainError> {
-    let diameter = exact_diameter(normal_module, normal_pressure_angle, tooth_thickness)?;
-    let alpha = normal_pressure_angle.exact_degrees();
-    let cos = precise::cos(alpha);
-    let by_module = &space_per_module(tooth_thickness) / &cos;
+    let diameter_mm = diameter_fm(normal_module, normal_pressure_angle, tooth_thickness)? / 1e12;
+    let cos = trig::sin_cos_of(normal_pressure_angle).1;
+    let by_alpha = diameter_mm * trig::tan_of(normal_pressure_angle);
     let mut all = vec![
-        Sensitivity::new(Input::NormalModule, &by_module)?,
-        Sensitivity::new(Input::NormalPressureAngle, &per_degree(&(&diameter * &precise::tan(alpha))))?,
+        Sensitivity::new(Input::NormalModule, space_per_module(tooth_thickness.is_some()) / cos),
+        Sensitivity::by_angle(Input::NormalPressureAngle, by_alpha),
     ];
     if tooth_thickness.is_some() {
-        all.push(Sensitivity::new(Input::ToothThickness, &-&(&Rational::ONE / &cos))?);
+        all.push(Sensitivity::new(Input::ToothThickness, -1.0 / cos));
     }
     Ok(all)
 }
 
-/// The width of the tooth space at the pitch line, π m_n − s_n, in mm.
-pub(super) fn space_width(normal_module: &Length, tooth_thickness: Option<&Length>) -> Result<Rational, DomainError> {
-    let pitch = domain::normal_pitch(normal_module)?;
-    let thickness = domain::tooth_thickness(normal_module, tooth_thickness)?;
-    Ok(&pitch - &thickness)
+/// The width of the tooth space at the pitch line, π m_n − s_n, in fm.
+pub(super) fn space_width_fm(normal_module: Length, tooth_thickness: Option<Length>) -> Result<f64, DomainError> {
+    let pitch = domain::normal_pitch_fm(normal_module)?;
+    Ok(match tooth_thickness {
+        None => 0.5 * pitch,
+        Some(thickness) => pitch - femtometres(domain::checked_thickness(thickness, pitch)?),
+    })
 }
 
 /// ∂(π m_n − s_n)/∂m_n: half of π if the tooth thickness follows the module.
-pub(super) fn space_per_module(tooth_thickness: Option<&Length>) -> Rational {
-    match tooth_thickness {
-        Some(_) => Rational::pi().clone(),
-        None => Rational::pi() / &Rational::integer(2),
-    }
+pub(super) fn space_per_module(thickness_is_given: bool) -> f64 {
+    if thickness_is_given { std::f64::consts::PI } else { 0.5 * std::f64::consts::PI }
 }

@@ -16,12 +16,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::{Input, Sensitivity, domain, ideal_pin, per_degree, result_mm};
-use crate::quantity::{Angle, DomainError, Length, Rational};
-use crate::trig::precise;
+use super::{Input, Sensitivity, domain, femtometres, ideal_pin};
+use crate::quantity::{Angle, DomainError, Length};
+use crate::trig;
 
 /// The inputs of the formula; see the [module](self).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OverPin {
     /// m_n
     pub normal_module: Length,
@@ -36,57 +36,56 @@ pub struct OverPin {
 }
 
 impl OverPin {
-    /// The width of the tooth space, π m_n − s_n, in mm, after a check of every input.
-    fn checked_space(&self) -> Result<Rational, DomainError> {
-        domain::NORMAL_PRESSURE_ANGLE.check_angle(&self.normal_pressure_angle)?;
-        domain::PIN_DIAMETER.check_length(&self.pin_diameter)?;
-        domain::DATUM.check_length(&self.datum)?;
-        ideal_pin::space_width(&self.normal_module, self.tooth_thickness.as_ref())
+    /// The width of the tooth space, π m_n − s_n, in fm, after a check of every input.
+    fn checked_space_fm(&self) -> Result<f64, DomainError> {
+        domain::NORMAL_PRESSURE_ANGLE.check_angle(self.normal_pressure_angle)?;
+        domain::PIN_DIAMETER.check_length(self.pin_diameter)?;
+        domain::DATUM.check_length(self.datum)?;
+        ideal_pin::space_width_fm(self.normal_module, self.tooth_thickness)
     }
 
     /// The measure M over the pin.
     ///
     /// # Errors
-    /// [`DomainError`] if an input is outside its domain, or the result is beyond the range of `f64`.
+    /// [`DomainError`] if an input is outside its domain, or the result is beyond the largest length.
     pub fn measure(&self) -> Result<Length, DomainError> {
-        let space = self.checked_space()?;
-        let alpha = self.normal_pressure_angle.exact_degrees();
-        let two = Rational::integer(2);
+        let space = self.checked_space_fm()?;
+        let alpha = self.normal_pressure_angle;
         // the flanks' apex below the reference plane, and the pin's top above the apex
-        let depth = &space / &(&two * &precise::tan(alpha));
-        let height = &(self.pin_diameter.exact_mm() / &two) * &one_and_cosecant(alpha);
-        result_mm(&(&(self.datum.exact_mm() - &depth) + &height), "the measure M over the pin")
+        let depth = space / (2.0 * trig::tan_of(alpha));
+        let height = 0.5 * femtometres(self.pin_diameter) * one_and_cosecant(alpha);
+        let above_reference_plane = Length::nearest(height - depth, "the measure M over the pin")?;
+        Ok(Length::sum([self.datum, above_reference_plane], "the measure M over the pin")?)
     }
 
     /// ∂M/∂K, ∂M/∂d_p, ∂M/∂m_n, ∂M/∂α_n and, if a tooth thickness is given, ∂M/∂s_n.
     ///
     /// # Errors
-    /// [`DomainError`] if an input is outside its domain, or a derivative is beyond the range of `f64`.
+    /// [`DomainError`] if an input is outside its domain.
     pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DomainError> {
-        let space = self.checked_space()?;
-        let alpha = self.normal_pressure_angle.exact_degrees();
-        let (sin, cos, tan) = (precise::sin(alpha), precise::cos(alpha), precise::tan(alpha));
-        let half = Rational::fraction(1, 2);
-        let by_space = -&(&half / &tan);
-        let by_module = &by_space * &ideal_pin::space_per_module(self.tooth_thickness.as_ref());
+        let space_mm = self.checked_space_fm()? / 1e12;
+        let alpha = self.normal_pressure_angle;
+        let (sin, cos) = trig::sin_cos_of(alpha);
+        let by_space = -0.5 / trig::tan_of(alpha);
+        let by_module = by_space * ideal_pin::space_per_module(self.tooth_thickness.is_some());
         // d(-1/tan)/dα = 1/sin², d(1/sin)/dα = -cos/sin²
-        let by_alpha = &(&(&space - &(self.pin_diameter.exact_mm() * &cos)) * &half) / &sin.square();
+        let by_alpha = 0.5 * (space_mm - self.pin_diameter.mm() * cos) / (sin * sin);
         let mut all = vec![
-            Sensitivity::new(Input::Datum, &Rational::ONE)?,
-            Sensitivity::new(Input::PinDiameter, &(&half * &one_and_cosecant(alpha)))?,
-            Sensitivity::new(Input::NormalModule, &by_module)?,
-            Sensitivity::new(Input::NormalPressureAngle, &per_degree(&by_alpha))?,
+            Sensitivity::new(Input::Datum, 1.0),
+            Sensitivity::new(Input::PinDiameter, 0.5 * one_and_cosecant(alpha)),
+            Sensitivity::new(Input::NormalModule, by_module),
+            Sensitivity::by_angle(Input::NormalPressureAngle, by_alpha),
         ];
         if self.tooth_thickness.is_some() {
-            all.push(Sensitivity::new(Input::ToothThickness, &-&by_space)?);
+            all.push(Sensitivity::new(Input::ToothThickness, -by_space));
         }
         Ok(all)
     }
 }
 
 /// 1 + 1/sin α: how far a pin's top lies above the apex of the flanks that carry it, in radii.
-pub(super) fn one_and_cosecant(alpha_degrees: &Rational) -> Rational {
-    &Rational::ONE + &(&Rational::ONE / &precise::sin(alpha_degrees))
+pub(super) fn one_and_cosecant(alpha: Angle) -> f64 {
+    1.0 + 1.0 / trig::sin_cos_of(alpha).0
 }
 
 #[cfg(test)]

@@ -1,14 +1,13 @@
-//! Angles: rational numbers of degrees, with their units. Used by every module; trigonometry is in
-//! [`trig`](crate::trig).
+//! Angles: whole nano-arcseconds, with their units. Used by every module; trigonometry is in [`trig`](crate::trig).
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::length::LengthUnit;
-use super::parse::{number, split_number};
-use super::{QuantityError, Rational, exact_arithmetic};
+use super::number::{Decimal, Scale, split_number};
+use super::{QuantityError, grid_quantity};
 
-/// An angle, known exactly. Base unit: degree.
+/// An angle on a grid of nano-arcseconds (2.8e-13°). Base unit: degree.
 ///
 /// Read from text: a bare number is in degrees; the units are `deg` (`°`), `arcmin` (`'`), `arcsec`
 /// (`"`), `rad`, `mrad`, and degrees, minutes and seconds may follow each other: `12° 30' 15"`. Only
@@ -21,9 +20,9 @@ use super::{QuantityError, Rational, exact_arithmetic};
 /// assert_eq!("12° 30'".parse::<Angle>()?.degrees(), 12.5);
 /// # Ok::<(), rackmesh::quantity::QuantityError>(())
 /// ```
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Angle {
-    degrees: Rational,
+    nas: i64,
 }
 
 /// A unit of angle.
@@ -71,72 +70,103 @@ impl AngleUnit {
         }
     }
 
-    /// Degrees in one of this unit.
-    #[must_use]
-    pub fn in_degrees(self) -> Rational {
-        let radian = || &Rational::integer(180) / Rational::pi();
+    /// One of this unit in nano-arcseconds.
+    const fn scale(self) -> Scale {
         match self {
-            Self::Degree => Rational::ONE,
-            Self::Arcminute => Rational::fraction(1, 60),
-            Self::Arcsecond => Rational::fraction(1, 3600),
-            Self::Radian => radian(),
-            Self::Milliradian => &radian() / &Rational::integer(1000),
+            Self::Degree => Scale { factor: 36, exponent: 11 },
+            Self::Arcminute => Scale { factor: 6, exponent: 10 },
+            Self::Arcsecond => Scale { factor: 1, exponent: 9 },
+            // 648000/π arcseconds, to 18 digits
+            Self::Radian => Scale { factor: 206_264_806_247_096_355, exponent: -3 },
+            Self::Milliradian => Scale { factor: 206_264_806_247_096_355, exponent: -6 },
         }
     }
 }
 
 impl Angle {
-    /// No angle at all.
-    pub const ZERO: Self = Self { degrees: Rational::ZERO };
-
     /// An angle in degrees; the number is taken as the decimal that was written for it, its shortest
     /// one.
     ///
     /// # Errors
-    /// [`QuantityError::NotFinite`] if `degrees` is an infinity or NaN.
+    /// [`QuantityError`] if `degrees` is an infinity or NaN, or beyond 277,777°.
     pub fn from_degrees(degrees: f64) -> Result<Self, QuantityError> {
-        let degrees = Rational::from_shortest_decimal(degrees)
-            .ok_or_else(|| QuantityError::NotFinite { what: "the angle", value: degrees.to_string() })?;
-        Ok(Self { degrees })
+        Self::from_base(degrees, AngleUnit::Degree.scale(), "the angle")
     }
 
-    /// An angle of exactly that many degrees; `what` names it in the error.
-    ///
-    /// # Errors
-    /// [`QuantityError::Overflow`] if the nearest `f64` is infinite.
-    pub fn from_exact_degrees(degrees: Rational, what: &'static str) -> Result<Self, QuantityError> {
-        if degrees.to_f64().is_infinite() {
-            return Err(QuantityError::Overflow { what });
-        }
-        Ok(Self { degrees })
+    /// An angle of a number in `unit`.
+    #[inline]
+    pub(crate) fn of_number(number: Decimal, unit: AngleUnit) -> Result<Self, QuantityError> {
+        Self::of_steps(number.steps(unit.scale()), "the angle")
     }
 
-    /// The angle in degrees, rounded once to the nearest `f64`.
+    /// An angle of that many nano-arcseconds.
     #[must_use]
-    pub fn degrees(&self) -> f64 {
-        self.degrees.to_f64()
+    pub const fn from_nas(nas: i64) -> Self {
+        Self { nas }
     }
 
-    /// The angle in degrees, exactly.
+    /// The angle in nano-arcseconds.
     #[must_use]
-    pub fn exact_degrees(&self) -> &Rational {
-        &self.degrees
+    pub const fn nas(self) -> i64 {
+        self.nas
+    }
+
+    /// The angle in degrees.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "exact up to 2500°, one rounding more beyond")]
+    pub fn degrees(self) -> f64 {
+        self.nas as f64 / 3.6e12
     }
 
     /// The angle in radians, rounded once to the nearest `f64`.
     #[must_use]
-    pub fn radians(&self) -> f64 {
-        self.in_unit(AngleUnit::Radian)
+    pub fn radians(self) -> f64 {
+        self.radians_and_rest().0
     }
 
-    /// The angle in `unit`, rounded once to the nearest `f64`.
+    /// The angle in radians as the sum of two numbers: the nearest `f64`, and what that leaves out.
+    #[inline]
+    #[expect(clippy::cast_precision_loss, reason = "both halves are short")]
+    pub(crate) fn radians_and_rest(self) -> (f64, f64) {
+        const HALF: u32 = 26;
+        /// π/648000 · 1e-9, the radians in a nano-arcsecond: its first 26 bits, and the others.
+        const FIRST: f64 = 4.848_136_751_573_666e-15;
+        const OTHERS: f64 = 5.952_169_393_454_658e-23;
+        // both products with the first bits are exact
+        let high = ((self.nas >> HALF) << HALF) as f64 * FIRST;
+        let low = (self.nas & ((1 << HALF) - 1)) as f64 * FIRST + self.nas as f64 * OTHERS;
+        let nearest = high + low;
+        (nearest, low - (nearest - high))
+    }
+
+    /// The angle in `unit`; of radians and milliradians, whose decimals are not on the grid, the shortest decimal that
+    /// reads back as the same angle.
     #[must_use]
-    pub fn in_unit(&self, unit: AngleUnit) -> f64 {
-        (&self.degrees / &unit.in_degrees()).to_f64()
+    #[expect(clippy::cast_precision_loss, reason = "exact up to 2500°, one rounding more beyond")]
+    pub fn in_unit(self, unit: AngleUnit) -> f64 {
+        match unit {
+            AngleUnit::Degree => self.degrees(),
+            AngleUnit::Arcminute => self.nas as f64 / 6e10,
+            AngleUnit::Arcsecond => self.nas as f64 / 1e9,
+            AngleUnit::Radian => self.shortest(self.radians(), unit).parse().unwrap_or(self.radians()),
+            AngleUnit::Milliradian => {
+                let value = 1e3 * self.radians();
+                self.shortest(value, unit).parse().unwrap_or(value)
+            }
+        }
+    }
+
+    /// The shortest decimal text of `value`, this angle in `unit`, that reads back as it.
+    fn shortest(self, value: f64, unit: AngleUnit) -> String {
+        let reads_back = |text: &String| {
+            let read = Decimal::parse(text).ok().map(|number| Self::of_number(number, unit));
+            read == Some(Ok(self))
+        };
+        (0..=16).map(|decimals| format!("{value:.decimals$}")).find(reads_back).unwrap_or_else(|| value.to_string())
     }
 }
 
-exact_arithmetic!(Angle, degrees);
+grid_quantity!(Angle, nas, "277777°");
 
 impl FromStr for Angle {
     type Err = QuantityError;
@@ -144,7 +174,7 @@ impl FromStr for Angle {
     fn from_str(text: &str) -> Result<Self, QuantityError> {
         const EXPECTED: &str = "an angle";
         let mut rest = text;
-        let mut sum: Option<Rational> = None;
+        let mut sum: Option<Self> = None;
         let mut negative = false;
         let mut previous: Option<AngleUnit> = None;
         loop {
@@ -155,7 +185,7 @@ impl FromStr for Angle {
                 Some(unit) => unit,
                 None if symbol.is_empty() && sum.is_none() && remainder.is_empty() => AngleUnit::Degree,
                 None => {
-                    number(written, text, EXPECTED)?;
+                    Decimal::of_quantity(written, text, EXPECTED)?;
                     let (unit, units) =
                         (if symbol.is_empty() { remainder } else { symbol }.to_owned(), AngleUnit::NAMES);
                     return Err(match LengthUnit::from_symbol(&unit) {
@@ -166,7 +196,8 @@ impl FromStr for Angle {
                     });
                 }
             };
-            let part = &number(written, text, EXPECTED)? * &unit.in_degrees();
+            let number = Decimal::of_quantity(written, text, EXPECTED)?;
+            let part = Self::of_number(number, unit)?;
             // after the first part come smaller units without a sign of their own: 12° 30' 15"
             let follows = match previous {
                 None => true,
@@ -187,21 +218,22 @@ impl FromStr for Angle {
                     negative = signed && !written.starts_with('+');
                     part
                 }
-                Some(sum) if negative => &sum - &part,
-                Some(sum) => &sum + &part,
+                Some(sum) if negative => sum - part,
+                Some(sum) => sum + part,
             });
             previous = Some(unit);
             if remainder.is_empty() {
-                return Self::from_exact_degrees(sum.unwrap_or(Rational::ZERO), "the angle");
+                return Ok(sum.unwrap_or(Self::ZERO));
             }
             rest = remainder;
         }
     }
 }
 
+/// The shortest decimal number of degrees that reads back as the same angle.
 impl fmt::Display for Angle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}°", self.degrees())
+        write!(f, "{}°", self.shortest(self.degrees(), AngleUnit::Degree))
     }
 }
 
@@ -220,11 +252,12 @@ mod tests {
         }
         assert_eq!(angle("-1° 30'").degrees(), -1.5);
         assert_eq!(angle("-0° 30'").degrees(), -0.5);
-        assert_eq!(angle("1 rad").degrees(), 57.295_779_513_082_32);
-        assert_eq!(angle("1e-300").degrees(), 1e-300);
+        assert!((angle("1 rad").degrees() - 57.295_779_513_082_32).abs() < 1.4e-13);
+        assert_eq!(angle("1e-300"), Angle::ZERO);
+        assert_eq!(angle("0.00000000001").nas(), 36);
         assert_eq!(angle("180").radians(), std::f64::consts::PI);
         assert_eq!(angle("5 mrad").in_unit(AngleUnit::Milliradian), 5.0);
-        assert_eq!((&angle("12.35") - &angle("12.10")).degrees(), 0.25);
+        assert_eq!((angle("12.35") - angle("12.10")).degrees(), 0.25);
     }
 
     #[test]

@@ -1,15 +1,16 @@
-//! Lengths: rational numbers of millimetres, with their units. Used by every module; rounded only where they leave.
+//! Lengths: whole femtometres, with their units. Used by every module.
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::angle::AngleUnit;
-use super::parse::{number, split_number};
-use super::{QuantityError, Rational, exact_arithmetic};
+use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
+use super::{QuantityError, grid_quantity};
 
-/// A length, known exactly. Base unit: mm.
+/// A length on a grid of femtometres (1e-12 mm). Base unit: mm.
 ///
-/// Read from text: a bare number is in mm; the units are `um` (`µm`), `mm`, `in`, `mil`.
+/// Read from text: a bare number is in mm; the units are `um` (`µm`), `mm`, `in`, `mil`. Finer text is rounded to the
+/// grid; a length that is read or computed is at most 1 km.
 ///
 /// ```
 /// use rackmesh::quantity::Length;
@@ -18,9 +19,9 @@ use super::{QuantityError, Rational, exact_arithmetic};
 /// assert_eq!("0.5 in".parse::<Length>()?.mm(), 12.7);
 /// # Ok::<(), rackmesh::quantity::QuantityError>(())
 /// ```
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Length {
-    mm: Rational,
+    fm: i64,
 }
 
 /// A unit of length.
@@ -65,63 +66,95 @@ impl LengthUnit {
         }
     }
 
-    /// Millimetres in one of this unit.
-    #[must_use]
-    pub fn in_mm(self) -> Rational {
+    /// One of this unit in femtometres.
+    const fn scale(self) -> Scale {
         match self {
-            Self::Micrometre => Rational::fraction(1, 1000),
-            Self::Millimetre => Rational::ONE,
-            Self::Inch => Rational::fraction(254, 10),
-            Self::Mil => Rational::fraction(254, 10_000),
+            Self::Micrometre => Scale { factor: 1, exponent: 9 },
+            Self::Millimetre => Scale { factor: 1, exponent: 12 },
+            // 25.4 mm
+            Self::Inch => Scale { factor: 254, exponent: 11 },
+            Self::Mil => Scale { factor: 254, exponent: 8 },
+        }
+    }
+
+    /// One of this unit in femtometres, as a number.
+    const fn in_fm(self) -> f64 {
+        match self {
+            Self::Micrometre => 1e9,
+            Self::Millimetre => 1e12,
+            Self::Inch => 2.54e13,
+            Self::Mil => 2.54e10,
         }
     }
 }
 
 impl Length {
-    /// No length at all.
-    pub const ZERO: Self = Self { mm: Rational::ZERO };
-
     /// A length in mm; the number is taken as the decimal that was written for it, its shortest one.
     ///
     /// # Errors
-    /// [`QuantityError::NotFinite`] if `mm` is an infinity or NaN.
+    /// [`QuantityError`] if `mm` is an infinity or NaN, or beyond 1 km.
     pub fn from_mm(mm: f64) -> Result<Self, QuantityError> {
-        let mm = Rational::from_shortest_decimal(mm)
-            .ok_or_else(|| QuantityError::NotFinite { what: "the length", value: mm.to_string() })?;
-        Ok(Self { mm })
+        Self::from_base(mm, LengthUnit::Millimetre.scale(), "the length")
     }
 
-    /// A length of exactly that many mm; `what` names it in the error.
+    /// A length of a number in `unit`.
+    #[inline]
+    pub(crate) fn of_number(number: Decimal, unit: LengthUnit) -> Result<Self, QuantityError> {
+        Self::of_steps(number.steps(unit.scale()), "the length")
+    }
+
+    /// The length nearest to a computed number of femtometres, half away from zero.
     ///
     /// # Errors
-    /// [`QuantityError::Overflow`] if the nearest `f64` is infinite.
-    pub fn from_exact_mm(mm: Rational, what: &'static str) -> Result<Self, QuantityError> {
-        if mm.to_f64().is_infinite() {
-            return Err(QuantityError::Overflow { what });
-        }
-        Ok(Self { mm })
+    /// [`QuantityError::Overflow`] naming the quantity, `what`.
+    pub(crate) fn nearest(fm: f64, what: &'static str) -> Result<Self, QuantityError> {
+        #[expect(clippy::cast_possible_truncation, reason = "saturates, and the largest is refused")]
+        let nearest = fm.round() as i64;
+        Self::of_steps((!fm.is_nan()).then_some(nearest), what)
     }
 
-    /// The length in mm, rounded once to the nearest `f64`.
-    #[must_use]
-    pub fn mm(&self) -> f64 {
-        self.mm.to_f64()
+    /// The sum of lengths, exactly.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] naming the sum, `what`.
+    pub(crate) fn sum(lengths: impl IntoIterator<Item = Self>, what: &'static str) -> Result<Self, QuantityError> {
+        let sum: i128 = lengths.into_iter().map(|length| i128::from(length.fm)).sum();
+        Self::of_steps(i64::try_from(sum).ok(), what)
     }
 
-    /// The length in mm, exactly.
+    /// A length of that many femtometres.
     #[must_use]
-    pub fn exact_mm(&self) -> &Rational {
-        &self.mm
+    pub const fn from_fm(fm: i64) -> Self {
+        Self { fm }
     }
 
-    /// The length in `unit`, rounded once to the nearest `f64`.
+    /// The length in femtometres.
     #[must_use]
-    pub fn in_unit(&self, unit: LengthUnit) -> f64 {
-        (&self.mm / &unit.in_mm()).to_f64()
+    pub const fn fm(self) -> i64 {
+        self.fm
+    }
+
+    /// The length in mm.
+    #[must_use]
+    pub fn mm(self) -> f64 {
+        self.in_unit(LengthUnit::Millimetre)
+    }
+
+    /// The length in `unit`.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
+    pub fn in_unit(self, unit: LengthUnit) -> f64 {
+        self.fm as f64 / unit.in_fm()
+    }
+
+    /// The length in mm with that many decimals, half away from zero.
+    #[must_use]
+    pub fn to_decimal_text(self, decimals: usize) -> String {
+        fixed_decimals(self.fm, 12, decimals)
     }
 }
 
-exact_arithmetic!(Length, mm);
+grid_quantity!(Length, fm, "1e6 mm");
 
 impl FromStr for Length {
     type Err = QuantityError;
@@ -129,7 +162,7 @@ impl FromStr for Length {
     fn from_str(text: &str) -> Result<Self, QuantityError> {
         const EXPECTED: &str = "a length";
         let (written, unit) = split_number(text);
-        let number = number(written, text, EXPECTED)?;
+        let number = Decimal::of_quantity(written, text, EXPECTED)?;
         let unit = match LengthUnit::from_symbol(unit) {
             Some(unit) => unit,
             None if unit.is_empty() => LengthUnit::Millimetre,
@@ -141,13 +174,14 @@ impl FromStr for Length {
                 });
             }
         };
-        Self::from_exact_mm(&number * &unit.in_mm(), "the length")
+        Self::of_number(number, unit)
     }
 }
 
+/// The shortest decimal number of mm.
 impl fmt::Display for Length {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} mm", self.mm())
+        write!(f, "{} mm", shortest_decimal(self.fm, 12))
     }
 }
 
@@ -178,7 +212,7 @@ mod tests {
             ("1 mil", "25.3 um", 0.0001),
             ("-0.3", "-0.1", -0.2),
         ] {
-            assert_eq!((&length(a) - &length(b)).mm(), difference, "{a} - {b}");
+            assert_eq!((length(a) - length(b)).mm(), difference, "{a} - {b}");
         }
     }
 
@@ -195,10 +229,12 @@ mod tests {
             ("abc", "`abc` is not a length: that is not a decimal number"),
             ("nan", "`nan` is not a length: a finite number is needed"),
             ("", "`` is not a length: there is no number"),
-            ("1e308 in", "the length is beyond the range of double-precision numbers (1.8e308)"),
+            ("1e308 in", "the length is too large: its magnitude must stay within 1e6 mm"),
+            ("1000000.000000000001", "the length is too large: its magnitude must stay within 1e6 mm"),
         ] {
             assert_eq!(text.parse::<Length>().unwrap_err().to_string(), message);
         }
+        assert_eq!(length("1e6").mm(), 1e6);
         assert!(Length::from_mm(f64::NAN).is_err());
         assert!(Length::from_mm(f64::INFINITY).is_err());
     }

@@ -1,9 +1,9 @@
-//! Lengths and angles, known exactly.
+//! Lengths and angles on a grid that holds every decimal of a measurement.
 //!
-//! A [`Length`] is a rational number of millimetres and an [`Angle`] a rational number of degrees, so
-//! that what came in as decimal text stays what was written: `25.0131 mm - 25.0000 mm` is `0.0131 mm`,
-//! an inch is `25.4 mm`, and a comparison with a limit is decided in exact arithmetic. A value is
-//! rounded once, to the nearest `f64`, where it leaves ([`Length::mm`], [`Angle::degrees`]).
+//! A [`Length`] is a whole number of femtometres (1e-12 mm) and an [`Angle`] a whole number of nano-arcseconds, so that
+//! what came in as decimal text stays what was written: `25.0131 mm - 25.0000 mm` is `0.0131 mm`, an inch is `25.4 mm`,
+//! and sums, differences and comparisons with a limit are exact. The last digits that a spreadsheet leaves on a
+//! difference are finer than the grid, and go.
 //!
 //! Every other module uses these types; this one knows nothing of gears.
 //!
@@ -12,76 +12,117 @@
 //!
 //! let measured: Length = "25.0131".parse()?;
 //! let nominal: Length = "25.0000 mm".parse()?;
-//! assert_eq!((&measured - &nominal).mm(), 0.0131);
+//! assert_eq!((measured - nominal).mm(), 0.0131);
 //! assert_ne!(25.0131 - 25.0000, 0.0131); // what binary subtraction makes of it
 //! # Ok::<(), rackmesh::quantity::QuantityError>(())
 //! ```
 
 mod angle;
 mod domain;
+mod error;
 mod length;
-mod parse;
-mod rational;
+mod number;
 mod rounded;
 
 pub use angle::{Angle, AngleUnit};
 pub use domain::{Bound, Domain, DomainError};
-pub use length::{Length, LengthUnit};
+pub use error::QuantityError;
 #[cfg(feature = "batch")]
-pub(crate) use parse::shown;
+pub(crate) use error::shown;
+pub use length::{Length, LengthUnit};
+pub(crate) use number::Decimal;
+pub use number::NumberError;
 #[cfg(feature = "spec")]
-pub(crate) use parse::split_number;
-pub use parse::{NumberError, QuantityError};
-pub use rational::Rational;
+pub(crate) use number::{parse_f64, split_number};
 pub(crate) use rounded::{Degrees, Rounded};
 
-/// The arithmetic that lengths and angles share: sums, differences, sign, order.
-macro_rules! exact_arithmetic {
-    ($quantity:ident, $field:ident) => {
+impl Decimal {
+    /// Reads the number of a quantity; `expected` is what the error calls it, `text` the whole text.
+    fn of_quantity(written: &str, text: &str, expected: &'static str) -> Result<Self, QuantityError> {
+        Self::parse(written).map_err(|reason| QuantityError::Number {
+            text: text.to_owned(),
+            expected,
+            // "abc" has no leading number at all, but it is not empty
+            reason: if reason == NumberError::Empty && !text.trim().is_empty() {
+                match Self::parse(text.trim()) {
+                    Err(NumberError::NotFinite) => NumberError::NotFinite,
+                    _ => NumberError::NotANumber,
+                }
+            } else {
+                reason
+            },
+        })
+    }
+}
+
+/// The largest magnitude that is read or computed, in steps of a grid: a sum of nine such fits an `i64`.
+const LARGEST: i64 = 1_000_000_000_000_000_000;
+
+/// What lengths and angles share: the way onto their grid, sums, differences, sign, order.
+macro_rules! grid_quantity {
+    ($quantity:ident, $steps:ident, $largest:literal) => {
         impl $quantity {
+            /// Nothing.
+            pub const ZERO: Self = Self { $steps: 0 };
+
             /// The magnitude.
             #[must_use]
-            pub fn abs(&self) -> Self {
-                Self { $field: self.$field.abs() }
+            pub const fn abs(self) -> Self {
+                Self { $steps: self.$steps.saturating_abs() }
             }
 
             /// Whether the value is exactly zero.
             #[must_use]
-            pub fn is_zero(&self) -> bool {
-                self.$field.is_zero()
+            pub const fn is_zero(self) -> bool {
+                self.$steps == 0
             }
 
             /// Whether the value is below zero.
             #[must_use]
-            pub fn is_negative(&self) -> bool {
-                self.$field.is_negative()
+            pub const fn is_negative(self) -> bool {
+                self.$steps < 0
+            }
+
+            /// So many steps of the grid; `None` stands for more than there are. `what` names the quantity in the error.
+            fn of_steps(steps: Option<i64>, what: &'static str) -> Result<Self, QuantityError> {
+                match steps {
+                    Some(steps) if steps.unsigned_abs() <= super::LARGEST.unsigned_abs() => Ok(Self { $steps: steps }),
+                    _ => Err(QuantityError::Overflow { what, largest: $largest }),
+                }
+            }
+
+            /// A number in the base unit, taken as its shortest decimal.
+            fn from_base(value: f64, scale: Scale, what: &'static str) -> Result<Self, QuantityError> {
+                match Decimal::parse(&format!("{value:e}")) {
+                    Ok(decimal) => Self::of_steps(decimal.steps(scale), what),
+                    Err(_) => Err(QuantityError::NotFinite { what, value: value.to_string() }),
+                }
             }
         }
 
-        impl std::ops::Add for &$quantity {
-            type Output = $quantity;
-            fn add(self, other: Self) -> $quantity {
-                $quantity { $field: &self.$field + &other.$field }
+        /// Exact: what is read or computed is far from where this saturates.
+        impl std::ops::Add for $quantity {
+            type Output = Self;
+            #[inline]
+            fn add(self, other: Self) -> Self {
+                Self { $steps: self.$steps.saturating_add(other.$steps) }
             }
         }
 
-        impl std::ops::Sub for &$quantity {
-            type Output = $quantity;
-            fn sub(self, other: Self) -> $quantity {
-                $quantity { $field: &self.$field - &other.$field }
+        /// Exact: what is read or computed is far from where this saturates.
+        impl std::ops::Sub for $quantity {
+            type Output = Self;
+            #[inline]
+            fn sub(self, other: Self) -> Self {
+                Self { $steps: self.$steps.saturating_sub(other.$steps) }
             }
         }
 
-        impl std::ops::Neg for &$quantity {
-            type Output = $quantity;
-            fn neg(self) -> $quantity {
-                $quantity { $field: -&self.$field }
-            }
-        }
-
-        impl std::iter::Sum for $quantity {
-            fn sum<I: Iterator<Item = Self>>(values: I) -> Self {
-                values.fold(Self::ZERO, |sum, value| &sum + &value)
+        impl std::ops::Neg for $quantity {
+            type Output = Self;
+            #[inline]
+            fn neg(self) -> Self {
+                Self { $steps: self.$steps.saturating_neg() }
             }
         }
 
@@ -92,4 +133,4 @@ macro_rules! exact_arithmetic {
         }
     };
 }
-use exact_arithmetic;
+use grid_quantity;

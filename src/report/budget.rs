@@ -6,7 +6,7 @@ use super::evaluation::class_json;
 use super::number::{millimetres, plain, truncated};
 use super::{Block, Column, Report, Screen, Table};
 use crate::decision::Limit;
-use crate::decision::budget::{Budget, Line, Rule, base_value};
+use crate::decision::budget::{Budget, Line, Rule};
 use crate::decision::class::ErrorClass;
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Input, Model};
@@ -144,7 +144,7 @@ impl BudgetReport<'_> {
             ErrorValue::Length(length) => {
                 format!("±{} µm", truncated(length.abs().in_unit(LengthUnit::Micrometre), 3))
             }
-            ErrorValue::Angle(angle) => format!("±{}°", truncated(angle.abs().degrees(), 6)),
+            angle => format!("±{}°", truncated(angle.abs().base(), 6)),
         }
     }
 }
@@ -167,7 +167,7 @@ impl Report for BudgetReport<'_> {
             .map(|line| {
                 let kind = line.error.kind();
                 let class = self.classes.iter().find(|class| class.kind == kind);
-                let value = (feasible || line.is_fixed).then(|| base_value(&line.error));
+                let value = (feasible || line.is_fixed).then(|| line.error.value().abs().base());
                 let key = if kind == ErrorKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
                 let of_line = line.sensitivities.iter().map(|sensitivity| {
                     let (input, unit) = input_name(kind, sensitivity.input);
@@ -203,8 +203,8 @@ impl Report for BudgetReport<'_> {
             "title": self.title,
             "stack": self.rule.name(),
             "model": self.model.name(),
-            "limit_lower_mm": self.limit.lower.as_ref().map(Length::mm),
-            "limit_upper_mm": self.limit.upper.as_ref().map(Length::mm),
+            "limit_lower_mm": self.limit.lower.map(Length::mm),
+            "limit_upper_mm": self.limit.upper.map(Length::mm),
             "feasible": feasible,
             "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
             "tolerances": tolerances,
@@ -223,7 +223,7 @@ impl Report for BudgetReport<'_> {
         for line in &self.budget.lines {
             let kind = line.error.kind();
             let known = feasible || line.is_fixed;
-            let value = if known { plain(base_value(&line.error)) } else { String::new() };
+            let value = if known { plain(line.error.value().abs().base()) } else { String::new() };
             let (mm, deg) = if kind == ErrorKind::RackLead { (String::new(), value) } else { (value, String::new()) };
             let slope = line.sensitivities.iter().find(|sensitivity| sensitivity.input == Input::Error);
             rows.push(vec![

@@ -5,37 +5,26 @@ use serde_json::{Value, json};
 use super::number::{plain, plain_padded, truncated};
 use super::{Block, Column, Report, Table};
 use crate::deviation::ErrorValue;
-use crate::formula::Model;
+use crate::formula::{FormulaPage, Model};
 use crate::quantity::{AngleUnit, LengthUnit};
 
 /// One formula evaluated once.
 #[derive(Debug, Clone)]
 pub struct Calculation {
-    /// The formula's name, as `explain` knows it.
-    pub formula: &'static str,
+    /// The formula, as `explain` knows it.
+    pub formula: &'static FormulaPage,
     /// What was computed, by the chosen model if there is a choice.
-    pub result: Computed,
+    pub result: ErrorValue,
     /// The chosen model; `None` if the formula has one reading only.
     pub model: Option<Model>,
     /// What the other model gives.
-    pub other: Option<Computed>,
+    pub other: Option<ErrorValue>,
     /// The unit of the result.
     pub unit: ResultUnit,
     /// Decimals of the result; `None` for all of them, and at least six.
     pub decimals: Option<usize>,
     /// Whether the result is the largest value allowed, so that it must not be rounded up.
     pub is_bound: bool,
-}
-
-/// A value and how it came about.
-#[derive(Debug, Clone)]
-pub struct Computed {
-    /// The equation in symbols: `ΔCD = |Δp| / (2 tan α_n)`.
-    pub equation: String,
-    /// Its right-hand side with the numbers put in.
-    pub with_numbers: String,
-    /// The value.
-    pub value: ErrorValue,
 }
 
 /// The unit of a result, in the spelling in which it was asked for.
@@ -50,17 +39,13 @@ pub enum ResultUnit {
 
 impl Calculation {
     /// The value in the unit asked for.
-    fn number(&self, value: &ErrorValue) -> f64 {
-        let base = match value {
-            ErrorValue::Length(length) => length.exact_mm(),
-            ErrorValue::Angle(angle) => angle.exact_degrees(),
-        };
-        let unit = match &self.unit {
-            ResultUnit::Length(unit, _) => unit.in_mm(),
-            ResultUnit::Angle(unit, _) => unit.in_degrees(),
-        };
-        let number = base / &unit;
-        if self.is_bound { number.to_f64_toward_zero() } else { number.to_f64() }
+    fn number(&self, value: ErrorValue) -> f64 {
+        match (value, &self.unit) {
+            (ErrorValue::Length(length), ResultUnit::Length(unit, _)) => length.in_unit(*unit),
+            (ErrorValue::Angle(angle), ResultUnit::Angle(unit, _)) => angle.in_unit(*unit),
+            // a result has the dimension of its unit
+            (value, _) => value.base(),
+        }
     }
 
     fn unit_name(&self) -> &str {
@@ -69,7 +54,7 @@ impl Calculation {
         }
     }
 
-    fn value_text(&self, value: &ErrorValue) -> String {
+    fn value_text(&self, value: ErrorValue) -> String {
         let number = self.number(value);
         let text = match self.decimals {
             Some(decimals) if self.is_bound => truncated(number, decimals),
@@ -82,90 +67,79 @@ impl Calculation {
     /// The number and its unit.
     #[must_use]
     pub fn line(&self) -> String {
-        self.value_text(&self.result.value)
+        self.value_text(self.result)
     }
 
     /// Which model the number is of, and what the other gives; `None` if there is one reading only.
     #[must_use]
     pub fn model_remark(&self) -> Option<String> {
-        let (model, other) = (self.model?, self.other.as_ref()?);
-        let other_model = if model == Model::Exact { Model::Paper } else { Model::Exact };
-        Some(if other.value == self.result.value {
+        let (model, other) = (self.model?, self.other?);
+        let other_model = model.other();
+        Some(if other == self.result {
             format!("model: {model} (the {other_model} model gives the same)")
         } else {
-            format!("model: {model} (the {other_model} model gives {})", self.value_text(&other.value))
+            format!("model: {model} (the {other_model} model gives {})", self.value_text(other))
         })
     }
 
-    /// The formula, with the numbers put in, and its value.
+    /// The value by each model, and the formula's page.
     #[must_use]
     pub fn explanation(&self) -> String {
-        let mut text = String::new();
-        let mut model = self.model;
-        for computed in std::iter::once(&self.result).chain(&self.other) {
-            let left = computed.equation.split_once(" = ").map_or(0, |(left, _)| left.chars().count());
-            if let Some(model) = model {
-                text.push_str(&format!("{model} model\n"));
-            }
-            text.push_str(&format!(
-                "  {}\n  {:left$} = {}\n  {:left$} = {}\n",
-                computed.equation,
-                "",
-                computed.with_numbers,
-                "",
-                self.value_text(&computed.value)
-            ));
-            model = model.map(|model| if model == Model::Exact { Model::Paper } else { Model::Exact });
+        let named = |model: Option<Model>| model.map(|model| format!("{model} model: ")).unwrap_or_default();
+        let mut text = format!("{}{}\n", named(self.model), self.line());
+        if let (Some(model), Some(other)) = (self.model, self.other) {
+            text.push_str(&format!("{}{}\n", named(Some(model.other())), self.value_text(other)));
         }
-        text.push_str(&format!("More: rackmesh explain {}\n", self.formula));
-        text
+        if self.is_bound {
+            text.push_str("This is the largest error within the ΔCD.\n");
+        }
+        format!("{text}\n{}", self.formula.text)
     }
 }
 
-fn base_value(value: &ErrorValue) -> (&'static str, f64) {
+fn base_value(value: ErrorValue) -> (&'static str, f64) {
     match value {
         ErrorValue::Length(length) => ("value_mm", length.mm()),
-        ErrorValue::Angle(angle) => ("value_deg", angle.degrees()),
+        angle => ("value_deg", angle.base()),
     }
 }
 
 impl Report for Calculation {
     fn json(&self) -> Value {
-        let (key, base) = base_value(&self.result.value);
+        let (key, base) = base_value(self.result);
         let mut json = json!({
-            "formula": self.formula,
-            "equation": self.result.equation,
+            "formula": self.formula.name,
+            "equation": self.formula.equation(self.model.unwrap_or_default()),
             "model": self.model.map(Model::name),
             key: base,
-            "value": self.number(&self.result.value),
+            "value": self.number(self.result),
             "unit": self.unit_name(),
         });
-        if let (Some(model), Some(other)) = (self.model, &self.other) {
-            let name = if model == Model::Exact { "paper" } else { "exact" };
-            json[format!("{name}_{key}")] = base_value(&other.value).1.into();
+        if let (Some(model), Some(other)) = (self.model, self.other) {
+            json[format!("{}_{key}", model.other())] = base_value(other).1.into();
         }
         json
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let (key, base) = base_value(&self.result.value);
+        let (key, base) = base_value(self.result);
         let model = self.model.map(Model::name).unwrap_or_default();
         vec![
             ["formula", "model", key, "value", "unit"].map(str::to_owned).into(),
-            [self.formula, model, &plain(base), &plain(self.number(&self.result.value)), self.unit_name()]
+            [self.formula.name, model, &plain(base), &plain(self.number(self.result)), self.unit_name()]
                 .map(str::to_owned)
                 .into(),
         ]
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut rows = vec![(self.model, &self.result)];
-        if let (Some(model), Some(other)) = (self.model, &self.other) {
-            let other_model = if model == Model::Exact { Model::Paper } else { Model::Exact };
-            rows.push((Some(other_model), other));
+        let mut rows = vec![(self.model, self.result)];
+        if let (Some(model), Some(other)) = (self.model, self.other) {
+            rows.push((Some(model.other()), other));
         }
-        let rows = rows.into_iter().map(|(model, computed)| {
-            vec![computed.equation.clone(), model.map_or("-", Model::name).to_owned(), self.value_text(&computed.value)]
+        let rows = rows.into_iter().map(|(model, value)| {
+            let equation = self.formula.equation(model.unwrap_or_default()).to_owned();
+            vec![equation, model.map_or("-", Model::name).to_owned(), self.value_text(value)]
         });
         vec![Block::Table(Table {
             rows: rows.collect(),

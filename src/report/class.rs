@@ -54,7 +54,7 @@ impl ClassHead {
     }
 
     fn add_to(&self, json: &mut Value) {
-        let mm = |length: &Option<Length>| length.as_ref().map(Length::mm);
+        let mm = |length: &Option<Length>| length.map(Length::mm);
         json["title"] = self.title.clone().into();
         json["standard_name"] = self.standards().into();
         json["part"] = self.part.name().into();
@@ -101,10 +101,10 @@ pub struct ClassReport {
 fn range_json(used: &RangeUse) -> Value {
     json!({
         "size": used.size.key(),
-        "value": used.value.to_f64(),
-        "over": used.range.as_ref().map(|range| range.over.to_f64()),
-        "up_to": used.range.as_ref().map(|range| range.up_to.to_f64()),
-        "taken": used.taken.to_f64(),
+        "value": used.value,
+        "over": used.range.as_ref().map(|range| range.over),
+        "up_to": used.range.as_ref().map(|range| range.up_to),
+        "taken": used.taken,
     })
 }
 
@@ -115,12 +115,12 @@ fn ranges_text(ranges: &[RangeUse]) -> String {
             Size::NormalModule => "m",
             Size::Diameter => "d",
             Size::FaceWidth => "b",
-            Size::Teeth => return format!("k {}", plain(used.taken.to_f64())),
+            Size::Teeth => return format!("k {}", plain(used.taken)),
             Size::HelixAngle => "β",
         };
         match &used.range {
-            Some(range) => format!("{symbol} {}–{}", plain(range.over.to_f64()), plain(range.up_to.to_f64())),
-            None => format!("{symbol} {}", plain(rounded(used.taken.to_f64()))),
+            Some(range) => format!("{symbol} {}–{}", plain(range.over), plain(range.up_to)),
+            None => format!("{symbol} {}", plain(rounded(used.taken))),
         }
     });
     texts.collect::<Vec<_>>().join(", ")
@@ -134,14 +134,14 @@ impl Report for ClassReport {
             .map(|ClassRow { permissible, delta_cd, mesh }| {
                 json!({
                     "symbol": permissible.symbol(),
-                    "value_um": permissible.value_um().to_f64(),
-                    "unrounded_um": permissible.unrounded_um().to_f64(),
+                    "value_um": permissible.value_um(),
+                    "unrounded_um": permissible.unrounded_um(),
                     "name": permissible.deviation.name(),
                     "standard": permissible.standard.id(),
                     "clause": permissible.clause,
                     "formula": permissible.formula,
                     "ranges": permissible.ranges.iter().map(range_json).collect::<Vec<_>>(),
-                    "delta_cd_mm": delta_cd.as_ref().ok().map(Length::mm),
+                    "delta_cd_mm": delta_cd.as_ref().ok().copied().map(Length::mm),
                     "delta_cd_by": delta_cd.as_ref().ok().map(|_| Effect::of(permissible.deviation).name()),
                     "delta_cd_missing": delta_cd.as_ref().err(),
                     "mesh_delta_cd_mm": mesh.map(|(mm, _)| super::number::tidy(mm)),
@@ -185,8 +185,8 @@ impl Report for ClassReport {
             let by = delta_cd.as_ref().map(|_| Effect::of(permissible.deviation).name()).unwrap_or_default();
             rows.push(vec![
                 permissible.symbol().to_owned(),
-                plain(permissible.value_um().to_f64()),
-                plain(permissible.unrounded_um().to_f64()),
+                plain(permissible.value_um()),
+                plain(permissible.unrounded_um()),
                 permissible.standard.id().to_owned(),
                 permissible.grade.to_string(),
                 diameter.clone(),
@@ -219,7 +219,7 @@ impl Report for ClassReport {
                 permissible.deviation.to_string(),
                 permissible.symbol().to_owned(),
                 shown_um(permissible),
-                format!("{:.3}", permissible.unrounded_um().to_f64()),
+                format!("{:.3}", permissible.unrounded_um()),
                 ranges_text(&permissible.ranges),
                 row.delta_cd.as_ref().map_or_else(|_| "-".to_owned(), |delta_cd| unsigned(delta_cd.mm())),
                 row.delta_cd.as_ref().map_or("-", |_| Effect::of(permissible.deviation).name()).to_owned(),
@@ -257,8 +257,8 @@ fn unsigned(mm: f64) -> String {
 /// A permissible value for people: as its standard rounds it, or with the digits of the unrounded one where that is
 /// unknown.
 fn shown_um(permissible: &Permissible) -> String {
-    let text = plain(permissible.value_um().to_f64());
-    if permissible.is_rounded() { text } else { format!("{:.3}", permissible.unrounded_um().to_f64()) }
+    let text = plain(permissible.value_um());
+    if permissible.is_rounded() { text } else { format!("{:.3}", permissible.unrounded_um()) }
 }
 
 /// The grades that measured values reach.
@@ -290,7 +290,7 @@ impl Report for ObtainedReport {
                     "origin": one.origin,
                     "standard": shown.standard.id(),
                     "grade": one.reached.as_ref().map(|permissible| permissible.grade),
-                    "permissible_um": shown.value_um().to_f64(),
+                    "permissible_um": shown.value_um(),
                 })
             })
             .collect();
@@ -314,7 +314,7 @@ impl Report for ObtainedReport {
                 shown.symbol().to_owned(),
                 plain(one.measured.in_unit(LengthUnit::Micrometre)),
                 one.reached.as_ref().map(|permissible| permissible.grade.to_string()).unwrap_or_default(),
-                plain(shown.value_um().to_f64()),
+                plain(shown.value_um()),
                 shown.standard.id().to_owned(),
                 one.origin.clone(),
             ]);
@@ -377,7 +377,7 @@ pub struct GradeSearchReport {
 
 impl Report for GradeSearchReport {
     fn json(&self) -> Value {
-        let mm = |combined: &Result<Combined, String>, of: fn(&Combined) -> &Length| {
+        let mm = |combined: &Result<Combined, String>, of: fn(&Combined) -> Length| {
             combined.as_ref().ok().map(|combined| of(combined).mm())
         };
         let grades: Vec<_> = self
@@ -387,8 +387,8 @@ impl Report for GradeSearchReport {
             .map(|step| {
                 json!({
                     "grade": step.grade,
-                    "worst_case_mm": mm(&step.combined, |combined| &combined.worst_case),
-                    "rss_mm": mm(&step.combined, |combined| &combined.rss),
+                    "worst_case_mm": mm(&step.combined, |combined| combined.worst_case),
+                    "rss_mm": mm(&step.combined, |combined| combined.rss),
                     "missing": step.combined.as_ref().err(),
                 })
             })
@@ -417,15 +417,15 @@ impl Report for GradeSearchReport {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let limit = &self.search.limit;
-        let mark = |length: &Length| if length <= limit { "within" } else { "beyond" }.to_owned();
+        let limit = self.search.limit;
+        let mark = |length: Length| if length <= limit { "within" } else { "beyond" }.to_owned();
         let rows = self.search.steps.iter().map(|step| match &step.combined {
             Ok(combined) => vec![
                 step.grade.to_string(),
                 unsigned(combined.worst_case.mm()),
-                mark(&combined.worst_case),
+                mark(combined.worst_case),
                 unsigned(combined.rss.mm()),
-                mark(&combined.rss),
+                mark(combined.rss),
             ],
             Err(_) => vec![step.grade.to_string(), "-".to_owned(), "-".to_owned(), "-".to_owned(), "-".to_owned()],
         });

@@ -9,7 +9,8 @@ use super::{Block, Column, Report, Table};
 use crate::decision::class::ErrorClass;
 use crate::decision::{Evaluation, LimitCheck, Rule, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
-use crate::formula::{Model, formula_text};
+use crate::formula::Model;
+use crate::formula::law::equation;
 use crate::mesh::Summary;
 use crate::quantity::{Length, LengthUnit};
 
@@ -70,7 +71,7 @@ impl EvaluationReport<'_> {
         self.evaluation.contributions.iter().map(move |contribution| {
             let (deviation_mm, deviation_deg) = match &contribution.value {
                 ErrorValue::Length(length) => (Some(length.mm()), None),
-                ErrorValue::Angle(angle) => (None, Some(angle.degrees())),
+                angle => (None, Some(angle.base())),
             };
             ContributionRow {
                 error: contribution.kind.key(),
@@ -80,7 +81,7 @@ impl EvaluationReport<'_> {
                 delta_cd_exact_mm: contribution.exact.mm(),
                 delta_cd_paper_mm: contribution.paper.mm(),
                 model: model.name(),
-                formula: formula_text(contribution.kind, model),
+                formula: equation(contribution.kind, model),
                 share: contribution.share,
                 class: self.class(contribution.kind).map(class_json),
             }
@@ -101,7 +102,7 @@ impl EvaluationReport<'_> {
         let rows = evaluation.contributions.iter().map(|contribution| {
             let deviation = match &contribution.value {
                 ErrorValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
-                ErrorValue::Angle(angle) => format!("{}°", signed(angle.degrees(), 4)),
+                angle => format!("{}°", signed(angle.base(), 4)),
             };
             // a permissible deviation has no sign, and ΔCD has one only where it can push one way
             let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
@@ -113,7 +114,7 @@ impl EvaluationReport<'_> {
                 row.push(delta_cd(other));
             }
             row.push(contribution.share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share)));
-            row.push(formula_text(contribution.kind, model).to_owned());
+            row.push(equation(contribution.kind, model).to_owned());
             row
         });
         Table { rows: rows.collect(), columns }
@@ -213,8 +214,8 @@ pub(super) fn class_json(class: &ErrorClass) -> Value {
         "standard": permissible.standard.id(),
         "grade": permissible.grade,
         "symbol": permissible.symbol(),
-        "value_um": permissible.value_um().to_f64(),
-        "unrounded_um": permissible.unrounded_um().to_f64(),
+        "value_um": permissible.value_um(),
+        "unrounded_um": permissible.unrounded_um(),
         "diameter_mm": class.diameter.as_ref().map(|(diameter, _)| diameter.mm()),
         "diameter_source": class.diameter.as_ref().map(|(_, source)| source.in_words()),
     })
@@ -238,9 +239,9 @@ fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
         crate::decision::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
         crate::decision::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
     };
-    let Some((lower, upper)) = &check.result else { return what };
-    let above = check.limit.upper.as_ref().filter(|limit| upper > limit).map(|limit| (upper, limit, "above"));
-    let below = check.limit.lower.as_ref().filter(|limit| lower < limit).map(|limit| (lower, limit, "below"));
+    let Some((lower, upper)) = check.result else { return what };
+    let above = check.limit.upper.filter(|limit| upper > *limit).map(|limit| (upper, limit, "above"));
+    let below = check.limit.lower.filter(|limit| lower < *limit).map(|limit| (lower, limit, "below"));
     let parts: Vec<_> = [above, below]
         .into_iter()
         .flatten()
@@ -267,8 +268,8 @@ impl Report for EvaluationReport<'_> {
             .map(|check| {
                 json!({
                     "on": check.on.key(),
-                    "lower_mm": check.limit.lower.as_ref().map(Length::mm),
-                    "upper_mm": check.limit.upper.as_ref().map(Length::mm),
+                    "lower_mm": check.limit.lower.map(Length::mm),
+                    "upper_mm": check.limit.upper.map(Length::mm),
                     "result_lower_mm": check.result.as_ref().map(|(lower, _)| lower.mm()),
                     "result_upper_mm": check.result.as_ref().map(|(_, upper)| upper.mm()),
                     "verdict": verdict_name(check.verdict),
@@ -325,7 +326,7 @@ impl Report for EvaluationReport<'_> {
         const CLASS_HEADER: [&str; 3] = ["standard", "grade", "diameter_mm"];
         let header: Vec<String> = HEADER.iter().chain(&CLASS_HEADER).map(|name| (*name).to_owned()).collect();
         let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
-        let mm = |length: Option<&Length>| number(length.map(Length::mm));
+        let mm = |length: Option<Length>| number(length.map(Length::mm));
         let empty = String::new;
         let mut rows = vec![header];
         for (row, contribution) in self.contributions().zip(&self.evaluation.contributions) {
@@ -348,7 +349,7 @@ impl Report for EvaluationReport<'_> {
                 empty(),
                 class.map_or_else(empty, |class| class.permissible.standard.id().to_owned()),
                 class.map_or_else(empty, |class| class.permissible.grade.to_string()),
-                mm(class.and_then(|class| class.diameter.as_ref()).map(|(diameter, _)| diameter)),
+                mm(class.and_then(|class| class.diameter).map(|(diameter, _)| diameter)),
             ]);
         }
         let mut interval_row = |kind: &str, name: &str, ends: [String; 4], verdict: String| {
@@ -371,10 +372,10 @@ impl Report for EvaluationReport<'_> {
         }
         for check in &self.evaluation.limits {
             let ends = [
-                mm(check.result.as_ref().map(|(lower, _)| lower)),
-                mm(check.result.as_ref().map(|(_, upper)| upper)),
-                mm(check.limit.lower.as_ref()),
-                mm(check.limit.upper.as_ref()),
+                mm(check.result.map(|(lower, _)| lower)),
+                mm(check.result.map(|(_, upper)| upper)),
+                mm(check.limit.lower),
+                mm(check.limit.upper),
             ];
             let verdict = verdict_name(check.verdict).unwrap_or_default().to_owned();
             interval_row("limit", check.on.key(), ends, verdict);

@@ -43,7 +43,7 @@ impl MeshReport<'_> {
     pub fn verdict(&self) -> Option<Verdict> {
         let summary = self.summary()?;
         let length = |mm: f64| format!("{mm:.JUDGED_DECIMALS$}").parse::<Length>().ok();
-        Some(self.limit?.judge(&length(summary.min_mm)?, &length(summary.max_mm)?))
+        Some(self.limit?.judge(length(summary.min_mm)?, length(summary.max_mm)?))
     }
 
     /// How far the curve's own points can be trusted.

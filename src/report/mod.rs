@@ -37,7 +37,7 @@ pub mod xlsx;
 #[cfg(feature = "batch")]
 pub use batch::{Basis, BatchReport};
 pub use budget::BudgetReport;
-pub use calculation::{Calculation, Computed, ResultUnit};
+pub use calculation::{Calculation, ResultUnit};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
 pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};

@@ -8,7 +8,7 @@ use super::{Block, Column, Report, Table, UncertaintyPart};
 use crate::decision::uncertainty::{Linear, Propagation};
 use crate::decision::{Evaluation, Limit, MeasuredPart, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
-use crate::formula::formula_text;
+use crate::formula::law::equation;
 use crate::quantity::{Length, LengthUnit};
 
 /// One part of several.
@@ -81,7 +81,7 @@ fn kinds_and_ends(kinds: &[ErrorKind], stack: Stack) -> Vec<(String, Of)> {
     all
 }
 
-fn delta_cd(evaluation: &Evaluation, kind: ErrorKind) -> Option<&Length> {
+fn delta_cd(evaluation: &Evaluation, kind: ErrorKind) -> Option<Length> {
     let contribution = evaluation.contributions.iter().find(|contribution| contribution.kind == kind)?;
     Some(contribution.delta_cd(evaluation.model))
 }
@@ -133,10 +133,10 @@ impl Report for PartsReport<'_> {
         for part in self.rows {
             let mut row = vec![part.name.clone()];
             if let Some(evaluation) = &part.evaluation {
-                let mm = |length: &Length| plain(length.mm());
+                let mm = |length: Length| plain(length.mm());
                 row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map(mm).unwrap_or_default()));
                 let combined = &evaluation.combined;
-                row.extend([&combined.range_lower, &combined.range_upper, &combined.worst_case, &combined.rss].map(mm));
+                row.extend([combined.range_lower, combined.range_upper, combined.worst_case, combined.rss].map(mm));
                 row.push(evaluation.verdict.map(Verdict::name).unwrap_or_default().to_owned());
             }
             for (_, result) in &results {
@@ -167,12 +167,12 @@ impl Report for PartsReport<'_> {
         let rows = self.rows.iter().map(|part| {
             let mut row = vec![part.name.clone()];
             if let Some(evaluation) = &part.evaluation {
-                let mm = |length: &Length| millimetres(length.mm());
+                let mm = |length: Length| millimetres(length.mm());
                 row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map_or_else(|| "-".to_owned(), mm)));
                 let (from, to) = evaluation.combined.interval(evaluation.stack);
                 let propagation = part.uncertainty.as_ref().map(|part| &part.propagation);
                 for (end, linear) in [(from, propagation.map(|p| &p.lower)), (to, propagation.map(|p| &p.upper))] {
-                    row.push(mm(&end));
+                    row.push(mm(end));
                     if self.is_uncertain() {
                         row.push(linear.map_or_else(|| "-".to_owned(), |linear| micrometres(linear.expanded_mm())));
                     }
@@ -244,7 +244,7 @@ impl SpacesReport<'_> {
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {
         let (low, high) = self.measured.range();
-        self.limit.map(|limit| limit.judge(&low, &high))
+        self.limit.map(|limit| limit.judge(low, high))
     }
 
     const fn place(&self) -> &'static str {
@@ -252,10 +252,10 @@ impl SpacesReport<'_> {
     }
 }
 
-fn deviation_text(value: &ErrorValue) -> String {
+fn deviation_text(value: ErrorValue) -> String {
     match value {
         ErrorValue::Length(length) => signed(length.in_unit(LengthUnit::Micrometre), 1),
-        ErrorValue::Angle(angle) => signed(angle.degrees(), 4),
+        angle => signed(angle.base(), 4),
     }
 }
 
@@ -270,12 +270,8 @@ impl Report for SpacesReport<'_> {
                 object.insert(self.place().to_owned(), row.number.into());
                 for (feature, effect) in measured.features.iter().zip(&row.effects) {
                     let key = feature.key();
-                    let (name, deviation) = match effect.as_ref().map(|effect| &effect.deviation) {
-                        Some(ErrorValue::Length(length)) => ("mm", Some(length.mm())),
-                        Some(ErrorValue::Angle(angle)) => ("deg", Some(angle.degrees())),
-                        None if feature.error() == ErrorKind::RackLead => ("deg", None),
-                        None => ("mm", None),
-                    };
+                    let name = if feature.error() == ErrorKind::RackLead { "deg" } else { "mm" };
+                    let deviation = effect.map(|effect| effect.deviation.base());
                     object.insert(format!("{key}_deviation_{name}"), deviation.into());
                     object.insert(
                         format!("delta_cd_{key}_mm"),
@@ -309,10 +305,7 @@ impl Report for SpacesReport<'_> {
             for effect in &row.effects {
                 match effect {
                     Some(effect) => {
-                        cells.push(match &effect.deviation {
-                            ErrorValue::Length(length) => plain(length.mm()),
-                            ErrorValue::Angle(angle) => plain(angle.degrees()),
-                        });
+                        cells.push(plain(effect.deviation.base()));
                         cells.push(plain(effect.delta_cd.mm()));
                     }
                     None => cells.extend([String::new(), String::new()]),
@@ -337,7 +330,7 @@ impl Report for SpacesReport<'_> {
             for effect in &row.effects {
                 match effect {
                     Some(effect) => {
-                        cells.extend([deviation_text(&effect.deviation), millimetres(effect.delta_cd.mm())]);
+                        cells.extend([deviation_text(effect.deviation), millimetres(effect.delta_cd.mm())]);
                     }
                     None => cells.extend(["-".to_owned(), "-".to_owned()]),
                 }
@@ -354,10 +347,10 @@ impl Report for SpacesReport<'_> {
             let unit = if feature.error() == ErrorKind::RackLead { "°" } else { " µm" };
             rows.push(vec![
                 feature.name().to_owned(),
-                format!("{}{unit}, {} {number}", deviation_text(&largest.deviation), self.place()),
+                format!("{}{unit}, {} {number}", deviation_text(largest.deviation), self.place()),
                 millimetres(low.mm()),
                 millimetres(high.mm()),
-                formula_text(feature.error(), measured.model).to_owned(),
+                equation(feature.error(), measured.model).to_owned(),
             ]);
         }
         let (low, high) = measured.range();

@@ -27,14 +27,14 @@ pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
                 LimitTarget::Error(kind) => stem.strip_prefix("delta_cd_") == Some(kind.key()),
             };
             let limit = limits.iter().find(|(target, _)| limited(target)).map(|(_, limit)| limit);
-            let end = |end: fn(&crate::decision::Limit) -> Option<&Length>| limit.and_then(end).map(Length::mm);
+            let end = |end: fn(&crate::decision::Limit) -> Option<Length>| limit.and_then(end).map(Length::mm);
             Column {
                 number: header[*index].clone(),
                 name: stem.replace('_', " ").replace("delta cd", "Delta CD"),
                 unit: (*unit).to_owned(),
                 nominal: None,
-                lower: end(|limit| limit.lower.as_ref()),
-                upper: end(|limit| limit.upper.as_ref()),
+                lower: end(|limit| limit.lower),
+                upper: end(|limit| limit.upper),
             }
         })
         .collect();

@@ -82,7 +82,7 @@ impl RacksReport<'_> {
     /// How many racks stay within the limits along the whole stroke.
     fn inside(&self) -> Option<usize> {
         let limit = self.limit?;
-        let (lower, upper) = (limit.lower.as_ref().map(Length::mm), limit.upper.as_ref().map(Length::mm));
+        let (lower, upper) = (limit.lower.map(Length::mm), limit.upper.map(Length::mm));
         let inside = |result: &&RackResult| {
             lower.is_none_or(|lower| lower <= tidy(result.min_mm))
                 && upper.is_none_or(|upper| tidy(result.max_mm) <= upper)

@@ -418,8 +418,7 @@ fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> 
         ));
     }
     let no_room = decided.iter().any(|(check, decision)| {
-        let (Some(lower), Some(upper), Some(guard)) = (&check.limit.lower, &check.limit.upper, decision.guard_mm)
-        else {
+        let (Some(lower), Some(upper), Some(guard)) = (check.limit.lower, check.limit.upper, decision.guard_mm) else {
             return false;
         };
         guard.0 + guard.1 > (upper - lower).mm()

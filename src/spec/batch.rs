@@ -7,9 +7,9 @@ use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::over_pin::OverPin;
-use crate::formula::{Model, PartFormula, PinionPitch, RackLead, RackPitch, formula_text};
-use crate::quantity::{Angle, Length};
+use crate::formula::law::equation;
+use crate::formula::{Law, Model};
+use crate::quantity::Length;
 use std::ops::Range;
 
 /// `[batch]`.
@@ -35,7 +35,7 @@ pub struct BatchColumn {
 }
 
 /// What the numbers of a column are.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Reading {
     /// The error itself.
@@ -128,30 +128,20 @@ impl Spec {
                     .into())
             }
             _ => match (in_column.or(in_errors), roller) {
-                (Some(nominal), _) => Ok(Reading::Measured(nominal.value.clone())),
-                (None, Some((roller, written))) => self.over_roller(roller, written).map(Reading::Measured),
+                (Some(nominal), _) => Ok(Reading::Measured(nominal.value)),
+                (None, Some((roller, written))) => self.over_roller(*roller, written).map(Reading::Measured),
                 (None, None) => Ok(Reading::Deviation),
             },
         }
     }
 
     /// The nominal measure over a roller.
-    fn over_roller(&self, roller: &Length, written: &Located<WrittenError>) -> Result<ErrorValue, Diagnostics> {
+    fn over_roller(&self, roller: Length, written: &Located<WrittenError>) -> Result<ErrorValue, Diagnostics> {
         let mut missing = MissingKeys::default();
         let place = Some((written.span.clone(), "its nominal value is to be computed".to_owned()));
-        let who = || ("the nominal measure over the roller".to_owned(), place.clone());
-        let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), who);
-        let alpha = missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), who);
-        let datum = missing.take("rack", "datum", self.rack.datum.as_ref(), who);
-        let (Some(normal_module), Some(normal_pressure_angle), Some(datum)) = (module, alpha, datum) else {
+        let need = || ("the nominal measure over the roller".to_owned(), place.clone());
+        let Some(over_pin) = self.over_pin_of(roller, &mut missing, &need) else {
             return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
-        };
-        let over_pin = OverPin {
-            normal_module,
-            normal_pressure_angle,
-            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value.clone()),
-            pin_diameter: roller.clone(),
-            datum,
         };
         over_pin.measure().map(ErrorValue::Length).map_err(|error| {
             let diagnostic = Diagnostic::error(Code::OutOfDomain, error.to_string());
@@ -159,36 +149,17 @@ impl Spec {
         })
     }
 
-    /// The formula of a kind of error for this gear; `what` needs it.
+    /// The law of a kind of error for this gear; `what` needs it.
     ///
     /// # Errors
-    /// A diagnostic for each key that the formula needs and the spec does not have.
-    pub fn part_formula(&self, kind: ErrorKind, what: &str) -> Result<PartFormula, Diagnostics> {
+    /// A diagnostic for each key that the law needs and the spec does not have.
+    pub fn law(&self, kind: ErrorKind, what: &str) -> Result<Law, Diagnostics> {
         let mut missing = MissingKeys::default();
         let place = self.place_of(kind);
-        let label = format!("ΔCD = {}", formula_text(kind, Model::Exact));
-        let who = || (what.to_owned(), place.clone().map(|span| (span, label.clone())));
-        let helix =
-            |written: &Option<Located<Angle>>| written.as_ref().map_or(Angle::ZERO, |angle| angle.value.clone());
-        let mut alpha = || missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), who);
-        let formula = match kind {
-            ErrorKind::RackOverRoller => Some(Ok(PartFormula::RackOverRoller)),
-            ErrorKind::PinionRadial => Some(Ok(PartFormula::PinionRadial)),
-            ErrorKind::RackPitch => {
-                alpha().map(|alpha| RackPitch::new(&alpha, &helix(&self.rack.helix_angle)).map(PartFormula::RackPitch))
-            }
-            ErrorKind::PinionPitch => alpha()
-                .map(|alpha| PinionPitch::new(&alpha, &helix(&self.pinion.helix_angle)).map(PartFormula::PinionPitch)),
-            ErrorKind::RackLead => {
-                let alpha = alpha();
-                let width: Option<Length> = missing.take("rack", "face_width", self.rack.face_width.as_ref(), who);
-                alpha.zip(width).map(|(alpha, width)| {
-                    RackLead::new(&alpha, &helix(&self.rack.helix_angle), &width).map(PartFormula::RackLead)
-                })
-            }
-        };
-        match formula {
-            Some(Ok(formula)) => Ok(formula),
+        let label = format!("ΔCD = {}", equation(kind, Model::Exact));
+        let need = || (what.to_owned(), place.clone().map(|span| (span, label.clone())));
+        match self.law_of(kind, &mut missing, &need) {
+            Some(Ok(law)) => Ok(law),
             Some(Err(error)) => Err(Diagnostic::error(Code::OutOfDomain, error.to_string()).into()),
             None => Err(Diagnostics(missing.diagnostics(&self.source).collect())),
         }
@@ -252,8 +223,8 @@ mod tests {
     #[test]
     fn only_what_a_column_needs_is_required() {
         let spec = spec("[errors]\nrack_lead = 0.1");
-        assert!(spec.part_formula(ErrorKind::PinionRadial, "the column").is_ok());
-        let missing = spec.part_formula(ErrorKind::RackLead, "column `lead`").unwrap_err().to_string();
+        assert!(spec.law(ErrorKind::PinionRadial, "the column").is_ok());
+        let missing = spec.law(ErrorKind::RackLead, "column `lead`").unwrap_err().to_string();
         assert!(missing.contains("`pair.normal_pressure_angle` is missing; column `lead` needs it"), "{missing}");
         assert!(missing.contains("`rack.face_width` is missing"), "{missing}");
     }

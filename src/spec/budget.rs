@@ -10,10 +10,10 @@ use super::{Located, Spec, WrittenError};
 use crate::decision::LimitTarget;
 use crate::decision::budget::simulation::Spread;
 use crate::decision::budget::{Entry, Freedom};
-use crate::decision::class::{ErrorClass, within};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::decision::class::ErrorClass;
+use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::quantity::Rational;
+use crate::formula::PartError;
 
 /// `[budget]`.
 #[derive(Debug, Clone, Default)]
@@ -76,13 +76,13 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<
     let span = value.span();
     let free = |freedom| Some(Located { value: WrittenTolerance::Free(freedom), span: span.clone() });
     match value.get_ref() {
-        DeValue::String(text) if text.trim() == "free" => return free(Freedom::Weight(Rational::ONE)),
+        DeValue::String(text) if text.trim() == "free" => return free(Freedom::Weight(1.0)),
         DeValue::Table(table) if table.len() == 1 => {
-            for (key, freedom) in [("weight", Freedom::Weight as fn(Rational) -> Freedom), ("cost", Freedom::Cost)] {
+            for (key, freedom) in [("weight", Freedom::Weight as fn(f64) -> Freedom), ("cost", Freedom::Cost)] {
                 if let Some(number) = table.get(key) {
                     let number = reader.plain_number(key, number)?;
-                    if number <= 0 {
-                        let message = format!("`{key}` is {}; it must be above 0", number.to_f64());
+                    if number <= 0.0 {
+                        let message = format!("`{key}` is {number}; it must be above 0");
                         reader.report(Diagnostic::error(Code::OutOfDomain, message), span, "");
                         return None;
                     }
@@ -114,15 +114,15 @@ impl Spec {
     /// Diagnostics for gear data that a formula needs, and classes that have no value.
     pub fn budget_entries(&self) -> Result<(Vec<Entry>, Vec<ErrorClass>), Diagnostics> {
         if self.budget.errors.is_empty() {
-            let free = |kind| Ok(Entry::Free(self.part_formula(kind, "a budget")?, Freedom::Weight(Rational::ONE)));
+            let free = |kind| Ok(Entry::Free(self.law(kind, "a budget")?, Freedom::Weight(1.0)));
             return Ok((ErrorKind::ALL.into_iter().map(free).collect::<Result<_, Diagnostics>>()?, Vec::new()));
         }
         let (mut entries, mut classes) = (Vec::new(), Vec::new());
         let mut diagnostics = Vec::new();
         for (kind, written) in &self.budget.errors {
             let what = format!("the budget of {kind}");
-            let formula = match self.part_formula(*kind, &what) {
-                Ok(formula) => formula,
+            let law = match self.law(*kind, &what) {
+                Ok(law) => law,
                 Err(problems) => {
                     diagnostics.extend(
                         problems.0.into_iter().filter(|problem| !diagnostics.contains(problem)).collect::<Vec<_>>(),
@@ -132,18 +132,17 @@ impl Spec {
             };
             let value = match &written.value {
                 WrittenTolerance::Free(freedom) => {
-                    entries.push(Entry::Free(formula, freedom.clone()));
+                    entries.push(Entry::Free(law, *freedom));
                     continue;
                 }
-                WrittenTolerance::Fixed(WrittenError::Length(length)) => ErrorValue::Length(length.abs()),
-                WrittenTolerance::Fixed(WrittenError::Angle(angle)) => ErrorValue::Angle(angle.abs()),
+                WrittenTolerance::Fixed(WrittenError::Value(value)) => value.abs(),
                 WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
                     let mut missing = MissingKeys::default();
                     let class = self.class(*kind, *grade, &written.span, &mut missing);
                     diagnostics.extend(missing.diagnostics(&self.source));
                     match class {
                         Some(Ok(class)) => {
-                            let value = class.value.clone();
+                            let value = class.value;
                             classes.push(class);
                             value
                         }
@@ -157,9 +156,7 @@ impl Spec {
                 // refused when it was read
                 WrittenTolerance::Fixed(WrittenError::OverRoller { .. }) => continue,
             };
-            if let Some(error) = formula.of(&value) {
-                entries.push(Entry::Fixed(within(error)));
-            }
+            entries.push(Entry::Fixed(PartError::within(law, value)));
         }
         if diagnostics.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(diagnostics)) }
     }
@@ -170,7 +167,7 @@ impl Spec {
         self.limits
             .iter()
             .filter_map(|(target, limit)| match target {
-                LimitTarget::Error(kind) => Some((*kind, limit.value.clone())),
+                LimitTarget::Error(kind) => Some((*kind, limit.value)),
                 LimitTarget::CenterDistance => None,
             })
             .collect()

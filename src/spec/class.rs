@@ -99,7 +99,7 @@ impl Spec {
                 Ok(permissible) => break permissible,
                 Err(StandardError::Missing { size: Size::Diameter, .. }) => match self.diameter(part, need, missing)? {
                     Ok((length, source)) => {
-                        wheel.diameter = Some(length.clone());
+                        wheel.diameter = Some(length);
                         diameter = Some((length, source));
                     }
                     Err(diagnostic) => return Some(Err(diagnostic)),
@@ -121,7 +121,7 @@ impl Spec {
             ErrorKind::RackLead => Some(missing.take("rack", "face_width", self.rack.face_width.as_ref(), need)?),
             _ => None,
         };
-        Some(match class::error_value(kind, &permissible, face_width.as_ref()) {
+        Some(match class::error_value(kind, &permissible, face_width) {
             Ok(value) => Ok(ErrorClass { kind, permissible, diameter, value }),
             Err(error) => Err(Diagnostic::error(Code::NoClass, error.to_string()).at(&self.source, span.clone(), "")),
         })
@@ -137,8 +137,8 @@ impl Spec {
         let mut pinion = |source: DiameterSource| {
             let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), &need);
             let teeth = missing.take("pinion", "teeth", self.pinion.teeth.as_ref(), &need);
-            let helix_angle = self.pinion.helix_angle.as_ref().map_or(Angle::ZERO, |angle| angle.value.clone());
-            Some((reference_diameter(&module?, teeth?, &helix_angle), source))
+            let helix_angle = self.pinion.helix_angle.as_ref().map_or(Angle::ZERO, |angle| angle.value);
+            Some((reference_diameter(module?, teeth?, helix_angle), source))
         };
         let (diameter, source) = match part {
             Part::Pinion => pinion(DiameterSource::Own)?,
@@ -149,9 +149,9 @@ impl Spec {
                     Some(RackDiameter::Developed) => {
                         let length = self.rack.toothed_length.as_ref();
                         let length = missing.take("rack", "toothed_length", length, &need)?;
-                        (developed_diameter(&length), DiameterSource::Developed)
+                        (developed_diameter(length), DiameterSource::Developed)
                     }
-                    Some(RackDiameter::Given(diameter)) => (Ok(diameter.clone()), DiameterSource::Given),
+                    Some(RackDiameter::Given(diameter)) => (Ok(*diameter), DiameterSource::Given),
                     None => {
                         missing.take("tolerance", "diameter", choice, &need);
                         return None;

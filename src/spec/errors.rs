@@ -12,17 +12,15 @@ use super::reader::{SectionReader, similar};
 use crate::decision::uncertainty as uncertain;
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::RackLead;
-use crate::quantity::{Angle, Length};
+use crate::formula::law::lead_slope;
+use crate::quantity::Length;
 
 /// An entry of `[errors]`, as far as it can be understood without the gear data.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub enum WrittenError {
-    /// A deviation in length, given or measured minus nominal.
-    Length(Length),
-    /// A deviation in angle.
-    Angle(Angle),
+    /// A deviation, given or measured minus nominal, or f_Hβ over its length.
+    Value(ErrorValue),
     /// An over-roller measure whose nominal is to be computed.
     OverRoller {
         /// The measure M.
@@ -70,10 +68,10 @@ pub(super) fn read_error_value(
     let is_angle = kind == ErrorKind::RackLead;
     let written = match value.get_ref() {
         DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
-        _ if is_angle => WrittenError::Angle(reader.angle_value(name, value)?),
-        _ => WrittenError::Length(reader.length_value(name, value)?),
+        _ if is_angle => WrittenError::Value(reader.angle_value(name, value)?.into()),
+        _ => WrittenError::Value(reader.length_value(name, value)?.into()),
     };
-    if let WrittenError::Angle(angle) = &written {
+    if let WrittenError::Value(ErrorValue::Angle(angle)) = written {
         reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
     }
     Some(written)
@@ -186,13 +184,13 @@ fn read_error_table(
     match form {
         ["f_h_beta", "length"] => {
             let (slope, over) = (length("f_h_beta")?, length("length")?);
-            match RackLead::error_from_slope(&slope, &over) {
-                Ok(angle) => {
+            match lead_slope(slope, over) {
+                Ok(tangent) => {
                     // d(atan(f/L))/df = L/(L² + f²)
                     let (f, l) = (slope.mm(), over.mm());
                     let degrees_per_mm = (180.0 / std::f64::consts::PI) * l / (l * l + f * f);
                     reader.note_uncertainty(kind.key(), entry, span, noted, false, degrees_per_mm);
-                    Some(WrittenError::Angle(angle))
+                    Some(WrittenError::Value(tangent))
                 }
                 Err(error) => {
                     reader.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
@@ -206,21 +204,21 @@ fn read_error_table(
             let roller = reader.uncertain("roller", roller, Some(uncertain::Source::Roller))?;
             let roller = reader.length_value("roller", roller)?;
             let roller_span = entry.get("roller").map_or(span, Spanned::span);
-            reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(&roller), roller_span)?;
+            reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;
             Some(WrittenError::OverRoller { measured: measured?, roller })
         }
         ["value"] if kind == ErrorKind::RackLead => {
-            Some(WrittenError::Angle(reader.angle_value("value", entry.get("value")?)?))
+            Some(WrittenError::Value(reader.angle_value("value", entry.get("value")?)?.into()))
         }
-        ["value"] => Some(WrittenError::Length(length("value")?)),
+        ["value"] => Some(WrittenError::Value(length("value")?.into())),
         _ if kind == ErrorKind::RackLead => {
             let mut angle = |name: &str| reader.angle_value(name, entry.get(name)?);
             let (measured, nominal) = (angle("measured"), angle("nominal"));
-            Some(WrittenError::Angle(&measured? - &nominal?))
+            Some(WrittenError::Value((measured? - nominal?).into()))
         }
         _ => {
             let (measured, nominal) = (length("measured"), length("nominal"));
-            Some(WrittenError::Length(&measured? - &nominal?))
+            Some(WrittenError::Value((measured? - nominal?).into()))
         }
     }
 }

@@ -68,20 +68,28 @@ pub(crate) struct Unit {
     /// The same after a number, with the space that goes between.
     pub(crate) after: &'static str,
     /// Other ways to write it, and other units: symbol, numerator and denominator of its size.
-    pub(crate) others: &'static [(&'static str, i64, u64)],
+    pub(crate) others: &'static [(&'static str, f64, f64)],
 }
 
 impl Unit {
     const NONE: Self = Self { symbol: "", after: "", others: &[] };
-    const SPEED: Self = Self { symbol: "mm/s", after: " mm/s", others: &[("m/s", 1000, 1)] };
-    const FORCE: Self = Self { symbol: "N", after: " N", others: &[("kN", 1000, 1)] };
-    const RATE: Self =
-        Self { symbol: "N/mm", after: " N/mm", others: &[("kN/mm", 1000, 1), ("N/m", 1, 1000), ("N/um", 1000, 1)] };
-    const MASS: Self = Self { symbol: "kg", after: " kg", others: &[("g", 1, 1000)] };
+    const SPEED: Self = Self { symbol: "mm/s", after: " mm/s", others: &[("m/s", 1000.0, 1.0)] };
+    const FORCE: Self = Self { symbol: "N", after: " N", others: &[("kN", 1000.0, 1.0)] };
+    const RATE: Self = Self {
+        symbol: "N/mm",
+        after: " N/mm",
+        others: &[("kN/mm", 1000.0, 1.0), ("N/m", 1.0, 1000.0), ("N/um", 1000.0, 1.0)],
+    };
+    const MASS: Self = Self { symbol: "kg", after: " kg", others: &[("g", 1.0, 1000.0)] };
     const INERTIA: Self = Self {
         symbol: "kg mm²",
         after: " kg mm²",
-        others: &[("kg mm^2", 1, 1), ("kg m²", 1_000_000, 1), ("kg m^2", 1_000_000, 1), ("g mm²", 1, 1000)],
+        others: &[
+            ("kg mm^2", 1.0, 1.0),
+            ("kg m²", 1_000_000.0, 1.0),
+            ("kg m^2", 1_000_000.0, 1.0),
+            ("g mm²", 1.0, 1000.0),
+        ],
     };
 }
 

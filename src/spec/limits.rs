@@ -33,7 +33,7 @@ fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Loca
                 return None;
             };
             match magnitude.parse::<Length>() {
-                Ok(magnitude) if !magnitude.is_negative() => Limit::symmetric(&magnitude),
+                Ok(magnitude) if !magnitude.is_negative() => Limit::symmetric(magnitude),
                 Ok(_) => {
                     reader.report(bad(format!("`{name}` has two signs")), value.span(), "");
                     return None;

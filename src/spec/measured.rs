@@ -4,11 +4,11 @@
 use super::{MeasuredTables, Spec};
 use crate::cmm::{Measured, PinionTooth, RackSpace};
 use crate::decision::{Effect, Feature, MeasuredPart, MeasuredRow};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::ErrorValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartError};
-use crate::quantity::{Angle, Length, Rational};
-use crate::trig::precise;
+use crate::quantity::{Angle, Length};
+use crate::trig;
 
 impl Spec {
     /// The same spec with the rack (or the pinion) as measured and nothing else wrong with it.
@@ -41,14 +41,7 @@ impl Spec {
             }
             (None, None) => (true, Vec::new(), Vec::new()),
         };
-        let zero = |feature: &Feature| {
-            let kind = feature.error();
-            let value = match kind {
-                ErrorKind::RackLead => ErrorValue::Angle(Angle::ZERO),
-                _ => ErrorValue::Length(Length::ZERO),
-            };
-            (kind, value)
-        };
+        let zero = |feature: &Feature| (feature.error(), ErrorValue::zero(feature.error()));
         let kinds: Vec<_> = features.iter().map(zero).collect();
         let formulas = if kinds.is_empty() { Vec::new() } else { self.with_errors(&kinds).part_errors()? };
         let mut rows = Vec::with_capacity(values.len());
@@ -59,7 +52,7 @@ impl Spec {
                     None => None,
                     Some(deviation) => {
                         let place = if is_rack { "space" } else { "tooth" };
-                        let error = with_value(formula, &deviation);
+                        let error = PartError::new(formula.law(), deviation);
                         let delta_cd = error.delta_cd(model).map_err(|problem| {
                             let message = format!("{place} {number}: {}: {problem}", formula.kind());
                             Diagnostic::error(Code::OutOfDomain, message)
@@ -82,9 +75,9 @@ impl Spec {
                 .help("add `normal_module = …` below [pair]")
                 .into());
         };
-        let beta = self.rack.helix_angle.as_ref().map_or(Angle::ZERO, |angle| angle.value.clone());
-        let pitch = &(module.value.exact_mm() * Rational::pi()) / &precise::cos(beta.exact_degrees());
-        Length::from_exact_mm(pitch.round_significant(40), "the pitch")
+        let beta = self.rack.helix_angle.as_ref().map_or(Angle::ZERO, |angle| angle.value);
+        let pitch_mm = std::f64::consts::PI * module.value.mm() / trig::sin_cos_of(beta).1;
+        Length::nearest(pitch_mm * 1e12, "the pitch")
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 
@@ -110,25 +103,25 @@ impl Spec {
         for (index, row) in rows.iter().enumerate() {
             let mut deviations = Vec::new();
             if over_pin {
-                deviations.push(row.over_pin.as_ref().map(|measured| match (measured, &nominal) {
+                deviations.push(row.over_pin.map(|measured| match (measured, nominal) {
                     (Measured::Absolute(length), Some(nominal)) => ErrorValue::Length(length - nominal),
-                    (Measured::Absolute(length) | Measured::Deviation(length), _) => ErrorValue::Length(length.clone()),
+                    (Measured::Absolute(length) | Measured::Deviation(length), _) => ErrorValue::Length(length),
                 }));
             }
             if step {
                 let before =
                     index.checked_sub(1).map(|before| rows[before]).filter(|before| before.space + 1 == row.space);
-                let positions = before.and_then(|before| Some((before.position.as_ref()?, row.position.as_ref()?)));
+                let positions = before.and_then(|before| Some((before.position?, row.position?)));
                 deviations.push(positions.and_then(|positions| match positions {
                     (Measured::Deviation(a), Measured::Deviation(b)) => Some(ErrorValue::Length(b - a)),
                     (Measured::Absolute(a), Measured::Absolute(b)) => {
-                        pitch.as_ref().map(|pitch| ErrorValue::Length(&(b - a) - pitch))
+                        pitch.map(|pitch| ErrorValue::Length(b - a - pitch))
                     }
                     _ => None,
                 }));
             }
             if lead {
-                deviations.push(row.lead.clone().map(ErrorValue::Angle));
+                deviations.push(row.lead.map(ErrorValue::Angle));
             }
             values.push((row.space, deviations));
         }
@@ -141,9 +134,9 @@ type Values = (Vec<Feature>, Vec<(i64, Vec<Option<ErrorValue>>)>);
 
 fn pinion_values(rows: &[PinionTooth]) -> Values {
     let of = |row: &PinionTooth, feature| match feature {
-        Feature::LeftPitch => row.left_pitch.clone(),
-        Feature::RightPitch => row.right_pitch.clone(),
-        _ => row.radial.clone(),
+        Feature::LeftPitch => row.left_pitch,
+        Feature::RightPitch => row.right_pitch,
+        _ => row.radial,
     };
     let features = [Feature::Radial, Feature::LeftPitch, Feature::RightPitch];
     let features: Vec<_> =
@@ -154,23 +147,4 @@ fn pinion_values(rows: &[PinionTooth]) -> Values {
     });
     let values = values.collect();
     (features, values)
-}
-
-/// The same formula for another value.
-fn with_value(formula: &PartError, value: &ErrorValue) -> PartError {
-    match (formula, value) {
-        (PartError::RackOverRoller(_), ErrorValue::Length(value)) => PartError::RackOverRoller(value.clone()),
-        (PartError::RackPitch(_, formula), ErrorValue::Length(value)) => {
-            PartError::RackPitch(value.clone(), formula.clone())
-        }
-        (PartError::PinionRadial(_), ErrorValue::Length(value)) => PartError::PinionRadial(value.clone()),
-        (PartError::PinionPitch(_, formula), ErrorValue::Length(value)) => {
-            PartError::PinionPitch(value.clone(), formula.clone())
-        }
-        (PartError::RackLead(_, formula), ErrorValue::Angle(value)) => {
-            PartError::RackLead(value.clone(), formula.clone())
-        }
-        // a feature's values have its error's dimension
-        _ => formula.clone(),
-    }
 }

@@ -18,6 +18,7 @@ use crate::formula::over_pin::OverPin;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
 use crate::mesh::{Mesh, Support};
 use crate::quantity::{Angle, Length};
+use crate::trig;
 
 /// The tables that a spec names, read by the caller.
 #[derive(Debug, Clone, Default)]
@@ -261,7 +262,7 @@ impl Spec {
         };
         let mut rows = Vec::with_capacity(spaces.rows.len());
         for row in &spaces.rows {
-            let height = match (&row.over_pin, &nominal) {
+            let height = match (row.over_pin, nominal) {
                 (Some(Measured::Deviation(length)), _) => length.mm(),
                 (Some(Measured::Absolute(length)), Some(nominal)) => (length - nominal).mm(),
                 _ => 0.0,
@@ -295,7 +296,7 @@ impl Spec {
                 space: row.space,
                 height_mm: height,
                 position_mm: position,
-                lead_rad: row.lead.as_ref().map(Angle::radians),
+                lead_rad: row.lead.map(Angle::radians),
             });
         }
         Ok(rows)
@@ -308,7 +309,7 @@ impl Spec {
     pub fn nominal_over_pin(&self) -> Result<Length, Diagnostics> {
         let given = self.nominals.iter().find(|(kind, _)| *kind == ErrorKind::RackOverRoller);
         if let Some((_, Located { value: ErrorValue::Length(nominal), .. })) = given {
-            return Ok(nominal.clone());
+            return Ok(*nominal);
         }
         let mut missing = MissingKeys::default();
         let place = self.rack.measured.as_ref().map(|file| file.span.clone());
@@ -326,7 +327,7 @@ impl Spec {
         let over_pin = OverPin {
             normal_module: module,
             normal_pressure_angle: alpha,
-            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value.clone()),
+            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value),
             pin_diameter: pin,
             datum,
         };
@@ -373,7 +374,7 @@ impl Spec {
 
 /// The rows of a pinion's table as deviations.
 fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
-    let mm = |length: &Option<Length>| length.as_ref().map(Length::mm);
+    let mm = |length: &Option<Length>| length.map(Length::mm);
     teeth
         .rows
         .iter()
@@ -383,7 +384,7 @@ fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
             position_mm: mm(&row.position),
             left_pitch_mm: mm(&row.left_pitch),
             right_pitch_mm: mm(&row.right_pitch),
-            lead_rad: row.lead.as_ref().map(Angle::radians),
+            lead_rad: row.lead.map(Angle::radians),
         })
         .collect()
 }
@@ -395,25 +396,33 @@ fn on_teeth(errors: &[PartError], pair: &Pair) -> (Vec<RackDeviation>, Vec<Writt
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     for error in errors {
         // of a permissible deviation, its upper end
-        match error.largest() {
-            PartError::Within(_) => {}
-            PartError::RackOverRoller(length) => {
+        match (error.kind(), error.value()) {
+            (ErrorKind::RackOverRoller, ErrorValue::Length(length)) => {
                 rack.push(RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::OverRoller(length.mm()) });
             }
-            PartError::RackPitch(length, _) => {
+            (ErrorKind::RackPitch, ErrorValue::Length(length)) => {
                 rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Shift(length.mm()) });
             }
-            PartError::RackLead(angle, _) => {
+            (ErrorKind::PinionRadial, ErrorValue::Length(length)) => {
+                pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
+                    teeth: ToothRange::ALL,
+                    kind: PinionDeviationKind::Radial(length.mm()),
+                }));
+            }
+            (ErrorKind::PinionPitch, ErrorValue::Length(length)) => {
+                pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
+                    teeth: half_turn,
+                    kind: PinionDeviationKind::Shift(length.mm()),
+                }));
+            }
+            (_, ErrorValue::Angle(angle)) => {
                 rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(angle.radians()) });
             }
-            PartError::PinionRadial(length) => pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
-                teeth: ToothRange::ALL,
-                kind: PinionDeviationKind::Radial(length.mm()),
-            })),
-            PartError::PinionPitch(length, _) => pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
-                teeth: half_turn,
-                kind: PinionDeviationKind::Shift(length.mm()),
-            })),
+            (_, ErrorValue::Slope(tangent)) => {
+                rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(trig::atan(tangent)) });
+            }
+            // a lead error is no length
+            (ErrorKind::RackLead, ErrorValue::Length(_)) => {}
         }
     }
     (rack, pinion)

@@ -7,9 +7,9 @@ use crate::cmm::Measured;
 use crate::decision::class::{deviation_of, part_of};
 use crate::deviation::{ErrorValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::quantity::{Length, Rational};
+use crate::quantity::{Angle, Length};
 use crate::standard::Deviation;
-use crate::trig::precise;
+use crate::trig;
 
 /// A measured deviation of a part.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,8 @@ impl Spec {
                 let part = part_of(error.kind());
                 let amount = match error.value() {
                     ErrorValue::Length(length) => length.abs(),
-                    ErrorValue::Angle(angle) => self.slope(part, &angle)?,
+                    ErrorValue::Angle(angle) => self.slope(part, trig::tan_of(angle))?,
+                    ErrorValue::Slope(tangent) => self.slope(part, tangent)?,
                 };
                 let origin = format!("[errors] {}", error.kind().key());
                 values.push(MeasuredValue { part, deviation: deviation_of(error.kind()), amount, origin });
@@ -49,8 +50,8 @@ impl Spec {
         Ok(values)
     }
 
-    /// f_Hβ of a lead deviation: over the face width.
-    fn slope(&self, part: Part, angle: &crate::quantity::Angle) -> Result<Length, Diagnostics> {
+    /// f_Hβ of a lead deviation, of which this is the tangent: over the face width.
+    fn slope(&self, part: Part, tangent: f64) -> Result<Length, Diagnostics> {
         let (width, key) = match part {
             Part::Rack => (self.rack.face_width.as_ref(), "rack.face_width"),
             Part::Pinion => (self.pinion.face_width.as_ref(), "pinion.face_width"),
@@ -58,8 +59,7 @@ impl Spec {
         let width = width.ok_or_else(|| {
             Diagnostic::error(Code::MissingKey, format!("`{key}` is missing; f_Hβ of a lead deviation needs it"))
         })?;
-        let slope = width.value.exact_mm() * &precise::tan(angle.abs().exact_degrees());
-        Length::from_exact_mm(slope.round_significant(40), "f_Hβ")
+        Length::nearest(width.value.mm() * tangent.abs() * 1e12, "f_Hβ")
             .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
     }
 
@@ -74,7 +74,7 @@ impl Spec {
             .iter()
             .filter_map(|row| row.over_pin.as_ref())
             .map(|measured| match measured {
-                Measured::Absolute(length) | Measured::Deviation(length) => length.clone(),
+                Measured::Absolute(length) | Measured::Deviation(length) => *length,
             })
             .collect();
         if let Some(spread) = spread(&heights) {
@@ -85,12 +85,12 @@ impl Spec {
             .rows
             .iter()
             .filter_map(|row| match row.position.as_ref()? {
-                Measured::Deviation(length) => Some((row.space, length.clone())),
+                Measured::Deviation(length) => Some((row.space, *length)),
                 Measured::Absolute(_) => None,
             })
             .collect();
         let steps =
-            positions.iter().filter_map(|(space, position)| Some((positions.get(&(space + 1))? - position).abs()));
+            positions.iter().filter_map(|(space, position)| Some((*positions.get(&(space + 1))? - *position).abs()));
         if let Some(step) = steps.max() {
             push(Deviation::SinglePitch, step, "differences of neighbouring position deviations");
         }
@@ -98,9 +98,8 @@ impl Spec {
         if let Some(spread) = spread(&all) {
             push(Deviation::TotalPitch, spread, "position deviations, largest less smallest");
         }
-        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(crate::quantity::Angle::abs).max()
-        {
-            push(Deviation::HelixSlope, self.slope(Part::Rack, &lead)?, "largest lead deviation");
+        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max() {
+            push(Deviation::HelixSlope, self.slope(Part::Rack, trig::tan_of(lead))?, "largest lead deviation");
         }
         Ok(())
     }
@@ -111,25 +110,24 @@ impl Spec {
             let origin = format!("{what} in {}", table.source.name);
             values.push(MeasuredValue { part: Part::Pinion, deviation, amount, origin });
         };
-        let radial: Vec<Length> = table.rows.iter().filter_map(|row| row.radial.clone()).collect();
+        let radial: Vec<Length> = table.rows.iter().filter_map(|row| row.radial).collect();
         if let Some(spread) = spread(&radial) {
             push(Deviation::Runout, spread, "radial deviations, largest less smallest");
         }
         let of_flank = |left: bool| -> BTreeMap<i64, Length> {
-            let pitch =
-                |row: &crate::cmm::PinionTooth| if left { row.left_pitch.clone() } else { row.right_pitch.clone() };
+            let pitch = |row: &crate::cmm::PinionTooth| if left { row.left_pitch } else { row.right_pitch };
             table.rows.iter().filter_map(|row| Some((row.tooth, pitch(row)?))).collect()
         };
         let flanks = [of_flank(true), of_flank(false)];
-        if let Some(largest) = flanks.iter().flat_map(BTreeMap::values).map(Length::abs).max() {
+        if let Some(largest) = flanks.iter().flat_map(BTreeMap::values).map(|pitch| pitch.abs()).max() {
             push(Deviation::SinglePitch, largest, "largest single pitch deviation");
         }
         let teeth = self.pinion.teeth.as_ref().map_or(0, |teeth| teeth.value as usize);
         // sums mean something only over a whole turn
-        let whole: Vec<Vec<&Length>> = flanks
+        let whole: Vec<Vec<Length>> = flanks
             .iter()
             .filter(|flank| teeth > 0 && flank.len() == teeth)
-            .map(|flank| flank.values().collect())
+            .map(|flank| flank.values().copied().collect())
             .collect();
         let totals = whole.iter().filter_map(|flank| spread(&centred_sums(flank)));
         if let Some(total) = totals.max() {
@@ -138,14 +136,13 @@ impl Spec {
         let pitches = (teeth / 8).max(2);
         let sectors = whole.iter().flat_map(|flank| {
             let sums = centred_sums(flank);
-            (0..flank.len()).map(move |tooth| (&sums[(tooth + pitches) % sums.len()] - &sums[tooth]).abs())
+            (0..flank.len()).map(move |tooth| (sums[(tooth + pitches) % sums.len()] - sums[tooth]).abs())
         });
         if let Some(sector) = sectors.max() {
             push(Deviation::SectorPitch, sector, "largest cumulative pitch deviation over k pitches");
         }
-        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead.as_ref()).map(crate::quantity::Angle::abs).max()
-        {
-            push(Deviation::HelixSlope, self.slope(Part::Pinion, &lead)?, "largest lead deviation");
+        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max() {
+            push(Deviation::HelixSlope, self.slope(Part::Pinion, trig::tan_of(lead))?, "largest lead deviation");
         }
         Ok(())
     }
@@ -156,20 +153,20 @@ fn spread(values: &[Length]) -> Option<Length> {
     if values.len() < 2 {
         return None;
     }
-    Some(values.iter().max()? - values.iter().min()?)
+    Some(*values.iter().max()? - *values.iter().min()?)
 }
 
 /// Sums of single pitch deviations around a turn, their mean removed, because a turn closes.
-fn centred_sums(pitches: &[&Length]) -> Vec<Length> {
-    let sum: Length = pitches.iter().map(|pitch| (*pitch).clone()).sum();
-    let count = Rational::integer(i64::try_from(pitches.len()).unwrap_or(1));
-    let mean = Length::from_exact_mm(sum.exact_mm() / &count, "the mean pitch deviation").unwrap_or(Length::ZERO);
+fn centred_sums(pitches: &[Length]) -> Vec<Length> {
+    #[expect(clippy::cast_precision_loss, reason = "a number of teeth")]
+    let mean = pitches.iter().map(|pitch| pitch.mm()).sum::<f64>() / pitches.len().max(1) as f64;
+    let mean = Length::nearest(mean * 1e12, "the mean pitch deviation").unwrap_or(Length::ZERO);
     let mut total = Length::ZERO;
     pitches
         .iter()
         .map(|pitch| {
-            total = &total + &(*pitch - &mean);
-            total.clone()
+            total = total + (*pitch - mean);
+            total
         })
         .collect()
 }

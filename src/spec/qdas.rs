@@ -50,15 +50,12 @@ impl Spec {
         });
         match self.nominals.iter().find(|(of, _)| *of == kind) {
             Some((_, known)) if known.value != nominal => {
-                notes.push(format!(
-                    "{kind}: the nominal value of the spec counts, not {} of the file",
-                    in_words(&nominal)
-                ));
+                notes.push(format!("{kind}: the nominal value of the spec counts, not {nominal} of the file"));
             }
             Some(_) => {}
-            None if stated || is_zero(&nominal) => {}
+            None if stated || nominal.is_zero() => {}
             None => {
-                notes.push(format!("{kind}: nominal value {} from the file (K2101)", in_words(&nominal)));
+                notes.push(format!("{kind}: nominal value {nominal} from the file (K2101)"));
                 self.nominals.push((kind, Located { value: nominal, span: 0..0 }));
             }
         }
@@ -72,15 +69,9 @@ impl Spec {
         if self.uncertainties.iter().any(|(of, _)| *of == source) {
             return;
         }
-        let number = match &expanded {
-            ErrorValue::Length(length) => length.mm(),
-            ErrorValue::Angle(angle) => angle.degrees(),
-        };
+        let number = expanded.base();
         if number > 0.0 {
-            notes.push(format!(
-                "{kind}: expanded uncertainty U = {} (k = 2, assumed) from the file (K2106)",
-                in_words(&expanded)
-            ));
+            notes.push(format!("{kind}: expanded uncertainty U = {expanded} (k = 2, assumed) from the file (K2106)"));
             self.uncertainties.push((source, Located { value: Uncertainty::expanded(number, COVERAGE), span: 0..0 }));
         }
     }
@@ -92,12 +83,14 @@ impl Spec {
         if (lower.is_none() && upper.is_none()) || self.limits.iter().any(|(on, _)| *on == target) {
             return;
         }
-        let nominal = self.nominals.iter().find(|(of, _)| *of == kind).map(|(_, nominal)| nominal.value.clone());
-        let (lower, upper) =
-            (lower.map(|end| minus(end, nominal.as_ref())), upper.map(|end| minus(end, nominal.as_ref())));
-        let limit = match (&lower, &upper) {
-            _ if kind.always_acts() => Some(Limit { lower: length(lower.as_ref()), upper: length(upper.as_ref()) }),
-            (Some(lower), Some(upper)) if is_zero(&sum(lower, upper)) => self.effect(kind, upper, model),
+        let nominal = self.nominals.iter().find(|(of, _)| *of == kind).map(|(_, nominal)| nominal.value);
+        let nominal = nominal.unwrap_or(ErrorValue::zero(kind));
+        let (lower, upper) = (lower.map(|end| end.less(nominal)), upper.map(|end| end.less(nominal)));
+        let limit = match (lower, upper) {
+            _ if kind.always_acts() => Some(Limit { lower: lower.and_then(length), upper: upper.and_then(length) }),
+            (Some(lower), Some(upper)) if lower == ErrorValue::zero(kind).less(upper) => {
+                self.effect(kind, upper, model)
+            }
             (None, Some(upper)) => self.effect(kind, upper, model),
             _ => None,
         };
@@ -114,8 +107,8 @@ impl Spec {
     }
 
     /// ΔCD of the largest permitted error.
-    fn effect(&self, kind: ErrorKind, largest: &ErrorValue, model: Model) -> Option<Limit> {
-        let errors = self.with_errors(&[(kind, largest.clone())]).part_errors().ok()?;
+    fn effect(&self, kind: ErrorKind, largest: ErrorValue, model: Model) -> Option<Limit> {
+        let errors = self.with_errors(&[(kind, largest)]).part_errors().ok()?;
         let upper = errors.first()?.delta_cd(model).ok()?;
         Some(Limit { lower: None, upper: Some(upper) })
     }
@@ -129,40 +122,10 @@ fn value(kind: ErrorKind, text: &str, found: &Characteristic) -> Option<ErrorVal
     }
 }
 
-fn minus(value: ErrorValue, nominal: Option<&ErrorValue>) -> ErrorValue {
-    match (&value, nominal) {
-        (ErrorValue::Length(length), Some(ErrorValue::Length(nominal))) => ErrorValue::Length(length - nominal),
-        (ErrorValue::Angle(angle), Some(ErrorValue::Angle(nominal))) => ErrorValue::Angle(angle - nominal),
-        _ => value,
-    }
-}
-
-fn sum(a: &ErrorValue, b: &ErrorValue) -> ErrorValue {
-    match (a, b) {
-        (ErrorValue::Length(a), ErrorValue::Length(b)) => ErrorValue::Length(a + b),
-        (ErrorValue::Angle(a), ErrorValue::Angle(b)) => ErrorValue::Angle(a + b),
-        _ => a.clone(),
-    }
-}
-
-fn is_zero(value: &ErrorValue) -> bool {
+fn length(value: ErrorValue) -> Option<Length> {
     match value {
-        ErrorValue::Length(length) => length.is_zero(),
-        ErrorValue::Angle(angle) => angle.is_zero(),
-    }
-}
-
-fn length(value: Option<&ErrorValue>) -> Option<Length> {
-    match value {
-        Some(ErrorValue::Length(length)) => Some(length.clone()),
+        ErrorValue::Length(length) => Some(length),
         _ => None,
-    }
-}
-
-fn in_words(value: &ErrorValue) -> String {
-    match value {
-        ErrorValue::Length(length) => length.to_string(),
-        ErrorValue::Angle(angle) => angle.to_string(),
     }
 }
 
@@ -180,7 +143,7 @@ mod tests {
         let limits: Vec<_> = completed
             .limits()
             .into_iter()
-            .map(|(on, limit)| (on.key(), limit.lower.map(|end| end.mm()), limit.upper.map(|end| end.mm())))
+            .map(|(on, limit)| (on.key(), limit.lower.map(Length::mm), limit.upper.map(Length::mm)))
             .collect();
         // 10 µm / (2 tan 45°)
         assert_eq!(limits, [("rack_over_roller", Some(-0.02), Some(0.03)), ("rack_pitch", None, Some(0.005))]);

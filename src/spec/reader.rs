@@ -14,7 +14,7 @@ use super::uncertainty::source_of;
 use crate::decision::class::RackDiameter;
 use crate::decision::uncertainty::{Source as UncertainSource, Uncertainty};
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, Rational};
+use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, split_number};
 use crate::standard::Standard;
 
 /// A table of the spec while it is being read.
@@ -80,7 +80,7 @@ impl SectionReader<'_> {
         let Some(Kind::Length(domain)) = self.kind(name) else { return None };
         let value = self.uncertain(name, value, source_of(self.section.name, name))?;
         let length = self.length_value(name, value)?;
-        self.in_domain(domain.check_length(&length), value.span())?;
+        self.in_domain(domain.check_length(length), value.span())?;
         Some(Located { value: length, span: value.span() })
     }
 
@@ -89,14 +89,14 @@ impl SectionReader<'_> {
         let Some(Kind::Angle(domain)) = self.kind(name) else { return None };
         let value = self.uncertain(name, value, source_of(self.section.name, name))?;
         let angle = self.angle_value(name, value)?;
-        self.in_domain(domain.check_angle(&angle), value.span())?;
+        self.in_domain(domain.check_angle(angle), value.span())?;
         Some(Located { value: angle, span: value.span() })
     }
 
     pub(super) fn number(&mut self, name: &str) -> Option<Located<f64>> {
         let value = self.table?.get(name)?;
         let number = self.plain_number(name, value)?;
-        Some(Located { value: number.to_f64(), span: value.span() })
+        Some(Located { value: number, span: value.span() })
     }
 
     pub(super) fn count(&mut self, name: &str) -> Option<Located<u32>> {
@@ -107,15 +107,15 @@ impl SectionReader<'_> {
             return None;
         };
         let number = self.plain_number(name, value)?;
-        if !domain.contains(&number) {
+        if !domain.contains(number) {
             let message =
-                format!("the {} {} is {number:?}; it must be {}", domain.name, domain.symbol, domain.in_words(""));
+                format!("the {} {} is {number}; it must be {}", domain.name, domain.symbol, domain.in_words(""));
             self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
             return None;
         }
         // the domain is far inside u32, and the number is whole
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the domain")]
-        Some(Located { value: number.to_f64() as u32, span: value.span() })
+        Some(Located { value: number as u32, span: value.span() })
     }
 
     /// The name of a standard.
@@ -145,7 +145,7 @@ impl SectionReader<'_> {
             }
             _ => {
                 let length = self.length_value(name, value)?;
-                self.in_domain(DIAMETER.check_length(&length), value.span())?;
+                self.in_domain(DIAMETER.check_length(length), value.span())?;
                 RackDiameter::Given(length)
             }
         };
@@ -181,22 +181,22 @@ impl SectionReader<'_> {
             },
             _ => self.plain_number(name, value)?,
         };
-        if !domain.contains(&number) {
-            let (written, unit) = (number.to_f64(), unit.after);
+        if !domain.contains(number) {
+            let unit = unit.after;
             let bounds = domain.in_words(unit);
-            let message = format!("the {} {} is {written}{unit}; it must be {bounds}", domain.name, domain.symbol);
+            let message = format!("the {} {} is {number}{unit}; it must be {bounds}", domain.name, domain.symbol);
             self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
             return None;
         }
-        Some(Located { value: number.to_f64(), span: value.span() })
+        Some(Located { value: number, span: value.span() })
     }
 
-    pub(super) fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rational> {
+    pub(super) fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<f64> {
         let Some(written) = decimal_text(value.get_ref()) else {
             self.wrong_type(name, value, "a number");
             return None;
         };
-        match Rational::parse_decimal(written) {
+        match parse_f64(&written) {
             Ok(number) => Some(number),
             Err(error) => {
                 let message = format!("`{name}` is not a number: {error}");
@@ -223,7 +223,7 @@ impl SectionReader<'_> {
         needed: &str,
     ) -> Option<Q> {
         let text = match value.get_ref() {
-            DeValue::String(text) => text.as_ref(),
+            DeValue::String(text) => text.to_string(),
             other => {
                 let Some(text) = decimal_text(other) else {
                     self.wrong_type(name, value, needed);
@@ -254,24 +254,25 @@ impl SectionReader<'_> {
 }
 
 /// A number with one of a unit's symbols.
-fn in_unit(text: &str, unit: Unit) -> Result<Rational, String> {
-    let (written, symbol) = crate::quantity::split_number(text);
-    let number = Rational::parse_decimal(written).map_err(|error| format!("`{text}` is not a number: {error}"))?;
+fn in_unit(text: &str, unit: Unit) -> Result<f64, String> {
+    let (written, symbol) = split_number(text);
+    let number = parse_f64(written).map_err(|error| format!("`{text}` is not a number: {error}"))?;
     if symbol.is_empty() || symbol == unit.symbol {
         return Ok(number);
     }
     match unit.others.iter().find(|other| other.0 == symbol) {
-        Some((_, numerator, denominator)) => Ok(&number * &Rational::fraction(*numerator, *denominator)),
+        Some((_, numerator, denominator)) => Ok(number * numerator / denominator),
         None if unit.symbol.is_empty() => Err(format!("`{symbol}` is no part of a number without a unit")),
         None => Err(format!("`{symbol}` is not a unit that fits; write {}", unit.symbol)),
     }
 }
 
-/// The text of a decimal number as it stands in the file, so that no digit is lost on the way.
-fn decimal_text<'a>(value: &'a DeValue<'_>) -> Option<&'a str> {
+/// The text of a decimal number as it stands in the file, so that no digit is lost on the way; TOML groups digits by
+/// underscores.
+fn decimal_text(value: &DeValue<'_>) -> Option<String> {
     match value {
-        DeValue::Float(float) => Some(float.as_str()),
-        DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str()),
+        DeValue::Float(float) => Some(float.as_str().replace('_', "")),
+        DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str().replace('_', "")),
         _ => None,
     }
 }

@@ -5,13 +5,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Located, Spec, WrittenError};
-use crate::decision::class::within;
 use crate::decision::{EvaluationError, Limits};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::formula::law::equation;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Model, PartError, PinionPitch, RackLead, RackPitch, formula_text};
-use crate::quantity::{Angle, DomainError};
+use crate::formula::{Law, Model, PartError};
+use crate::quantity::{Angle, DomainError, Length};
 
 impl Spec {
     /// The errors that the spec gives, each with the formula that it needs.
@@ -55,22 +55,20 @@ impl Spec {
         let mut diagnostics = Vec::new();
         let mut errors = Vec::with_capacity(self.errors.len());
         for (kind, written) in &self.errors {
-            let mut given = Located { value: written.value.clone(), span: written.span.clone() };
-            let is_class = if let WrittenError::Class(grade) = written.value {
+            let error = if let WrittenError::Class(grade) = written.value {
                 match self.class(*kind, grade, &written.span, &mut missing) {
-                    Some(Ok(class)) => given.value = written_value(&class.value),
+                    Some(Ok(class)) => self
+                        .law_of(*kind, &mut missing, &needed_by(*kind, written))
+                        .map(|law| law.map(|law| PartError::within(law, class.value))),
                     Some(Err(diagnostic)) => {
                         diagnostics.push(diagnostic);
                         continue;
                     }
                     None => continue,
                 }
-                true
             } else {
-                false
+                self.part_error(*kind, written, &mut missing)
             };
-            let error = self.part_error(*kind, &given, &mut missing);
-            let error = error.map(|error| error.map(|error| if is_class { within(error) } else { error }));
             match error {
                 Some(Ok(error)) => errors.push(error),
                 Some(Err(error)) => diagnostics.push(self.contradiction(written, &error)),
@@ -89,12 +87,11 @@ impl Spec {
         // the nominal measure over a roller stays what it is computed from, with the uncertainties of that
         let over_pin = self.over_pin().and_then(|over_pin| Some((over_pin.measure().ok()?, over_pin.pin_diameter)));
         let errors = errors.iter().map(|(kind, value)| {
-            let written = match (value, &over_pin) {
+            let written = match (value, over_pin) {
                 (ErrorValue::Length(length), Some((nominal, roller))) if *kind == ErrorKind::RackOverRoller => {
-                    WrittenError::OverRoller { measured: length + nominal, roller: roller.clone() }
+                    WrittenError::OverRoller { measured: *length + nominal, roller }
                 }
-                (ErrorValue::Length(length), _) => WrittenError::Length(length.clone()),
-                (ErrorValue::Angle(angle), _) => WrittenError::Angle(angle.clone()),
+                (value, _) => WrittenError::Value(*value),
             };
             (*kind, Located { value: written, span: 0..0 })
         });
@@ -104,7 +101,7 @@ impl Spec {
     /// The limits that the spec gives.
     #[must_use]
     pub fn limits(&self) -> Limits {
-        self.limits.iter().map(|(target, limit)| (*target, limit.value.clone())).collect()
+        self.limits.iter().map(|(target, limit)| (*target, limit.value)).collect()
     }
 
     /// A failed evaluation as a diagnostic that points at the error concerned.
@@ -118,46 +115,67 @@ impl Spec {
         }
     }
 
+    /// An error with its law; `None` if a key is missing.
     fn part_error(
         &self,
         kind: ErrorKind,
         written: &Located<WrittenError>,
         missing: &mut MissingKeys,
     ) -> Option<Result<PartError, DomainError>> {
-        let mut need = Need { spec: self, kind, written, missing };
-        Some(match (kind, &written.value) {
-            (ErrorKind::RackOverRoller, WrittenError::Length(error)) => Ok(PartError::RackOverRoller(error.clone())),
-            (ErrorKind::PinionRadial, WrittenError::Length(error)) => Ok(PartError::PinionRadial(error.clone())),
-            (ErrorKind::RackOverRoller, WrittenError::OverRoller { measured, roller }) => {
-                let normal_module = need.key("pair", "normal_module", self.pair.normal_module.as_ref());
-                let pressure_angle = need.pressure_angle();
-                let datum = need.key("rack", "datum", self.rack.datum.as_ref());
-                OverPin {
-                    normal_module: normal_module?,
-                    normal_pressure_angle: pressure_angle?,
-                    tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value.clone()),
-                    pin_diameter: roller.clone(),
-                    datum: datum?,
-                }
-                .measure()
-                .map(|nominal| PartError::RackOverRoller(measured - &nominal))
+        let value = match written.value {
+            WrittenError::Value(value) => Ok(value),
+            WrittenError::OverRoller { measured, roller } => {
+                let over_pin = self.over_pin_of(roller, missing, &needed_by(kind, written))?;
+                over_pin.measure().map(|nominal| ErrorValue::Length(measured - nominal))
             }
-            (ErrorKind::RackPitch, WrittenError::Length(error)) => {
-                RackPitch::new(&need.pressure_angle()?, &helix_angle(self.rack.helix_angle.as_ref()))
-                    .map(|formula| PartError::RackPitch(error.clone(), formula))
+            // its value is the class's
+            WrittenError::Class(_) => return None,
+        };
+        let law = self.law_of(kind, missing, &needed_by(kind, written))?;
+        Some(law.and_then(|law| Ok(PartError::new(law, value?))))
+    }
+
+    /// The law of a kind of error for this gear; `None` if a key is missing.
+    pub(super) fn law_of(
+        &self,
+        kind: ErrorKind,
+        missing: &mut MissingKeys,
+        need: &dyn Fn() -> Need,
+    ) -> Option<Result<Law, DomainError>> {
+        let helix_angle = |written: &Option<Located<Angle>>| written.as_ref().map_or(Angle::ZERO, |angle| angle.value);
+        let (rack, pinion) = (helix_angle(&self.rack.helix_angle), helix_angle(&self.pinion.helix_angle));
+        let mut pressure_angle =
+            || missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), need);
+        Some(match kind {
+            ErrorKind::RackOverRoller => Ok(Law::rack_over_roller()),
+            ErrorKind::PinionRadial => Ok(Law::pinion_radial()),
+            ErrorKind::RackPitch => Law::rack_pitch(pressure_angle()?, rack),
+            ErrorKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, pinion),
+            ErrorKind::RackLead => {
+                let pressure_angle = pressure_angle();
+                let face_width = missing.take("rack", "face_width", self.rack.face_width.as_ref(), need);
+                Law::rack_lead(pressure_angle?, rack, face_width?)
             }
-            (ErrorKind::PinionPitch, WrittenError::Length(error)) => {
-                PinionPitch::new(&need.pressure_angle()?, &helix_angle(self.pinion.helix_angle.as_ref()))
-                    .map(|formula| PartError::PinionPitch(error.clone(), formula))
-            }
-            (ErrorKind::RackLead, WrittenError::Angle(error)) => {
-                let pressure_angle = need.pressure_angle();
-                let face_width = need.key("rack", "face_width", self.rack.face_width.as_ref());
-                RackLead::new(&pressure_angle?, &helix_angle(self.rack.helix_angle.as_ref()), &face_width?)
-                    .map(|formula| PartError::RackLead(error.clone(), formula))
-            }
-            // the reader gives an angle to a lead error only, and a roller to an over-roller error only
-            _ => return None,
+        })
+    }
+
+    /// What the nominal measure over a roller follows from; `None` if a key is missing.
+    pub(super) fn over_pin_of(
+        &self,
+        pin_diameter: Length,
+        missing: &mut MissingKeys,
+        need: &dyn Fn() -> Need,
+    ) -> Option<OverPin> {
+        let normal_module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), need);
+        let pressure_angle = self.pair.normal_pressure_angle.as_ref();
+        let normal_pressure_angle = missing.take("pair", "normal_pressure_angle", pressure_angle, need);
+        let datum = missing.take("rack", "datum", self.rack.datum.as_ref(), need);
+        Some(OverPin {
+            normal_module: normal_module?,
+            normal_pressure_angle: normal_pressure_angle?,
+            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value),
+            pin_diameter,
+            datum: datum?,
         })
     }
 
@@ -172,41 +190,20 @@ impl Spec {
     }
 }
 
-fn written_value(value: &ErrorValue) -> WrittenError {
-    match value {
-        ErrorValue::Length(length) => WrittenError::Length(length.clone()),
-        ErrorValue::Angle(angle) => WrittenError::Angle(angle.clone()),
-    }
-}
+/// Who needs a key, and where that is written and why.
+pub(super) type Need = (String, Option<(Range<usize>, String)>);
 
-fn helix_angle(written: Option<&Located<Angle>>) -> Angle {
-    written.map_or(Angle::ZERO, |angle| angle.value.clone())
-}
-
-/// One error's demand for gear data.
-struct Need<'a> {
-    spec: &'a Spec,
-    kind: ErrorKind,
-    written: &'a Located<WrittenError>,
-    missing: &'a mut MissingKeys,
-}
-
-impl Need<'_> {
-    fn pressure_angle(&mut self) -> Option<Angle> {
-        self.key("pair", "normal_pressure_angle", self.spec.pair.normal_pressure_angle.as_ref())
-    }
-
-    fn key<T: Clone>(&mut self, section: &'static str, name: &'static str, written: Option<&Located<T>>) -> Option<T> {
-        self.missing.take(section, name, written, || {
-            let formula = match self.written.value {
-                WrittenError::OverRoller { .. } => {
-                    "M_nom = K - (π m_n - s_n) / (2 tan α_n) + (d_p / 2) (1 + 1 / sin α_n)".to_owned()
-                }
-                _ => format!("ΔCD = {}", formula_text(self.kind, Model::Exact)),
-            };
-            let span = &self.written.span;
-            (format!("`{}`", self.kind.key()), (!span.is_empty()).then(|| (span.clone(), formula)))
-        })
+/// The need of an error of `[errors]`.
+fn needed_by(kind: ErrorKind, written: &Located<WrittenError>) -> impl Fn() -> Need {
+    move || {
+        let formula = match written.value {
+            WrittenError::OverRoller { .. } => {
+                "M_nom = K - (π m_n - s_n) / (2 tan α_n) + (d_p / 2) (1 + 1 / sin α_n)".to_owned()
+            }
+            _ => format!("ΔCD = {}", equation(kind, Model::Exact)),
+        };
+        let span = &written.span;
+        (format!("`{}`", kind.key()), (!span.is_empty()).then(|| (span.clone(), formula)))
     }
 }
 
@@ -229,7 +226,7 @@ impl MissingKeys {
         section: &'static str,
         name: &'static str,
         written: Option<&Located<T>>,
-        need: impl FnOnce() -> (String, Option<(Range<usize>, String)>),
+        need: impl FnOnce() -> Need,
     ) -> Option<T> {
         if let Some(written) = written {
             return Some(written.value.clone());

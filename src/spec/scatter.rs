@@ -9,7 +9,7 @@ use super::{Located, Spec};
 use crate::decision::class::ErrorClass;
 use crate::decision::monte_carlo::racks::Scatter;
 use crate::decision::uncertainty::{Distribution, Uncertainty};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 
 /// A spread as written.
@@ -143,10 +143,7 @@ impl Spec {
 /// The values that a class leaves, all alike: within plus and minus what it permits; of a runout, which is the range of
 /// all teeth together, half of it either way for the rack's teeth.
 fn within_class(class: &ErrorClass) -> Uncertainty {
-    let permitted = match &class.value {
-        ErrorValue::Length(length) => length.mm(),
-        ErrorValue::Angle(angle) => angle.degrees(),
-    };
+    let permitted = class.value.base();
     let half_width = if class.kind == ErrorKind::RackOverRoller { 0.5 * permitted } else { permitted };
     Uncertainty::half_width(half_width.abs(), Distribution::Rectangular)
 }

@@ -181,7 +181,7 @@ impl SectionReader<'_> {
 
     /// A number above 0.
     fn positive(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<f64> {
-        let number = self.plain_number(name, value)?.to_f64();
+        let number = self.plain_number(name, value)?;
         if number > 0.0 {
             return Some(number);
         }
@@ -242,7 +242,7 @@ fn correlation(reader: &mut SectionReader<'_>, entry: &Spanned<DeValue<'_>>) -> 
             reader.report(bad("this correlation has no coefficient"), entry.span(), "");
             return None;
         };
-        let coefficient = reader.plain_number("coefficient", value)?.to_f64();
+        let coefficient = reader.plain_number("coefficient", value)?;
         let between = (a?, b?);
         if !(-1.0..=1.0).contains(&coefficient) || between.0 == between.1 {
             let problem = UncertaintyError::Coefficient { of: between, coefficient };
@@ -284,11 +284,11 @@ impl Spec {
         let (_, written) = self.errors.iter().find(|(kind, _)| *kind == ErrorKind::RackOverRoller)?;
         let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
         Some(OverPin {
-            normal_module: self.pair.normal_module.as_ref()?.value.clone(),
-            normal_pressure_angle: self.pair.normal_pressure_angle.as_ref()?.value.clone(),
-            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value.clone()),
-            pin_diameter: roller.clone(),
-            datum: self.rack.datum.as_ref()?.value.clone(),
+            normal_module: self.pair.normal_module.as_ref()?.value,
+            normal_pressure_angle: self.pair.normal_pressure_angle.as_ref()?.value,
+            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value),
+            pin_diameter: *roller,
+            datum: self.rack.datum.as_ref()?.value,
         })
     }
 

@@ -7,6 +7,7 @@
 
 use super::permissible::{Permissible, RangeUse};
 use super::range::{Ranges, decimal};
+use super::rounding::micrometres;
 use super::{Deviation, Size, Standard, StandardError, Wheel};
 
 const STANDARD: Standard = Standard::Din3962;
@@ -43,7 +44,7 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
                 StandardError::Unconfirmed { standard: STANDARD, deviation, grade, confirmed: CONFIRMED_PITCH };
             let module = entry(deviation, Size::NormalModule, MODULES, wheel, &unconfirmed)?;
             // "over 1": the first range of this cell does not include its lower limit
-            if module.1.value <= 1 {
+            if module.1.value <= 1.0 {
                 return Err(unconfirmed);
             }
             let diameter = entry(deviation, Size::Diameter, DIAMETERS, wheel, &unconfirmed)?;
@@ -75,8 +76,8 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
         formula: "tabulated".to_owned(),
         ranges,
         remarks: Vec::new(),
-        unrounded_um: decimal(cell),
-        value_um: decimal(cell),
+        unrounded: micrometres(decimal(cell)),
+        value: micrometres(decimal(cell)),
     })
 }
 
@@ -89,7 +90,7 @@ fn entry(
     unconfirmed: &StandardError,
 ) -> Result<(usize, RangeUse), StandardError> {
     let value = wheel.size(size).ok_or(StandardError::Missing { standard: STANDARD, deviation, size })?;
-    let range = ranges.of(&value).filter(|_| value > 0).ok_or_else(|| unconfirmed.clone())?;
+    let range = ranges.of(value).filter(|_| value > 0.0).ok_or_else(|| unconfirmed.clone())?;
     let row = ranges.0.iter().skip(1).position(|limit| decimal(limit) == range.up_to).unwrap_or(0);
-    Ok((row, RangeUse { size, taken: value.clone(), value, range: Some(range) }))
+    Ok((row, RangeUse { size, taken: value, value, range: Some(range) }))
 }

@@ -6,7 +6,6 @@
 use super::permissible::{Permissible, RangeUse, Remark};
 use super::range::{Ranges, decimal};
 use super::{Deviation, Size, Standard, StandardError, Wheel, rounding};
-use crate::quantity::Rational;
 
 /// What a coefficient multiplies; sizes in mm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,15 +87,14 @@ pub(super) fn permissible(
         .ok_or(StandardError::NoSuchDeviation { standard, deviation })?;
     let mut inputs = Inputs { standard, formula, wheel, ranges: Vec::new(), remarks: Vec::new() };
     let steps = i32::from(grade) - BASE_GRADE;
-    let unrounded_um = match formula.shape {
-        Shape::Sum(terms) => grade_step(&inputs.sum(terms)?, steps),
-        Shape::Part(factor, terms) => grade_step(&(&decimal(factor) * &inputs.sum(terms)?), steps),
+    let unrounded = rounding::micrometres(match formula.shape {
+        Shape::Sum(terms) => grade_step(inputs.sum(terms)?, steps),
+        Shape::Part(factor, terms) => grade_step(decimal(factor) * inputs.sum(terms)?, steps),
         Shape::RootSumSquare(a, b) => {
-            let squares = &inputs.sum(a)?.square() + &inputs.sum(b)?.square();
-            // one root over both, so that a rational result is exact at odd steps too
-            root(&(&squares * &power_of_two(steps)))
+            let (a, b) = (inputs.sum(a)?, inputs.sum(b)?);
+            grade_step((a * a + b * b).sqrt(), steps)
         }
-    };
+    });
     let mut remarks = inputs.remarks;
     if formula.informative {
         remarks.push(Remark::Informative);
@@ -109,25 +107,15 @@ pub(super) fn permissible(
         formula: text(formula.shape),
         ranges: inputs.ranges,
         remarks,
-        value_um: rounding::iso(&unrounded_um),
-        unrounded_um,
+        value: rounding::iso(unrounded),
+        unrounded,
     })
 }
 
-/// The value of a grade `steps` coarser: each step is a factor of √2.
-fn grade_step(value: &Rational, steps: i32) -> Rational {
-    if steps % 2 == 0 { value * &power_of_two(steps / 2) } else { value * &root(&power_of_two(steps)) }
-}
-
-fn power_of_two(exponent: i32) -> Rational {
-    let two = Rational::integer(2);
-    let power = (0..exponent.unsigned_abs()).fold(Rational::ONE, |power, _| &power * &two);
-    if exponent < 0 { &Rational::ONE / &power } else { power }
-}
-
-/// The root of a number that is not negative.
-fn root(value: &Rational) -> Rational {
-    value.sqrt().unwrap_or(Rational::ZERO)
+/// The value of a grade `steps` coarser: each step is a factor of √2, each second one exactly 2.
+fn grade_step(value: f64, steps: i32) -> f64 {
+    let doubled = libm::ldexp(value, steps.div_euclid(2));
+    if steps % 2 == 0 { doubled } else { doubled * std::f64::consts::SQRT_2 }
 }
 
 /// The numbers that go into one formula, and a record of them.
@@ -140,22 +128,22 @@ struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    fn sum(&mut self, terms: &[Term]) -> Result<Rational, StandardError> {
-        let mut sum = Rational::ZERO;
+    fn sum(&mut self, terms: &[Term]) -> Result<f64, StandardError> {
+        let mut sum = 0.0;
         for Term(coefficient, of) in terms {
             let number = match of {
-                Of::One => Rational::ONE,
+                Of::One => 1.0,
                 Of::M => self.take(Size::NormalModule)?,
-                Of::RootM => root(&self.take(Size::NormalModule)?),
+                Of::RootM => self.take(Size::NormalModule)?.sqrt(),
                 Of::D => self.take(Size::Diameter)?,
-                Of::RootD => root(&self.take(Size::Diameter)?),
-                Of::RootB => root(&self.take(Size::FaceWidth)?),
+                Of::RootD => self.take(Size::Diameter)?.sqrt(),
+                Of::RootB => self.take(Size::FaceWidth)?.sqrt(),
                 Of::RootSector => {
                     let pitches = self.sector_pitches()?;
-                    root(&(&Rational::integer(pitches - 1) * &self.take(Size::NormalModule)?))
+                    (f64::from(pitches - 1) * self.take(Size::NormalModule)?).sqrt()
                 }
             };
-            sum = &sum + &(&decimal(coefficient) * &number);
+            sum += decimal(coefficient) * number;
         }
         Ok(sum)
     }
@@ -165,16 +153,15 @@ impl Inputs<'_> {
     }
 
     /// The number of pitches k in an eighth of the teeth, at least 2.
-    fn sector_pitches(&mut self) -> Result<i64, StandardError> {
+    fn sector_pitches(&mut self) -> Result<u32, StandardError> {
         let teeth = self.wheel.teeth.ok_or_else(|| self.missing(Size::Teeth))?;
-        let pitches = i64::from(teeth / 8).max(2);
-        let value = Rational::integer(i64::from(teeth));
-        self.record(RangeUse { size: Size::Teeth, value, range: None, taken: Rational::integer(pitches) });
+        let pitches = (teeth / 8).max(2);
+        self.record(RangeUse { size: Size::Teeth, value: f64::from(teeth), range: None, taken: f64::from(pitches) });
         Ok(pitches)
     }
 
     /// The number that stands for a size in the formula.
-    fn take(&mut self, size: Size) -> Result<Rational, StandardError> {
+    fn take(&mut self, size: Size) -> Result<f64, StandardError> {
         let value = self.wheel.size(size).ok_or_else(|| self.missing(size))?;
         let reading = match size {
             Size::NormalModule => self.formula.readings.module,
@@ -184,23 +171,23 @@ impl Inputs<'_> {
         let ranges = match reading {
             Reading::Mean(ranges) | Reading::MeanOrActual(ranges) | Reading::Actual(ranges) => ranges,
         };
-        let range = ranges.of(&value);
+        let range = ranges.of(value);
         let (range, taken) = match (reading, range) {
             (Reading::Mean(_) | Reading::MeanOrActual(_), Some(range)) => {
                 let mean = range.geometric_mean();
                 (Some(range), mean)
             }
-            (Reading::Actual(_), Some(_)) => (None, value.clone()),
-            (Reading::MeanOrActual(_), None) if value > 0 => {
+            (Reading::Actual(_), Some(_)) => (None, value),
+            (Reading::MeanOrActual(_), None) if value > 0.0 => {
                 let remark = Remark::ActualSizeOutsideRanges(size);
                 if !self.remarks.contains(&remark) {
                     self.remarks.push(remark);
                 }
-                (None, value.clone())
+                (None, value)
             }
-            (_, None) => return Err(out_of_scope(self.standard, size, &value, ranges.bound())),
+            (_, None) => return Err(out_of_scope(self.standard, size, value, ranges.bound())),
         };
-        self.record(RangeUse { size, value, range, taken: taken.clone() });
+        self.record(RangeUse { size, value, range, taken });
         Ok(taken)
     }
 
@@ -211,8 +198,8 @@ impl Inputs<'_> {
     }
 }
 
-pub(super) fn out_of_scope(standard: Standard, size: Size, value: &Rational, bound: String) -> StandardError {
-    StandardError::OutOfScope { standard, size, value: value.to_f64().to_string(), bound }
+pub(super) fn out_of_scope(standard: Standard, size: Size, value: f64, bound: String) -> StandardError {
+    StandardError::OutOfScope { standard, size, value: value.to_string(), bound }
 }
 
 /// A formula in symbols: `0.3 m_n + 0.12 √d + 4`.

@@ -23,9 +23,9 @@ pub(super) fn check_scope(wheel: &Wheel) -> Result<(), StandardError> {
     let standard = Standard::Iso1328Part1Of2013;
     for (size, ranges) in [(Size::Teeth, TEETH), (Size::HelixAngle, HELIX_ANGLES)] {
         if let Some(value) = wheel.size(size)
-            && ranges.of(&value).is_none()
+            && ranges.of(value).is_none()
         {
-            return Err(out_of_scope(standard, size, &value, ranges.bound()));
+            return Err(out_of_scope(standard, size, value, ranges.bound()));
         }
     }
     Ok(())

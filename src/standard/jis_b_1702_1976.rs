@@ -6,6 +6,7 @@
 
 use super::permissible::{Permissible, RangeUse, Remark};
 use super::range::decimal;
+use super::rounding::micrometres;
 use super::{Deviation, Size, Standard, StandardError, Wheel};
 
 const STANDARD: Standard = Standard::JisB1702Of1976;
@@ -48,15 +49,15 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
     let mut ranges = Vec::new();
     let mut take = |size: Size| {
         let value = wheel.size(size).ok_or(StandardError::Missing { standard: STANDARD, deviation, size })?;
-        if value <= 0 {
-            return Err(super::formula::out_of_scope(STANDARD, size, &value, "sizes above 0".to_owned()));
+        if value <= 0.0 {
+            return Err(super::formula::out_of_scope(STANDARD, size, value, "sizes above 0".to_owned()));
         }
-        ranges.push(RangeUse { size, value: value.clone(), range: None, taken: value.clone() });
+        ranges.push(RangeUse { size, value, range: None, taken: value });
         Ok(value)
     };
     let (diameter, module) = (take(Size::Diameter)?, take(Size::NormalModule)?);
-    let unit = &diameter.cbrt() + &(&decimal("0.65") * &module);
-    let value = &(&decimal(a) * &unit) + &decimal(c);
+    let unit = libm::cbrt(diameter) + decimal("0.65") * module;
+    let value = micrometres(decimal(a) * unit + decimal(c));
     Ok(Permissible {
         standard: STANDARD,
         grade,
@@ -65,7 +66,7 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
         formula: format!("{a} W + {c}, W = ∛d + 0.65 m_n"),
         ranges,
         remarks: vec![Remark::ScopeAndRoundingUnknown],
-        unrounded_um: value.clone(),
-        value_um: value,
+        unrounded: value,
+        value,
     })
 }

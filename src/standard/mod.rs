@@ -19,10 +19,8 @@
 #![doc = include_str!("method.md")]
 //!
 //! # Exactness
-//! Sizes are rational, roots have 255 bits or are exact, and the power of two is exact for even steps of grade.
-//! Every term of these formulas is positive, so a sum that contains an irrational root is irrational, and
-//! a value that lies exactly between two roundings is one whose roots are all rational: it is met exactly.
-//! A size on the limit of a range belongs to the lower range in the same way.
+//! Values follow in double precision and are put on the grid of lengths (1e-9 µm) before they are rounded, so that one
+//! that lies exactly between two roundings is met exactly. A size on the limit of a range belongs to the lower range.
 //!
 //! ```
 //! use rackmesh::standard::{Deviation, Standard, Wheel};
@@ -35,7 +33,7 @@
 //!     helix_angle: None,
 //! };
 //! let pitch = Standard::Iso1328Part1Of1995.permissible(Deviation::SinglePitch, 6, &wheel)?;
-//! assert_eq!(pitch.value_um().to_f64(), 18.0);
+//! assert_eq!(pitch.value_um(), 18.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -62,7 +60,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use crate::quantity::{Angle, Length, Rational};
+use crate::quantity::{Angle, Length};
 
 /// A standard and its edition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -285,13 +283,13 @@ impl Size {
 impl Wheel {
     /// A size in mm, degrees or teeth.
     #[must_use]
-    pub fn size(&self, size: Size) -> Option<Rational> {
+    pub fn size(&self, size: Size) -> Option<f64> {
         match size {
-            Size::NormalModule => self.normal_module.as_ref().map(|length| length.exact_mm().clone()),
-            Size::Diameter => self.diameter.as_ref().map(|length| length.exact_mm().clone()),
-            Size::FaceWidth => self.face_width.as_ref().map(|length| length.exact_mm().clone()),
-            Size::Teeth => self.teeth.map(|teeth| Rational::integer(i64::from(teeth))),
-            Size::HelixAngle => self.helix_angle.as_ref().map(|angle| angle.exact_degrees().clone()),
+            Size::NormalModule => self.normal_module.map(Length::mm),
+            Size::Diameter => self.diameter.map(Length::mm),
+            Size::FaceWidth => self.face_width.map(Length::mm),
+            Size::Teeth => self.teeth.map(f64::from),
+            Size::HelixAngle => self.helix_angle.map(Angle::degrees),
         }
     }
 }

@@ -4,19 +4,19 @@ use std::fmt;
 
 use super::range::SizeRange;
 use super::{Deviation, Size, Standard};
-use crate::quantity::{Length, Rational};
+use crate::quantity::{Length, LengthUnit};
 
 /// How a size entered a value.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RangeUse {
     /// The size.
     pub size: Size,
     /// Its value, in mm or teeth.
-    pub value: Rational,
+    pub value: f64,
     /// The range that it lies in, where the standard has ranges.
     pub range: Option<SizeRange>,
     /// The number that the formula took: the range's geometric mean, or the value itself.
-    pub taken: Rational,
+    pub taken: f64,
 }
 
 /// What the reader of a value should know.
@@ -48,7 +48,7 @@ impl fmt::Display for Remark {
 }
 
 /// A permissible value.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Permissible {
     /// The standard and edition.
     pub standard: Standard,
@@ -64,8 +64,8 @@ pub struct Permissible {
     pub ranges: Vec<RangeUse>,
     /// What the reader should know.
     pub remarks: Vec<Remark>,
-    pub(super) unrounded_um: Rational,
-    pub(super) value_um: Rational,
+    pub(super) unrounded: Length,
+    pub(super) value: Length,
 }
 
 impl Permissible {
@@ -84,21 +84,19 @@ impl Permissible {
 
     /// The permissible value, rounded as the standard rounds, µm.
     #[must_use]
-    pub const fn value_um(&self) -> &Rational {
-        &self.value_um
+    pub fn value_um(&self) -> f64 {
+        self.value.in_unit(LengthUnit::Micrometre)
     }
 
     /// The value before rounding, µm.
     #[must_use]
-    pub const fn unrounded_um(&self) -> &Rational {
-        &self.unrounded_um
+    pub fn unrounded_um(&self) -> f64 {
+        self.unrounded.in_unit(LengthUnit::Micrometre)
     }
 
     /// The permissible value as a length.
     #[must_use]
-    pub fn length(&self) -> Length {
-        // values of a table or formula are far inside the range of lengths
-        Length::from_exact_mm(&self.value_um * &Rational::fraction(1, 1000), "the permissible value")
-            .unwrap_or(Length::ZERO)
+    pub const fn length(&self) -> Length {
+        self.value
     }
 }

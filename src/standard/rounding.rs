@@ -5,18 +5,26 @@
 //! as schools teach. For ISO 1328-2:1997 the same steps are used: every printed value known to us is above
 //! 10 µm, where they are sure.
 
-use crate::quantity::Rational;
+use crate::quantity::Length;
 
-/// The rounded value of a permissible deviation, µm.
-pub(super) fn iso(um: &Rational) -> Rational {
-    let step = if *um > 10 {
-        Rational::ONE
-    } else if *um >= 5 {
-        Rational::fraction(1, 2)
+/// The length of a number of µm.
+pub(super) fn micrometres(um: f64) -> Length {
+    // values of a table or formula are far inside the range of lengths
+    Length::nearest(um * 1e9, "the permissible value").unwrap_or(Length::ZERO)
+}
+
+/// The rounded value of a permissible deviation.
+pub(super) fn iso(unrounded: Length) -> Length {
+    const UM: i64 = 1_000_000_000;
+    let fm = unrounded.fm();
+    let step = if fm > 10 * UM {
+        UM
+    } else if fm >= 5 * UM {
+        UM / 2
     } else {
-        Rational::fraction(1, 10)
+        UM / 10
     };
-    um.round_to_multiple_of(&step)
+    Length::from_fm((fm + step / 2).div_euclid(step) * step)
 }
 
 #[cfg(test)]
@@ -26,25 +34,26 @@ mod tests {
     #[test]
     fn steps_and_halves() {
         for (value, rounded) in [
-            ("10.5", "11"),
-            ("10.4999999999999999999999999", "10"),
-            ("10.0000000000000000001", "10"),
-            ("10", "10"),
-            ("9.75", "10"),
-            ("9.7499999999999999999999", "9.5"),
-            ("6.25", "6.5"),
-            ("5.25", "5.5"),
-            ("5.2", "5"),
-            ("5", "5"),
-            ("4.99", "5"),
-            ("4.95", "5"),
-            ("4.9499999999999999999999", "4.9"),
-            ("1.35", "1.4"),
-            ("0.04", "0"),
-            ("17.5", "18"),
+            (10.5, 11.0),
+            (10.499_999_999, 10.0),
+            (10.000_000_001, 10.0),
+            (10.0, 10.0),
+            (9.75, 10.0),
+            (9.749_999_999, 9.5),
+            (6.25, 6.5),
+            (5.25, 5.5),
+            (5.2, 5.0),
+            (5.0, 5.0),
+            (4.99, 5.0),
+            (4.95, 5.0),
+            (4.949_999_999, 4.9),
+            (1.35, 1.4),
+            (0.04, 0.0),
+            (17.5, 18.0),
+            // rounding of a root
+            (10.499_999_999_999_998, 11.0),
         ] {
-            let read = |text| Rational::parse_decimal(text).unwrap();
-            assert_eq!(iso(&read(value)), read(rounded), "{value}");
+            assert_eq!(iso(micrometres(value)), micrometres(rounded), "{value}");
         }
     }
 }

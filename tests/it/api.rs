@@ -21,7 +21,6 @@ fn errors_are_errors() {
     error::<rackmesh::multibody::SimulationError>();
     error::<rackmesh::decision::EvaluationError>();
     error::<rackmesh::decision::budget::BudgetError>();
-    error::<rackmesh::decision::capability::CapabilityError>();
     error::<rackmesh::decision::class::NoEffect>();
     error::<rackmesh::decision::class_mesh::NoMeshEffect>();
     error::<rackmesh::decision::monte_carlo::MonteCarloError>();
@@ -40,16 +39,12 @@ fn errors_are_errors() {
 fn values_are_plain_values() {
     value::<rackmesh::quantity::Length>();
     value::<rackmesh::quantity::Angle>();
-    value::<rackmesh::quantity::Rational>();
     value::<rackmesh::gear::Pair>();
     value::<rackmesh::gear::PairData>();
     value::<rackmesh::deviation::RackFlanks>();
     value::<rackmesh::deviation::PinionFlanks>();
-    value::<rackmesh::formula::RackPitch>();
-    value::<rackmesh::formula::RackLead>();
-    value::<rackmesh::formula::PinionPitch>();
+    value::<rackmesh::formula::Law>();
     value::<rackmesh::formula::PartError>();
-    value::<rackmesh::formula::Prepared>();
     value::<rackmesh::standard::Wheel>();
     value::<rackmesh::standard::Permissible>();
     value::<rackmesh::mesh::Mesh>();

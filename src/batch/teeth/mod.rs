@@ -17,7 +17,6 @@ use super::layout::find_id;
 use super::number::Decimals;
 use super::outcome::{Kept, Outcome, Part, Problem, keep_worst};
 use super::request::{RowFormat, Rows};
-use super::results::fixed;
 use super::run::{Progress, RunError, Sinks};
 use super::statistics::{Moving, Statistics};
 use super::{buffer::Buffer, write};
@@ -215,9 +214,8 @@ impl<'a> Teeth<'a> {
     #[must_use]
     pub fn quantity_limits(spec: &Spec) -> Vec<(Option<f64>, Option<f64>)> {
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
-        let ends = limit.map_or((None, None), |(_, limit)| {
-            (limit.value.lower.as_ref().map(Length::mm), limit.value.upper.as_ref().map(Length::mm))
-        });
+        let ends = limit
+            .map_or((None, None), |(_, limit)| (limit.value.lower.map(Length::mm), limit.value.upper.map(Length::mm)));
         let held = |number: Number| matches!(number, Number::Min | Number::Max);
         QUANTITIES.map(|(_, number)| if held(number) { ends } else { (None, None) }).to_vec()
     }
@@ -359,8 +357,7 @@ impl<'a> Teeth<'a> {
         if self.request.statistics {
             self.count(&summary);
             let kept = self.part(part, &summary, verdict, place);
-            #[expect(clippy::cast_possible_truncation, reason = "saturates")]
-            let margin = (kept.margin_mm * 1e15) as i128;
+            let margin = Length::from_mm(kept.margin_mm).unwrap_or(Length::ZERO);
             keep_worst(&mut self.worst, Kept { part: kept, margin });
         }
         let line = if self.request.rows.has(verdict) { self.row(part, &summary, verdict) } else { Vec::new() };
@@ -373,13 +370,10 @@ impl<'a> Teeth<'a> {
     fn count(&mut self, summary: &Summary) {
         let quantities = self.outcome.statistics.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
         for ((statistics, moving), (_, number)) in quantities {
-            match Length::from_mm(number.of(summary)).ok().as_ref().and_then(fixed) {
-                Some(units) => {
-                    statistics.add(units);
-                    moving.add(units);
-                }
-                None => statistics.add_beyond(),
-            }
+            // a verdict was reached on these: they are lengths
+            let value = Length::from_mm(number.of(summary)).unwrap_or(Length::ZERO);
+            statistics.add(value);
+            moving.add(value);
         }
     }
 
@@ -410,14 +404,14 @@ impl<'a> Teeth<'a> {
         let Some(limit) = self.limit else { return Ok(None) };
         let lower = Length::from_mm(summary.min_mm).map_err(|error| error.to_string())?;
         let upper = Length::from_mm(summary.max_mm).map_err(|error| error.to_string())?;
-        let decision = decide(&self.request.rule, limit, (&lower, &upper), None, None);
+        let decision = decide(&self.request.rule, limit, (lower, upper), None, None);
         decision.map(|decision| Some(decision.verdict)).map_err(|error| error.to_string())
     }
 
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
     fn part(&self, part: &Rowset, summary: &Summary, verdict: Option<Verdict>, place: &Place<'_>) -> Part {
-        let above = self.limit.and_then(|limit| limit.upper.as_ref()).map(|end| end.mm() - summary.max_mm);
-        let below = self.limit.and_then(|limit| limit.lower.as_ref()).map(|end| summary.min_mm - end.mm());
+        let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - summary.max_mm);
+        let below = self.limit.and_then(|limit| limit.lower).map(|end| summary.min_mm - end.mm());
         let nearest = above.into_iter().chain(below).reduce(f64::min);
         Part {
             id: part.id.clone(),
@@ -435,10 +429,6 @@ impl<'a> Teeth<'a> {
     fn row(&self, part: &Rowset, summary: &Summary, verdict: Option<Verdict>) -> Vec<u8> {
         let format = self.request.format;
         let mut out = Buffer::default();
-        let number = |mm: f64| match (self.request.decimals, Length::from_mm(mm)) {
-            (Decimals::Places(places), Ok(length)) => length.exact_mm().to_decimal_text(u16::from(places)),
-            _ => crate::report::plain(mm),
-        };
         for (index, (name, column)) in self.columns.iter().enumerate() {
             match format {
                 RowFormat::JsonLines => {
@@ -451,7 +441,7 @@ impl<'a> Teeth<'a> {
             }
             match (column, verdict) {
                 (Column::Id, _) => write::text(&mut out, part.id.as_bytes(), format),
-                (Column::Number(of), _) => out.extend(number(of.of(summary)).as_bytes()),
+                (Column::Number(of), _) => out.extend(self.request.decimals.text(of.of(summary)).as_bytes()),
                 (Column::Verdict, Some(verdict)) => write::text(&mut out, verdict.name().as_bytes(), format),
                 (Column::Verdict, None) if format == RowFormat::JsonLines => out.extend(b"null"),
                 (Column::Verdict, None) => {}

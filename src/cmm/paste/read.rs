@@ -135,7 +135,7 @@ impl Reader<'_> {
         for (kind, column) in &columns {
             let nominal = self.nominal(*kind, column)?;
             described.push(match &nominal {
-                Some(nominal) => self.describe(column, Some(&format!("measured, nominal {}", in_words(nominal)))),
+                Some(nominal) => self.describe(column, Some(&format!("measured, nominal {}", in_words(*nominal)))),
                 None => self.describe(column, Some("deviation")),
             });
             nominals.push(nominal);
@@ -146,9 +146,9 @@ impl Reader<'_> {
             let id = ids.and_then(|column| column.cells.get(row)?.as_ref()).map(|cell| cell.text.clone());
             let mut part = PastedPart { id, line: *line, errors: Vec::new(), problems: Vec::new() };
             for ((kind, column), nominal) in columns.iter().zip(&nominals) {
-                match self.error(*kind, column, row, nominal.as_ref()) {
+                match self.error(*kind, column, row, *nominal) {
                     Ok(Some((value, doubt))) => {
-                        values.push(format!("{} {}", kind.key(), in_words(&value)));
+                        values.push(format!("{} {}", kind.key(), in_words(value)));
                         if let (Some(doubt), Some(Some(cell))) = (doubt, column.cells.get(row)) {
                             let diagnostic = Diagnostic::error(Code::OutOfDomain, format!("{kind}: {doubt}"))
                                 .at(self.source, cell.span.clone(), "")
@@ -198,13 +198,13 @@ impl Reader<'_> {
             }
             None => None,
         };
-        let in_spec = self.want.nominals.iter().find(|(of, _)| *of == kind).map(|(_, value)| value.clone());
+        let in_spec = self.want.nominals.iter().find(|(of, _)| *of == kind).map(|(_, value)| *value);
         match (in_block, in_spec, column.holds) {
             (Some(block), Some(spec), _) if block != spec => {
                 let message = format!(
                     "the nominal value of {kind} is {} in the block and {} in the spec",
-                    in_words(&block),
-                    in_words(&spec)
+                    in_words(block),
+                    in_words(spec)
                 );
                 let span = column.nominal.as_ref().map_or(0..0, |cell| cell.span.clone());
                 Err(Diagnostic::error(Code::BadTable, message)
@@ -231,25 +231,25 @@ impl Reader<'_> {
         kind: ErrorKind,
         column: &Column,
         row: usize,
-        nominal: Option<&ErrorValue>,
+        nominal: Option<ErrorValue>,
     ) -> Result<Option<(ErrorValue, Option<String>)>, Diagnostic> {
         if kind == ErrorKind::RackLead {
             let Some(mut angle) = self.quantity::<Angle>(column, row)? else { return Ok(None) };
             if let Some(ErrorValue::Angle(nominal)) = nominal {
-                angle = &angle - nominal;
+                angle = angle - nominal;
             }
-            let doubt = domain::LEAD_ERROR.check_angle(&angle).err().map(|error| error.to_string());
+            let doubt = domain::LEAD_ERROR.check_angle(angle).err().map(|error| error.to_string());
             return Ok(Some((ErrorValue::Angle(angle), doubt)));
         }
         let Some(written) = self.quantity::<Length>(column, row)? else { return Ok(None) };
-        let mut length = written.clone();
+        let mut length = written;
         if let Some(ErrorValue::Length(nominal)) = nominal {
-            length = &written - nominal;
+            length = written - nominal;
         }
         // a deviation without a nominal value may be any size: nobody knows better than who measured it
         let doubt = match nominal {
             Some(ErrorValue::Length(nominal)) => {
-                let bound = self.want.module.clone().unwrap_or_else(|| nominal.abs());
+                let bound = self.want.module.unwrap_or_else(|| nominal.abs());
                 (!bound.is_zero() && length.abs() > bound)
                     .then(|| format!("{written} is far from the nominal value {nominal}"))
             }
@@ -371,12 +371,11 @@ impl Reader<'_> {
     }
 }
 
-fn in_words(value: &ErrorValue) -> String {
+fn in_words(value: ErrorValue) -> String {
     match value {
         ErrorValue::Length(length) if !length.is_zero() && length.abs().mm() < 0.1 => {
             format!("{} µm", length.in_unit(LengthUnit::Micrometre))
         }
-        ErrorValue::Length(length) => length.to_string(),
-        ErrorValue::Angle(angle) => angle.to_string(),
+        value => value.to_string(),
     }
 }

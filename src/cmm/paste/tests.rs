@@ -17,7 +17,7 @@ fn parts(text: &str, want: &Want) -> Vec<String> {
                 let mut words: Vec<String> = part.id.iter().map(|id| format!("{id}:")).collect();
                 words.extend(part.errors.iter().map(|(kind, value)| match value {
                     ErrorValue::Length(length) => format!("{} {length}", kind.key()),
-                    ErrorValue::Angle(angle) => format!("{} {}", kind.key(), angle.degrees()),
+                    angle => format!("{} {}", kind.key(), angle.base()),
                 }));
                 words.extend(part.problems.iter().map(ToString::to_string));
                 words.join(" ")

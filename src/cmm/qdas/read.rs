@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Characteristic, PartDefinition, Qdas, Value};
 use crate::cmm::written::{DecimalMark, normalise};
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::Rational;
+use crate::quantity::{Length, parse_f64};
 
 /// Characteristics and parts at most: more is a broken index, not a measuring plan.
 const MOST_CHARACTERISTICS: usize = 10_000;
@@ -329,15 +329,15 @@ impl Reader {
     }
 }
 
-/// Whether a text with a decimal point is a number as these files write them, without grouping of digits.
+/// Whether a text with a decimal point is a number.
 fn is_number(text: &str) -> bool {
-    !text.contains('_') && Rational::parse_decimal(text).is_ok()
+    parse_f64(text).is_ok()
 }
 
-/// The nominal value and an allowance as one decimal number; rational arithmetic keeps every digit.
+/// The nominal value and an allowance as one decimal number.
 fn sum(nominal: Option<&str>, allowance: Option<&str>) -> Option<String> {
-    let length = |text: &str| text.parse::<crate::quantity::Length>().ok();
-    Some((&length(nominal?)? + &length(allowance?)?).mm().to_string())
+    let length = |text: &str| text.parse::<Length>().ok();
+    Some((length(nominal?)? + length(allowance?)?).mm().to_string())
 }
 
 /// A line that starts with a key; an error if the key is followed by an index that is none.

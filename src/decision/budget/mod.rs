@@ -12,8 +12,8 @@ use thiserror::Error;
 
 use super::{Combined, EvaluationError, Limit, Term};
 use crate::deviation::{ErrorKind, ErrorValue};
-use crate::formula::{Model, PartError, PartFormula, Sensitivity, over_roller};
-use crate::quantity::{Angle, DomainError, Length, Rational};
+use crate::formula::{Law, Model, PartError, Sensitivity};
+use crate::quantity::{DomainError, Length};
 use simulation::{Assembly, Simulated, Simulation};
 
 /// How tolerances add up.
@@ -41,21 +41,21 @@ impl Rule {
 }
 
 /// What decides the size of a free tolerance.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Freedom {
     /// A weight: ΔCD in this ratio.
-    Weight(Rational),
+    Weight(f64),
     /// A relative cost: ΔCD where the sum of costs is smallest.
-    Cost(Rational),
+    Cost(f64),
 }
 
 /// One error of a budget.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub enum Entry {
     /// Its tolerance is fixed: the error lies within plus and minus its value.
     Fixed(PartError),
     /// Its tolerance is sought.
-    Free(PartFormula, Freedom),
+    Free(Law, Freedom),
 }
 
 impl Entry {
@@ -64,7 +64,7 @@ impl Entry {
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Fixed(error) => error.kind(),
-            Self::Free(formula, _) => formula.kind(),
+            Self::Free(law, _) => law.kind(),
         }
     }
 }
@@ -168,8 +168,8 @@ pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
 
 /// The largest W for which −W … +W lies inside the limit.
 fn symmetric_bound(limit: &Limit) -> Result<Length, BudgetError> {
-    let lower = limit.lower.as_ref().map(|lower| -lower);
-    let bound = match (lower, limit.upper.clone()) {
+    let lower = limit.lower.map(|lower| -lower);
+    let bound = match (lower, limit.upper) {
         (None, None) => return Err(BudgetError::NoLimit),
         (Some(bound), None) | (None, Some(bound)) => bound,
         (Some(lower), Some(upper)) => lower.min(upper),
@@ -180,47 +180,28 @@ fn symmetric_bound(limit: &Limit) -> Result<Length, BudgetError> {
 /// The largest ΔCD that the error's own limit allows.
 fn own_bound(request: &Request, kind: ErrorKind) -> Option<Length> {
     let (_, limit) = request.own_limits.iter().find(|(of, _)| *of == kind)?;
-    let lower = limit.lower.as_ref().filter(|_| kind.always_acts()).map(|lower| -lower);
-    let bound = [lower, limit.upper.clone()].into_iter().flatten().min()?;
+    let lower = limit.lower.filter(|_| kind.always_acts()).map(|lower| -lower);
+    let bound = [lower, limit.upper].into_iter().flatten().min()?;
     Some(bound.max(Length::ZERO))
 }
 
 /// The ratio in which a free error's ΔCD stands to the others'.
-fn ratio(freedom: &Freedom, rule: Rule) -> Rational {
+fn ratio(freedom: Freedom, rule: Rule) -> f64 {
     match (freedom, rule) {
-        (Freedom::Weight(weight), _) => weight.clone(),
-        (Freedom::Cost(cost), Rule::WorstCase) => cost.sqrt().unwrap_or(Rational::ZERO),
-        (Freedom::Cost(cost), Rule::Rss | Rule::Simulation(_)) => cost.cbrt(),
+        (Freedom::Weight(weight), _) => weight,
+        (Freedom::Cost(cost), Rule::WorstCase) => cost.sqrt(),
+        (Freedom::Cost(cost), Rule::Rss | Rule::Simulation(_)) => libm::cbrt(cost),
     }
 }
 
-/// The largest tolerance of which ΔCD does not exceed `delta_cd`, a double rounded towards zero.
-fn largest_tolerance(formula: &PartFormula, delta_cd: &Length, model: Model) -> Result<PartError, DomainError> {
-    let toward_zero = |length: &Length| -> Result<Length, DomainError> {
-        Ok(Length::from_mm(length.exact_mm().to_f64_toward_zero())?)
-    };
-    Ok(match formula {
-        PartFormula::RackOverRoller => PartError::RackOverRoller(toward_zero(&over_roller::largest_error(delta_cd))?),
-        PartFormula::PinionRadial => PartError::PinionRadial(toward_zero(delta_cd)?),
-        PartFormula::RackPitch(formula) => {
-            PartError::RackPitch(formula.largest_error(delta_cd, model)?, formula.clone())
-        }
-        PartFormula::PinionPitch(formula) => {
-            PartError::PinionPitch(formula.largest_error(delta_cd, model)?, formula.clone())
-        }
-        PartFormula::RackLead(formula) => PartError::RackLead(formula.largest_error(delta_cd, model)?, formula.clone()),
-    })
+/// The largest tolerance of which ΔCD does not exceed `delta_cd`.
+fn largest_tolerance(law: Law, delta_cd: Length, model: Model) -> Result<PartError, DomainError> {
+    Ok(PartError::new(law, law.largest_error(delta_cd, model)?))
 }
 
 /// An error of nothing.
-fn nothing(formula: &PartFormula) -> PartError {
-    match formula {
-        PartFormula::RackOverRoller => PartError::RackOverRoller(Length::ZERO),
-        PartFormula::PinionRadial => PartError::PinionRadial(Length::ZERO),
-        PartFormula::RackPitch(formula) => PartError::RackPitch(Length::ZERO, formula.clone()),
-        PartFormula::PinionPitch(formula) => PartError::PinionPitch(Length::ZERO, formula.clone()),
-        PartFormula::RackLead(formula) => PartError::RackLead(Angle::ZERO, formula.clone()),
-    }
+fn nothing(law: Law) -> PartError {
+    PartError::new(law, ErrorValue::zero(law.kind()))
 }
 
 /// The magnitude of ΔCD of an error's tolerance.
@@ -228,61 +209,63 @@ fn magnitude(error: &PartError, model: Model) -> Result<Length, BudgetError> {
     Ok(error.delta_cd(model).map_err(of_kind(error.kind()))?.abs())
 }
 
-/// What a ΔCD takes of the sum that the rule forms.
-fn taken(delta_cd: &Length, squares: bool) -> Rational {
-    if squares { delta_cd.exact_mm().square() } else { delta_cd.exact_mm().clone() }
+/// What a ΔCD takes of the sum that the rule forms, in fm or fm².
+fn taken(delta_cd: Length, squares: bool) -> i128 {
+    let magnitude = i128::from(delta_cd.fm());
+    if squares { magnitude * magnitude } else { magnitude }
+}
+
+/// The largest ΔCD that takes no more than that.
+fn affordable(left: i128, squares: bool) -> Length {
+    let fm = if squares { left.isqrt() } else { left };
+    Length::from_fm(i64::try_from(fm).unwrap_or(i64::MAX))
 }
 
 /// Worst case and RSS: sums of magnitudes, or of squares.
 fn by_sum(request: &Request) -> Result<Budget, BudgetError> {
     let squares = request.rule == Rule::Rss;
     let bound = symmetric_bound(&request.limit)?;
-    let mut left = taken(&bound, squares);
-    let mut fixed: Vec<(ErrorKind, Rational)> = Vec::new();
-    let mut free: Vec<Free<'_>> = Vec::new();
+    let mut fixed: Vec<(ErrorKind, i128)> = Vec::new();
+    let mut free: Vec<Free> = Vec::new();
     for entry in &request.entries {
         match entry {
-            Entry::Fixed(error) => fixed.push((error.kind(), taken(&magnitude(error, request.model)?, squares))),
-            Entry::Free(formula, freedom) => free.push(Free {
-                formula,
-                ratio: ratio(freedom, request.rule),
-                own: own_bound(request, formula.kind()),
-                delta_cd: None,
+            Entry::Fixed(error) => fixed.push((error.kind(), taken(magnitude(error, request.model)?, squares))),
+            Entry::Free(law, freedom) => free.push(Free {
+                law: *law,
+                ratio: ratio(*freedom, request.rule),
+                own: own_bound(request, law.kind()),
+                delta_cd: Length::ZERO,
                 at_own_limit: false,
             }),
         }
     }
     let mut broken_by = beyond_own_limits(request)?;
-    let total = fixed.iter().fold(Rational::ZERO, |sum, (_, taken)| &sum + taken);
-    let nothing_left = |rest: &Rational| *rest < 0 || (rest.is_zero() && !free.is_empty());
-    if nothing_left(&(&left - &total)) {
+    let nothing_left = |left: i128| left < 0 || (left == 0 && !free.is_empty());
+    let mut left = taken(bound, squares) - fixed.iter().map(|(_, taken)| taken).sum::<i128>();
+    if nothing_left(left) {
         // the largest first, until what remains fits
-        fixed.sort_by(|a, b| b.1.cmp(&a.1));
-        let mut rest = &left - &total;
+        fixed.sort_by_key(|(_, taken)| std::cmp::Reverse(*taken));
         for (kind, taken) in fixed {
-            if !nothing_left(&rest) {
+            if !nothing_left(left) {
                 break;
             }
-            rest = &rest + &taken;
+            left += taken;
             broken_by.push(kind);
         }
     } else {
-        left = &left - &total;
-        share_out(&mut free, left, squares)?;
+        share_out(&mut free, left, squares);
     }
     let feasible = broken_by.is_empty();
     let mut lines = Vec::new();
     for entry in &request.entries {
         lines.push(match entry {
-            Entry::Fixed(error) => line(error.clone(), true, false, request.model)?,
-            Entry::Free(formula, _) => {
-                let found = free.iter().find(|free| free.formula.kind() == formula.kind());
-                let share = found.and_then(|free| free.delta_cd.as_ref()).filter(|_| feasible);
-                let error = match share {
-                    Some(delta_cd) => largest_tolerance(formula, delta_cd, request.model),
-                    None => Ok(nothing(formula)),
+            Entry::Fixed(error) => line(*error, true, false, request.model)?,
+            Entry::Free(law, _) => {
+                let found = free.iter().find(|free| free.law.kind() == law.kind());
+                let error = match found.filter(|_| feasible) {
+                    Some(free) => largest_tolerance(*law, free.delta_cd, request.model).map_err(of_kind(law.kind()))?,
+                    None => nothing(*law),
                 };
-                let error = error.map_err(of_kind(formula.kind()))?;
                 line(error, false, found.is_some_and(|free| free.at_own_limit), request.model)?
             }
         });
@@ -291,48 +274,50 @@ fn by_sum(request: &Request) -> Result<Budget, BudgetError> {
 }
 
 /// A free error while shares are found.
-struct Free<'a> {
-    formula: &'a PartFormula,
-    ratio: Rational,
+struct Free {
+    law: Law,
+    ratio: f64,
     own: Option<Length>,
-    delta_cd: Option<Length>,
+    delta_cd: Length,
     at_own_limit: bool,
 }
 
-/// Divides `left` among the free errors in their ratios, none beyond its own limit.
-fn share_out(free: &mut [Free<'_>], mut left: Rational, squares: bool) -> Result<(), BudgetError> {
+/// Divides `left`, in fm or fm², among the free errors in their ratios, none beyond its own limit.
+#[expect(clippy::cast_precision_loss, reason = "cut off to what is left afterwards")]
+fn share_out(free: &mut [Free], mut left: i128, squares: bool) {
+    let weight = |ratio: f64| if squares { ratio * ratio } else { ratio };
     loop {
-        let open: Vec<usize> = (0..free.len()).filter(|i| !free[*i].at_own_limit).collect();
-        let weight = |ratio: &Rational| if squares { ratio.square() } else { ratio.clone() };
-        let sum = open.iter().fold(Rational::ZERO, |sum, i| &sum + &weight(&free[*i].ratio));
-        if sum.is_zero() {
-            return Ok(());
+        let mut open: Vec<&mut Free> = free.iter_mut().filter(|free| !free.at_own_limit).collect();
+        let sum: f64 = open.iter().map(|free| weight(free.ratio)).sum();
+        if sum == 0.0 {
+            return;
         }
+        let mut rest = left;
         let mut stopped = false;
-        for &i in &open {
-            let part = &(&left * &weight(&free[i].ratio)) / &sum;
-            // a root that is not rational is cut off, never rounded up
-            let part = if squares { part.sqrt().unwrap_or(Rational::ZERO) } else { part };
-            let kind = free[i].formula.kind();
-            let share = Length::from_exact_mm(part, "a share of ΔCD").map_err(|error| of_kind(kind)(error.into()))?;
-            match &free[i].own {
-                Some(own) if *own < share => {
-                    free[i].delta_cd = Some(own.clone());
-                    free[i].at_own_limit = true;
-                    stopped = true;
-                }
-                _ => free[i].delta_cd = Some(share),
+        for free in &mut open {
+            let part = left as f64 * (weight(free.ratio) / sum);
+            // never more in all than there is to share
+            free.delta_cd = cut_off(if squares { part.sqrt() } else { part }).min(affordable(rest, squares));
+            rest -= taken(free.delta_cd, squares);
+            if let Some(own) = free.own.filter(|own| *own < free.delta_cd) {
+                free.delta_cd = own;
+                free.at_own_limit = true;
+                stopped = true;
             }
         }
         if !stopped {
-            return Ok(());
+            return;
         }
         // start again with what those at their own limits leave
-        for i in open.into_iter().filter(|i| free[*i].at_own_limit) {
-            let own = free[i].delta_cd.clone().unwrap_or(Length::ZERO);
-            left = &left - &taken(&own, squares);
-        }
+        left -= open.iter().filter(|free| free.at_own_limit).map(|free| taken(free.delta_cd, squares)).sum::<i128>();
     }
+}
+
+/// A share in fm, cut off to the grid; a whole number that rounding left just below itself is that number.
+#[expect(clippy::cast_possible_truncation, reason = "saturates, and no more than what is left is taken")]
+fn cut_off(fm: f64) -> Length {
+    const ROUNDING: f64 = 8.0 * f64::EPSILON;
+    Length::from_fm((fm * (1.0 + ROUNDING)).floor() as i64)
 }
 
 /// Fixed errors whose own limit their tolerance exceeds.
@@ -362,15 +347,16 @@ fn finish(
     simulated: Option<Simulated>,
     mut broken_by: Vec<ErrorKind>,
 ) -> Result<Budget, BudgetError> {
-    let sum = lines.iter().fold(Rational::ZERO, |sum, line| &sum + &taken(&line.delta_cd, squares));
+    let sum: i128 = lines.iter().map(|line| taken(line.delta_cd, squares)).sum();
     for line in &mut lines {
-        if !sum.is_zero() {
-            line.share = (&taken(&line.delta_cd, squares) / &sum).to_f64();
+        #[expect(clippy::cast_precision_loss, reason = "16 digits of a share")]
+        if sum != 0 {
+            line.share = taken(line.delta_cd, squares) as f64 / sum as f64;
         }
     }
     let terms: Vec<Term> = lines
         .iter()
-        .map(|line| Term { kind: line.error.kind(), delta_cd: line.delta_cd.clone(), is_tolerance: true })
+        .map(|line| Term { kind: line.error.kind(), delta_cd: line.delta_cd, is_tolerance: true })
         .collect();
     let combined =
         Combined::of(&terms).map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
@@ -391,17 +377,17 @@ fn by_simulation(request: &Request, settings: &Simulation) -> Result<Budget, Bud
         let mut errors = Vec::new();
         for entry in &request.entries {
             errors.push(match entry {
-                Entry::Fixed(error) => error.clone(),
-                Entry::Free(formula, freedom) => {
-                    let share = scale * ratio(freedom, request.rule).to_f64();
-                    let share = Length::from_mm(share).map_err(|error| of_kind(formula.kind())(error.into()))?;
-                    let own = own_bound(request, formula.kind());
+                Entry::Fixed(error) => *error,
+                Entry::Free(law, freedom) => {
+                    let share = Length::from_mm(scale * ratio(*freedom, request.rule));
+                    let share = share.map_err(|error| of_kind(law.kind())(error.into()))?;
+                    let own = own_bound(request, law.kind());
                     let share = own.filter(|own| *own < share).unwrap_or(share);
-                    match largest_tolerance(formula, &share, request.model) {
+                    match largest_tolerance(*law, share, request.model) {
                         Ok(error) => error,
                         // beyond what any angle does: as good as unbounded
                         Err(DomainError::NeverReached { .. }) => return Err(BudgetError::Unbounded),
-                        Err(error) => return Err(of_kind(formula.kind())(error)),
+                        Err(error) => return Err(of_kind(law.kind())(error)),
                     }
                 }
             });
@@ -447,9 +433,9 @@ fn breaking_terms(assembly: &Assembly, request: &Request) -> Result<Vec<ErrorKin
             .entries
             .iter()
             .map(|entry| match entry {
-                Entry::Fixed(error) if !without.contains(&error.kind()) => error.clone(),
-                Entry::Fixed(error) => nothing(&error.formula()),
-                Entry::Free(formula, _) => nothing(formula),
+                Entry::Fixed(error) if !without.contains(&error.kind()) => *error,
+                Entry::Fixed(error) => nothing(error.law()),
+                Entry::Free(law, _) => nothing(*law),
             })
             .collect();
         if assembly.count(&rest) >= assembly.needed() {
@@ -457,13 +443,4 @@ fn breaking_terms(assembly: &Assembly, request: &Request) -> Result<Vec<ErrorKin
         }
     }
     Ok(without)
-}
-
-/// A tolerance in mm or degrees.
-#[must_use]
-pub fn base_value(error: &PartError) -> f64 {
-    match error.value() {
-        ErrorValue::Length(length) => length.abs().mm(),
-        ErrorValue::Angle(angle) => angle.abs().degrees(),
-    }
 }

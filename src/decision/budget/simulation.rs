@@ -6,11 +6,12 @@
 //! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
 //! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
-use super::{BudgetError, Entry, Request, base_value};
+use super::{BudgetError, Entry, Request};
 use crate::decision::monte_carlo::{BLOCK, Random, Ziggurat};
 use crate::deviation::ErrorKind;
-use crate::formula::{Model, PartError, Prepared};
+use crate::formula::{Law, Model, PartError};
 use crate::parallel;
+use crate::quantity::Length;
 
 /// How errors spread within their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -94,8 +95,8 @@ impl Assembly {
         Self {
             settings: *settings,
             model: request.model,
-            lower_mm: request.limit.lower.as_ref().map_or(f64::NEG_INFINITY, crate::quantity::Length::mm),
-            upper_mm: request.limit.upper.as_ref().map_or(f64::INFINITY, crate::quantity::Length::mm),
+            lower_mm: request.limit.lower.map_or(f64::NEG_INFINITY, Length::mm),
+            upper_mm: request.limit.upper.map_or(f64::INFINITY, Length::mm),
             kinds,
             blocks,
         }
@@ -111,22 +112,22 @@ impl Assembly {
 
     /// How many assemblies with these tolerances conform.
     pub(super) fn count(&self, errors: &[PartError]) -> u64 {
-        let prepared: Vec<(Prepared, f64)> =
-            errors.iter().map(|error| (Prepared::new(&error.formula(), self.model), base_value(error))).collect();
-        let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &prepared);
+        let tolerances: Vec<(Law, f64)> =
+            errors.iter().map(|error| (error.law(), error.value().abs().base())).collect();
+        let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &tolerances);
         parallel::map(parallel::cores(), self.blocks.len(), || (), count).0.into_iter().sum()
     }
 
-    fn count_block(&self, block: &[Vec<f64>], prepared: &[(Prepared, f64)]) -> u64 {
+    fn count_block(&self, block: &[Vec<f64>], tolerances: &[(Law, f64)]) -> u64 {
         let draws = block.first().map_or(0, Vec::len);
         let (mut lower, mut upper) = (vec![0.0; draws], vec![0.0; draws]);
-        for ((kind, column), (formula, tolerance)) in self.kinds.iter().zip(block).zip(prepared) {
+        for ((kind, column), (law, tolerance)) in self.kinds.iter().zip(block).zip(tolerances) {
             if *tolerance == 0.0 {
                 continue;
             }
             let always = kind.always_acts();
             for ((u, lower), upper) in column.iter().zip(&mut lower).zip(&mut upper) {
-                let delta_cd = formula.delta_cd_mm(u * tolerance);
+                let delta_cd = law.delta_cd_mm(u * tolerance, self.model);
                 *upper += delta_cd;
                 if always {
                     *lower += delta_cd;

@@ -4,39 +4,39 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::decision::{LimitTarget, Stack, Verdict, evaluate};
-use crate::formula::{PinionPitch, RackLead, RackPitch};
+use crate::quantity::Angle;
 
 fn length(text: &str) -> Length {
     text.parse().unwrap()
 }
 
-fn formulas(alpha: &str, beta: &str, width: &str) -> [PartFormula; 5] {
+fn formulas(alpha: &str, beta: &str, width: &str) -> [Law; 5] {
     let (alpha, beta): (Angle, Angle) = (alpha.parse().unwrap(), beta.parse().unwrap());
     [
-        PartFormula::RackOverRoller,
-        PartFormula::RackPitch(RackPitch::new(&alpha, &beta).unwrap()),
-        PartFormula::RackLead(RackLead::new(&alpha, &beta, &length(width)).unwrap()),
-        PartFormula::PinionRadial,
-        PartFormula::PinionPitch(PinionPitch::new(&alpha, &beta).unwrap()),
+        Law::rack_over_roller(),
+        Law::rack_pitch(alpha, beta).unwrap(),
+        Law::rack_lead(alpha, beta, length(width)).unwrap(),
+        Law::pinion_radial(),
+        Law::pinion_pitch(alpha, beta).unwrap(),
     ]
 }
 
 fn weight(number: u32) -> Freedom {
-    Freedom::Weight(Rational::integer(i64::from(number)))
+    Freedom::Weight(f64::from(number))
 }
 
 fn request(entries: Vec<Entry>, limit: &str, rule: Rule) -> Request {
-    Request { entries, limit: Limit::symmetric(&length(limit)), own_limits: Vec::new(), rule, model: Model::Exact }
+    Request { entries, limit: Limit::symmetric(length(limit)), own_limits: Vec::new(), rule, model: Model::Exact }
 }
 
 /// An error read again from the double that is printed.
 fn read_again(error: &PartError, factor: f64) -> PartError {
-    let value = base_value(error) * factor;
+    let value = error.value().abs().base() * factor;
     let value = match error.value() {
         ErrorValue::Length(_) => ErrorValue::Length(Length::from_mm(value).unwrap()),
-        ErrorValue::Angle(_) => ErrorValue::Angle(Angle::from_degrees(value).unwrap()),
+        _ => ErrorValue::Angle(Angle::from_degrees(value).unwrap()),
     };
-    PartError::Within(Box::new(error.formula().of(&value).unwrap()))
+    PartError::within(error.law(), value)
 }
 
 /// The verdict of `eval` on the tolerances of a budget, one of them enlarged.
@@ -47,8 +47,8 @@ fn verdict(budget: &Budget, request: &Request, enlarged: Option<usize>) -> Verdi
         .enumerate()
         .map(|(index, line)| read_again(&line.error, if enlarged == Some(index) { 1.01 } else { 1.0 }))
         .collect();
-    let mut limits = vec![(LimitTarget::CenterDistance, request.limit.clone())];
-    limits.extend(request.own_limits.iter().map(|(kind, limit)| (LimitTarget::Error(*kind), limit.clone())));
+    let mut limits = vec![(LimitTarget::CenterDistance, request.limit)];
+    limits.extend(request.own_limits.iter().map(|(kind, limit)| (LimitTarget::Error(*kind), *limit)));
     let stack = if request.rule == Rule::Rss { Stack::Rss } else { Stack::WorstCase };
     evaluate(&errors, &limits, request.model, stack).unwrap().verdict.unwrap()
 }
@@ -70,7 +70,7 @@ fn check(request: &Request) -> Budget {
 fn shares_stand_in_the_ratio_of_weights() {
     let [over_roller, pitch, lead, radial, _] = formulas("20", "0", "19.7");
     let entries = vec![
-        Entry::Fixed(PartError::PinionRadial(length("0.01"))),
+        Entry::Fixed(PartError::new(Law::pinion_radial(), length("0.01"))),
         Entry::Free(over_roller, weight(1)),
         Entry::Free(pitch, weight(2)),
         Entry::Free(lead, weight(1)),
@@ -78,13 +78,15 @@ fn shares_stand_in_the_ratio_of_weights() {
     let budget = check(&request(entries, "0.05", Rule::WorstCase));
     let shares: Vec<f64> = budget.lines.iter().map(|line| line.delta_cd.mm()).collect();
     for (share, expected) in shares.iter().zip([0.01, 0.01, 0.02, 0.01]) {
-        assert!((share - expected).abs() < 1e-15, "{shares:?}");
+        // a lead error in decimals of a degree stays a little below
+        assert!(*share <= expected && share - expected > -1e-11, "{shares:?}");
     }
     for (line, expected) in budget.lines.iter().zip([0.2, 0.2, 0.4, 0.2]) {
-        assert!((line.share - expected).abs() < 1e-14, "{line:?}");
+        assert!((line.share - expected).abs() < 1e-9, "{line:?}");
     }
     // 3, 4 and 12 make 13
-    let entries = vec![Entry::Fixed(PartError::RackOverRoller(length("0.05"))), Entry::Free(radial, weight(7))];
+    let entries =
+        vec![Entry::Fixed(PartError::new(Law::rack_over_roller(), length("0.05"))), Entry::Free(radial, weight(7))];
     let budget = check(&request(entries, "0.13", Rule::Rss));
     assert_eq!(budget.lines[1].error.value(), ErrorValue::Length(length("0.12")));
     assert_eq!([budget.lines[0].share, budget.lines[1].share], [25.0 / 169.0, 144.0 / 169.0]);
@@ -93,12 +95,12 @@ fn shares_stand_in_the_ratio_of_weights() {
 #[test]
 fn costs_are_smallest_where_they_are_said_to_be() {
     let [over_roller, _, _, radial, _] = formulas("20", "0", "19.7");
-    let cost = |c: i64| Freedom::Cost(Rational::integer(c));
+    let cost = Freedom::Cost;
     for (rule, ratio) in [(Rule::WorstCase, 8_f64.sqrt()), (Rule::Rss, 2.0)] {
-        let entries = vec![Entry::Free(over_roller.clone(), cost(1)), Entry::Free(radial.clone(), cost(8))];
+        let entries = vec![Entry::Free(over_roller, cost(1.0)), Entry::Free(radial, cost(8.0))];
         let budget = check(&request(entries, "0.06", rule));
         let (a, b) = (budget.lines[0].delta_cd.mm(), budget.lines[1].delta_cd.mm());
-        assert!((b / a - ratio).abs() < 1e-12);
+        assert!((b / a - ratio).abs() < 1e-9);
         // the sum of costs at neighbouring allocations is larger
         let total = |a: f64| {
             let b = if rule == Rule::Rss { (0.06_f64 * 0.06 - a * a).sqrt() } else { 0.06 - a };
@@ -116,7 +118,7 @@ fn an_own_limit_leaves_more_to_the_others() {
     request.own_limits = vec![(ErrorKind::RackPitch, Limit { lower: None, upper: Some(length("0.005")) })];
     let budget = check(&request);
     assert!(budget.lines[1].at_own_limit && !budget.lines[0].at_own_limit);
-    assert!((budget.lines[0].delta_cd.mm() - 0.045).abs() < 1e-15);
+    assert_eq!(budget.lines[0].delta_cd, length("0.045"));
 }
 
 /// Who gets no more than the budget would give anyway is not stopped by its own limit, and who has no weight gets
@@ -127,7 +129,7 @@ fn a_share_that_equals_the_own_limit_and_one_of_nothing() {
     let entries = vec![
         Entry::Free(over_roller, weight(1)),
         Entry::Free(pitch, weight(1)),
-        Entry::Free(PartFormula::PinionRadial, weight(0)),
+        Entry::Free(Law::pinion_radial(), weight(0)),
     ];
     let mut request = request(entries, "0.05", Rule::WorstCase);
     request.own_limits = vec![(ErrorKind::RackPitch, Limit { lower: None, upper: Some(length("0.025")) })];
@@ -145,11 +147,11 @@ fn a_fixed_tolerance_beyond_its_own_limit_breaks_the_budget() {
     for rule in [Rule::WorstCase, Rule::Rss, simulated] {
         for (fixed, broken) in [("0.009", false), ("0.01", false), ("0.0101", true), ("-0.0101", true)] {
             let entries = vec![
-                Entry::Fixed(PartError::PinionRadial(length(fixed))),
-                Entry::Free(PartFormula::RackOverRoller, weight(1)),
+                Entry::Fixed(PartError::new(Law::pinion_radial(), length(fixed))),
+                Entry::Free(Law::rack_over_roller(), weight(1)),
             ];
             let mut request = request(entries, "0.05", rule);
-            request.own_limits = vec![(ErrorKind::PinionRadial, Limit::symmetric(&length("0.01")))];
+            request.own_limits = vec![(ErrorKind::PinionRadial, Limit::symmetric(length("0.01")))];
             let budget = allocate(&request).unwrap();
             let expected: &[ErrorKind] = if broken { &[ErrorKind::PinionRadial] } else { &[] };
             assert_eq!(budget.broken_by, expected, "{rule:?} {fixed}");
@@ -162,22 +164,22 @@ fn a_fixed_tolerance_beyond_its_own_limit_breaks_the_budget() {
 fn an_infeasible_budget_names_what_breaks_it() {
     let [over_roller, ..] = formulas("20", "0", "19.7");
     let entries = vec![
-        Entry::Fixed(PartError::PinionRadial(length("0.04"))),
-        Entry::Fixed(PartError::RackOverRoller(length("-0.02"))),
-        Entry::Free(formulas("20", "0", "19.7")[1].clone(), weight(1)),
+        Entry::Fixed(PartError::new(Law::pinion_radial(), length("0.04"))),
+        Entry::Fixed(PartError::new(Law::rack_over_roller(), length("-0.02"))),
+        Entry::Free(formulas("20", "0", "19.7")[1], weight(1)),
     ];
     let budget = allocate(&request(entries, "0.05", Rule::WorstCase)).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::PinionRadial]);
     assert!(!budget.is_feasible());
     // exactly the limit leaves nothing for a free one, and is enough without one
-    let exactly = vec![Entry::Fixed(PartError::PinionRadial(length("0.05")))];
+    let exactly = vec![Entry::Fixed(PartError::new(Law::pinion_radial(), length("0.05")))];
     assert!(allocate(&request(exactly.clone(), "0.05", Rule::WorstCase)).unwrap().is_feasible());
     let and_free = [exactly, vec![Entry::Free(over_roller, weight(1))]].concat();
     let budget = allocate(&request(and_free, "0.05", Rule::WorstCase)).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::PinionRadial]);
     let two = vec![
-        Entry::Fixed(PartError::PinionRadial(length("0.06"))),
-        Entry::Fixed(PartError::RackOverRoller(length("0.07"))),
+        Entry::Fixed(PartError::new(Law::pinion_radial(), length("0.06"))),
+        Entry::Fixed(PartError::new(Law::rack_over_roller(), length("0.07"))),
     ];
     let budget = allocate(&request(two, "0.05", Rule::Rss)).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::RackOverRoller, ErrorKind::PinionRadial]);
@@ -185,7 +187,7 @@ fn an_infeasible_budget_names_what_breaks_it() {
 
 #[test]
 fn a_limit_without_room_is_an_error() {
-    let entries = || vec![Entry::Free(PartFormula::RackOverRoller, weight(1))];
+    let entries = || vec![Entry::Free(Law::rack_over_roller(), weight(1))];
     let of = |lower: Option<&str>, upper: Option<&str>| {
         let mut request = request(entries(), "1", Rule::WorstCase);
         request.limit = Limit { lower: lower.map(length), upper: upper.map(length) };
@@ -208,12 +210,12 @@ fn the_largest_scale_is_found_soon_and_closely() {
     let asked = std::cell::Cell::new(0);
     let found = |bound: f64| {
         asked.set(0);
-        let at = |scale: f64| Ok(vec![PartError::PinionRadial(Length::from_mm(scale).unwrap())]);
+        let at = |scale: f64| Ok(vec![PartError::new(Law::pinion_radial(), Length::from_mm(scale).unwrap())]);
         let conforms = |errors: &[PartError]| {
             asked.set(asked.get() + 1);
-            base_value(&errors[0]) <= bound
+            errors[0].value().base() <= bound
         };
-        simulation::largest_scale(at, conforms).map(|errors| base_value(&errors[0]))
+        simulation::largest_scale(at, conforms).map(|errors| errors[0].value().base())
     };
     for bound in [3e-5, 0.0123, 1.0, 500.0] {
         let scale = found(bound).unwrap();
@@ -236,7 +238,7 @@ fn spreads_have_names() {
 fn a_single_uniform_error_conforms_up_to_its_quantile() {
     // |e| ≤ L for a fraction L/T of a uniform error: T = L / 0.95
     let settings = simulation(0.95, simulation::Spread::Uniform);
-    let entries = vec![Entry::Free(PartFormula::RackOverRoller, weight(1))];
+    let entries = vec![Entry::Free(Law::rack_over_roller(), weight(1))];
     let budget = allocate(&request(entries, "0.0475", Rule::Simulation(settings))).unwrap();
     let simulated = budget.simulated.unwrap();
     assert!(simulated.conforming >= 0.95 && simulated.conforming < 0.9501);
@@ -252,7 +254,7 @@ fn other_distributions_conform_up_to_their_quantiles() {
     for (spread, quantile) in
         [(simulation::Spread::Triangular, 1.0 - 0.05_f64.sqrt()), (simulation::Spread::Normal, normal)]
     {
-        let entries = vec![Entry::Free(PartFormula::RackOverRoller, weight(1))];
+        let entries = vec![Entry::Free(Law::rack_over_roller(), weight(1))];
         let budget = allocate(&request(entries, "0.05", Rule::Simulation(simulation(0.95, spread)))).unwrap();
         assert!((budget.lines[0].delta_cd.mm() * quantile / 0.05 - 1.0).abs() < 0.01, "{spread:?}");
     }
@@ -264,11 +266,11 @@ fn simulated_tolerances_conform_and_no_more() {
     for spread in [simulation::Spread::Uniform, simulation::Spread::Normal, simulation::Spread::Triangular] {
         let settings = simulation(0.99, spread);
         let entries = vec![
-            Entry::Free(over_roller.clone(), weight(1)),
-            Entry::Free(pitch.clone(), weight(1)),
-            Entry::Free(lead.clone(), weight(1)),
-            Entry::Fixed(radial.of(&ErrorValue::Length(length("0.004"))).unwrap()),
-            Entry::Free(pinion_pitch.clone(), weight(1)),
+            Entry::Free(over_roller, weight(1)),
+            Entry::Free(pitch, weight(1)),
+            Entry::Free(lead, weight(1)),
+            Entry::Fixed(PartError::new(radial, length("0.004"))),
+            Entry::Free(pinion_pitch, weight(1)),
         ];
         let mut request = request(entries, "0.05", Rule::Simulation(settings));
         let budget = allocate(&request).unwrap();
@@ -298,12 +300,12 @@ fn an_own_limit_in_a_simulated_budget() {
     let entries = vec![
         Entry::Free(over_roller, weight(1)),
         Entry::Free(pitch, weight(1)),
-        Entry::Fixed(PartError::PinionRadial(length("0.004"))),
+        Entry::Fixed(PartError::new(Law::pinion_radial(), length("0.004"))),
     ];
     let mut request = request(entries, "0.05", Rule::Simulation(settings));
     request.own_limits = vec![
         (ErrorKind::RackPitch, Limit { lower: None, upper: Some(length("0.005")) }),
-        (ErrorKind::PinionRadial, Limit::symmetric(&length("0.004"))),
+        (ErrorKind::PinionRadial, Limit::symmetric(length("0.004"))),
     ];
     let budget = allocate(&request).unwrap();
     assert_eq!(budget.lines.iter().map(|line| line.at_own_limit).collect::<Vec<_>>(), [false, true, false]);
@@ -316,20 +318,20 @@ fn an_own_limit_in_a_simulated_budget() {
 fn an_infeasible_simulation_names_what_breaks_it() {
     let settings = simulation(0.99, simulation::Spread::Uniform);
     let entries = vec![
-        Entry::Fixed(PartError::PinionRadial(length("0.004"))),
-        Entry::Fixed(PartError::RackOverRoller(length("0.09"))),
-        Entry::Free(formulas("20", "0", "19.7")[1].clone(), weight(1)),
+        Entry::Fixed(PartError::new(Law::pinion_radial(), length("0.004"))),
+        Entry::Fixed(PartError::new(Law::rack_over_roller(), length("0.09"))),
+        Entry::Free(formulas("20", "0", "19.7")[1], weight(1)),
     ];
     let budget = allocate(&request(entries, "0.05", Rule::Simulation(settings))).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::RackOverRoller]);
     let entries = vec![
-        Entry::Fixed(PartError::PinionRadial(length("0.2"))),
-        Entry::Fixed(PartError::RackOverRoller(length("0.9"))),
+        Entry::Fixed(PartError::new(Law::pinion_radial(), length("0.2"))),
+        Entry::Fixed(PartError::new(Law::rack_over_roller(), length("0.9"))),
     ];
     let budget = allocate(&request(entries, "0.05", Rule::Simulation(settings))).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::RackOverRoller, ErrorKind::PinionRadial]);
     // pushing errors never go below a lower limit
-    let entries = vec![Entry::Free(formulas("20", "0", "19.7")[1].clone(), weight(1))];
+    let entries = vec![Entry::Free(formulas("20", "0", "19.7")[1], weight(1))];
     let mut request = request(entries, "0.05", Rule::Simulation(settings));
     request.limit = Limit { lower: Some(length("-0.05")), upper: None };
     assert_eq!(allocate(&request).unwrap_err(), BudgetError::Unbounded);
@@ -360,11 +362,11 @@ proptest! {
             .map(|(index, formula)| {
                 // five of a fifth at most: always feasible, and something is left
                 let share = Length::from_mm(limit * 0.19 * fixed[index]).unwrap();
-                let freedom = Rational::integer(i64::from(weights[index]));
-                match largest_tolerance(formula, &share, Model::Exact) {
+                let freedom = f64::from(weights[index]);
+                match largest_tolerance(*formula, share, Model::Exact) {
                     Ok(error) if is_fixed[index] => Entry::Fixed(error),
-                    _ if by_cost => Entry::Free(formula.clone(), Freedom::Cost(freedom)),
-                    _ => Entry::Free(formula.clone(), Freedom::Weight(freedom)),
+                    _ if by_cost => Entry::Free(*formula, Freedom::Cost(freedom)),
+                    _ => Entry::Free(*formula, Freedom::Weight(freedom)),
                 }
             })
             .collect();

@@ -3,7 +3,7 @@ use crate::decision::statistics::{folded_normal, normal_cdf, normal_quantile};
 use crate::decision::uncertainty::{Part, Uncertainties, propagate};
 use crate::decision::{Limit, LimitTarget, Stack};
 use crate::deviation::ErrorKind;
-use crate::formula::{Model, PartError, PinionPitch, RackLead, RackPitch};
+use crate::formula::{Law, Model, PartError};
 use crate::quantity::{Angle, Length};
 
 /// Any function of a few variables.
@@ -111,11 +111,11 @@ fn five(pitch: &str, lead: &str) -> Vec<PartError> {
     let angle = |text: &str| text.parse::<Angle>().unwrap();
     let (alpha, rack, pinion) = (angle("20"), angle("12"), angle("21"));
     vec![
-        PartError::RackOverRoller(length("0.013")),
-        PartError::RackPitch(length(pitch), RackPitch::new(&alpha, &rack).unwrap()),
-        PartError::RackLead(angle(lead), RackLead::new(&alpha, &rack, &length("19.7")).unwrap()),
-        PartError::PinionRadial(length("-0.004")),
-        PartError::PinionPitch(length("0.009"), PinionPitch::new(&alpha, &pinion).unwrap()),
+        PartError::new(Law::rack_over_roller(), length("0.013")),
+        PartError::new(Law::rack_pitch(alpha, rack).unwrap(), length(pitch)),
+        PartError::new(Law::rack_lead(alpha, rack, length("19.7")).unwrap(), angle(lead)),
+        PartError::new(Law::pinion_radial(), length("-0.004")),
+        PartError::new(Law::pinion_pitch(alpha, pinion).unwrap(), length("0.009")),
     ]
 }
 
@@ -179,7 +179,7 @@ fn the_same_bits_at_any_number_of_threads() {
     let errors = five("0.012", "0.0255");
     let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range };
     let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
-    let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(&length("0.047")))];
+    let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.047")))];
     for draws in [None, Some(230_000)] {
         let with = |threads, seed| {
             let settings = Settings { threads: Some(threads), seed, draws, digits: 1 };
@@ -195,13 +195,16 @@ fn the_same_bits_at_any_number_of_threads() {
 
 #[test]
 fn correlated_draws_and_probabilities_of_conformance() {
-    let errors = [PartError::RackOverRoller(length("0.010")), PartError::PinionRadial(length("0.005"))];
+    let errors = [
+        PartError::new(Law::rack_over_roller(), length("0.010")),
+        PartError::new(Law::pinion_radial(), length("0.005")),
+    ];
     let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range };
     let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));
     let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.004))];
     let limits = vec![
         (LimitTarget::CenterDistance, Limit { lower: None, upper: Some(length("0.020")) }),
-        (LimitTarget::Error(ErrorKind::RackPitch), Limit::symmetric(&length("0.020"))),
+        (LimitTarget::Error(ErrorKind::RackPitch), Limit::symmetric(length("0.020"))),
     ];
     for r in [-1.0, -0.5, 0.0, 0.8, 1.0] {
         let uncertainties = Uncertainties::new(inputs.clone(), &[(a, b, r)]).unwrap();

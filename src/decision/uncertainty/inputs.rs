@@ -145,15 +145,6 @@ impl Uncertainties {
         }
         (0..n).map(|i| (0..n).map(|j| a[i] * b[j] * self.correlation[i * n + j]).sum::<f64>()).sum()
     }
-
-    /// Σ_i Σ_j a_i a_j |r_ij|: what the variance is made of, before anything cancels.
-    pub(super) fn absolute_covariance(&self, a: &[f64]) -> f64 {
-        let n = self.inputs.len();
-        if self.factor.is_empty() {
-            return a.iter().map(|a| a * a).sum();
-        }
-        (0..n).map(|i| (0..n).map(|j| a[i] * a[j] * self.correlation[i * n + j].abs()).sum::<f64>()).sum()
-    }
 }
 
 /// The lower triangular L with L Lᵀ = `matrix`, or the row at which it is not positive semidefinite.
@@ -203,10 +194,8 @@ mod tests {
         let a = [2.0, 3.0, -5.0];
         near(of.covariance(&a, &a), 38.0 + 2.0 * (0.5 * 6.0 + 0.25 * 10.0 - 0.125 * 15.0));
         near(of.covariance(&a, &[1.0, 0.0, 0.0]), 2.0 + 0.5 * 3.0 + 0.25 * 5.0);
-        near(of.absolute_covariance(&[2.0, 3.0, 5.0]), 38.0 + 2.0 * (0.5 * 6.0 + 0.25 * 10.0 + 0.125 * 15.0));
         let alone = correlated([0.0; 3]).unwrap();
         near(alone.covariance(&a, &a), 38.0);
-        near(alone.absolute_covariance(&[2.0, 3.0, 5.0]), 38.0);
     }
 
     #[test]

@@ -6,7 +6,6 @@
 
 mod coverage;
 mod inputs;
-mod prepared;
 mod propagation;
 mod result;
 mod source;
@@ -15,8 +14,7 @@ pub(super) mod tests;
 
 pub use coverage::{COVERAGE, coverage_factor, effective_dof};
 pub use inputs::{Uncertainties, UncertaintyError};
-pub use prepared::{Point, Propagator, Spread, Spreads};
-pub use propagation::{Part, propagate};
+pub use propagation::{Part, Point, Propagator, Spread, Spreads, propagate};
 pub use result::{InputContribution, Linear, Propagation};
 pub use source::{Distribution, Source, Uncertainty};
 

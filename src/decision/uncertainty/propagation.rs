@@ -1,13 +1,28 @@
-//! The linear propagation itself: the formulas' derivatives, weighted as the errors are combined, times the standard
-//! uncertainties. Called for single parts; [`Propagator`](super::Propagator) does the same for many parts of one gear.
+//! The linear propagation itself: the laws' derivatives, weighted as the errors are combined, times the standard
+//! uncertainties. Called for single parts, and by the batch engine for many parts of one gear; what follows from the
+//! gear is computed once.
+//!
+//! Every law is a gain, which follows from the gear, times a function of the error alone:
+//!
+//! ```text
+//! ∂ΔCD/∂x = ΔCD · ∂(ln gain)/∂x        for the gear's x
+//! ```
 
-use super::coverage::{coverage_factor, effective_dof};
+use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::{FOLD, InputContribution, Linear, Propagation, Source, Uncertainties, UncertaintyError};
 use crate::decision::{Combined, Stack, Term};
 use crate::deviation::ErrorKind;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Input, Model, PartError, Prepared, Sensitivity};
+use crate::formula::{Input, Law, Model, PartError, Sensitivity};
 use crate::quantity::DomainError;
+
+const KINDS: usize = ErrorKind::ALL.len();
+
+/// As many inputs as there are.
+const INPUTS: usize = 13;
+
+/// Coverage factors are kept up to so many degrees of freedom.
+const KEPT_FACTORS: u32 = 256;
 
 /// What the uncertainties of a part's inputs are about: its errors and, if the nominal of the over-roller measure is
 /// computed, from what.
@@ -23,84 +38,303 @@ pub struct Part<'a> {
     pub stack: Stack,
 }
 
-/// Derivatives of one ΔCD by all inputs, in the order of the inputs.
-struct Gradient {
-    kind: ErrorKind,
-    value_mm: f64,
-    derivatives: Vec<f64>,
-    /// Whether the formula folds this error and it is near zero.
-    folded: bool,
-    /// Whether the value is a permissible deviation, which acts either way.
-    is_tolerance: bool,
-}
-
-/// Propagates `uncertainties` through the formulas of a part, linearly.
+/// Propagates `uncertainties` through the laws of a part, linearly.
 ///
 /// # Errors
-/// [`UncertaintyError::Domain`] if a formula or one of its derivatives has no value there.
+/// [`UncertaintyError::Domain`] if a law or one of its derivatives has no value there.
 pub fn propagate(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Propagation, UncertaintyError> {
-    let gradients: Vec<Gradient> =
-        part.errors.iter().map(|error| gradient(error, part, uncertainties)).collect::<Result<_, _>>()?;
-    let errors = gradients
-        .iter()
-        .map(|gradient| {
-            let folded = if gradient.folded { vec![gradient.kind] } else { Vec::new() };
-            (gradient.kind, linear(uncertainties, gradient.value_mm, &gradient.derivatives, folded))
-        })
-        .collect();
-    let terms: Vec<_> = part
-        .errors
-        .iter()
-        .map(|error| {
-            let delta_cd = error.delta_cd(part.model)?;
-            Ok(Term { kind: error.kind(), delta_cd, is_tolerance: error.is_tolerance() })
-        })
-        .collect::<Result<_, DomainError>>()?;
-    let combined = Combined::of(&terms).map_err(DomainError::from)?;
-    let (lower, upper) = combined.interval(part.stack);
-    let ends = [(false, &lower), (true, &upper)].map(|(is_upper, value)| {
-        let (derivatives, folded) = end(part.stack, is_upper, &gradients, uncertainties);
-        linear(uncertainties, value.mm(), &derivatives, folded)
-    });
-    let [lower, upper] = ends;
-    let by_input = |result: &Linear| {
-        let of = |source: Source| result.contributions.iter().find(|c| c.source == source);
-        let inputs = uncertainties.inputs().iter();
-        inputs.map(|(source, _)| of(*source).map_or(0.0, |c| c.contribution_mm)).collect::<Vec<_>>()
-    };
-    let covariance = uncertainties.covariance(&by_input(&lower), &by_input(&upper));
-    let scale = lower.standard_mm * upper.standard_mm;
-    let end_correlation = if scale > 0.0 { (covariance / scale).clamp(-1.0, 1.0) } else { 0.0 };
-    Ok(Propagation { errors, lower, upper, stack: part.stack, end_correlation })
+    Propagator::new(part, uncertainties.clone())?.propagation(part.errors)
 }
 
-/// The derivatives of one end of the combination, and what makes it not linear.
-fn end(
+/// The uncertainty of one result.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spread {
+    /// Standard uncertainty u, mm.
+    pub standard_mm: f64,
+    /// Coverage factor k.
+    pub coverage_factor: f64,
+    /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
+    pub gauge_mm2: f64,
+    /// Whether an error is so near to zero that the result is not linear.
+    pub folded: bool,
+}
+
+/// The uncertainties of a part's results.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spreads {
+    /// Of each error's ΔCD, in the order of the errors.
+    pub errors: [Spread; KINDS],
+    /// Of the lower end of the combination that is judged.
+    pub lower: Spread,
+    /// Of its upper end.
+    pub upper: Spread,
+    /// The correlation of both ends.
+    pub end_correlation: f64,
+}
+
+/// One error of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Point {
+    /// The error, mm or degrees.
+    pub error: f64,
+    /// Its ΔCD, mm.
+    pub delta_cd_mm: f64,
+}
+
+/// What the uncertainty of one error's ΔCD follows from.
+#[derive(Debug, Clone)]
+struct Derivatives {
+    law: Law,
+    /// Whether the value is a permissible deviation, which acts either way.
+    is_tolerance: bool,
+    /// The input that is the error itself, and its standard uncertainty, mm or degrees.
+    own: Option<(usize, f64)>,
+    /// ∂(ln ΔCD)/∂x of each input.
+    relative: [f64; INPUTS],
+    /// ∂ΔCD/∂x of the inputs of a computed nominal value.
+    constant: [f64; INPUTS],
+}
+
+/// The derivatives of one result by all inputs, and whether it is not linear because an error is near zero.
+#[derive(Debug, Clone, Copy)]
+struct Gradient {
+    by_input: [f64; INPUTS],
+    /// The errors, by index, that fold.
+    folded: [bool; KINDS],
+}
+
+const NO_GRADIENT: Gradient = Gradient { by_input: [0.0; INPUTS], folded: [false; KINDS] };
+
+/// The gradients of a part's results.
+struct Gradients {
+    errors: [Gradient; KINDS],
+    lower: Gradient,
+    upper: Gradient,
+}
+
+/// The uncertainties of a gear's parts, ready for many of them; see the module.
+#[derive(Debug, Clone)]
+pub struct Propagator {
+    uncertainties: Uncertainties,
+    derivatives: Vec<Derivatives>,
+    model: Model,
     stack: Stack,
-    is_upper: bool,
-    gradients: &[Gradient],
-    uncertainties: &Uncertainties,
-) -> (Vec<f64>, Vec<ErrorKind>) {
-    let mut sum = vec![0.0; uncertainties.inputs().len()];
-    let mut folded = Vec::new();
-    let squares: f64 = gradients.iter().map(|gradient| gradient.value_mm * gradient.value_mm).sum();
-    for gradient in gradients {
-        let u = contribution_of(uncertainties, &gradient.derivatives);
-        // these combinations fold what the formula does not
-        let near_zero = gradient.value_mm.abs() < FOLD * u;
-        let Some(weight) =
-            stack_weight(stack, is_upper, gradient.kind, gradient.is_tolerance, gradient.value_mm, squares)
-        else {
-            continue;
-        };
-        for (sum, derivative) in sum.iter_mut().zip(&gradient.derivatives) {
-            *sum += weight * derivative;
+    /// Degrees of freedom of the inputs; empty where all are infinite.
+    dofs: Vec<f64>,
+    /// Coverage factors by whole degrees of freedom, where any are finite.
+    factors: Vec<f64>,
+}
+
+impl Propagator {
+    /// Prepares the uncertainties of parts with the errors of this one, whatever their values.
+    ///
+    /// # Errors
+    /// [`UncertaintyError::Domain`] if a derivative has no value.
+    pub fn new(part: &Part<'_>, uncertainties: Uncertainties) -> Result<Self, UncertaintyError> {
+        let derivatives =
+            part.errors.iter().map(|error| Derivatives::new(error, part, &uncertainties)).collect::<Result<_, _>>()?;
+        let inputs = uncertainties.inputs();
+        let finite = inputs.iter().any(|(_, uncertainty)| uncertainty.dof.is_finite());
+        let dofs = if finite { inputs.iter().map(|(_, uncertainty)| uncertainty.dof).collect() } else { Vec::new() };
+        let kept = if finite { KEPT_FACTORS } else { 0 };
+        let factors = (0..kept).map(|dof| coverage_factor(f64::from(dof))).collect();
+        Ok(Self { uncertainties, derivatives, model: part.model, stack: part.stack, dofs, factors })
+    }
+
+    /// What is uncertain.
+    #[must_use]
+    pub fn uncertainties(&self) -> &Uncertainties {
+        &self.uncertainties
+    }
+
+    /// The uncertainties of one part, of which `points` has each error.
+    #[must_use]
+    pub fn spreads(&self, points: &[Point]) -> Spreads {
+        let gradients = self.gradients(points);
+        let mut spreads = Spreads::default();
+        for (spread, gradient) in spreads.errors.iter_mut().zip(&gradients.errors).take(points.len()) {
+            *spread = self.spread(gradient);
         }
-        if gradient.folded || (stack != Stack::Range && near_zero) {
-            folded.push(gradient.kind);
+        spreads.lower = self.spread(&gradients.lower);
+        spreads.upper = self.spread(&gradients.upper);
+        spreads.end_correlation = self.end_correlation(&gradients, &spreads.lower, &spreads.upper);
+        spreads
+    }
+
+    /// The same with what each input contributes.
+    ///
+    /// # Errors
+    /// [`UncertaintyError::Domain`] if a ΔCD or their combination has no value.
+    pub fn propagation(&self, errors: &[PartError]) -> Result<Propagation, UncertaintyError> {
+        let mut points = [Point::default(); KINDS];
+        let mut terms = Vec::with_capacity(errors.len());
+        for (point, error) in points.iter_mut().zip(errors) {
+            let delta_cd = error.delta_cd(self.model)?;
+            *point = Point { error: error.value().base(), delta_cd_mm: delta_cd.mm() };
+            terms.push(Term { kind: error.kind(), delta_cd, is_tolerance: error.is_tolerance() });
+        }
+        let points = &points[..terms.len()];
+        let gradients = self.gradients(points);
+        let (lower, upper) = Combined::of(&terms).map_err(DomainError::from)?.interval(self.stack);
+        let of_errors = terms.iter().zip(points).zip(&gradients.errors);
+        let correlation =
+            self.end_correlation(&gradients, &self.spread(&gradients.lower), &self.spread(&gradients.upper));
+        Ok(Propagation {
+            errors: of_errors
+                .map(|((term, point), gradient)| (term.kind, self.linear(point.delta_cd_mm, gradient)))
+                .collect(),
+            lower: self.linear(lower.mm(), &gradients.lower),
+            upper: self.linear(upper.mm(), &gradients.upper),
+            stack: self.stack,
+            end_correlation: correlation,
+        })
+    }
+
+    fn gradients(&self, points: &[Point]) -> Gradients {
+        let count = self.uncertainties.inputs().len();
+        let mut gradients = Gradients { errors: [NO_GRADIENT; KINDS], lower: NO_GRADIENT, upper: NO_GRADIENT };
+        let squares: f64 = points.iter().map(|point| point.delta_cd_mm * point.delta_cd_mm).sum();
+        for (index, (of, point)) in self.derivatives.iter().zip(points).enumerate() {
+            let gradient = &mut gradients.errors[index];
+            for input in 0..count {
+                gradient.by_input[input] = of.constant[input] + point.delta_cd_mm * of.relative[input];
+            }
+            if let Some((own, standard)) = of.own {
+                gradient.by_input[own] += of.law.slope(point.error, self.model);
+                gradient.folded[index] = !of.law.kind().always_acts() && point.error.abs() < FOLD * standard;
+            }
+            let error = *gradient;
+            // magnitudes fold what the law does not
+            let folds =
+                self.stack != Stack::Range && point.delta_cd_mm.abs() < FOLD * self.variance(&error.by_input).sqrt();
+            for (is_upper, end) in [(false, &mut gradients.lower), (true, &mut gradients.upper)] {
+                let weight =
+                    stack_weight(self.stack, is_upper, of.law.kind(), of.is_tolerance, point.delta_cd_mm, squares);
+                let Some(weight) = weight else { continue };
+                for input in 0..count {
+                    end.by_input[input] += weight * error.by_input[input];
+                }
+                end.folded[index] = error.folded[index] || folds;
+            }
+        }
+        gradients
+    }
+
+    /// c_i u(x_i) of every input.
+    fn contributions(&self, by_input: &[f64; INPUTS]) -> [f64; INPUTS] {
+        let mut contributions = [0.0; INPUTS];
+        let inputs = self.uncertainties.inputs().iter();
+        for ((contribution, derivative), (_, uncertainty)) in contributions.iter_mut().zip(by_input).zip(inputs) {
+            *contribution = derivative * uncertainty.standard;
+        }
+        contributions
+    }
+
+    fn covariance(&self, a: &[f64; INPUTS], b: &[f64; INPUTS]) -> f64 {
+        let count = self.uncertainties.inputs().len();
+        self.uncertainties.covariance(&a[..count], &b[..count])
+    }
+
+    fn variance(&self, by_input: &[f64; INPUTS]) -> f64 {
+        let contributions = self.contributions(by_input);
+        self.covariance(&contributions, &contributions).max(0.0)
+    }
+
+    fn spread(&self, gradient: &Gradient) -> Spread {
+        let standard_mm = self.variance(&gradient.by_input).sqrt();
+        let mut gauge = gradient.by_input;
+        for (derivative, (source, _)) in gauge.iter_mut().zip(self.uncertainties.inputs()) {
+            if !matches!(source, Source::Error(_)) {
+                *derivative = 0.0;
+            }
+        }
+        Spread {
+            standard_mm,
+            coverage_factor: self.coverage_factor(self.dof(gradient, standard_mm)),
+            gauge_mm2: self.variance(&gauge),
+            folded: gradient.folded.contains(&true),
         }
     }
-    (sum, folded)
+
+    fn linear(&self, value_mm: f64, gradient: &Gradient) -> Linear {
+        let variance = self.variance(&gradient.by_input);
+        let standard_mm = variance.sqrt();
+        let dof = self.dof(gradient, standard_mm);
+        let contributions = self.contributions(&gradient.by_input);
+        let inputs = self.uncertainties.inputs().iter().zip(&gradient.by_input).zip(&contributions);
+        let contributions = inputs
+            .filter(|((_, derivative), _)| **derivative != 0.0)
+            .map(|(((source, uncertainty), sensitivity), contribution)| InputContribution {
+                source: *source,
+                standard: uncertainty.standard,
+                dof: uncertainty.dof,
+                sensitivity: *sensitivity,
+                contribution_mm: *contribution,
+                share: (variance > 0.0).then(|| contribution * contribution / variance),
+            })
+            .collect();
+        let folded = self.derivatives.iter().zip(gradient.folded).filter(|(_, folded)| *folded);
+        Linear {
+            value_mm,
+            standard_mm,
+            dof,
+            coverage_factor: self.coverage_factor(dof),
+            contributions,
+            folded: folded.map(|(of, _)| of.law.kind()).collect(),
+        }
+    }
+
+    /// Effective degrees of freedom; `None` where correlated inputs have finite ones, for which there is no formula.
+    fn dof(&self, gradient: &Gradient, standard_mm: f64) -> Option<f64> {
+        if self.dofs.is_empty() {
+            return Some(f64::INFINITY);
+        }
+        let contributions = self.contributions(&gradient.by_input);
+        let contributions = &contributions[..self.dofs.len()];
+        let counts = |i: usize| contributions[i] != 0.0 && self.dofs[i].is_finite();
+        let correlated = (0..contributions.len()).any(|i| counts(i) && self.uncertainties.correlated(i));
+        (!correlated).then(|| effective_dof(standard_mm, contributions, &self.dofs))
+    }
+
+    fn coverage_factor(&self, dof: Option<f64>) -> f64 {
+        let dof = dof.unwrap_or(f64::INFINITY);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1; saturates")]
+        let kept = self.factors.get(whole_dof(dof) as usize);
+        kept.copied().unwrap_or_else(|| coverage_factor(dof))
+    }
+
+    fn end_correlation(&self, gradients: &Gradients, lower: &Spread, upper: &Spread) -> f64 {
+        let scale = lower.standard_mm * upper.standard_mm;
+        if scale == 0.0 {
+            return 0.0;
+        }
+        let (a, b) = (self.contributions(&gradients.lower.by_input), self.contributions(&gradients.upper.by_input));
+        (self.covariance(&a, &b) / scale).clamp(-1.0, 1.0)
+    }
+}
+
+impl Derivatives {
+    fn new(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Self, UncertaintyError> {
+        let (law, kind) = (error.law(), error.kind());
+        let inputs = uncertainties.inputs();
+        let index = |source: Source| inputs.iter().position(|(other, _)| *other == source);
+        let (mut relative, mut constant) = ([0.0; INPUTS], [0.0; INPUTS]);
+        for (input, derivative) in law.relative_sensitivities(part.model) {
+            if let Some(at) = source_of(kind, input).and_then(index) {
+                relative[at] += derivative;
+            }
+        }
+        if let (ErrorKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
+            for Sensitivity { input, value } in over_pin.sensitivities()? {
+                if let (Some(at), Some(value)) = (over_pin_source(input).and_then(index), value) {
+                    // M − M_nom falls as the nominal rises
+                    constant[at] -= value;
+                }
+            }
+        }
+        let own = index(Source::Error(kind)).map(|own| (own, inputs[own].1.standard));
+        Ok(Self { law, is_tolerance: error.is_tolerance(), own, relative, constant })
+    }
 }
 
 /// ∂(end of the combination)/∂ΔCD of one error; `None` if that end does not follow from it. `squares` is the sum of the
@@ -124,86 +358,7 @@ pub(super) fn stack_weight(
     Some(if is_upper { weight } else { -weight })
 }
 
-fn contribution_of(uncertainties: &Uncertainties, derivatives: &[f64]) -> f64 {
-    let terms = contributions(uncertainties, derivatives);
-    uncertainties.covariance(&terms, &terms).max(0.0).sqrt()
-}
-
-fn contributions(uncertainties: &Uncertainties, derivatives: &[f64]) -> Vec<f64> {
-    uncertainties.inputs().iter().zip(derivatives).map(|((_, u), c)| c * u.standard).collect()
-}
-
-fn linear(uncertainties: &Uncertainties, value_mm: f64, derivatives: &[f64], folded: Vec<ErrorKind>) -> Linear {
-    let terms = contributions(uncertainties, derivatives);
-    let variance = uncertainties.covariance(&terms, &terms).max(0.0);
-    let standard_mm = variance.sqrt();
-    let dofs: Vec<_> = uncertainties.inputs().iter().map(|(_, uncertainty)| uncertainty.dof).collect();
-    let correlated = (0..terms.len()).any(|i| terms[i] != 0.0 && dofs[i].is_finite() && uncertainties.correlated(i));
-    let dof = (!correlated).then(|| effective_dof(standard_mm, &terms, &dofs));
-    let coverage_factor = coverage_factor(dof.unwrap_or(f64::INFINITY));
-    let contributions = uncertainties
-        .inputs()
-        .iter()
-        .zip(derivatives)
-        .zip(&terms)
-        .filter(|((_, derivative), _)| **derivative != 0.0)
-        .map(|(((source, uncertainty), sensitivity), contribution)| InputContribution {
-            source: *source,
-            standard: uncertainty.standard,
-            dof: uncertainty.dof,
-            sensitivity: *sensitivity,
-            contribution_mm: *contribution,
-            share: (variance > 0.0).then(|| contribution * contribution / variance),
-        })
-        .collect();
-    Linear { value_mm, standard_mm, dof, coverage_factor, contributions, folded }
-}
-
-fn gradient(error: &PartError, part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Gradient, UncertaintyError> {
-    let kind = error.kind();
-    let mut by_source: Vec<(Source, f64)> = Vec::new();
-    let mut at_kink = false;
-    for Sensitivity { input, value } in error.sensitivities(part.model)? {
-        let Some(source) = source_of(kind, input) else { continue };
-        let value = if let Some(value) = value {
-            value
-        } else {
-            at_kink = true;
-            // the slope beside the kink
-            Prepared::new(&error.formula(), part.model).slope(0.0)
-        };
-        by_source.push((source, value));
-    }
-    if let (ErrorKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
-        // M − M_nom falls as the nominal rises
-        for Sensitivity { input, value } in over_pin.sensitivities()? {
-            if let (Some(source), Some(value)) = (over_pin_source(input), value) {
-                by_source.push((source, -value));
-            }
-        }
-    }
-    let derivatives = uncertainties
-        .inputs()
-        .iter()
-        .map(|(source, _)| by_source.iter().filter(|(of, _)| of == source).map(|(_, value)| value).sum())
-        .collect();
-    let magnitude = match error.largest() {
-        PartError::RackPitch(value, _) | PartError::PinionPitch(value, _) => Some(value.mm().abs()),
-        PartError::RackLead(value, _) => Some(value.degrees().abs()),
-        PartError::RackOverRoller(_) | PartError::PinionRadial(_) | PartError::Within(_) => None,
-    };
-    let u = uncertainties.of(Source::Error(kind)).map_or(0.0, |uncertainty| uncertainty.standard);
-    let folded = u > 0.0 && (at_kink || magnitude.is_some_and(|magnitude| magnitude < FOLD * u));
-    Ok(Gradient {
-        kind,
-        value_mm: error.delta_cd(part.model)?.mm(),
-        derivatives,
-        folded,
-        is_tolerance: error.is_tolerance(),
-    })
-}
-
-pub(super) fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {
+fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {
     match input {
         Input::Error => Some(Source::Error(kind)),
         Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
@@ -214,7 +369,7 @@ pub(super) fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {
     }
 }
 
-pub(super) fn over_pin_source(input: Input) -> Option<Source> {
+fn over_pin_source(input: Input) -> Option<Source> {
     match input {
         Input::NormalModule => Some(Source::NormalModule),
         Input::NormalPressureAngle => Some(Source::NormalPressureAngle),

@@ -1,0 +1,500 @@
+//! The law of each kind of error: how ΔCD follows from the error, and the error from ΔCD.
+//!
+//! The only place with a gain. `eval`, tables, budgets, uncertainties and simulations all call it.
+//!
+//! | shape | ΔCD | errors |
+//! |---|---|---|
+//! | shift | e | over-roller, radial |
+//! | step | g \|e\|, g = cos β / (2 tan α_n) | pitch of rack or pinion |
+//! | sine | G \|sin Δβ\|, G = k / (2 cos β_r tan α_n) | lead, exact model |
+//! | tangent | G \|tan Δβ\|, G = k / (2 tan α_n) | lead, paper model |
+//!
+//! In the paper's model cos β is 1. The shapes are derived in [`mesh::relations`](crate::mesh::relations).
+
+use super::{CATALOGUE, FormulaPage, Input, Model, Sensitivity, domain};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::quantity::{Angle, Domain, DomainError, Length};
+use crate::trig;
+
+/// How ΔCD depends on one error of a gear; see the [module](self).
+///
+/// # Example
+/// Table 1 of the paper, with α_n = 19.9° (the paper does not print it):
+/// ```
+/// use rackmesh::formula::{Law, Model};
+/// use rackmesh::quantity::{Angle, Length};
+///
+/// let law = Law::rack_pitch("19.9".parse()?, Angle::ZERO)?;
+/// for (pitch_error, printed) in [("+0.01", "0.014"), ("-0.02", "0.028"), ("+0.03", "0.041")] {
+///     let delta_cd = law.delta_cd(pitch_error.parse::<Length>()?, Model::Exact)?;
+///     assert_eq!(format!("{:.3}", delta_cd.mm()), printed);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    kind: ErrorKind,
+    /// What the gain follows from; `None` for a shift.
+    geometry: Option<Geometry>,
+    /// Of the exact and the paper's model: per step, or in femtometres per unit of sine or tangent.
+    gains: [f64; 2],
+}
+
+/// The gear data that a gain follows from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Geometry {
+    /// Normal pressure angle α_n.
+    pub pressure_angle: Angle,
+    /// Helix angle β of the part that has the error.
+    pub helix_angle: Angle,
+    /// Face width k of the rack, for a lead error.
+    pub face_width: Option<Length>,
+}
+
+/// How ΔCD depends on the error, up to the gain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    Shift,
+    Step,
+    Sine,
+    Tangent,
+}
+
+const FM_PER_MM: f64 = 1e12;
+const RADIANS_PER_DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// mm of ΔCD per mm of step, or the same per mm of face width and unit of sine or tangent: cos β / (2 tan α_n) of a
+/// pitch error, 1 / (2 cos β tan α_n) of a lead error; in the paper's model cos β is 1.
+#[must_use]
+pub(crate) fn unit_gain(kind: ErrorKind, model: Model, tan_alpha: f64, cos_beta: f64) -> f64 {
+    match (kind, model) {
+        (ErrorKind::RackOverRoller | ErrorKind::PinionRadial, _) => 1.0,
+        (_, Model::Paper) => 0.5 / tan_alpha,
+        (ErrorKind::RackPitch | ErrorKind::PinionPitch, Model::Exact) => cos_beta / (2.0 * tan_alpha),
+        (ErrorKind::RackLead, Model::Exact) => 0.5 / (cos_beta * tan_alpha),
+    }
+}
+
+impl Law {
+    #[doc = include_str!("over_roller.md")]
+    #[must_use]
+    pub const fn rack_over_roller() -> Self {
+        Self { kind: ErrorKind::RackOverRoller, geometry: None, gains: [1.0; 2] }
+    }
+
+    #[doc = include_str!("rack_pitch.md")]
+    ///
+    /// # Errors
+    /// [`DomainError`] if an angle is outside its domain.
+    pub fn rack_pitch(normal_pressure_angle: Angle, rack_helix_angle: Angle) -> Result<Self, DomainError> {
+        let of_rack =
+            Geometry { pressure_angle: normal_pressure_angle, helix_angle: rack_helix_angle, face_width: None };
+        Self::new(ErrorKind::RackPitch, of_rack, &domain::RACK_HELIX_ANGLE)
+    }
+
+    #[doc = include_str!("rack_lead.md")]
+    ///
+    /// # Errors
+    /// [`DomainError`] if an angle or the face width is outside its domain.
+    pub fn rack_lead(
+        normal_pressure_angle: Angle,
+        rack_helix_angle: Angle,
+        face_width: Length,
+    ) -> Result<Self, DomainError> {
+        domain::FACE_WIDTH.check_length(face_width)?;
+        let of_rack = Geometry {
+            pressure_angle: normal_pressure_angle,
+            helix_angle: rack_helix_angle,
+            face_width: Some(face_width),
+        };
+        Self::new(ErrorKind::RackLead, of_rack, &domain::RACK_HELIX_ANGLE)
+    }
+
+    #[doc = include_str!("pinion_radial.md")]
+    #[must_use]
+    pub const fn pinion_radial() -> Self {
+        Self { kind: ErrorKind::PinionRadial, geometry: None, gains: [1.0; 2] }
+    }
+
+    #[doc = include_str!("pinion_pitch.md")]
+    ///
+    /// # Errors
+    /// [`DomainError`] if an angle is outside its domain.
+    pub fn pinion_pitch(normal_pressure_angle: Angle, pinion_helix_angle: Angle) -> Result<Self, DomainError> {
+        let of_pinion =
+            Geometry { pressure_angle: normal_pressure_angle, helix_angle: pinion_helix_angle, face_width: None };
+        Self::new(ErrorKind::PinionPitch, of_pinion, &domain::PINION_HELIX_ANGLE)
+    }
+
+    fn new(kind: ErrorKind, geometry: Geometry, helix: &Domain) -> Result<Self, DomainError> {
+        domain::NORMAL_PRESSURE_ANGLE.check_angle(geometry.pressure_angle)?;
+        helix.check_angle(geometry.helix_angle)?;
+        let tan_alpha = trig::tan_of(geometry.pressure_angle);
+        let cos_beta = trig::sin_cos_of(geometry.helix_angle).1;
+        #[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
+        let width = geometry.face_width.map_or(1.0, |width| width.fm() as f64);
+        let gains = [Model::Exact, Model::Paper].map(|model| width * unit_gain(kind, model, tan_alpha, cos_beta));
+        Ok(Self { kind, geometry: Some(geometry), gains })
+    }
+
+    /// The law for gear data in degrees and mm that lie on no grid, as they are drawn; outside the domain ΔCD is NaN.
+    #[must_use]
+    pub(crate) fn drawn(self, pressure_angle: f64, helix_angle: f64, face_width_mm: f64) -> Self {
+        let is_valid = domain::NORMAL_PRESSURE_ANGLE.contains(pressure_angle)
+            && domain::RACK_HELIX_ANGLE.contains(helix_angle)
+            && face_width_mm >= 0.0;
+        let tan_alpha = trig::tan(pressure_angle * RADIANS_PER_DEGREE);
+        let cos_beta = trig::cos(helix_angle * RADIANS_PER_DEGREE);
+        let width = if self.kind == ErrorKind::RackLead { face_width_mm * FM_PER_MM } else { 1.0 };
+        let gain = |model| {
+            if is_valid { width * unit_gain(self.kind, model, tan_alpha, cos_beta) } else { f64::NAN }
+        };
+        Self { gains: [gain(Model::Exact), gain(Model::Paper)], ..self }
+    }
+
+    /// The kind of error.
+    #[must_use]
+    pub const fn kind(self) -> ErrorKind {
+        self.kind
+    }
+
+    /// The gear data behind it; `None` if it needs none.
+    #[must_use]
+    pub const fn geometry(self) -> Option<Geometry> {
+        self.geometry
+    }
+
+    const fn gain(self, model: Model) -> f64 {
+        match model {
+            Model::Exact => self.gains[0],
+            Model::Paper => self.gains[1],
+        }
+    }
+
+    const fn shape(self, model: Model) -> Shape {
+        match (self.kind, model) {
+            (ErrorKind::RackOverRoller | ErrorKind::PinionRadial, _) => Shape::Shift,
+            (ErrorKind::RackPitch | ErrorKind::PinionPitch, _) => Shape::Step,
+            (ErrorKind::RackLead, Model::Exact) => Shape::Sine,
+            (ErrorKind::RackLead, Model::Paper) => Shape::Tangent,
+        }
+    }
+
+    /// ΔCD of an error: within 1e-12 mm + 8 ulp of the true value (see `explain precision`).
+    ///
+    /// # Errors
+    /// [`DomainError`] if the error is outside its domain or no length or angle as the law needs it, or if the result
+    /// is beyond the largest length.
+    pub fn delta_cd(self, error: impl Into<ErrorValue>, model: Model) -> Result<Length, DomainError> {
+        let error = error.into();
+        let gain = self.gain(model);
+        #[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
+        let fm = match (self.shape(model), error) {
+            (Shape::Shift, ErrorValue::Length(length)) => return Ok(length),
+            (Shape::Step, ErrorValue::Length(length)) => gain * length.abs().fm() as f64,
+            (Shape::Sine, ErrorValue::Angle(angle)) => {
+                domain::LEAD_ERROR.check_angle(angle)?;
+                gain * trig::sin_of(angle.abs())
+            }
+            (Shape::Tangent, ErrorValue::Angle(angle)) => {
+                domain::LEAD_ERROR.check_angle(angle)?;
+                gain * trig::tan_of(angle.abs())
+            }
+            // sin(atan t) = t / √(1 + t²)
+            (Shape::Sine, ErrorValue::Slope(slope)) => gain * (slope.abs() / (1.0 + slope * slope).sqrt()),
+            (Shape::Tangent, ErrorValue::Slope(slope)) => gain * slope.abs(),
+            (_, error) => return Err(self.wrong_dimension(error)),
+        };
+        Ok(Length::nearest(fm, "ΔCD")?)
+    }
+
+    fn wrong_dimension(self, error: ErrorValue) -> DomainError {
+        DomainError::WrongDimension { error: self.kind.name(), value: error.to_string() }
+    }
+
+    /// ΔCD in mm of an error in mm or degrees, for draws that lie on no grid. Not checked against the domain.
+    #[must_use]
+    #[inline]
+    pub fn delta_cd_mm(self, error: f64, model: Model) -> f64 {
+        let gain = self.gain(model);
+        match self.shape(model) {
+            Shape::Shift => error,
+            Shape::Step => gain * error.abs(),
+            Shape::Sine => gain / FM_PER_MM * trig::sin(error.abs() * RADIANS_PER_DEGREE),
+            Shape::Tangent => gain / FM_PER_MM * trig::tan(error.abs() * RADIANS_PER_DEGREE),
+        }
+    }
+
+    /// ∂ΔCD/∂error in mm per mm, or mm per degree, at an error in mm or degrees; with the sign of the error, and
+    /// one-sided (positive) at the kink of a magnitude at 0.
+    #[must_use]
+    pub fn slope(self, error: f64, model: Model) -> f64 {
+        let per_degree = self.gain(model) / FM_PER_MM * RADIANS_PER_DEGREE;
+        let magnitude = match self.shape(model) {
+            Shape::Shift => return 1.0,
+            Shape::Step => self.gain(model),
+            Shape::Sine => per_degree * trig::cos(error * RADIANS_PER_DEGREE),
+            Shape::Tangent => {
+                let cos = trig::cos(error * RADIANS_PER_DEGREE);
+                per_degree / (cos * cos)
+            }
+        };
+        if error < 0.0 { -magnitude } else { magnitude }
+    }
+
+    /// ∂(ln ΔCD)/∂x for each of the gear's x that the gain follows from, per mm or degree: the same for every error.
+    #[must_use]
+    pub fn relative_sensitivities(self, model: Model) -> Vec<(Input, f64)> {
+        let Some(Geometry { pressure_angle, helix_angle, face_width }) = self.geometry else { return Vec::new() };
+        let (sin, cos) = trig::sin_cos_of(pressure_angle);
+        // d(ln cot α)/dα = -1 / (sin α cos α)
+        let mut all = vec![(Input::NormalPressureAngle, -RADIANS_PER_DEGREE / (sin * cos))];
+        all.extend(face_width.map(|width| (Input::FaceWidth, 1.0 / width.mm())));
+        if model == Model::Exact {
+            // d(ln cos β)/dβ = -tan β
+            let by_beta = RADIANS_PER_DEGREE * trig::tan_of(helix_angle);
+            all.push((Input::HelixAngle, if self.kind == ErrorKind::RackLead { by_beta } else { 0.0 - by_beta }));
+        }
+        all
+    }
+
+    /// ∂ΔCD/∂input by the error, and by the gear data that the gain follows from, at this error.
+    ///
+    /// # Errors
+    /// [`DomainError`] as for [`delta_cd`](Self::delta_cd).
+    pub fn sensitivities(self, error: impl Into<ErrorValue>, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
+        let error = error.into();
+        let delta_cd_mm = self.delta_cd(error, model)?.mm();
+        let at_kink = self.shape(model) != Shape::Shift && error.is_zero();
+        let own = Sensitivity { input: Input::Error, value: (!at_kink).then(|| self.slope(error.base(), model)) };
+        let of_gear = self.relative_sensitivities(model).into_iter();
+        let of_gear = of_gear.map(|(input, relative)| Sensitivity { input, value: Some(delta_cd_mm * relative) });
+        Ok(std::iter::once(own).chain(of_gear).collect())
+    }
+
+    /// The largest error whose ΔCD does not exceed `delta_cd`, not negative where the sign does not matter: on the
+    /// grid, an angle in decimals of a degree, so that it holds when it is read back as printed.
+    ///
+    /// # Errors
+    /// [`DomainError`] if `delta_cd` is negative where the error can only push the pinion away, or if no error reaches
+    /// it.
+    pub fn largest_error(self, delta_cd: Length, model: Model) -> Result<ErrorValue, DomainError> {
+        /// The largest length that is read, in femtometres.
+        const FARTHEST: i64 = 1_000_000_000_000_000_000;
+        /// 1e-11° in nano-arcseconds, and how many of them are just below 90°.
+        const DECIMAL: i64 = 36;
+        const BELOW_RIGHT_ANGLE: i64 = 9_000_000_000_000 - 1;
+        let shape = self.shape(model);
+        if shape == Shape::Shift {
+            return Ok(ErrorValue::Length(delta_cd));
+        }
+        domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
+        if delta_cd.is_zero() {
+            return Ok(ErrorValue::zero(self.kind));
+        }
+        let (error, farthest): (fn(i64) -> ErrorValue, i64) = match shape {
+            Shape::Step | Shape::Shift => (|fm| ErrorValue::Length(Length::from_fm(fm)), FARTHEST),
+            Shape::Sine | Shape::Tangent => {
+                (|decimals| ErrorValue::Angle(Angle::from_nas(decimals * DECIMAL)), BELOW_RIGHT_ANGLE)
+            }
+        };
+        let within = |steps: i64| self.delta_cd(error(steps), model).is_ok_and(|reached| reached <= delta_cd);
+        if within(farthest) {
+            return Err(DomainError::NeverReached {
+                error: if shape == Shape::Step { "pitch error up to 1 km" } else { "lead angle error below 90°" },
+                delta_cd,
+                largest: self.delta_cd(error(farthest), model)?,
+            });
+        }
+        // ΔCD rises with the error
+        let (mut inside, mut outside) = (0, farthest);
+        while outside - inside > 1 {
+            let middle = inside + (outside - inside) / 2;
+            if within(middle) {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        Ok(error(inside))
+    }
+
+    /// Its page in the [`CATALOGUE`].
+    #[must_use]
+    pub fn page(self) -> &'static FormulaPage {
+        page_of(self.kind)
+    }
+}
+
+/// The page of the law of a kind of error.
+#[must_use]
+pub fn page_of(kind: ErrorKind) -> &'static FormulaPage {
+    let index = match kind {
+        ErrorKind::RackOverRoller => 3,
+        ErrorKind::RackPitch => 4,
+        ErrorKind::RackLead => 5,
+        ErrorKind::PinionRadial => 6,
+        ErrorKind::PinionPitch => 7,
+    };
+    &CATALOGUE[index]
+}
+
+/// The right-hand side of a law's equation, as its page prints it: `|Δp| cos β_r / (2 tan α_n)`.
+#[must_use]
+pub fn equation(kind: ErrorKind, model: Model) -> &'static str {
+    page_of(kind).equation(model).trim_start_matches("ΔCD = ")
+}
+
+/// tan Δβ of a helix slope deviation f_Hβ over the evaluation length L: f_Hβ / L.
+///
+/// # Errors
+/// [`DomainError`] if the length is not above 0.
+pub fn lead_slope(helix_slope_deviation: Length, length: Length) -> Result<ErrorValue, DomainError> {
+    domain::EVALUATION_LENGTH.check_length(length)?;
+    Ok(ErrorValue::Slope(helix_slope_deviation.mm() / length.mm()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn angle(text: &str) -> Angle {
+        text.parse().unwrap()
+    }
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn laws(alpha: &str, beta: &str) -> [Law; 5] {
+        let (alpha, beta) = (angle(alpha), angle(beta));
+        [
+            Law::rack_over_roller(),
+            Law::rack_pitch(alpha, beta).unwrap(),
+            Law::rack_lead(alpha, beta, length("20")).unwrap(),
+            Law::pinion_radial(),
+            Law::pinion_pitch(alpha, beta).unwrap(),
+        ]
+    }
+
+    /// cos 30°/(2 tan 30°) = 3/4: short decimals stay short, and a value on its limit is inside.
+    #[test]
+    fn a_rational_gain_gives_decimals() {
+        let law = laws("30", "30")[1];
+        assert_eq!(law.delta_cd(length("-0.04"), Model::Exact).unwrap(), length("0.03"));
+        assert_eq!(law.largest_error(length("0.75"), Model::Exact).unwrap(), length("1").into());
+        assert_eq!(law.largest_error(length("0"), Model::Exact).unwrap(), Length::ZERO.into());
+    }
+
+    /// With k/(2 tan 45°) = 10 mm an error of 30° reaches 5 mm exactly, and is allowed.
+    #[test]
+    fn the_largest_lead_error_may_reach_the_limit() {
+        let law = laws("45", "0")[2];
+        assert_eq!(law.largest_error(length("5"), Model::Exact).unwrap(), angle("30").into());
+        let message = law.largest_error(length("10"), Model::Exact).unwrap_err().to_string();
+        assert_eq!(message, "no lead angle error below 90° reaches a ΔCD of 10 mm: the largest possible is 10 mm");
+        assert!(law.largest_error(length("-0.1"), Model::Exact).is_err());
+        assert_eq!(law.largest_error(length("10"), Model::Paper).unwrap(), angle("45").into());
+    }
+
+    #[test]
+    fn the_largest_error_is_the_last_that_holds() {
+        for law in laws("19.9", "-21.5") {
+            for model in [Model::Exact, Model::Paper] {
+                for text in ["0.000000000001", "0.013", "0.1", "1.7"] {
+                    let largest = law.largest_error(length(text), model).unwrap();
+                    let (held, next): (ErrorValue, ErrorValue) = match largest {
+                        ErrorValue::Length(error) => (error.into(), (error + Length::from_fm(1)).into()),
+                        ErrorValue::Angle(error) => {
+                            let printed: Angle = error.to_string().trim_end_matches('°').parse().unwrap();
+                            assert_eq!(printed, error, "read back as printed");
+                            (ErrorValue::Angle(printed), (error + angle("0.00000000001")).into())
+                        }
+                        ErrorValue::Slope(_) => unreachable!(),
+                    };
+                    assert!(law.delta_cd(held, model).unwrap() <= length(text), "{law:?} {text}");
+                    assert!(law.delta_cd(next, model).unwrap() > length(text), "{law:?} {text}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_the_values() {
+        for law in laws("20", "15") {
+            for model in [Model::Exact, Model::Paper] {
+                for error in [1e-6, 0.013, -0.4, 12.0] {
+                    let step = 1e-6 * f64::abs(error);
+                    let rise = law.delta_cd_mm(error + step, model) - law.delta_cd_mm(error - step, model);
+                    let secant = rise / (2.0 * step);
+                    assert!((law.slope(error, model) - secant).abs() <= 1e-8 * secant.abs(), "{law:?} {error}");
+                }
+            }
+        }
+    }
+
+    /// The paper's model knows no helix, so it has no derivative by it; at no error there is none by a magnitude.
+    #[test]
+    fn what_a_law_is_sensitive_to() {
+        let inputs = |law: Law, error: ErrorValue, model| {
+            let all = law.sensitivities(error, model).unwrap();
+            all.iter().filter(|one| one.value.is_some()).map(|one| one.input).collect::<Vec<_>>()
+        };
+        let [shift, step, lead, ..] = laws("20", "15");
+        let error = ErrorValue::Length(length("0.02"));
+        assert_eq!(inputs(shift, Length::ZERO.into(), Model::Exact), [Input::Error]);
+        assert_eq!(inputs(step, error, Model::Exact), [Input::Error, Input::NormalPressureAngle, Input::HelixAngle]);
+        assert_eq!(inputs(step, error, Model::Paper), [Input::Error, Input::NormalPressureAngle]);
+        assert_eq!(
+            inputs(lead, Angle::ZERO.into(), Model::Exact),
+            [Input::NormalPressureAngle, Input::FaceWidth, Input::HelixAngle]
+        );
+    }
+
+    #[test]
+    fn a_slope_is_its_angle() {
+        let slope = lead_slope(length("8 um"), length("18")).unwrap();
+        let lead = laws("20", "15")[2];
+        let (sine, tangent) = (0.008 / 18.000_001_777_777_69, 0.008 / 18.0);
+        for (model, function) in [(Model::Exact, sine), (Model::Paper, tangent)] {
+            let ratio = lead.delta_cd(slope, model).unwrap().mm() / (lead.gain(model) / FM_PER_MM);
+            assert!((ratio / function - 1.0).abs() < 1e-9, "{model} {ratio} {function}");
+        }
+        assert!(lead_slope(length("8 um"), Length::ZERO).is_err());
+    }
+
+    #[test]
+    fn what_does_not_fit_is_an_error() {
+        let [shift, step, lead, ..] = laws("5", "0");
+        for (law, error) in [(shift, angle("1").into()), (step, ErrorValue::Slope(0.1)), (lead, length("1").into())] {
+            assert!(matches!(law.delta_cd(error, Model::Exact), Err(DomainError::WrongDimension { .. })));
+        }
+        let overflow = step.delta_cd(length("1e6"), Model::Exact).unwrap_err().to_string();
+        assert_eq!(overflow, "ΔCD is too large: its magnitude must stay within 1e6 mm");
+        assert!(lead.delta_cd(angle("90"), Model::Exact).is_err());
+    }
+
+    #[test]
+    fn drawn_gear_data_outside_the_domain_give_no_number() {
+        let lead = laws("20", "12")[2];
+        let drawn = |alpha, helix, width| lead.drawn(alpha, helix, width).delta_cd_mm(0.1, Model::Exact);
+        assert!((drawn(20.0, 12.0, 20.0) / lead.delta_cd_mm(0.1, Model::Exact) - 1.0).abs() < 1e-15);
+        for (alpha, helix, width) in [(0.0, 12.0, 20.0), (45.1, 12.0, 20.0), (20.0, -90.0, 20.0), (20.0, 12.0, -0.1)] {
+            assert!(drawn(alpha, helix, width).is_nan(), "{alpha} {helix} {width}");
+        }
+    }
+
+    /// Each law has a page, and the page is about it.
+    #[test]
+    fn every_law_is_documented_under_its_name() {
+        for law in laws("20", "0") {
+            assert_eq!(law.page().name.replace('-', "_"), law.kind().key());
+            for model in [Model::Exact, Model::Paper] {
+                assert!(!equation(law.kind(), model).is_empty(), "{law:?}");
+            }
+        }
+        assert_eq!(equation(ErrorKind::RackPitch, Model::Exact), "|Δp| cos β_r / (2 tan α_n)");
+        assert_eq!(equation(ErrorKind::RackLead, Model::Paper), "k |tan Δβ| / (2 tan α_n)");
+        assert_eq!(equation(ErrorKind::PinionRadial, Model::Paper), "r - r_nom");
+    }
+}

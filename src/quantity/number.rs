@@ -1,0 +1,304 @@
+//! Numbers as they are written: the one reader of decimal text, and its counterpart that writes. Called by lengths and
+//! angles, and by whatever reads a plain number; decimal points only, and never `nan` or `inf`.
+
+use thiserror::Error;
+
+/// Why a text is not a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum NumberError {
+    /// There is no number in the text.
+    #[error("there is no number")]
+    Empty,
+    /// The text is not a decimal number.
+    #[error("that is not a decimal number")]
+    NotANumber,
+    /// The number has a comma: a decimal comma or a thousands mark, which is left to nobody's guess.
+    #[error("a comma could be a decimal or a thousands mark; write a decimal point and no thousands mark")]
+    Comma,
+    /// The text is an infinity or not-a-number.
+    #[error("a finite number is needed")]
+    NotFinite,
+    /// The number is larger than any double-precision number.
+    #[error("the number is too large (its magnitude must stay below 1.8e308)")]
+    TooLarge,
+}
+
+/// Those that fit a `u64`.
+const POWERS_OF_TEN: [u64; 20] = {
+    let mut powers = [1; 20];
+    let mut exponent = 1;
+    while exponent < 20 {
+        powers[exponent] = 10 * powers[exponent - 1];
+        exponent += 1;
+    }
+    powers
+};
+
+/// The most digits that always fit a `u64`.
+const MOST_DIGITS: usize = 19;
+
+/// A decimal number: `±digits · 10^exponent`. Of text with more than 19 digits the rest is cut off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Decimal {
+    pub(crate) negative: bool,
+    pub(crate) digits: u64,
+    pub(crate) exponent: i32,
+}
+
+/// What one of a unit is on the grid of a quantity: `factor · 10^exponent` steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Scale {
+    pub(crate) factor: u64,
+    pub(crate) exponent: i32,
+}
+
+impl Decimal {
+    /// Reads a decimal number: `25.0131`, `-3`, `+1.5e-3`.
+    pub(crate) fn parse(text: &str) -> Result<Self, NumberError> {
+        if let Some((plain, end)) = Self::plain(text.as_bytes(), 0, b'.')
+            && end == text.len()
+        {
+            return Ok(plain);
+        }
+        let (negative, rest) = match text.strip_prefix(['-', '\u{2212}']) {
+            Some(rest) => (true, rest),
+            None => (false, text.strip_prefix('+').unwrap_or(text)),
+        };
+        let (mantissa, exponent) = match rest.split_once(['e', 'E']) {
+            Some((mantissa, exponent)) => (mantissa, Some(exponent)),
+            None => (rest, None),
+        };
+        let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+        let is_number = |digits: &str| digits.bytes().all(|byte| byte.is_ascii_digit());
+        if mantissa.len() == usize::from(mantissa.contains('.')) || !is_number(whole) || !is_number(fraction) {
+            return Err(match text.to_ascii_lowercase().trim_start_matches(['+', '-']) {
+                "" => NumberError::Empty,
+                "inf" | "infinity" | "nan" => NumberError::NotFinite,
+                _ if rest.contains(',') => NumberError::Comma,
+                _ => NumberError::NotANumber,
+            });
+        }
+        let exponent = exponent.map_or(Ok(0), power_of_ten)?;
+        let significant = || whole.bytes().chain(fraction.bytes()).skip_while(|digit| *digit == b'0');
+        let digits = significant().take(MOST_DIGITS).fold(0, |sum, digit| 10 * sum + u64::from(digit - b'0'));
+        let count = |n: usize| i32::try_from(n).unwrap_or(i32::MAX / 4);
+        let cut_off = count(significant().count().saturating_sub(MOST_DIGITS));
+        Ok(Self { negative, digits, exponent: exponent - count(fraction.len()) + cut_off })
+    }
+
+    /// The plain number that starts at `at`, the fast case of [`parse`](Self::parse): sign, digits, decimal mark,
+    /// digits, 18 of them at most. Returns it with the place behind it.
+    #[inline]
+    pub(crate) fn plain(bytes: &[u8], at: usize, mark: u8) -> Option<(Self, usize)> {
+        let negative = *bytes.get(at)? == b'-';
+        let start = at + usize::from(negative);
+        let (digits, point) = leading_digits(bytes, start, 0);
+        let whole = point - start;
+        let (mut digits, mut end, mut decimals) = (digits, point, 0);
+        if bytes.get(point) == Some(&mark) {
+            (digits, end) = leading_digits(bytes, point + 1, digits);
+            decimals = end - point - 1;
+        }
+        if whole + decimals == 0 || whole + decimals >= MOST_DIGITS {
+            return None;
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 18")]
+        let exponent = -(decimals as i32);
+        Some((Self { negative, digits, exponent }, end))
+    }
+
+    /// The nearest step of a grid, half away from zero; `None` beyond an `i64`.
+    #[inline]
+    pub(crate) fn steps(self, scale: Scale) -> Option<i64> {
+        if self.digits == 0 {
+            return Some(0);
+        }
+        let exponent = self.exponent + scale.exponent;
+        // what measured values are: at most 18 digits on a grid that holds them all
+        let magnitude = match (usize::try_from(exponent), self.digits.checked_mul(scale.factor)) {
+            (Ok(power), Some(product)) => product.checked_mul(*POWERS_OF_TEN.get(power)?),
+            _ => u64::try_from(self.rounded(scale.factor, exponent)?).ok(),
+        };
+        let magnitude = i64::try_from(magnitude?).ok()?;
+        Some(if self.negative { -magnitude } else { magnitude })
+    }
+
+    /// `digits · factor · 10^exponent`, half rounded up.
+    fn rounded(self, factor: u64, exponent: i32) -> Option<u128> {
+        let product = u128::from(self.digits) * u128::from(factor);
+        let power = 10u128.checked_pow(exponent.unsigned_abs());
+        match power {
+            Some(power) if exponent >= 0 => product.checked_mul(power),
+            Some(power) => Some(product / power + u128::from(product % power >= power.div_ceil(2))),
+            // beyond 10^38 steps, or below 10^-38 of a product that is smaller
+            None => (exponent < 0).then_some(0),
+        }
+    }
+}
+
+/// The digits that start at `at`, appended to `digits`, and the place behind them; wraps beyond 19 digits.
+#[inline]
+fn leading_digits(bytes: &[u8], mut at: usize, mut digits: u64) -> (u64, usize) {
+    while let Some(byte) = bytes.get(at) {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        digits = digits.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    (digits, at)
+}
+
+/// The exponent behind an `e`; one that is beyond every number is as good as any such.
+fn power_of_ten(written: &str) -> Result<i32, NumberError> {
+    const BEYOND: i32 = 1_000_000_000;
+    let unsigned = written.strip_prefix(['+', '-']).unwrap_or(written);
+    if unsigned.is_empty() || !unsigned.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(NumberError::NotANumber);
+    }
+    let beyond = if written.starts_with('-') { -BEYOND } else { BEYOND };
+    Ok(written.parse().map_or(beyond, |exponent: i32| exponent.clamp(-BEYOND, BEYOND)))
+}
+
+/// Reads a number that is no length and no angle: a weight, a stiffness, a count.
+pub(crate) fn parse_f64(text: &str) -> Result<f64, NumberError> {
+    Decimal::parse(text)?;
+    let value: f64 = text.replace('\u{2212}', "-").parse().map_err(|_| NumberError::NotANumber)?;
+    if value.is_finite() { Ok(value) } else { Err(NumberError::TooLarge) }
+}
+
+/// Splits `text` into its leading number and what follows, both trimmed.
+pub(crate) fn split_number(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    let mut end = 0;
+    let mut characters = text.char_indices().peekable();
+    let mut previous = ' ';
+    while let Some((index, c)) = characters.next() {
+        let sign_allowed = index == 0 || matches!(previous, 'e' | 'E');
+        let exponent = matches!(c, 'e' | 'E')
+            && previous.is_ascii_digit()
+            && characters.peek().is_some_and(|(_, next)| next.is_ascii_digit() || matches!(next, '+' | '-'));
+        let part = c.is_ascii_digit()
+            || matches!(c, '.' | '_' | ',')
+            || (sign_allowed && matches!(c, '+' | '-' | '\u{2212}'))
+            || exponent;
+        if !part {
+            break;
+        }
+        end = index + c.len_utf8();
+        previous = c;
+    }
+    (text[..end].trim(), text[end..].trim())
+}
+
+/// `steps · 10^-places` as decimal text with that many decimals of them, half away from zero; zero has no sign.
+pub(crate) fn fixed_decimals(steps: i64, places: usize, decimals: usize) -> String {
+    let cut = 10u64.pow(u32::try_from(places.saturating_sub(decimals)).unwrap_or(0));
+    let rounded = steps.unsigned_abs() / cut + u64::from(cut > 1 && steps.unsigned_abs() % cut >= cut / 2);
+    let kept = places.min(decimals);
+    let digits = format!("{rounded:0>width$}", width = kept + 1);
+    let (whole, fraction) = digits.split_at(digits.len() - kept);
+    let sign = if steps < 0 && rounded > 0 { "-" } else { "" };
+    if decimals == 0 { format!("{sign}{whole}") } else { format!("{sign}{whole}.{fraction:0<decimals$}") }
+}
+
+/// `steps · 10^-places` as the shortest decimal text.
+pub(crate) fn shortest_decimal(steps: i64, places: usize) -> String {
+    let text = fixed_decimals(steps, places, places);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MM: Scale = Scale { factor: 1, exponent: 12 };
+
+    fn femtometres(text: &str) -> Option<i64> {
+        Decimal::parse(text).expect(text).steps(MM)
+    }
+
+    #[test]
+    fn decimal_text_is_read_to_the_nearest_step() {
+        for (text, steps) in [
+            ("25.0131", 25_013_100_000_000),
+            ("-0.5e1", -5_000_000_000_000),
+            ("+1000.0", 1_000_000_000_000_000),
+            ("\u{2212}.25", -250_000_000_000),
+            ("7.", 7_000_000_000_000),
+            ("0e999999999999999999999", 0),
+            // what a spreadsheet makes of 25.0131 and of 25.0131 - 25
+            ("25.013100000000001", 25_013_100_000_000),
+            ("1.31000000000014E-02", 13_100_000_000),
+            ("0.0000000000005", 1),
+            ("-0.0000000000005", -1),
+            ("0.000000000000499999999999999999999999", 0),
+            ("1e-99999999999999999999", 0),
+            ("0.00000000000000000000000000000000000000000000000000025e51", 250_000_000_000),
+            ("9223372.036854775807", i64::MAX),
+        ] {
+            assert_eq!(femtometres(text), Some(steps), "{text}");
+        }
+        for beyond in ["9223372.036854775808", "1e309", "-1e99999999999999999999", &"1".repeat(2000)] {
+            assert_eq!(femtometres(beyond), None, "{beyond}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_says_why() {
+        for (text, error) in [
+            ("1_000", NumberError::NotANumber),
+            ("", NumberError::Empty),
+            ("-", NumberError::Empty),
+            (".", NumberError::NotANumber),
+            ("0,4", NumberError::Comma),
+            ("1.2.3", NumberError::NotANumber),
+            ("1e", NumberError::NotANumber),
+            ("1e+-3", NumberError::NotANumber),
+            ("0x10", NumberError::NotANumber),
+            ("nan", NumberError::NotFinite),
+            ("-inf", NumberError::NotFinite),
+        ] {
+            assert_eq!(Decimal::parse(text), Err(error), "{text}");
+        }
+        assert_eq!(parse_f64("1e309"), Err(NumberError::TooLarge));
+        assert_eq!(parse_f64("\u{2212}0.1"), Ok(-0.1));
+    }
+
+    #[test]
+    fn plain_numbers_are_found_and_others_left_alone() {
+        let decimal = |negative, digits, exponent| Decimal { negative, digits, exponent };
+        let plain = |text: &[u8], at| Decimal::plain(text, at, b'.');
+        assert_eq!(plain(b"x-25.0131,", 1), Some((decimal(true, 250_131, -4), 9)));
+        assert_eq!(plain(b"7", 0), Some((decimal(false, 7, 0), 1)));
+        assert_eq!(plain(b".5,", 0), Some((decimal(false, 5, -1), 2)));
+        assert_eq!(plain(b"7.\n", 0), Some((decimal(false, 7, 0), 2)));
+        for text in [&b""[..], b"-", b".", b"-.", b",", b" 1", b"+1", b"abc", b"1234567890123456789"] {
+            assert_eq!(plain(text, 0), None, "{text:?}");
+        }
+        // the place behind the number shows that these are more than a plain number
+        assert_eq!(plain(b"1e3", 0).map(|(_, end)| end), Some(1));
+        assert_eq!(plain(b"12 um", 0).map(|(_, end)| end), Some(2));
+    }
+
+    #[test]
+    fn decimals_are_rounded_half_away_from_zero() {
+        for (steps, decimals, text) in [
+            (13_100_000_000, 6, "0.013100"),
+            (-500_000, 6, "-0.000001"),
+            (-499_999, 6, "0.000000"),
+            (12_500_000_000_000, 0, "13"),
+            (-1_000_000_000_000_000, 2, "-1000.00"),
+            (-1, 14, "-0.00000000000100"),
+            (i64::MIN, 12, "-9223372.036854775808"),
+        ] {
+            assert_eq!(fixed_decimals(steps, 12, decimals), text);
+        }
+        for (steps, text) in [(13_100_000_000, "0.0131"), (-25_000_000_000_000, "-25"), (0, "0"), (1, "0.000000000001")]
+        {
+            assert_eq!(shortest_decimal(steps, 12), text);
+        }
+    }
+}
