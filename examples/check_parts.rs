@@ -1,4 +1,4 @@
-//! Many parts, one formula prepared once: which of them keep ΔCD within a limit?
+//! Many parts, the law of each error made once: which of them keep ΔCD within a limit?
 //!
 //! Run with `cargo run --example check_parts`.
 

@@ -32,8 +32,10 @@ pub(crate) use error::shown;
 pub use length::{Length, LengthUnit};
 pub(crate) use number::Decimal;
 pub use number::NumberError;
+#[cfg(feature = "cmm")]
+pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
-pub(crate) use number::{parse_f64, split_number};
+pub(crate) use number::split_number;
 pub(crate) use rounded::{Degrees, Rounded};
 
 impl Decimal {

@@ -163,6 +163,7 @@ fn power_of_ten(written: &str) -> Result<i32, NumberError> {
 }
 
 /// Reads a number that is no length and no angle: a weight, a stiffness, a count.
+#[cfg(any(feature = "cmm", test))]
 pub(crate) fn parse_f64(text: &str) -> Result<f64, NumberError> {
     Decimal::parse(text)?;
     let value: f64 = text.replace('\u{2212}', "-").parse().map_err(|_| NumberError::NotANumber)?;

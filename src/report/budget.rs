@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::evaluation::class_json;
-use super::number::{millimetres, plain, truncated};
+use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table};
 use crate::decision::Limit;
 use crate::decision::budget::{Budget, Line, Rule};
@@ -59,7 +59,8 @@ fn sensitivities(budget: &Budget) -> Vec<(String, &'static str, f64)> {
             }
         }
     }
-    all.retain(|(_, _, value)| *value != 0.0);
+    // where the errors' parts cancel, what is left is that of ΔCD kept to 1e-12 mm
+    all.retain(|(_, _, value)| value.abs() > 1e-9);
     all
 }
 
@@ -290,7 +291,7 @@ impl Report for BudgetReport<'_> {
         if !sensitivities.is_empty() {
             let rows = sensitivities
                 .iter()
-                .map(|(name, unit, value)| vec![name.clone(), format!("{value:+.5}"), (*unit).to_owned()]);
+                .map(|(name, unit, value)| vec![name.clone(), signed(*value, 5), (*unit).to_owned()]);
             let columns = vec![Column::text("input"), Column::number("∂ΔCD/∂input"), Column::text("unit")];
             blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
         }

@@ -85,8 +85,9 @@ fn run_time_and_error() {
 fn accuracy() {
     let written = std::fs::read_to_string(root().join("benches/results/accuracy.md")).unwrap();
     check("accuracy", &written);
-    // no formula is ever off by more than the rounding of its last digit
-    let ulps = written.lines().filter_map(|line| line.split(" | ").nth(2)?.strip_suffix(" ulp"));
-    let worst = ulps.map(|ulps| ulps.parse::<f64>().unwrap()).fold(0.0, f64::max);
-    assert!(worst > 0.49 && worst <= 0.5, "{worst}");
+    // the promise of src/formula/precision.md, which rounding to the last digit nearly fills by half
+    let formulas = written.lines().take_while(|line| !line.is_empty()).skip(2);
+    let errors = formulas.map(|line| line.trim_end_matches(" |").rsplit(' ').next().unwrap().parse::<f64>().unwrap());
+    let worst = errors.fold(0.0, f64::max);
+    assert!(worst > 0.4 && worst <= 1.0, "{worst}");
 }
