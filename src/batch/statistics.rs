@@ -18,8 +18,8 @@ const FM_PER_MM: f64 = 1e12;
 #[derive(Debug, Clone, Default)]
 pub struct Statistics {
     count: u64,
-    /// Whether the sum of squares is too large to be held; there are no statistics then.
-    beyond: bool,
+    /// Whether the sum of squares is too large to be held; there is no standard deviation then.
+    squares_overflow: bool,
     sum: i128,
     squares: i128,
     smallest: i64,
@@ -100,7 +100,7 @@ impl Statistics {
     fn add_squares(&mut self, squares: i128) {
         let (sum, overflows) = self.squares.overflowing_add(squares);
         self.squares = sum;
-        self.beyond |= overflows;
+        self.squares_overflow |= overflows;
     }
 
     /// Takes what measuring contributes to the variance of a value, mm².
@@ -132,7 +132,7 @@ impl Statistics {
     #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum of many")]
     pub fn moving_range_mm(&self) -> Option<f64> {
         let (sum, count) = self.moving;
-        (count > 0 && self.is_known()).then(|| 1e-12 * (sum as f64 / count as f64))
+        (count > 0).then(|| 1e-12 * (sum as f64 / count as f64))
     }
 
     /// Whether the values look normally distributed; `None` where there are fewer than ten, or the mean is so far from
@@ -162,7 +162,7 @@ impl Statistics {
             self.largest = self.largest.max(other.largest);
         }
         self.count += other.count;
-        self.beyond |= other.beyond;
+        self.squares_overflow |= other.squares_overflow;
         self.sum += other.sum;
         self.add_squares(other.squares);
         self.gauge = (self.gauge.0.saturating_add(other.gauge.0), self.gauge.1 + other.gauge.1);
@@ -176,38 +176,34 @@ impl Statistics {
         self.count
     }
 
-    fn is_known(&self) -> bool {
-        self.count > 0 && !self.beyond
-    }
-
-    /// The smallest value, mm; `None` without values, or if they are so large that their squares
-    /// cannot be summed.
+    /// The smallest value, mm; `None` without values.
     #[must_use]
     pub fn min_mm(&self) -> Option<f64> {
-        self.is_known().then(|| millimetres(self.smallest))
+        (self.count > 0).then(|| millimetres(self.smallest))
     }
 
     /// The largest value, mm.
     #[must_use]
     pub fn max_mm(&self) -> Option<f64> {
-        self.is_known().then(|| millimetres(self.largest))
+        (self.count > 0).then(|| millimetres(self.largest))
     }
 
     /// The mean, mm.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum that is exact")]
     pub fn mean_mm(&self) -> Option<f64> {
-        self.is_known().then(|| self.sum as f64 / self.count as f64 / FM_PER_MM)
+        (self.count > 0).then(|| self.sum as f64 / self.count as f64 / FM_PER_MM)
     }
 
-    /// The standard deviation s (of a sample, with n - 1), mm; `None` below two values.
+    /// The standard deviation s (of a sample, with n - 1), mm; `None` below two values, or if they are so large that
+    /// their squares cannot be summed.
     ///
     /// Σ(x − m)² = Σx² − q (Σx + r) − r²/n, where the mean m is q and r/n: without a loss of digits, however small the
     /// spread is against the mean.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum that is exact")]
     pub fn standard_deviation_mm(&self) -> Option<f64> {
-        if !self.is_known() || self.count < 2 {
+        if self.squares_overflow || self.count < 2 {
             return None;
         }
         let (whole, rest) = (self.sum.div_euclid(self.count.into()), self.sum.rem_euclid(self.count.into()));
@@ -219,7 +215,7 @@ impl Statistics {
     /// The value that a share `q` of the values does not exceed, mm, to 0.05 %.
     #[must_use]
     pub fn quantile_mm(&self, q: f64) -> Option<f64> {
-        if !self.is_known() {
+        if self.count == 0 {
             return None;
         }
         #[expect(
@@ -414,11 +410,12 @@ mod tests {
     }
 
     #[test]
-    fn squares_too_large_for_a_sum_have_no_statistics() {
+    fn squares_too_large_for_a_sum_have_no_standard_deviation() {
         // ten values of a kilometre: a sum of squares of 10³⁷
         let kilometre = 1_000_000_000_000_000_000;
         let (few, many) = (of([-kilometre, kilometre].repeat(5)), of([-kilometre, kilometre].repeat(100)));
         assert!((few.standard_deviation_mm().unwrap() / 1e6 - (10.0_f64 / 9.0).sqrt()).abs() < 1e-12);
-        assert_eq!((many.count(), many.standard_deviation_mm(), many.mean_mm()), (200, None, None));
+        assert_eq!((many.count(), many.standard_deviation_mm(), many.mean_mm()), (200, None, Some(0.0)));
+        assert_eq!((many.min_mm(), many.quantile_mm(0.25), many.max_mm()), (Some(-1e6), Some(-1e6), Some(1e6)));
     }
 }

@@ -269,7 +269,7 @@ impl<'a> BatchReport<'a> {
             ));
         }
         for quantity in limited {
-            if quantity.ppk.is_none() && quantity.statistics.mean_mm().is_some() {
+            if quantity.ppk.is_none() && quantity.statistics.standard_deviation_mm().is_some() {
                 notes.push(format!("{}: no indices, because all values are the same.", quantity.shown()));
             }
             match quantity.normality {
@@ -358,10 +358,11 @@ impl<'a> BatchReport<'a> {
             notes.push("The given uncertainty exceeds the spread of some values: it is overstated there.".to_owned());
         }
         let quantities = self.quantities.iter();
-        for quantity in
-            quantities.filter(|quantity| quantity.statistics.count() > 0 && quantity.statistics.mean_mm().is_none())
+        for quantity in quantities
+            .filter(|quantity| quantity.statistics.count() > 1 && quantity.statistics.standard_deviation_mm().is_none())
         {
-            notes.push(format!("{}: no statistics, because a value is beyond a metre", quantity.name));
+            notes
+                .push(format!("{}: no standard deviation, because the sum of the squares is too large", quantity.name));
         }
         let exact = &self.basis.taken_as_exact;
         if !exact.is_empty() {
