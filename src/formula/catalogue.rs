@@ -28,14 +28,27 @@ impl FormulaPage {
     }
 }
 
+pub(crate) const OVER_PIN: FormulaPage =
+    FormulaPage { name: "over-pin", aliases: &[], text: include_str!("over_pin.md") };
+pub(super) const RACK_OVER_ROLLER: FormulaPage =
+    FormulaPage { name: "rack-over-roller", aliases: &["over-roller"], text: include_str!("over_roller.md") };
+pub(super) const RACK_PITCH: FormulaPage =
+    FormulaPage { name: "rack-pitch", aliases: &["pitch"], text: include_str!("rack_pitch.md") };
+pub(super) const RACK_LEAD: FormulaPage =
+    FormulaPage { name: "rack-lead", aliases: &["lead"], text: include_str!("rack_lead.md") };
+pub(super) const PINION_RADIAL: FormulaPage =
+    FormulaPage { name: "pinion-radial", aliases: &["radial"], text: include_str!("pinion_radial.md") };
+pub(super) const PINION_PITCH: FormulaPage =
+    FormulaPage { name: "pinion-pitch", aliases: &[], text: include_str!("pinion_pitch.md") };
+
 /// Every formula, in the paper's order.
 pub const CATALOGUE: &[FormulaPage] = &[
     FormulaPage { name: "ideal-pin", aliases: &["pin"], text: include_str!("ideal_pin.md") },
-    FormulaPage { name: "over-pin", aliases: &[], text: include_str!("over_pin.md") },
+    OVER_PIN,
     FormulaPage { name: "roller-change", aliases: &[], text: include_str!("roller_change.md") },
-    FormulaPage { name: "rack-over-roller", aliases: &["over-roller"], text: include_str!("over_roller.md") },
-    FormulaPage { name: "rack-pitch", aliases: &["pitch"], text: include_str!("rack_pitch.md") },
-    FormulaPage { name: "rack-lead", aliases: &["lead"], text: include_str!("rack_lead.md") },
-    FormulaPage { name: "pinion-radial", aliases: &["radial"], text: include_str!("pinion_radial.md") },
-    FormulaPage { name: "pinion-pitch", aliases: &[], text: include_str!("pinion_pitch.md") },
+    RACK_OVER_ROLLER,
+    RACK_PITCH,
+    RACK_LEAD,
+    PINION_RADIAL,
+    PINION_PITCH,
 ];

@@ -11,7 +11,7 @@
 //!
 //! In the paper's model cos β is 1. The shapes are derived in [`mesh::relations`](crate::mesh::relations).
 
-use super::{CATALOGUE, FormulaPage, Input, Model, Sensitivity, domain};
+use super::{FormulaPage, Input, Model, Sensitivity, catalogue, domain};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::quantity::{Angle, Domain, DomainError, Length};
 use crate::trig;
@@ -279,25 +279,21 @@ impl Law {
     /// [`DomainError`] if `delta_cd` is negative where the error can only push the pinion away, or if no error reaches
     /// it.
     pub fn largest_error(self, delta_cd: Length, model: Model) -> Result<ErrorValue, DomainError> {
-        /// The largest length that is read, in femtometres.
-        const FARTHEST: i64 = 1_000_000_000_000_000_000;
         /// 1e-11° in nano-arcseconds, and how many of them are just below 90°.
         const DECIMAL: i64 = 36;
         const BELOW_RIGHT_ANGLE: i64 = 9_000_000_000_000 - 1;
         let shape = self.shape(model);
-        if shape == Shape::Shift {
-            return Ok(ErrorValue::Length(delta_cd));
-        }
-        domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
-        if delta_cd.is_zero() {
-            return Ok(ErrorValue::zero(self.kind));
-        }
         let (error, farthest): (fn(i64) -> ErrorValue, i64) = match shape {
-            Shape::Step | Shape::Shift => (|fm| ErrorValue::Length(Length::from_fm(fm)), FARTHEST),
+            Shape::Shift => return Ok(ErrorValue::Length(delta_cd)),
+            Shape::Step => (|fm| ErrorValue::Length(Length::from_fm(fm)), Length::LARGEST.fm()),
             Shape::Sine | Shape::Tangent => {
                 (|decimals| ErrorValue::Angle(Angle::from_nas(decimals * DECIMAL)), BELOW_RIGHT_ANGLE)
             }
         };
+        domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
+        if delta_cd.is_zero() {
+            return Ok(ErrorValue::zero(self.kind));
+        }
         let within = |steps: i64| self.delta_cd(error(steps), model).is_ok_and(|reached| reached <= delta_cd);
         if within(farthest) {
             return Err(DomainError::NeverReached {
@@ -319,7 +315,7 @@ impl Law {
         Ok(error(inside))
     }
 
-    /// Its page in the [`CATALOGUE`].
+    /// Its page in the [`CATALOGUE`](super::CATALOGUE).
     #[must_use]
     pub fn page(self) -> &'static FormulaPage {
         page_of(self.kind)
@@ -329,14 +325,13 @@ impl Law {
 /// The page of the law of a kind of error.
 #[must_use]
 pub fn page_of(kind: ErrorKind) -> &'static FormulaPage {
-    let index = match kind {
-        ErrorKind::RackOverRoller => 3,
-        ErrorKind::RackPitch => 4,
-        ErrorKind::RackLead => 5,
-        ErrorKind::PinionRadial => 6,
-        ErrorKind::PinionPitch => 7,
-    };
-    &CATALOGUE[index]
+    match kind {
+        ErrorKind::RackOverRoller => &catalogue::RACK_OVER_ROLLER,
+        ErrorKind::RackPitch => &catalogue::RACK_PITCH,
+        ErrorKind::RackLead => &catalogue::RACK_LEAD,
+        ErrorKind::PinionRadial => &catalogue::PINION_RADIAL,
+        ErrorKind::PinionPitch => &catalogue::PINION_PITCH,
+    }
 }
 
 /// The right-hand side of a law's equation, as its page prints it: `|Δp| cos β_r / (2 tan α_n)`.

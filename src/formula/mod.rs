@@ -27,6 +27,8 @@ pub mod roller_change;
 mod catalogue;
 mod part_error;
 
+#[cfg(feature = "spec")]
+pub(crate) use catalogue::OVER_PIN;
 pub use catalogue::{CATALOGUE, FormulaPage};
 pub use law::{Geometry, Law};
 pub use part_error::PartError;

@@ -67,6 +67,9 @@ macro_rules! grid_quantity {
             /// Nothing.
             pub const ZERO: Self = Self { $steps: 0 };
 
+            /// The largest that is read or computed.
+            pub const LARGEST: Self = Self { $steps: super::LARGEST };
+
             /// The magnitude.
             #[must_use]
             pub const fn abs(self) -> Self {

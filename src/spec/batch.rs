@@ -7,7 +7,7 @@ use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::law::equation;
+use crate::formula::law::page_of;
 use crate::formula::{Law, Model};
 use crate::quantity::Length;
 use std::ops::Range;
@@ -156,8 +156,8 @@ impl Spec {
     pub fn law(&self, kind: ErrorKind, what: &str) -> Result<Law, Diagnostics> {
         let mut missing = MissingKeys::default();
         let place = self.place_of(kind);
-        let label = format!("ΔCD = {}", equation(kind, Model::Exact));
-        let need = || (what.to_owned(), place.clone().map(|span| (span, label.clone())));
+        let label = page_of(kind).equation(Model::Exact);
+        let need = || (what.to_owned(), place.clone().map(|span| (span, label.to_owned())));
         match self.law_of(kind, &mut missing, &need) {
             Some(Ok(law)) => Ok(law),
             Some(Err(error)) => Err(Diagnostic::error(Code::OutOfDomain, error.to_string()).into()),

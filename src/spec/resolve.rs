@@ -8,9 +8,9 @@ use super::{Located, Spec, WrittenError};
 use crate::decision::{EvaluationError, Limits};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
-use crate::formula::law::equation;
+use crate::formula::law::page_of;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Law, Model, PartError};
+use crate::formula::{Law, Model, OVER_PIN, PartError};
 use crate::quantity::{Angle, DomainError, Length};
 
 impl Spec {
@@ -197,10 +197,9 @@ pub(super) type Need = (String, Option<(Range<usize>, String)>);
 fn needed_by(kind: ErrorKind, written: &Located<WrittenError>) -> impl Fn() -> Need {
     move || {
         let formula = match written.value {
-            WrittenError::OverRoller { .. } => {
-                "M_nom = K - (π m_n - s_n) / (2 tan α_n) + (d_p / 2) (1 + 1 / sin α_n)".to_owned()
-            }
-            _ => format!("ΔCD = {}", equation(kind, Model::Exact)),
+            // the nominal of M - M_nom is the measure over the pin
+            WrittenError::OverRoller { .. } => OVER_PIN.equation(Model::Exact).replacen("M =", "M_nom =", 1),
+            _ => page_of(kind).equation(Model::Exact).to_owned(),
         };
         let span = &written.span;
         (format!("`{}`", kind.key()), (!span.is_empty()).then(|| (span.clone(), formula)))
