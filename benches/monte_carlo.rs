@@ -3,6 +3,7 @@
 #![allow(missing_docs)]
 
 use std::hint::black_box;
+use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rackmesh::decision::monte_carlo::racks::{RackSettings, Scatter, simulate_racks};
@@ -89,9 +90,10 @@ fn racks(c: &mut Criterion) {
     group.throughput(Throughput::Elements(RACKS as u64)).sample_size(10);
     for (name, scatter) in [("pitch and thickness", plain), ("with runout", runout)] {
         for (cores, threads) in [("one thread", Some(1)), ("all cores", None)] {
+            let stop = AtomicBool::new(false);
             let settings = RackSettings { seed: 1, racks: RACKS, from_mm: 0.0, to_mm: 50.0, threads };
             group.bench_function(format!("{name}, {cores}"), |b| {
-                b.iter(|| simulate_racks(black_box(&base), &scatter, &settings).expect("a result"));
+                b.iter(|| simulate_racks(black_box(&base), &scatter, &settings, &stop).expect("a result"));
             });
         }
     }

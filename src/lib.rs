@@ -20,7 +20,7 @@
 //! | [`reproduction`] | the paper's tables and figure, computed again |
 //! | [`decision`] | errors combined, and judged against limits |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
-#![cfg_attr(feature = "cmm", doc = "| [`cmm`] | tables of measured values |")]
+#![cfg_attr(feature = "table", doc = "| [`table`] | tables of measured values |")]
 #![cfg_attr(feature = "batch", doc = "| [`batch`] | tables with a row per part, of any length |")]
 #![cfg_attr(feature = "report", doc = "| [`report`] | results as tables, Markdown, CSV and JSON |")]
 //! | [`diagnostic`] | what is wrong with an input, where, and what to do |
@@ -68,8 +68,6 @@ assert_eq!(spec.part_errors()?.len(), 1);
 pub mod batch;
 #[cfg(feature = "cli")]
 pub mod cli;
-#[cfg(feature = "cmm")]
-pub mod cmm;
 pub mod decision;
 pub mod deviation;
 pub mod diagnostic;
@@ -86,4 +84,10 @@ pub mod reproduction;
 #[cfg(feature = "spec")]
 pub mod spec;
 pub mod standard;
+#[cfg(feature = "table")]
+#[cfg_attr(
+    not(feature = "cli"),
+    allow(dead_code, unused_imports, reason = "some of it is asked for by batches and the command line only")
+)]
+pub mod table;
 pub mod trig;

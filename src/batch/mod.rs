@@ -1,24 +1,23 @@
-//! Tables with a row per part: ΔCD of every part, of tables of any length.
+//! The parts of tables of any length: ΔCD of each, through the formulas.
 //!
-//! The command line opens files, makes a [`Plan`] from the spec, the first table's header and what was asked,
-//! and runs each table through a [`Batch`]. Rows come out in the table's order, rejected rows apart and
-//! unchanged, and what it all came to as an [`Outcome`]. Readers of other formats hand in rows of text
-//! ([`Input::of_rows`]). Nothing here opens files or prints.
+//! The command line reads tables ([`crate::table`]), makes a [`Plan`] from the spec, the first table's columns and what
+//! was asked, and runs each table through a [`Batch`]. Rows come out in the table's order, rejected rows apart and
+//! unchanged, and what it all came to as an [`Outcome`]. Nothing here opens files or prints, and nothing knows what file
+//! a column is from.
 //!
 //! | module | what it is |
 //! |---|---|
-//! | `input`, `chunk`, `split` | bytes to chunks that end with a record, records to fields |
 //! | `layout`, `plan`, `output` | which column holds what; what is computed and written |
 //! | `uncertain` | how certain results are |
 //! | `number`, `buffer`, `write`, `rows` | results as text |
 //! | `evaluate`, `results` | one row: its deviations, what follows from them, the verdict |
-//! | `run`, `pack` | chunks through all cores, in order |
+//! | `run`, `pack` | pieces through all cores, in order |
 //! | `parquet` | rows as Parquet |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
 //! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
 //!
 //! # Right to the last digit
-//! A field such as `25.0131` becomes a [`Length`](crate::quantity::Length), from which the nominal value is taken:
+//! A cell such as `25.0131` becomes a [`Length`](crate::quantity::Length), from which the nominal value is taken:
 //! differences are decimal differences. ΔCD, the combinations and the verdict are computed by the functions that
 //! [`evaluate`](crate::decision::evaluate) calls.
 //!
@@ -26,19 +25,21 @@
 //! ```
 //! use std::sync::Arc;
 //! use std::sync::atomic::AtomicBool;
-//! use rackmesh::batch::{Batch, Dialect, Input, Layout, Packing, Plan, Request, Sink, Sinks};
+//! use rackmesh::batch::{Batch, Layout, Packing, Plan, Request, Sink, Sinks};
 //! use rackmesh::spec::Spec;
+//! use rackmesh::table::{Container, Source};
 //!
 //! let spec = "[errors]\nrack_over_roller = { nominal = 25.0 }\n[limits]\ncenter_distance = \"±0.02\"";
 //! let spec = Arc::new(Spec::parse("rack.toml", spec)?);
-//! let table = "part_id,rack_over_roller\nP1,25.0131\nP2,25.0201\n";
-//! let input = Input::open("parts.csv", Box::new(table.as_bytes()), Dialect::default()).expect("it has a header");
-//! let plan = Plan::new(&spec, &input.header, Request::default())?;
-//! let layout = Layout::new(&plan, &input.header)?;
+//! let bytes = "part_id,rack_over_roller\nP1,25.0131\nP2,25.0201\n";
+//! let container = Container::open("parts.csv", Source::bytes(bytes.into()), &spec.want())?;
+//! let table = container.table("parts.csv", &spec.want())?;
+//! let plan = Plan::new(&spec, &table, Request::default())?;
+//! let layout = Layout::new(&plan, &table)?;
 //! let mut rows = Vec::new();
 //! let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
 //! let mut batch = Batch::new(&plan, sinks, None);
-//! batch.run(input, &layout, &AtomicBool::new(false), &mut |_| {})?;
+//! batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {})?;
 //! let (outcome, _) = batch.finish();
 //! assert_eq!((outcome.counts.pass, outcome.counts.fail), (1, 1));
 //! let rows = String::from_utf8(rows).expect("CSV is text");
@@ -47,9 +48,7 @@
 //! ```
 
 mod buffer;
-mod chunk;
 mod evaluate;
-mod input;
 mod layout;
 mod number;
 mod outcome;
@@ -61,16 +60,14 @@ mod request;
 mod results;
 mod rows;
 mod run;
-mod split;
 mod statistics;
 mod teeth;
 mod uncertain;
 mod write;
 
-pub use input::{Dialect, Header, Input};
 pub use layout::Layout;
 pub use number::Decimals;
-pub use outcome::{Counts, Outcome, Part, Problem};
+pub use outcome::{Counts, Duplicates, Outcome, Part, Problem};
 pub use pack::Packing;
 pub use parquet::{ColumnKind, GROUP, ParquetRows};
 pub use plan::Plan;

@@ -1,13 +1,16 @@
 //! What a batch came to: counts that add up, what is wrong with which row, the parts to look at. Filled by the run,
 //! read by the reports; decides nothing.
 
+use std::collections::HashSet;
 use std::fmt;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 use super::statistics::{Moving, Statistics};
 use crate::decision::{LimitTarget, Verdict};
 use crate::diagnostic::Code;
-use crate::quantity::Length;
+use crate::quantity::{Length, shown};
+use crate::table::{AsideReading, Contradiction, Place, Reading, cell_text};
 
 /// How many rows there were, and what became of them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -62,6 +65,8 @@ pub struct Problem {
     pub record: u64,
     /// Where that is, for tables without lines.
     pub place: Option<String>,
+    /// The name of the part, if it has one.
+    pub part: Option<String>,
     /// The column, by its name in the header.
     pub column: Option<String>,
     /// What stands there, shortened.
@@ -84,7 +89,8 @@ impl Problem {
     #[must_use]
     pub fn what(&self) -> String {
         let column = self.column.as_ref().map(|column| format!(", column `{column}`")).unwrap_or_default();
-        let message = format!("record {}{column}: {}", self.record, self.message);
+        let part = self.part.as_ref().map(|part| format!(" (part {part})")).unwrap_or_default();
+        let message = format!("record {}{part}{column}: {}", self.record, self.message);
         if self.text.is_empty() || self.message.contains(&self.text) {
             message
         } else {
@@ -139,14 +145,122 @@ pub struct Outcome {
     pub statistics: Vec<Statistics>,
     /// The names of the results that have statistics.
     pub quantities: Vec<String>,
-    /// Whether the run was ended before the end of the input.
+    /// How each table was read.
+    pub readings: Vec<Reading>,
+    /// What the spec and the tables leave to say: what was left out, what was assumed.
+    pub notes: Vec<String>,
+    /// Part names that appear more than once.
+    pub duplicates: Duplicates,
+    /// Whether the run was ended before the end of the input, by the user.
     pub interrupted: bool,
+    /// Whether it ended early because a table could not be read to its end.
+    pub is_cut: bool,
     /// Bytes read, after unpacking.
     pub bytes: u64,
 }
 
+/// The names of some parts, one behind the other.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    bytes: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl Names {
+    pub(super) fn push(&mut self, name: &[u8]) {
+        self.bytes.extend_from_slice(name);
+        self.ends.push(self.bytes.len());
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u8]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, end)| &self.bytes[start..*end])
+    }
+}
+
+/// A number that is a hash already.
+#[derive(Debug, Clone, Default)]
+struct AsItIs(u64);
+
+impl Hasher for AsItIs {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        self.0 = fnv(bytes);
+    }
+
+    fn write_u64(&mut self, hash: u64) {
+        self.0 = hash;
+    }
+}
+
+/// FNV-1a, 64 bits: short names are hashed a hundred thousand times.
+fn fnv(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Part names that appear more than once.
+#[derive(Debug, Clone, Default)]
+pub struct Duplicates {
+    /// How many parts have the name of an earlier one.
+    pub count: u64,
+    /// The first such names.
+    pub first: Vec<String>,
+    /// Whether the names of later parts were not looked at, because there are too many.
+    pub is_cut: bool,
+    /// Hashes of the names so far.
+    seen: HashSet<u64, BuildHasherDefault<AsItIs>>,
+}
+
+impl Duplicates {
+    /// Names that are looked at.
+    const MOST: usize = 100_000;
+    /// Names that are kept.
+    const SHOWN: usize = 3;
+
+    /// Whether more names are looked at.
+    pub(super) fn is_open(&self) -> bool {
+        self.seen.len() < Self::MOST
+    }
+
+    fn add(&mut self, names: &Names) {
+        for name in names.iter().filter(|name| !name.is_empty()) {
+            if !self.is_open() {
+                self.is_cut = true;
+                return;
+            }
+            if !self.seen.insert(fnv(name)) {
+                self.count += 1;
+                if self.first.len() < Self::SHOWN {
+                    self.first.push(cell_text(name).into_owned());
+                }
+            }
+        }
+    }
+
+    /// The warning, if there is reason for one.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let cut = if self.is_cut { " among the first 100,000 parts; later ones are not checked" } else { "" };
+        let names: Vec<_> = self.first.iter().map(|name| format!("`{}`", shown(name))).collect();
+        match self.count {
+            0 if self.is_cut => {
+                Some("part names: not checked for duplicates beyond the first 100,000 parts".to_owned())
+            }
+            0 => None,
+            1 => Some(format!("two parts have the name {}{cut}", names.join(", "))),
+            count => Some(format!("{count} parts have the name of an earlier one, such as {}{cut}", names.join(", "))),
+        }
+    }
+}
+
 /// How many of the worst parts are kept.
 pub(super) const WORST: usize = 10;
+
+/// How many records that are no parts are kept.
+const ASIDES: usize = 100;
 
 /// A part to keep, while only its chunk is known.
 #[derive(Debug, Clone)]
@@ -161,9 +275,16 @@ pub(super) struct Kept {
 pub(super) struct Tally {
     pub(super) counts: Counts,
     pub(super) lines: u64,
+    pub(super) records: u64,
     pub(super) problems: Vec<Problem>,
     pub(super) failures: Vec<Part>,
     pub(super) worst: Vec<Kept>,
+    /// Records that are no parts.
+    pub(super) asides: Vec<AsideReading>,
+    /// A cell that contradicts how the table is read.
+    pub(super) contradiction: Option<Contradiction>,
+    /// The names of the parts, while they are looked at.
+    pub(super) names: Names,
     /// One per result that is held against a limit, where statistics are kept.
     pub(super) moving: Vec<Moving>,
 }
@@ -180,9 +301,14 @@ pub(super) struct Total<'a> {
     pub(super) outcome: &'a mut Outcome,
     pub(super) worst: Vec<Kept>,
     pub(super) moving: &'a mut [Moving],
+    /// Lines before the next piece; 0 where lines count from the start of the file.
     pub(super) lines: u64,
+    pub(super) is_relative: bool,
     pub(super) records: u64,
-    pub(super) place: Option<Arc<dyn Fn(u64) -> String + Send + Sync>>,
+    pub(super) place: Place,
+    /// Records that are no parts.
+    pub(super) asides: Vec<AsideReading>,
+    pub(super) contradiction: Option<Contradiction>,
     pub(super) problems_kept: usize,
     pub(super) failures_kept: usize,
 }
@@ -191,20 +317,20 @@ impl Total<'_> {
     /// Takes the chunk that follows all that it has; line and record numbers of the chunk become those of
     /// the table.
     pub(super) fn add(&mut self, tally: &mut Tally) {
-        let place = |record: u64| self.place.as_ref().map(|place| place(record));
+        let place = |line: u64| self.place.in_words(line);
         let (lines, records) = (self.lines, self.records);
         for mut problem in tally.problems.drain(..) {
             if self.outcome.problems.len() < self.problems_kept {
                 problem.line += lines;
                 problem.record += records;
-                problem.place = place(problem.record);
+                problem.place = place(problem.line);
                 self.outcome.problems.push(problem);
             }
         }
         let settle = |part: &mut Part| {
             part.line += lines;
             part.record += records;
-            part.place = place(part.record);
+            part.place = place(part.line);
         };
         for mut part in tally.failures.drain(..) {
             if self.outcome.failures.len() < self.failures_kept {
@@ -219,8 +345,19 @@ impl Total<'_> {
         for (moving, next) in self.moving.iter_mut().zip(&tally.moving) {
             moving.join(next);
         }
-        self.lines += tally.lines;
-        self.records += tally.counts.rows;
+        for mut aside in tally.asides.drain(..) {
+            if self.asides.len() < ASIDES {
+                aside.line += lines;
+                self.asides.push(aside);
+            }
+        }
+        if let Some(mut contradiction) = tally.contradiction.take() {
+            contradiction.line += lines;
+            self.contradiction.get_or_insert(contradiction);
+        }
+        self.outcome.duplicates.add(&tally.names);
+        self.lines += if self.is_relative { tally.lines } else { 0 };
+        self.records += tally.records;
         self.outcome.counts.add(&tally.counts);
     }
 }

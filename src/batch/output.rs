@@ -1,12 +1,13 @@
 //! What can be written for a part, and what of it was asked for. Called by the plan; names columns and computes
 //! nothing.
 
-use super::input::Header;
+use super::plan::listed;
 use super::request::Request;
 use crate::decision::monte_carlo::Simulation;
 use crate::decision::{LimitTarget, Limits, Stack};
 use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::table::Table;
 
 /// One column of the output.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -106,7 +107,7 @@ pub(super) enum Asked {
 impl Asked {
     /// The outputs that were asked for, or all of them.
     pub(super) fn all(
-        header: &Header,
+        table: &Table,
         request: &Request,
         present: &[ErrorKind],
         limits: &Limits,
@@ -158,7 +159,7 @@ impl Asked {
         for name in names {
             if let Some((_, output)) = all.iter().find(|(known, _)| known == name) {
                 asked.push(output.clone());
-            } else if header.columns.contains(name) {
+            } else if table.titles.contains(name) {
                 asked.push(Asked::Copied(name.clone()));
             } else {
                 let known: Vec<_> = all.iter().map(|(name, _)| name.as_str()).collect();
@@ -168,9 +169,8 @@ impl Asked {
                     return Err(Diagnostic::error(Code::Usage, message)
                         .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
                 }
-                return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write")).help(
-                    format!("the results are {}; {} also has {}", known.join(", "), header.name, header.names()),
-                ));
+                return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
+                    .help(format!("the results are {}; {} also has {}", known.join(", "), table.name, listed(table))));
             }
         }
         Ok(asked)

@@ -5,8 +5,6 @@
 
 use std::sync::Arc;
 
-use super::input::Header;
-use super::layout::{Found, find_column, find_id};
 use super::number::Decimals;
 use super::output::{
     Asked, Of, Output, column_name, conformance_name, end_name, expanded_name, own_name, standard_name,
@@ -15,30 +13,38 @@ use super::request::{Request, RowFormat};
 use super::uncertain::Uncertain;
 use crate::decision::monte_carlo::MonteCarloError;
 use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Law, Model};
-use crate::quantity::Length;
+use crate::quantity::{Length, shown};
 use crate::spec::{Reading, Spec};
+use crate::table::{Column, Nominal, Table};
 
-/// One error that is read from the table.
+/// One error of each part.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
     pub(super) law: Law,
     pub(super) reading: Reading,
+    /// The value that every part has; `None` if it is read from the table.
+    pub(super) of_every_part: Option<ErrorValue>,
 }
 
 /// What is computed for each part.
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub(super) sources: Vec<Source>,
+    /// The errors that the first table has columns of, and those of every part.
+    pub(super) present: Vec<ErrorKind>,
     pub(super) outputs: Vec<Output>,
     pub(super) model: Model,
     pub(super) stack: Stack,
     /// The limits that can be judged.
     pub(super) limits: Limits,
-    /// The limits on errors that the table does not have.
+    /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
     pub(super) unjudged: Vec<LimitTarget>,
+    /// The errors that the spec asks for and the table lacks.
+    pub(super) lacking: Vec<ErrorKind>,
+    has_id: bool,
     pub(super) decimals: Decimals,
     pub(super) format: RowFormat,
     pub(super) request: Request,
@@ -53,19 +59,25 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Plans a batch for the spec and the header of its first table.
+    /// Plans a batch for the spec and the columns of its first table.
     ///
     /// # Errors
     /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
     /// a column's formula needs, and for names of output columns that there are not.
-    pub fn new(spec: &Arc<Spec>, header: &Header, request: Request) -> Result<Self, Diagnostics> {
-        let (present, found) = Self::columns(spec, header)?;
+    pub fn new(spec: &Arc<Spec>, table: &Table, request: Request) -> Result<Self, Diagnostics> {
+        let columns = Self::columns(spec, table)?;
+        let in_table: Vec<_> = columns.iter().filter_map(|column| column.kind).collect();
+        let of_every_part = spec.errors_of_every_part(&in_table)?;
+        let lacking = spec.lacking(&in_table);
+        let is_present =
+            |kind: &ErrorKind| in_table.contains(kind) || of_every_part.iter().any(|error| error.kind() == *kind);
+        let present: Vec<_> = ErrorKind::ALL.into_iter().filter(is_present).collect();
         let limits = spec.limits();
         let is_uncertain = !spec.uncertainties_of(&present)?.is_empty();
         if !is_uncertain {
             refuse_without_uncertainty(&request)?;
         }
-        let outputs = Asked::all(header, &request, &present, &limits, is_uncertain)?;
+        let outputs = Asked::all(table, &request, &present, &limits, is_uncertain)?;
         let judged_together = limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
         let combined = outputs.iter().any(|output| matches!(output, Asked::Result(_)));
         let needed = |kind: ErrorKind| {
@@ -74,13 +86,16 @@ impl Plan {
         };
         let mut diagnostics = Vec::new();
         let mut sources = Vec::new();
-        for (kind, column) in present.iter().copied().zip(found).filter(|(kind, _)| needed(*kind)) {
-            let source = column.reading(spec, header, kind).and_then(|reading| {
-                let what = format!("the column of `{}`", kind.key());
-                Ok(Source { law: spec.law(kind, &what)?, reading })
-            });
-            match source {
-                Ok(source) => sources.push(source),
+        for kind in present.iter().copied().filter(|kind| needed(*kind)) {
+            if let Some(error) = of_every_part.iter().find(|error| error.kind() == kind) {
+                let value = Some(error.value());
+                sources.push(Source { law: error.law(), reading: Reading::Deviation, of_every_part: value });
+                continue;
+            }
+            let column = columns.iter().find(|column| column.kind == Some(kind));
+            let Some(column) = column else { continue };
+            match spec.law(kind, &format!("the column of `{}`", kind.key())) {
+                Ok(law) => sources.push(Source { law, reading: reading(column), of_every_part: None }),
                 Err(problems) => diagnostics.extend(problems.0),
             }
         }
@@ -89,8 +104,14 @@ impl Plan {
             return Err(Diagnostics(diagnostics));
         }
         let index = |kind: ErrorKind| sources.iter().position(|source| source.law.kind() == kind);
+        // a rule that needs uncertainties judges nothing of which one is missing
+        let uncertainties = spec.uncertainties_of(&present)?;
+        let is_certain =
+            |kind: &ErrorKind| uncertainties.of(crate::decision::uncertainty::Source::Error(*kind)).is_none();
+        let lacks_uncertainty = request.rule.needs_uncertainty() && !request.partial && in_table.iter().any(is_certain);
         let is_read = |on: LimitTarget| match on {
-            LimitTarget::CenterDistance => true,
+            _ if lacks_uncertainty => false,
+            LimitTarget::CenterDistance => lacking.is_empty() || request.partial,
             LimitTarget::Error(kind) => index(kind).is_some(),
         };
         let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
@@ -112,9 +133,12 @@ impl Plan {
             stack,
             limits: judged,
             unjudged,
+            lacking,
+            has_id: table.has_id,
             decimals: request.decimals,
             format: request.format,
             sources,
+            present,
             outputs,
             request,
             spec: Arc::clone(spec),
@@ -133,28 +157,38 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The errors that the table has columns of, and where these are.
-    fn columns(spec: &Spec, header: &Header) -> Result<(Vec<ErrorKind>, Vec<Found>), Diagnostics> {
-        let mut present = Vec::new();
+    /// The columns of errors that the table has, in the paper's order.
+    fn columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t Column>, Diagnostics> {
         let mut found = Vec::new();
         let mut diagnostics = Vec::new();
         for kind in ErrorKind::ALL {
-            match find_column(spec, header, kind) {
-                Ok(Some(column)) => {
-                    present.push(kind);
-                    found.push(column);
+            let mut columns = table.columns.iter().filter(|column| column.kind == Some(kind));
+            match (columns.next(), columns.next()) {
+                (Some(first), Some(second)) => {
+                    let message = format!(
+                        "{} has two columns for `{}`: `{}` and `{}`",
+                        table.name,
+                        kind.key(),
+                        first.title,
+                        second.title
+                    );
+                    let help = format!("say which: [batch.columns] {} = {{ name = \"{}\" }}", kind.key(), first.title);
+                    diagnostics.push(Diagnostic::error(Code::BadTable, message).help(help));
                 }
-                Ok(None) => {}
-                Err(diagnostic) => diagnostics.push(diagnostic),
+                (Some(column), None) => found.push(column),
+                (None, _) if spec.batch_column(kind).is_some_and(|column| column.value.name.is_some()) => {
+                    diagnostics.push(missing(spec, table, kind));
+                }
+                (None, _) => {}
             }
         }
         if !diagnostics.is_empty() {
             return Err(Diagnostics(diagnostics));
         }
-        if present.is_empty() {
-            return Err(no_column(header).into());
+        if found.is_empty() {
+            return Err(no_column(table).into());
         }
-        Ok((present, found))
+        Ok(found)
     }
 
     /// The outputs of which there are statistics: ΔCD and its combinations.
@@ -306,18 +340,35 @@ impl Plan {
         self.stack
     }
 
-    /// Errors of which the spec gives one part's value while the table has no column of them: they are left
-    /// out.
+    /// Errors that the spec asks for and the table lacks: without them the sum is not that of a part.
     #[must_use]
-    pub fn left_out(&self, header: &Header) -> Vec<ErrorKind> {
-        let given = self.spec.errors.iter().map(|(kind, _)| *kind);
-        given.filter(|kind| matches!(find_column(&self.spec, header, *kind), Ok(None))).collect()
+    pub fn lacking(&self) -> &[ErrorKind] {
+        &self.lacking
+    }
+
+    /// Errors whose value in the spec is that of every part.
+    pub fn of_every_part(&self) -> impl Iterator<Item = ErrorKind> + '_ {
+        self.sources.iter().filter(|source| source.of_every_part.is_some()).map(|source| source.law.kind())
     }
 
     /// Whether parts have a name of their own, or are called by the number of their row.
     #[must_use]
-    pub fn has_id(&self, header: &Header) -> bool {
-        find_id(&self.spec, header, self.request.id.as_deref()).is_ok_and(|id| id.is_some())
+    pub fn has_id(&self) -> bool {
+        self.has_id
+    }
+
+    /// Whether parts are judged by what the table has, though it lacks something.
+    #[must_use]
+    pub fn is_partial(&self) -> bool {
+        self.request.partial && !self.lacking.is_empty()
+    }
+}
+
+/// What a column's numbers are.
+fn reading(column: &Column) -> Reading {
+    match column.nominal {
+        Nominal::Fixed(nominal) => Reading::Measured(nominal),
+        Nominal::None | Nominal::Beside => Reading::Deviation,
     }
 }
 
@@ -336,12 +387,43 @@ fn refuse_without_uncertainty(request: &Request) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-fn no_column(header: &Header) -> Diagnostic {
-    let message = format!("{} has no column of an error that is known", header.name);
+fn no_column(table: &Table) -> Diagnostic {
+    let message = format!("{} has no column of an error that is known", table.name);
     let known: Vec<_> = ErrorKind::ALL.into_iter().map(ErrorKind::key).collect();
-    Diagnostic::error(Code::BadTable, message).help(format!(
+    let help = format!(
         "it has {}; name its columns {}, or say what they are: [batch.columns] rack_pitch = {{ name = \"…\" }}",
-        header.names(),
+        listed(table),
         known.join(", ")
-    ))
+    );
+    Diagnostic::error(Code::BadTable, message).help(help)
+}
+
+/// A column that the spec promises or the run needs is not there.
+pub(super) fn missing(spec: &Spec, table: &Table, kind: ErrorKind) -> Diagnostic {
+    let column = spec.batch_column(kind);
+    let name = column.and_then(|column| column.value.name.as_deref()).unwrap_or(kind.key());
+    let diagnostic = Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", table.name)).help(format!(
+        "it has {}; name another: [batch.columns] {} = {{ name = \"…\" }}",
+        listed(table),
+        kind.key()
+    ));
+    match column {
+        Some(column) => diagnostic.at(&spec.source, column.span.clone(), "promised here"),
+        None => diagnostic,
+    }
+}
+
+/// The columns of a table as a message lists them, as many as it has room for; one without a name (the margin of a
+/// sheet) is none to choose.
+pub(super) fn listed(table: &Table) -> String {
+    const MOST: usize = 30;
+    let titles = || {
+        let in_rows = table.titles.iter().filter(|title| !title.is_empty());
+        in_rows.chain(table.columns.iter().map(|column| &column.title).filter(|_| table.titles.is_empty()))
+    };
+    let mut list = titles().take(MOST).map(|title| shown(title)).collect::<Vec<_>>().join(", ");
+    if let more @ 1.. = titles().count().saturating_sub(MOST) {
+        list += &format!(" and {more} more");
+    }
+    list
 }

@@ -22,8 +22,8 @@ pub struct Request {
     pub format: RowFormat,
     /// The columns to write, by the names of the output or of the input; all results if `None`.
     pub columns: Option<Vec<String>>,
-    /// The column that names the part; `part_id` if `None`.
-    pub id: Option<String>,
+    /// Whether parts are judged by what the table has where it lacks an error that the spec asks for.
+    pub partial: bool,
     /// Whether statistics and the worst parts are kept.
     pub statistics: bool,
     /// Which rows are written.

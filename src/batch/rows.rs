@@ -15,7 +15,6 @@ impl Evaluator<'_> {
     pub(super) fn write_row(
         &mut self,
         row: Row<'_>,
-        first_record: u64,
         results: &Results,
         uncertainty: Option<&RowUncertainty>,
         verdict: Option<Verdict>,
@@ -26,7 +25,7 @@ impl Evaluator<'_> {
             self.write_start(index);
             match output {
                 Output::Id | Output::Copied(_) | Output::Verdict => {
-                    self.write_text(row, first_record, index, verdict);
+                    self.write_text(row, index, verdict);
                     self.out.room(40 * plan.outputs.len() + plan.names_length);
                 }
                 output if output.is_uncertain() => self.write_uncertain(output, results, uncertainty),
@@ -82,36 +81,28 @@ impl Evaluator<'_> {
         self.out.byte(b'\n');
     }
 
-    /// The part's name, a copied field, or the verdict.
-    fn write_text(&mut self, row: Row<'_>, first_record: u64, index: usize, verdict: Option<Verdict>) {
+    /// The part's name, a copied cell, or the verdict.
+    fn write_text(&mut self, row: Row<'_>, index: usize, verdict: Option<Verdict>) {
         let plan = self.plan;
-        let field = match &plan.outputs[index] {
-            Output::Id => row.id,
-            Output::Copied(name) => {
-                let earlier = plan.outputs[..index].iter().filter(|output| matches!(output, Output::Copied(_)));
-                debug_assert!(!name.is_empty() || self.layout.copied.len() > earlier.clone().count());
-                self.layout.copied.get(earlier.count()).and_then(|field| self.fields.get(*field)).copied()
+        match &plan.outputs[index] {
+            Output::Id => match row.block.name_bytes(row.index) {
+                Some(name) => write::text(&mut self.out, name, plan.format),
+                None => write::text(&mut self.out, row.id().as_bytes(), plan.format),
+            },
+            Output::Copied(_) => {
+                let is_copied = |output: &&Output| matches!(output, Output::Copied(_));
+                let number = plan.outputs[..index].iter().filter(is_copied).count();
+                write::text(&mut self.out, row.block.copied(row.index, number).unwrap_or_default(), plan.format);
             }
-            _ => {
-                let name = verdict.map(Verdict::name);
-                return match (plan.format, name) {
-                    (RowFormat::JsonLines, None) => self.out.extend(b"null"),
-                    (RowFormat::JsonLines, Some(name)) => {
-                        self.out.extend(b"\"");
-                        self.out.extend(name.as_bytes());
-                        self.out.extend(b"\"");
-                    }
-                    (_, name) => self.out.extend(name.unwrap_or("").as_bytes()),
-                };
-            }
-        };
-        if let Some(field) = field {
-            let mut scratch = std::mem::take(&mut self.scratch);
-            write::text(&mut self.out, field.content(row.bytes, &mut scratch), plan.format);
-            self.scratch = scratch;
-        } else {
-            let number = (first_record + row.record - 1).to_string();
-            write::text(&mut self.out, number.as_bytes(), plan.format);
+            _ => match (plan.format, verdict.map(Verdict::name)) {
+                (RowFormat::JsonLines, None) => self.out.extend(b"null"),
+                (RowFormat::JsonLines, Some(name)) => {
+                    self.out.extend(b"\"");
+                    self.out.extend(name.as_bytes());
+                    self.out.extend(b"\"");
+                }
+                (_, name) => self.out.extend(name.unwrap_or("").as_bytes()),
+            },
         }
     }
 }

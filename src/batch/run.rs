@@ -1,6 +1,6 @@
-//! One table through all cores: chunks to workers, results in the table's order.
+//! One table through all cores: pieces to workers, results in the table's order.
 //!
-//! Each worker takes the next chunk, evaluates it, waits until the chunks before it are written, and writes.
+//! Each worker takes the next piece, reads and evaluates it, waits until the pieces before it are written, and writes.
 //! So memory does not depend on the table's length, and what comes out does not depend on the number of
 //! workers.
 
@@ -9,16 +9,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-use super::chunk::{Chunker, Holds};
-use super::evaluate::{Chunk, Evaluator};
-use super::input::{Encoding, Header, Input};
+use super::evaluate::Evaluator;
 use super::layout::Layout;
 use super::outcome::{Kept, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
-use super::split::next_record;
 use super::statistics::{Moving, Statistics};
 use super::write;
+use crate::table::{Contradiction, Encoding, Piece, Queue, Rows, Table};
 
 /// Where results go.
 #[derive(Default)]
@@ -95,47 +93,48 @@ impl<'a> Batch<'a> {
     /// kept.
     pub fn run(
         &mut self,
-        input: Input,
+        table: Table,
         layout: &Layout,
         stop: &AtomicBool,
         progress: &mut dyn FnMut(&Progress),
     ) -> Result<(), RunError> {
-        let Input { header, mut chunks, lines, place } = input;
-        self.start(&header).map_err(RunError::Write)?;
-        chunks.set_separator(layout.separator);
+        let Table { name, reading, encoding, place, pieces, header_raw, has_id, .. } = table;
+        self.start(encoding, &header_raw).map_err(RunError::Write)?;
         let plan = self.plan;
-        let before = (self.outcome.counts, self.outcome.bytes);
+        let bytes_before = self.outcome.bytes;
         let keeps_rejects = self.sinks.rejects.is_some();
-        let problems_kept = plan.request.problems_kept;
+        let (rows, queue) = pieces.open(layout.wanted(keeps_rejects));
         let total = Total {
             outcome: &mut self.outcome,
             worst: std::mem::take(&mut self.worst),
             moving: &mut self.moving,
-            lines,
+            lines: queue.lines,
+            is_relative: queue.is_relative(),
             records: 0,
             place,
-            problems_kept,
+            asides: Vec::new(),
+            contradiction: None,
+            problems_kept: plan.request.problems_kept,
             failures_kept: plan.request.failures_kept,
         };
         let shared = Shared {
             plan,
-            layout,
-            encoding: header.encoding,
-            packing: (
-                self.sinks.rows.as_ref().map_or(Packing::None, |sink| sink.packing),
-                self.sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
-            ),
-            queue: Mutex::new(Queue { chunks, next: 0, records: 0, ended: false, error: None }),
+            rows: rows.as_ref(),
+            encoding,
+            rows_packing: self.sinks.rows.as_ref().map_or(Packing::None, |sink| sink.packing),
+            rejects_packing: self.sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
+            queue: Mutex::new(Waiting { queue, next: 0, ended: false, error: None }),
             order: Mutex::new(Order { next: 0, total, sinks: &mut self.sinks, error: None, workers: 0 }),
             turn: Condvar::new(),
             done: Condvar::new(),
             stop,
             ended: AtomicBool::new(false),
+            keeps_names: AtomicBool::new(has_id),
             bytes: AtomicU64::new(0),
         };
         let statistics = Mutex::new(Vec::new());
         let work = || {
-            let mut evaluator = Evaluator::new(plan, layout, &header.name, keeps_rejects);
+            let mut evaluator = Evaluator::new(plan, layout, &name, keeps_rejects);
             shared.work(&mut evaluator);
             lock(&statistics).push(std::mem::take(&mut evaluator.statistics));
             lock(&shared.order).workers -= 1;
@@ -150,40 +149,47 @@ impl<'a> Batch<'a> {
             shared.watch(progress);
         });
         let Shared { queue, order, .. } = shared;
-        let queue = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let (error, worst) = (order.error, order.total.worst);
-        self.worst = worst;
-        self.outcome.bytes = before.1 + queue.chunks.bytes_read();
+        let (error, contradiction) = (order.error, order.total.contradiction);
+        let asides = order.total.asides;
+        self.worst = order.total.worst;
+        self.outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
             for (statistics, more) in self.outcome.statistics.iter_mut().zip(&worker) {
                 statistics.merge(more);
             }
         }
         self.outcome.interrupted |= stop.load(Ordering::Relaxed);
-        if let Some(error) = error {
-            return Err(RunError::Write(error));
+        let mut reading = reading;
+        reading.asides.extend(asides);
+        self.outcome.readings.push(reading);
+        self.outcome.is_cut |= contradiction.is_some() || waiting.error.is_some();
+        match (error, contradiction, waiting.error) {
+            (Some(error), ..) => Err(RunError::Write(error)),
+            (None, Some(contradiction), _) => Err(RunError::Contradiction(contradiction)),
+            (None, None, Some(error)) => Err(RunError::Read(error)),
+            (None, None, None) => Ok(()),
         }
-        queue.error.map_or(Ok(()), |error| Err(RunError::Read(error)))
     }
 
     /// Writes what stands before the first row, or before the first rejected row of another header.
-    fn start(&mut self, header: &Header) -> io::Result<()> {
+    fn start(&mut self, encoding: Encoding, header: &[u8]) -> io::Result<()> {
         if let Some(rows) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
             let names = write::header(&self.plan.column_names(), self.plan.format);
             rows.writer.write_all(&rows.packing.pack(names)?)?;
             self.wrote_header = true;
         }
         if let Some(rejects) = &mut self.sinks.rejects
-            && self.rejects_header.as_ref() != Some(&header.raw)
+            && self.rejects_header.as_deref() != Some(header)
         {
             let mut start = Vec::new();
             if self.rejects_header.is_none() {
-                start.extend_from_slice(header.encoding.mark());
+                start.extend_from_slice(encoding.mark());
             }
-            start.extend_from_slice(&header.encoding.original(&header.raw));
+            start.extend_from_slice(&encoding.original(header));
             rejects.writer.write_all(&rejects.packing.pack(start)?)?;
-            self.rejects_header = Some(header.raw.clone());
+            self.rejects_header = Some(header.to_vec());
         }
         Ok(())
     }
@@ -224,22 +230,23 @@ pub enum RunError {
     /// The results cannot be written.
     #[error("the results cannot be written")]
     Write(#[source] io::Error),
+    /// A cell contradicts how the table is read.
+    #[error("line {}, column `{}`: {}", .0.line, .0.column, .0.message)]
+    Contradiction(Contradiction),
 }
 
-/// What workers take chunks from.
-struct Queue {
-    chunks: Chunker,
-    /// The number of the next chunk.
+/// What workers take pieces from.
+struct Waiting {
+    queue: Queue,
+    /// The number of the next piece.
     next: u64,
-    /// Records in the chunks taken; only counted where parts have no name.
-    records: u64,
     ended: bool,
     error: Option<io::Error>,
 }
 
 /// What workers write to, one after the other.
 struct Order<'a, 'b> {
-    /// The number of the chunk whose turn it is.
+    /// The number of the piece whose turn it is.
     next: u64,
     total: Total<'a>,
     sinks: &'a mut Sinks<'b>,
@@ -249,10 +256,11 @@ struct Order<'a, 'b> {
 
 struct Shared<'a, 'b> {
     plan: &'a Plan,
-    layout: &'a Layout,
+    rows: Option<&'a Rows>,
     encoding: Encoding,
-    packing: (Packing, Packing),
-    queue: Mutex<Queue>,
+    rows_packing: Packing,
+    rejects_packing: Packing,
+    queue: Mutex<Waiting>,
     order: Mutex<Order<'a, 'b>>,
     turn: Condvar,
     /// Told when a worker is done; not at every turn, which would be all that a watcher hears of.
@@ -261,6 +269,8 @@ struct Shared<'a, 'b> {
     stop: &'a AtomicBool,
     /// Ends the run from inside: nothing can be written any more, or nothing should.
     ended: AtomicBool,
+    /// Whether the names of parts are still looked at.
+    keeps_names: AtomicBool,
     bytes: AtomicU64,
 }
 
@@ -270,14 +280,15 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 impl Shared<'_, '_> {
-    /// Takes chunks until there are no more.
+    /// Takes pieces until there are no more.
     fn work(&self, evaluator: &mut Evaluator<'_>) {
-        let mut chunk = Chunk::default();
-        while let Some((number, holds)) = self.take(&mut chunk) {
-            evaluator.chunk(&chunk, holds);
-            let rows = self.packing.0.pack_slice(evaluator.out.written());
+        let mut piece = Piece::default();
+        while let Some(number) = self.take(&mut piece) {
+            piece.read(self.rows);
+            evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
+            let rows = self.rows_packing.pack_slice(evaluator.out.written());
             let rejects = self.encoding.original(&evaluator.rejects);
-            let rejects = self.packing.1.pack_slice(&rejects);
+            let rejects = self.rejects_packing.pack_slice(&rejects);
             let mut order = lock(&self.order);
             while order.next != number {
                 order = self.turn.wait(order).unwrap_or_else(PoisonError::into_inner);
@@ -288,59 +299,47 @@ impl Shared<'_, '_> {
                 order.total.add(&mut evaluator.tally);
                 let written = write_to(order.sinks.rows.as_mut(), rows)
                     .and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
-                if let Err(error) = written {
-                    order.error = Some(error);
-                    self.ended.store(true, Ordering::Relaxed);
-                }
-                if self.plan.request.strict && order.total.outcome.counts.rejected > 0 {
-                    self.ended.store(true, Ordering::Relaxed);
-                }
+                self.settle(order, written);
             }
             drop(order);
             self.turn.notify_all();
         }
     }
 
-    /// The next chunk, with its number.
-    fn take(&self, chunk: &mut Chunk) -> Option<(u64, Holds)> {
-        let mut queue = lock(&self.queue);
-        if queue.ended || self.stop.load(Ordering::Relaxed) || self.ended.load(Ordering::Relaxed) {
+    /// What follows from a piece for those after it.
+    fn settle(&self, order: &mut Order<'_, '_>, written: io::Result<()>) {
+        let outcome = &order.total.outcome;
+        let is_over = written.is_err()
+            || order.total.contradiction.is_some()
+            || (self.plan.request.strict && outcome.counts.rejected > 0);
+        self.ended.fetch_or(is_over, Ordering::Relaxed);
+        self.keeps_names.fetch_and(outcome.duplicates.is_open(), Ordering::Relaxed);
+        order.error = written.err();
+    }
+
+    /// The next piece, and its number.
+    fn take(&self, piece: &mut Piece) -> Option<u64> {
+        let mut waiting = lock(&self.queue);
+        if waiting.ended || self.stop.load(Ordering::Relaxed) || self.ended.load(Ordering::Relaxed) {
             return None;
         }
-        let holds = match queue.chunks.next(&mut chunk.bytes) {
+        match waiting.queue.next(self.rows, piece) {
             // a reader that was told to stop says that it has ended: then its last row may not be whole
-            Ok(Some(holds)) if !self.stop.load(Ordering::Relaxed) => holds,
+            Ok(true) if !self.stop.load(Ordering::Relaxed) => {}
             Ok(_) => {
-                queue.ended = true;
+                waiting.ended = true;
                 return None;
             }
             Err(error) => {
-                queue.ended = true;
-                queue.error = Some(error);
+                waiting.ended = true;
+                waiting.error = Some(error);
                 return None;
             }
-        };
-        self.bytes.store(queue.chunks.bytes_read(), Ordering::Relaxed);
-        chunk.first_record = queue.records + 1;
-        if self.layout.id.is_none() {
-            queue.records += self.records(&chunk.bytes, holds);
         }
-        let number = queue.next;
-        queue.next += 1;
-        Some((number, holds))
-    }
-
-    /// How many records there are in a chunk.
-    fn records(&self, bytes: &[u8], holds: Holds) -> u64 {
-        if let Holds::Piece { first, .. } = holds {
-            return u64::from(first);
-        }
-        let (mut fields, mut at, mut lines, mut count) = (Vec::new(), 0, 0, 0);
-        while let Some(record) = next_record(bytes, at, self.layout.separator, &mut fields, &mut lines) {
-            at = record.next;
-            count += 1;
-        }
-        count
+        self.bytes.store(waiting.queue.bytes_read(), Ordering::Relaxed);
+        let number = waiting.next;
+        waiting.next += 1;
+        Some(number)
     }
 
     /// Tells how far the run is until the workers are done.

@@ -1,8 +1,8 @@
 //! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
 
 use super::buffer::Buffer;
-use super::input;
 use super::request::RowFormat;
+use crate::table::cell_text;
 
 /// Writes a text with the quotes or escapes that it needs.
 #[inline]
@@ -22,7 +22,7 @@ fn is_bare(byte: u8, separator: u8) -> bool {
 
 #[cold]
 fn escaped(out: &mut Buffer, bytes: &[u8], format: RowFormat) {
-    let text = input::text(bytes);
+    let text = cell_text(bytes);
     let separator = match format {
         RowFormat::JsonLines => return out.extend(serde_json::Value::from(text.as_ref()).to_string().as_bytes()),
         RowFormat::Csv => ',',

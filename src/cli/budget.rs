@@ -1,10 +1,9 @@
 //! `rackmesh budget`: from a ΔCD tolerance to a tolerance for each error.
 
-use std::path::{Path, PathBuf};
-
 use super::eval::ModelArg;
-use super::mesh::write_picture;
+use super::mesh::files_read;
 use super::output::{Failure, Output, Status};
+use super::picture::Picture;
 use crate::decision::budget::simulation::{Simulation, Spread};
 use crate::decision::budget::{self, Budget, Request, Rule};
 use crate::decision::class::{ErrorClass, deviation_of};
@@ -59,7 +58,7 @@ pub(super) struct Args {
     model: ModelArg,
     /// Draw the tornado plot to this file (.svg or .png).
     #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    plot: Option<String>,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -92,6 +91,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = super::read_spec(&self.spec)?;
+        let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let (entries, classes) = spec.budget_entries()?;
         let request = Request {
             entries,
@@ -113,8 +113,8 @@ impl Args {
             grades: &grades,
             screen: output.screen(),
         };
-        if let Some(path) = &self.plot {
-            draw(path, &report)?;
+        if let Some(picture) = &picture {
+            draw(picture, &report)?;
         }
         output.report(&report, self.format)?;
         Ok(if budget.is_feasible() { Status::Pass } else { Status::Fail })
@@ -181,10 +181,10 @@ fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
 }
 
 /// Writes the tornado plot.
-fn draw(path: &Path, report: &BudgetReport<'_>) -> Result<(), Failure> {
+fn draw(picture: &Picture, report: &BudgetReport<'_>) -> Result<(), Failure> {
     let bars = report.bars().into_iter().map(|(label, from_mm, to_mm, pale)| Bar { label, from_mm, to_mm, pale });
     let limits = [report.limit.lower, report.limit.upper].into_iter().flatten().map(Length::mm).collect();
     let title = report.title.unwrap_or("ΔCD by error").to_owned();
     let plot = TornadoPlot { title, bars: bars.collect(), limits };
-    write_picture(path, || plot.svg(), || plot.png())
+    picture.write(|| plot.svg(), || plot.png())
 }

@@ -42,7 +42,8 @@ enum Formula {
     /// ΔCD from a lead angle error of the rack.
     #[command(after_help = "Examples:
   rackmesh calc lead 0.25deg --face-width 19.7 --pressure-angle 19.9
-  rackmesh calc lead --f-h-beta 8um --length 18 --face-width 19.7 --pressure-angle 19.9")]
+  rackmesh calc lead --f-h-beta 8um --length 18 --face-width 19.7 --pressure-angle 19.9
+  rackmesh calc lead --inverse 20um --length 18 --face-width 19.7 --pressure-angle 19.9")]
     Lead(Lead),
     /// ΔCD from the radial measurement error of the pinion.
     #[command(after_help = "Example:
@@ -128,6 +129,7 @@ struct Pitch {
 }
 
 #[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("f_h_beta_or_inverse").args(["f_h_beta", "inverse"])))]
 struct Lead {
     #[command(flatten)]
     given: Given,
@@ -135,8 +137,8 @@ struct Lead {
     #[arg(long, requires = "length", conflicts_with_all = ["value", "measured", "inverse"],
           allow_hyphen_values = true)]
     f_h_beta: Option<Length>,
-    /// Evaluation length of the helix slope deviation.
-    #[arg(long, requires = "f_h_beta")]
+    /// Evaluation length of the helix slope deviation; with --inverse, the result is one too, in µm.
+    #[arg(long, requires = "f_h_beta_or_inverse")]
     length: Option<Length>,
     /// Face width k of the rack.
     #[arg(long)]
@@ -211,6 +213,31 @@ enum Asked {
     DeltaCd(ErrorValue),
     /// The largest error within this ΔCD.
     Error(Length),
+    /// The largest helix slope deviation over this length within this ΔCD.
+    SlopeDeviation { delta_cd: Length, length: Length },
+}
+
+impl Asked {
+    /// Whether the answer is the largest value allowed.
+    fn is_bound(&self) -> bool {
+        !matches!(self, Self::DeltaCd(_))
+    }
+
+    /// The unit of the answer unless another is asked for.
+    fn unit(&self, answer: ErrorValue) -> ResultUnit {
+        match (self, answer) {
+            (Self::SlopeDeviation { .. }, _) => ResultUnit::Length(LengthUnit::Micrometre, "µm".to_owned()),
+            (_, answer) => base_unit(answer),
+        }
+    }
+}
+
+/// The unit that values have in a spec.
+fn base_unit(value: ErrorValue) -> ResultUnit {
+    match value {
+        ErrorValue::Length(_) => ResultUnit::Length(LengthUnit::Millimetre, "mm".to_owned()),
+        ErrorValue::Angle(_) | ErrorValue::Slope(_) => ResultUnit::Angle(AngleUnit::Degree, "deg".to_owned()),
+    }
 }
 
 fn usage(message: impl Into<String>) -> Failure {
@@ -251,28 +278,25 @@ impl Given {
 }
 
 impl Common {
-    fn unit(&self, is_angle: bool) -> Result<ResultUnit, Failure> {
-        let invalid = |dimension: &str, names: &str, unit: &str| {
-            let message = format!("the result is {dimension}, and `{unit}` is none of its units: {names}");
-            usage(message)
+    /// The unit of a result: the one that was asked for, or its own.
+    fn unit(&self, own: ResultUnit) -> Result<ResultUnit, Failure> {
+        let Some(unit) = self.unit.as_deref() else { return Ok(own) };
+        let (known, dimension, names) = match own {
+            ResultUnit::Angle(..) => {
+                let known = AngleUnit::from_symbol(unit).map(|known| ResultUnit::Angle(known, unit.to_owned()));
+                (known, "an angle", AngleUnit::NAMES)
+            }
+            ResultUnit::Length(..) => {
+                let known = LengthUnit::from_symbol(unit).map(|known| ResultUnit::Length(known, unit.to_owned()));
+                (known, "a length", LengthUnit::NAMES)
+            }
         };
-        let written = self.unit.as_deref();
-        if is_angle {
-            let unit = written.unwrap_or("deg");
-            AngleUnit::from_symbol(unit)
-                .map(|known| ResultUnit::Angle(known, unit.to_owned()))
-                .ok_or_else(|| invalid("an angle", AngleUnit::NAMES, unit))
-        } else {
-            let unit = written.unwrap_or("mm");
-            LengthUnit::from_symbol(unit)
-                .map(|known| ResultUnit::Length(known, unit.to_owned()))
-                .ok_or_else(|| invalid("a length", LengthUnit::NAMES, unit))
-        }
+        known.ok_or_else(|| usage(format!("the result is {dimension}, and `{unit}` is none of its units: {names}")))
     }
 
     /// Prints a result: its line, its explanation, or a report.
     fn print(&self, output: &mut Output, mut calculation: Calculation) -> Result<Status, Failure> {
-        calculation.unit = self.unit(!matches!(calculation.result, ErrorValue::Length(_)))?;
+        calculation.unit = self.unit(calculation.unit)?;
         calculation.decimals = self.decimals.map(usize::from);
         if let Some(format) = self.format {
             output.report(&calculation, format)?;
@@ -308,8 +332,9 @@ impl Args {
 
 /// A result of a formula in its base unit.
 fn calculation(formula: &'static FormulaPage, result: impl Into<ErrorValue>) -> Calculation {
-    let unit = ResultUnit::Length(LengthUnit::Millimetre, String::new());
-    Calculation { formula, result: result.into(), model: None, other: None, unit, decimals: None, is_bound: false }
+    let result = result.into();
+    let unit = base_unit(result);
+    Calculation { formula, result, model: None, other: None, unit, decimals: None, is_bound: false }
 }
 
 /// What a law gives for what is asked.
@@ -317,6 +342,9 @@ fn by_law(law: Law, asked: &Asked, model: Model) -> Result<ErrorValue, DomainErr
     match asked {
         Asked::DeltaCd(error) => law.delta_cd(*error, model).map(ErrorValue::Length),
         Asked::Error(delta_cd) => law.largest_error(*delta_cd, model),
+        Asked::SlopeDeviation { delta_cd, length } => {
+            law.largest_slope_deviation(*delta_cd, *length, model).map(ErrorValue::Length)
+        }
     }
 }
 
@@ -324,8 +352,7 @@ fn by_law(law: Law, asked: &Asked, model: Model) -> Result<ErrorValue, DomainErr
 fn signed(args: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
     let asked = args.given.asked::<Length>()?;
     let result = by_law(law, &asked, Model::Exact).map_err(|error| refused(&error))?;
-    let is_bound = matches!(asked, Asked::Error(_));
-    args.common.print(output, Calculation { is_bound, ..calculation(law.page(), result) })
+    args.common.print(output, Calculation { is_bound: asked.is_bound(), ..calculation(law.page(), result) })
 }
 
 fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Result<Status, Failure> {
@@ -343,14 +370,17 @@ fn by_models(output: &mut Output, common: &Common, law: Law, asked: &Asked, mode
     let result = by_law(law, asked, model).map_err(|error| refused(&error))?;
     // the other model may have no value where the chosen one has
     let other = Some(by_law(law, asked, model.other()).unwrap_or(result));
-    let is_bound = matches!(asked, Asked::Error(_));
-    common.print(output, Calculation { model: Some(model), other, is_bound, ..calculation(law.page(), result) })
+    let (is_bound, unit) = (asked.is_bound(), asked.unit(result));
+    common.print(output, Calculation { model: Some(model), other, is_bound, unit, ..calculation(law.page(), result) })
 }
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
     let asked = match (args.f_h_beta, args.length) {
         (Some(slope), Some(length)) => Asked::DeltaCd(lead_slope(slope, length).map_err(|error| refused(&error))?),
-        _ => args.given.asked::<Angle>()?,
+        (_, length) => match (args.given.asked::<Angle>()?, length) {
+            (Asked::Error(delta_cd), Some(length)) => Asked::SlopeDeviation { delta_cd, length },
+            (asked, _) => asked,
+        },
     };
     let law =
         Law::rack_lead(args.pressure_angle, args.helix_angle, args.face_width).map_err(|error| refused(&error))?;

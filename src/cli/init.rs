@@ -1,9 +1,10 @@
 //! `rackmesh init`: a commented spec to start from.
 
-use std::fs::OpenOptions;
+use std::fs::File;
 use std::io::Write as _;
 
 use super::output::{Failure, Output, Status};
+use super::target;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::TEMPLATE;
 
@@ -28,14 +29,11 @@ impl Args {
             output.text(TEMPLATE)?;
             return Ok(Status::Pass);
         }
-        let mut options = OpenOptions::new();
-        options.write(true);
         if self.force {
-            options.create(true).truncate(true);
-        } else {
-            options.create_new(true);
+            target::write(&self.file, &[], TEMPLATE.as_bytes())?;
+            return Ok(Status::Pass);
         }
-        let written = options.open(&self.file).and_then(|mut file| file.write_all(TEMPLATE.as_bytes()));
+        let written = File::create_new(&self.file).and_then(|mut file| file.write_all(TEMPLATE.as_bytes()));
         written.map_err(|error| {
             let diagnostic = Diagnostic::error(Code::FileAccess, format!("cannot write {}: {error}", self.file));
             if error.kind() == std::io::ErrorKind::AlreadyExists {

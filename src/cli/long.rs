@@ -1,11 +1,15 @@
-//! What long runs share: a progress bar where somebody watches, and Ctrl-C that keeps what is there.
+//! What long runs share: a progress bar where somebody watches, and Ctrl-C or SIGTERM that keep what is there.
 
 use std::io::{self, IsTerminal as _, Write as _};
+use std::ops::Deref;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use super::output::is_dumb;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::output::{Status, is_dumb};
 
 /// How far a run is, on one line of standard error that is drawn over and cleared at the end; nothing at all unless
 /// that is a terminal that can.
@@ -78,18 +82,51 @@ pub(super) fn counted(count: u64) -> String {
     text
 }
 
-/// A flag that the first Ctrl-C sets; the second ends the program as it would without us.
-pub(super) fn interrupted() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let seen = Arc::clone(&flag);
-    // without a handler Ctrl-C ends the program at once, which is no reason not to run
-    let _ = ctrlc::set_handler(move || {
-        if seen.swap(true, Ordering::Relaxed) {
-            // the status that shells give to a program ended by this signal
-            std::process::exit(130);
+/// The signals that end a run early, each with the exit code that shells give to a program ended by it.
+const SIGNALS: [(i32, u8); 2] = [(SIGINT, 130), (SIGTERM, 143)];
+
+/// Whether Ctrl-C or SIGTERM has come, and which of them.
+pub(super) struct Interruption {
+    stop: Arc<AtomicBool>,
+    signal: Arc<AtomicUsize>,
+}
+
+impl Interruption {
+    /// What a run looks at from time to time; set by the first signal.
+    pub(super) fn stop(&self) -> &Arc<AtomicBool> {
+        &self.stop
+    }
+
+    /// How a command ends that a signal has stopped; `None` if none has come.
+    pub(super) fn status(&self) -> Option<Status> {
+        let came = self.signal.load(Ordering::Relaxed);
+        let code = SIGNALS.iter().find(|(signal, _)| usize::try_from(*signal) == Ok(came)).map(|(_, code)| *code);
+        code.map(Status::Interrupted)
+    }
+}
+
+/// A run's own flag is all that libraries take.
+impl Deref for Interruption {
+    type Target = Arc<AtomicBool>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.stop
+    }
+}
+
+/// From here on the first Ctrl-C or SIGTERM is for the run to see; the second ends the program at once.
+pub(super) fn interrupted() -> Interruption {
+    let (stop, signal) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicUsize::new(0)));
+    for (number, code) in SIGNALS {
+        // What comes first is asked first: at the first signal the flag is not set. Without a handler a signal ends the
+        // program at once, which is no reason not to run.
+        let _ = flag::register_conditional_shutdown(number, i32::from(code), Arc::clone(&stop));
+        if let Ok(itself) = usize::try_from(number) {
+            let _ = flag::register_usize(number, Arc::clone(&signal), itself);
         }
-    });
-    flag
+        let _ = flag::register(number, Arc::clone(&stop));
+    }
+    Interruption { stop, signal }
 }
 
 #[cfg(test)]

@@ -1,18 +1,22 @@
 //! `rackmesh mesh`: ΔCD along the stroke, by the exact zero-backlash mesh.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
+use super::long;
 use super::output::{Failure, Output, Status};
-use crate::cmm;
+use super::picture::Picture;
 use crate::decision::{LimitTarget, Prediction, Verdict};
 use crate::deviation::RackDeviationKind;
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::mesh::{Curve, Mesh, MeshError, Support};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mesh::{CarryingStrokes, Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::plot::{CurvePlot, Mark, PlotError, Series};
+use crate::report::plot::{CurvePlot, Mark, Series};
 use crate::report::{Format, MeshReport};
+use crate::spec::Located;
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
+use crate::table::{self, Source, Teeth};
 
 pub(super) const ABOUT: &str = "Solve the exact zero-backlash mesh along the stroke, with every tooth's own deviations";
 
@@ -22,7 +26,8 @@ pub(super) const ABOUT: &str = "Solve the exact zero-backlash mesh along the str
   rackmesh mesh examples/mesh.toml --plot curve.svg
   rackmesh mesh examples/mesh.toml --from 0 --to 50 --step 0.1 --format csv
 
-Exit status: 0 inside limits.center_distance or none given, 1 outside, 2 could not solve.")]
+Exit status: 0 inside limits.center_distance or none given, 1 outside, 2 could not solve,
+130 or 143 if Ctrl-C or SIGTERM ended a list of strokes.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     spec: String,
@@ -36,7 +41,7 @@ pub(super) struct Args {
     points: Option<u32>,
     /// Write the curve as a picture; the name ends in .svg or .png.
     #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    plot: Option<String>,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -76,35 +81,73 @@ pub(super) fn unsolved(error: &MeshError) -> Failure {
     }
 }
 
-/// Reads the tables that a spec names, relative to the spec's own folder.
+/// Where a table is that a spec names, relative to the spec's own folder.
+fn table_path(spec_path: &str, name: &str) -> PathBuf {
+    Path::new(spec_path).parent().unwrap_or(Path::new("")).join(name)
+}
+
+/// The files that are read for a spec: itself and the tables that it names.
+pub(super) fn files_read(spec: &Spec, spec_path: &str) -> Vec<String> {
+    let tables = [&spec.rack.measured, &spec.pinion.measured].into_iter().flatten();
+    let paths = tables.map(|table| table_path(spec_path, &table.value).display().to_string());
+    std::iter::once(spec_path.to_owned()).chain(paths).collect()
+}
+
+/// Reads the tables that a spec names.
 pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTables, Failure> {
-    let folder = Path::new(spec_path).parent().unwrap_or(Path::new(""));
-    let read = |file: &crate::spec::Located<String>| -> Result<(String, String), Failure> {
-        let path = folder.join(&file.value);
-        let name = path.display().to_string();
-        match std::fs::read(&path) {
-            Ok(bytes) => match String::from_utf8(bytes) {
-                Ok(text) => Ok((name, text)),
-                Err(_) => Err(Diagnostic::error(Code::FileAccess, format!("{name} is not text in UTF-8"))
-                    .at(&spec.source, file.span.clone(), "")
-                    .into()),
-            },
-            Err(error) => Err(Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"))
+    let read = |file: &Located<String>| -> Result<Teeth, Failure> {
+        let path = table_path(spec_path, &file.value);
+        let opened = std::fs::File::open(&path).map_err(|error| {
+            Diagnostic::error(Code::FileAccess, format!("cannot read {}: {error}", path.display()))
                 .at(&spec.source, file.span.clone(), "")
                 .help("paths are relative to the spec")
-                .into()),
-        }
+        })?;
+        Ok(table::of_one_part(&path.display().to_string(), Source::File(opened), &spec.want())?)
+    };
+    let wrong = |file: &Located<String>, what: &str| {
+        let message = format!("{} holds no {what}", file.value);
+        Failure::from(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span.clone(), ""))
     };
     let mut tables = MeasuredTables::default();
     if let Some(file) = &spec.rack.measured {
-        let (name, text) = read(file)?;
-        tables.rack = Some(cmm::rack_spaces(&name, &text).map_err(Diagnostics::from)?);
+        match read(file)? {
+            Teeth::Rack(rack) => tables.rack = Some(rack),
+            Teeth::Pinion(_) => return Err(wrong(file, "spaces of a rack")),
+        }
     }
     if let Some(file) = &spec.pinion.measured {
-        let (name, text) = read(file)?;
-        tables.pinion = Some(cmm::pinion_teeth(&name, &text).map_err(Diagnostics::from)?);
+        match read(file)? {
+            Teeth::Pinion(pinion) => tables.pinion = Some(pinion),
+            Teeth::Rack(_) => return Err(wrong(file, "teeth of a pinion")),
+        }
     }
     Ok(tables)
+}
+
+/// The strokes at which every flank that can carry was measured, where a rack's spaces were; all of it
+/// otherwise.
+pub(super) fn covered(
+    input: &MeshInput,
+    tables: &MeasuredTables,
+    from: f64,
+    to: f64,
+) -> Result<std::ops::Range<f64>, Failure> {
+    let Some(rack) = &tables.rack else { return Ok(from..to) };
+    let strokes = CarryingStrokes::of(input.mesh.pair()).map_err(|error| unsolved(&error))?;
+    let stretches = strokes.measured(&rack.measured_spaces(), from, to);
+    match stretches.as_slice() {
+        [one] => Ok(one.clone()),
+        [] => {
+            let message = "there is no stroke at which every flank that can carry was measured";
+            Err(Diagnostic::error(Code::NoMesh, message).help("measure more spaces in a row").into())
+        }
+        _ => {
+            let message = "the measured spaces do not stand in one row, so that strokes between them are not covered";
+            Err(Diagnostic::error(Code::NoMesh, message)
+                .help("give each run of spaces by itself, or use `batch --teeth`")
+                .into())
+        }
+    }
 }
 
 /// What the formulas say about the deviations of a mesh.
@@ -182,13 +225,13 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = super::read_spec(&self.spec)?;
         let strokes = self.strokes()?;
+        let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let limits = spec.limits();
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
-        if let (Some(strokes), Format::Csv, None, None) = (&strokes, self.format, &self.plot, limit) {
+        if let (Some(strokes), Format::Csv, None, None) = (&strokes, self.format, &picture, limit) {
             // nothing is asked that needs the curve between these strokes
-            list_csv(strokes, &input.mesh, output)?;
-            return Ok(Status::Pass);
+            return Ok(list_csv(strokes, &input.mesh, output)?.unwrap_or(Status::Pass));
         }
         let curve = self.range.curve(&input.mesh)?;
         let prediction = prediction(&input);
@@ -216,20 +259,24 @@ impl Args {
             notes,
             screen: output.screen(),
         };
-        if let Some(path) = &self.plot {
+        if let Some(picture) = &picture {
             let plot = plot(&report);
-            write_picture(path, || plot.svg(), || plot.png())?;
+            picture.write(|| plot.svg(), || plot.png())?;
         }
-        match (&strokes, self.format) {
+        let interrupted = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output)?,
             (Some(strokes), Format::Json) => list_json(strokes, &report, output)?,
-            _ => output.report(&report, self.format)?,
-        }
-        Ok(match report.verdict() {
+            _ => {
+                output.report(&report, self.format)?;
+                None
+            }
+        };
+        let judged = match report.verdict() {
             Some(Verdict::Fail) => Status::Fail,
             Some(Verdict::Indeterminate) => Status::Indeterminate,
             Some(Verdict::Pass) | None => Status::Pass,
-        })
+        };
+        Ok(interrupted.unwrap_or(judged))
     }
 
     /// The strokes asked for; `None` for those that the curve needs.
@@ -281,25 +328,25 @@ fn unsolved_stroke(error: &MeshError) -> Diagnostic {
     Diagnostic::warning(Code::NoMesh, error.to_string())
 }
 
-/// Writes CSV as it is solved.
-fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<(), Failure> {
+/// Writes CSV as it is solved; the status is that of an interruption, if one came.
+fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
     output.text(&mesh_points::csv_header())?;
-    let trust = list(strokes, mesh, mesh_points::csv_lines, |text| output.text(text))?;
-    remark_on(trust, output);
-    Ok(())
+    let listed = list(strokes, mesh, mesh_points::csv_lines, |text| output.text(text))?;
+    remark_on(listed.trust, output);
+    Ok(listed.interrupted)
 }
 
-/// Writes JSON as it is solved.
-fn list_json(strokes: &Strokes, report: &MeshReport<'_>, output: &mut Output) -> Result<(), Failure> {
+/// Writes JSON as it is solved; the status is that of an interruption, if one came.
+fn list_json(strokes: &Strokes, report: &MeshReport<'_>, output: &mut Output) -> Result<Option<Status>, Failure> {
     output.text(&report.json_around(Trust::default()).0)?;
     let mut first = true;
-    let trust = list(strokes, report.mesh, mesh_points::json_elements, |text| {
+    let listed = list(strokes, report.mesh, mesh_points::json_elements, |text| {
         let text = if std::mem::take(&mut first) { text.trim_start_matches(',') } else { text };
         output.text(text)
     })?;
-    output.text(&report.json_around(trust).1)?;
-    remark_on(trust, output);
-    Ok(())
+    output.text(&report.json_around(listed.trust).1)?;
+    remark_on(listed.trust, output);
+    Ok(listed.interrupted)
 }
 
 fn remark_on(trust: Trust, output: &mut Output) {
@@ -309,24 +356,47 @@ fn remark_on(trust: Trust, output: &mut Output) {
     trust.notes().iter().for_each(|note| output.remark(note));
 }
 
-/// Solves strokes on all cores and writes them in order.
+/// What came of a list of strokes.
+struct Listed {
+    trust: Trust,
+    interrupted: Option<Status>,
+}
+
+/// Why a list ends before its last stroke.
+enum EndedEarly {
+    Unwritten(Failure),
+    Interrupted,
+}
+
+/// Solves strokes on all cores and writes them in order, until the last one or a signal.
 fn list(
     strokes: &Strokes,
     mesh: &Mesh,
     text: impl Fn(&[ListedPoint]) -> String + Sync,
     mut write: impl FnMut(&str) -> Result<(), Failure>,
-) -> Result<Trust, Failure> {
+) -> Result<Listed, Failure> {
+    let interruption = long::interrupted();
     let mut trust = Trust::default();
-    mesh.sample_blocks(
+    let mut written = 0;
+    let solved = mesh.sample_blocks(
         strokes.count,
         |index| strokes.at(index),
-        |points| (text(points), Trust::of(points)),
-        |(text, of_block)| {
+        |points| (text(points), Trust::of(points), points.len() as u64),
+        |(text, of_block, points)| {
             trust = trust.and(of_block);
-            write(&text)
+            written += points;
+            write(&text).map_err(EndedEarly::Unwritten)?;
+            let is_last = written == strokes.count;
+            if !is_last && interruption.stop().load(Ordering::Relaxed) { Err(EndedEarly::Interrupted) } else { Ok(()) }
         },
-    )?;
-    Ok(trust)
+    );
+    match solved {
+        Ok(()) => Ok(Listed { trust, interrupted: None }),
+        Err(EndedEarly::Unwritten(failure)) => Err(failure),
+        Err(EndedEarly::Interrupted) => {
+            Ok(Listed { trust: Trust { interrupted: true, ..trust }, interrupted: interruption.status() })
+        }
+    }
 }
 
 /// The picture of a curve.
@@ -354,24 +424,4 @@ fn plot(report: &MeshReport<'_>) -> CurvePlot {
         marks: marks.collect(),
         ..CurvePlot::default()
     }
-}
-
-/// Writes a picture in the format that the file's name asks for.
-pub(super) fn write_picture(
-    path: &Path,
-    svg: impl FnOnce() -> Result<String, PlotError>,
-    png: impl FnOnce() -> Result<Vec<u8>, PlotError>,
-) -> Result<(), Failure> {
-    let failed = |problem: String| Diagnostic::error(Code::FileAccess, problem);
-    let drawing = |error: PlotError| failed(format!("cannot draw {}: {error}", path.display()));
-    let bytes = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg") => svg().map_err(drawing)?.into_bytes(),
-        Some("png") => png().map_err(drawing)?,
-        _ => {
-            let message = format!("--plot {}: the name must end in .svg or .png", path.display());
-            return Err(Diagnostic::error(Code::Usage, message).into());
-        }
-    };
-    std::fs::write(path, bytes).map_err(|error| failed(format!("cannot write {}: {error}", path.display())))?;
-    Ok(())
 }

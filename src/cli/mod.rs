@@ -18,12 +18,18 @@ mod mesh;
 mod monte_carlo;
 mod office;
 mod output;
+mod page;
 mod paste;
+mod picture;
+mod read;
 mod report;
 mod reproduce;
 mod schema;
 mod simulate;
 mod stream;
+mod tables;
+mod target;
+mod terminal;
 
 use std::io::Read as _;
 use std::process::ExitCode;
@@ -75,6 +81,7 @@ const SUBCOMMANDS: &[Subcommand] = &[
     subcommand!("measure", measure),
     subcommand!("batch", batch),
     subcommand!("paste", paste),
+    subcommand!("read", read),
     subcommand!("report", report),
     subcommand!("class", class),
     subcommand!("simulate", simulate),

@@ -1,7 +1,7 @@
 //! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
 
-use super::mesh;
 use super::output::{Failure, Output, Status};
+use super::{long, mesh};
 use crate::decision::monte_carlo::DEFAULT_SEED;
 use crate::decision::monte_carlo::racks::{RackSettings, RacksError, simulate_racks};
 use crate::decision::{LimitTarget, Verdict};
@@ -16,7 +16,10 @@ pub(super) const ABOUT: &str = "Draw racks whose teeth deviate at random, and so
   rackmesh monte-carlo examples/scatter.toml
   rackmesh monte-carlo examples/scatter.toml --racks 20000 --format json
 
-Exit status: 0 all racks inside limits.center_distance or none given, 1 some outside, 2 could not solve.")]
+Ctrl-C ends the run and prints what was computed.
+
+Exit status: 0 all racks inside limits.center_distance or none given, 1 some outside, 2 could not solve,
+130 or 143 if Ctrl-C or SIGTERM ended the run.")]
 pub(super) struct Args {
     /// The gear spec (TOML) with a section [scatter]; `-` reads standard input.
     spec: String,
@@ -52,7 +55,13 @@ impl Args {
             to_mm: self.to.mm(),
             threads: self.threads.map(usize::from),
         };
-        let results = simulate_racks(&input.mesh, &scatter, &settings).map_err(|error| unsolved(&error))?;
+        let interruption = long::interrupted();
+        let results = simulate_racks(&input.mesh, &scatter, &settings, interruption.stop());
+        let results = results.map_err(|error| unsolved(&error))?;
+        if results.is_empty() {
+            output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, "interrupted before the first rack was solved"));
+            return Ok(interruption.status().unwrap_or(Status::Undecided));
+        }
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
         let report = RacksReport {
             title: spec.title.as_deref(),
@@ -64,6 +73,14 @@ impl Args {
             notes: mesh::notes(&input),
         };
         output.report(&report, self.format)?;
+        if report.is_interrupted() {
+            if self.format == Format::Csv {
+                // the other formats say so themselves
+                let message = format!("interrupted: these are the first {} of {} racks", results.len(), self.racks);
+                output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, message));
+            }
+            return Ok(interruption.status().unwrap_or(Status::Undecided));
+        }
         Ok(match report.verdict() {
             Some(Verdict::Fail) => Status::Fail,
             _ => Status::Pass,

@@ -21,16 +21,19 @@ pub(super) enum Status {
     Undecided,
     /// It was judged, and the decision rule proves neither conformity nor non-conformity.
     Indeterminate,
+    /// A signal ended it early, with the exit code that belongs to the signal: what is shown is incomplete.
+    Interrupted(u8),
 }
 
 impl Status {
-    /// Of several, the one that counts most: what could not be judged, then what failed.
+    /// Of several, the one that counts most: what was ended early, then what could not be judged, then what failed.
     pub(super) fn severity(self) -> u8 {
         match self {
             Self::Pass => 0,
             Self::Indeterminate => 1,
             Self::Fail => 2,
             Self::Undecided => 3,
+            Self::Interrupted(_) => 4,
         }
     }
 }
@@ -42,6 +45,7 @@ impl From<Status> for ExitCode {
             Status::Fail => Self::from(1),
             Status::Undecided => Self::from(2),
             Status::Indeterminate => Self::from(3),
+            Status::Interrupted(code) => Self::from(code),
         }
     }
 }

@@ -1,27 +1,30 @@
 //! `rackmesh paste`: measured values from the clipboard, a mail, a terminal.
 
-use std::io::{BufRead as _, IsTerminal as _, Read as _};
+use std::sync::Arc;
 
 use super::decision::DecisionArgs;
 use super::eval::{self, ModelArg, StackArg};
+use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
-use super::{mesh, office};
-use crate::cmm::DecimalMark;
-use crate::cmm::paste::{Field, Orientation, Pasted, PastedPart, Understood, Want, understand};
+use super::tables::{self, Opened, ReadArgs};
+use super::{batch, mesh, office, page, target, terminal};
+use crate::decision::uncertainty::Source as Uncertain;
 use crate::decision::{Evaluation, LimitTarget, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::{
     EvaluationReport, Format, MeshReport, PartRow, PartsReport, Report, SpacesReport, Together, UncertaintyPart,
+    WithReading,
 };
-use crate::spec::{BatchColumn, Located, MeasuredTables, Reading, Spec};
+use crate::spec::{MeasuredTables, Spec};
+use crate::table::{Container, Gatherer, Reading, Source, Table, Teeth, Want, gather, refusal};
 
 pub(super) const ABOUT: &str =
     "Evaluate a pasted block of measured values: cells of a spreadsheet, a CMM report, a mail";
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Typed or pasted into a terminal, the block ends with an empty line or Ctrl-D.
-How it was understood is said in one line before the results; what could mean two things is refused.
+#[command(after_help = "Typed or pasted into a terminal, the block ends with Ctrl-D; blank lines belong to it.
+How it was understood is said in one line; what could mean two things is refused.
 
 Examples:
   rackmesh paste examples/steering.toml examples/cmm-report.txt
@@ -30,27 +33,16 @@ Examples:
   rackmesh paste rack.toml --decimal comma --format csv < values.txt
   rackmesh paste examples/mesh.toml --mesh < spaces.txt
 
-Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate by the rule.")]
+Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate by the
+rule, 130 or 143 interrupted.")]
 pub(super) struct Args {
     /// The gear spec (TOML).
     spec: String,
-    /// A file with the block, an Excel workbook (.xlsx) or a Q-DAS file (.dfq, .dfd with .dfx); standard input unless
-    /// given.
+    /// A file with the block, or any table that `rackmesh batch` reads; standard input unless given.
     file: Option<String>,
-    #[command(flatten)]
-    place: office::Place,
-    /// Write the results to this file as well: .xlsx, .dfq, .csv, .json, .md or .txt.
+    /// Write the results to this file as well: .html, .xlsx, .dfq, .csv, .json, .md or .txt.
     #[arg(long, short, value_name = "FILE")]
     output: Option<String>,
-    /// What the columns hold, in their order, if the block has no header or its names do not count.
-    #[arg(long = "as", value_delimiter = ',', value_name = "NAME,…")]
-    fields: Vec<Field>,
-    /// Whether decimals stand behind a comma or a point.
-    #[arg(long, value_enum, value_name = "MARK")]
-    decimal: Option<DecimalMark>,
-    /// Whether each part is a row or a column, for numbers without names.
-    #[arg(long, value_enum, value_name = "WHERE")]
-    parts: Option<Orientation>,
     /// Solve the exact mesh of measured spaces or teeth along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
@@ -60,181 +52,254 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    /// Judge parts without the errors that the spec asks for and the block lacks.
+    #[arg(long)]
+    partial: bool,
     #[command(flatten)]
     decision: DecisionArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    #[command(flatten)]
+    reading: ReadArgs,
 }
 
-/// The largest block that is read: beyond what anybody pastes.
+/// The largest block that is read from standard input: beyond what anybody pastes.
 const LARGEST_BLOCK: u64 = 4 << 20;
+/// Parts that are shown at most: `batch` is for more.
+const MOST_PARTS: usize = 20_000;
 
-/// Reads the block: all of a pipe, or what is typed until an empty line.
-fn read_block(file: Option<&str>, output: &mut Output) -> Result<String, Failure> {
-    let stdin = std::io::stdin();
-    let mut bytes = Vec::new();
-    let name = file.unwrap_or("the block");
-    let unreadable = |reason: String| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {reason}"));
-    if let Some(path) = file.filter(|path| *path != "-") {
-        let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST_BLOCK + 1).read_to_end(&mut bytes));
-        read.map_err(|error| unreadable(error.to_string()))?;
-    } else if stdin.is_terminal() {
-        output.remark("Paste the values, then an empty line (or Ctrl-D):");
-        let mut lines = stdin.lock().take(LARGEST_BLOCK + 1);
-        loop {
-            let start = bytes.len();
-            let count = lines.read_until(b'\n', &mut bytes).map_err(|error| unreadable(error.to_string()))?;
-            let blank = bytes[start..].trim_ascii().is_empty();
-            // a line without its end is the last: Ctrl-D came behind it; empty lines before the block do not end it
-            if count == 0 || !bytes.ends_with(b"\n") || (blank && !bytes.trim_ascii().is_empty()) {
-                break;
-            }
-        }
-    } else {
-        let read = stdin.lock().take(LARGEST_BLOCK + 1).read_to_end(&mut bytes);
-        read.map_err(|error| unreadable(error.to_string()))?;
-    }
-    if bytes.len() as u64 > LARGEST_BLOCK {
-        let diagnostic = unreadable("it is larger than 4 MiB".to_owned());
-        return Err(diagnostic.help("`rackmesh batch` reads files of any size").into());
-    }
-    Ok(crate::cmm::decode(&bytes).into_owned())
-}
-
-/// What the spec expects of a block.
-fn want(spec: &Spec) -> Want {
-    let columns = spec.batch.columns.iter().map(|(kind, column)| (column.span.start, *kind));
-    let errors = spec.errors.iter().map(|(kind, error)| (error.span.start, *kind));
-    let nominals = spec.nominals.iter().map(|(kind, nominal)| (nominal.span.start, *kind));
-    let mut expected: Vec<ErrorKind> = Vec::new();
-    let unmeasured = spec.unmeasured.iter().map(|(kind, place)| (place.start, *kind));
-    for written in [columns.collect::<Vec<_>>(), errors.chain(nominals).chain(unmeasured).collect()] {
-        let mut written = written;
-        written.sort_unstable();
-        expected.extend(written.into_iter().map(|(_, kind)| kind));
-    }
-    let mut seen = Vec::new();
-    expected.retain(|kind| {
-        !seen.contains(kind) && {
-            seen.push(*kind);
-            true
-        }
-    });
-    let measured = |kind: ErrorKind| match spec.reading(kind) {
-        Ok(Reading::Measured(nominal)) => Some((kind, nominal)),
-        // a nominal value that cannot be computed is asked for once the block has such a column
-        Ok(Reading::Deviation) | Err(_) => None,
-    };
-    let unit = |(kind, column): &(ErrorKind, Located<BatchColumn>)| {
-        column.value.unit.as_ref().map(|unit| (Field::Error(*kind), unit.value.to_owned()))
-    };
-    Want {
-        expected,
-        own: spec.column_names(),
-        nominals: ErrorKind::ALL.into_iter().filter_map(measured).collect(),
-        units: spec.batch.columns.iter().filter_map(unit).collect(),
-        module: spec.pair.normal_module.as_ref().map(|module| module.value),
-        ..Want::default()
-    }
+/// What was read, and what there is to say of it.
+struct Read {
+    spec: Arc<Spec>,
+    reading: Reading,
+    notes: Vec<String>,
 }
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let mut spec = super::read_spec(&self.spec)?;
-        let office = match self.file.as_deref() {
-            Some(path) => office::open(path, &spec, &self.place)?,
-            None => None,
-        };
-        let mut decimal = self.decimal;
-        let (name, text) = if let Some(office) = office {
-            let (completed, notes) = office.completed(&spec, self.model.into());
-            for note in notes {
-                output.remark(&note);
-            }
-            spec = completed;
-            let sheet = office.sheet(self.file.as_deref().unwrap_or_default())?;
-            // numbers come out of such files with points
-            decimal = Some(DecimalMark::Point);
-            (sheet.name.clone(), sheet.tabbed())
-        } else {
-            let name = self.file.clone().filter(|file| file != "-").unwrap_or_else(|| "<block>".to_owned());
-            (name, read_block(self.file.as_deref(), output)?)
-        };
-        let want = Want { fields: self.fields.clone(), decimal, orientation: self.parts, ..want(&spec) };
-        let Understood { pasted, mut account } = understand(&name, &text, &want)?;
-        account.file = (decimal.is_some() && self.decimal.is_none()).then_some(name);
-        output.remark(&account.to_string());
-        match pasted {
-            Pasted::Parts(parts) => {
-                if self.mesh {
-                    let message = "--mesh needs values of spaces or teeth; these are values of whole parts";
-                    return Err(Diagnostic::error(Code::Usage, message)
-                        .help("for a part's errors put on its teeth: rackmesh eval --mesh")
-                        .into());
-                }
-                self.parts(&spec, &parts, output)
-            }
-            Pasted::Rack(rack) => self.spaces(&spec, MeasuredTables { rack: Some(rack), pinion: None }, output),
-            Pasted::Pinion(pinion) => self.spaces(&spec, MeasuredTables { rack: None, pinion: Some(pinion) }, output),
-        }
-    }
-
-    /// Prints a report, and writes it to the file that was asked for.
-    fn report(&self, report: &dyn Report, spec: &Spec, output: &mut Output) -> Result<(), Failure> {
+        let spec = Arc::new(super::read_spec(&self.spec)?);
+        let interruption = long::interrupted();
         if let Some(path) = &self.output {
-            office::write(path, report, spec)?;
+            target::refuse_inputs(path, &self.inputs(&spec).iter().map(String::as_str).collect::<Vec<_>>())?;
         }
-        output.report(report, self.format)
+        let Opened { table, spec, notes } = self.open(&spec, &interruption, output)?;
+        if let Some(status) = interruption.status() {
+            return Ok(status);
+        }
+        if let Some(refused) = refusal(&table.strangers, &table.still_missing) {
+            return Err(refused.into());
+        }
+        let read = Read { spec, reading: table.reading.clone(), notes };
+        if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
     }
 
-    fn evaluate(
-        &self,
-        spec: &Spec,
-        errors: &[(ErrorKind, ErrorValue)],
-    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        eval::judged(&spec.with_errors(errors), &self.decision, self.model.into(), self.stack.into())
+    /// The files that are read.
+    fn inputs(&self, spec: &Spec) -> Vec<String> {
+        let mut inputs = mesh::files_read(spec, &self.spec);
+        match &self.file {
+            Some(file) => inputs.extend(tables::files_read(std::slice::from_ref(file))),
+            None => inputs.push("-".to_owned()),
+        }
+        inputs
     }
 
-    fn parts(&self, spec: &Spec, parts: &[PastedPart], output: &mut Output) -> Result<Status, Failure> {
-        let pasted = |kind: ErrorKind| parts.iter().any(|part| part.errors.iter().any(|(known, _)| *known == kind));
-        let absent: Vec<_> =
-            spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| !pasted(*kind)).map(ErrorKind::key).collect();
-        if !absent.is_empty() {
-            output.remark(&format!("not in the block, and not counted: {} of the spec's [errors]", absent.join(", ")));
+    fn open(&self, spec: &Arc<Spec>, interruption: &Interruption, output: &mut Output) -> Result<Opened, Failure> {
+        let keep = |want: Want| want;
+        if let Some(path) = self.file.as_deref().filter(|path| *path != "-") {
+            return self.reading.open(path, spec, self.model.into(), interruption.stop(), &keep);
         }
-        let mut rows = Vec::with_capacity(parts.len());
-        for (index, part) in parts.iter().enumerate() {
-            for problem in &part.problems {
-                output.diagnostic(problem);
+        let bytes = terminal::read_block(output, interruption, LARGEST_BLOCK)?;
+        let container = Container::open("<block>", Source::bytes(bytes), &self.reading.want(spec)?)?;
+        self.reading.found(container, "<block>", spec, self.model.into(), &keep)
+    }
+
+    /// Prints a report with how its table was read, and writes it to the file that was asked for.
+    fn report(&self, report: &dyn Report, read: &Read, output: &mut Output) -> Result<(), Failure> {
+        let readings = std::slice::from_ref(&read.reading);
+        let whole = WithReading { report, readings, notes: &read.notes };
+        if let Some(path) = &self.output {
+            let inputs = self.inputs(&read.spec);
+            let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+            let lower = path.to_ascii_lowercase();
+            let bytes = if [".html", ".htm"].iter().any(|ending| lower.ends_with(ending)) {
+                page::of_report(&read.spec, report, readings, &read.notes, &inputs)?.into_bytes()
+            } else {
+                office::report_as(path, &whole, &read.spec)?
+            };
+            target::write(path, &inputs, &bytes)?;
+        }
+        if self.format == Format::Json {
+            output.report(&whole, self.format)
+        } else {
+            output.report(report, self.format)
+        }
+    }
+
+    fn evaluate(&self, read: &Read, errors: &[(ErrorKind, ErrorValue)]) -> Result<Judged, Failure> {
+        let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
+        let of_every_part = read.spec.errors_of_every_part(&in_table)?;
+        let all = errors.iter().copied().chain(of_every_part.iter().map(|error| (error.kind(), error.value())));
+        let mut all: Vec<_> = all.collect();
+        all.sort_by_key(|(kind, _)| *kind);
+        let spec = read.spec.with_errors(&all);
+        let (mut evaluation, uncertainty) = eval::judged(&spec, &self.decision, self.model.into(), self.stack.into())?;
+        if !self.partial && !read.spec.lacking(&in_table).is_empty() {
+            evaluation.leave_open(LimitTarget::CenterDistance);
+        }
+        let is_certain =
+            |kind: &ErrorKind| read.spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(*kind));
+        if !self.partial && self.decision.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
+            for on in read.spec.limits().into_iter().map(|(on, _)| on) {
+                evaluation.leave_open(on);
             }
-            let judged = if part.problems.is_empty() { Some(self.evaluate(spec, &part.errors)?) } else { None };
-            let (evaluation, uncertainty) =
-                judged.map_or((None, None), |(evaluation, known)| (Some(evaluation), known));
-            let name = part.id.clone().unwrap_or_else(|| (index + 1).to_string());
-            rows.push(PartRow { name, line: part.line, evaluation, uncertainty });
         }
-        for target in unjudged(&rows) {
-            output.diagnostic(&eval::unjudged(spec, target));
+        Ok(Judged { evaluation, uncertainty })
+    }
+
+    fn parts(&self, mut read: Read, table: Table, output: &mut Output) -> Result<Status, Failure> {
+        if self.mesh {
+            let message = "--mesh needs values of spaces or teeth; these are values of whole parts";
+            return Err(Diagnostic::error(Code::Usage, message)
+                .help("for a part's errors put on its teeth: rackmesh eval --mesh")
+                .into());
+        }
+        let kinds: Vec<ErrorKind> = table.kinds().collect();
+        if kinds.is_empty() {
+            let message = format!("{} has no column of an error that is known", table.name);
+            return Err(Diagnostic::error(Code::BadTable, message).help("`rackmesh read` shows how it is read").into());
+        }
+        read.notes.extend(self.notes(&read.spec, &kinds));
+        let mut rows = self.rows(&mut read, table, &kinds, output)?;
+        tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
+        if rows.is_empty() {
+            let message = "there is no part in the block, so none was checked";
+            output.diagnostic(&Diagnostic::warning(Code::BadTable, message));
+            return Ok(Status::Undecided);
+        }
+        let lacks = |target: LimitTarget| matches!(target, LimitTarget::Error(kind) if !kinds.contains(&kind));
+        for target in unjudged(&rows).into_iter().filter(|target| lacks(*target)) {
+            output.diagnostic(&eval::unjudged(&read.spec, target));
         }
         let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| status.severity());
-        let helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
+        let helical = read.spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
+        let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
         match rows.as_mut_slice() {
             [PartRow { evaluation: Some(evaluation), name, uncertainty, .. }] => {
-                let title = parts[0].id.as_ref().map(|_| format!("part {name}"));
-                let title = title.as_deref().or(spec.title.as_deref());
+                let title =
+                    read.reading.columns.iter().any(|column| column.role == "part_id").then(|| format!("part {name}"));
+                let title = title.as_deref().or(read.spec.title.as_deref());
                 let mut report = EvaluationReport::new(title, evaluation, helical);
-                report.rule = self.decision.rule(spec);
+                report.rule = self.decision.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
-                self.report(&report, spec, output)?;
+                report.without.clone_from(&without);
+                self.report(&report, &read, output)?;
             }
             [_] => {}
-            _ => self.report(&PartsReport { title: spec.title.as_deref(), rows: &rows }, spec, output)?,
+            _ => self.report(
+                &PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without },
+                &read,
+                output,
+            )?,
         }
         Ok(status.unwrap_or(Status::Undecided))
     }
 
-    fn spaces(&self, spec: &Spec, tables: MeasuredTables, output: &mut Output) -> Result<Status, Failure> {
+    /// What the block leaves to say: what it lacks, and what counts for every part.
+    fn notes(&self, spec: &Spec, kinds: &[ErrorKind]) -> Vec<String> {
+        let of_every: Vec<_> = spec.every_part.iter().copied().filter(|kind| !kinds.contains(kind)).collect();
+        let lacking = batch::lacking("block lacks", spec, &spec.lacking(kinds), self.partial);
+        let exact = |kind: &&ErrorKind| spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(**kind));
+        let exact: Vec<_> = kinds.iter().filter(exact).map(|kind| kind.key()).collect();
+        let exact = (!spec.uncertainties.is_empty() && !exact.is_empty())
+            .then(|| format!("taken as exact, because no uncertainty is given: {}", exact.join(", ")));
+        lacking.into_iter().chain(batch::of_every_part(&of_every)).chain(exact).collect()
+    }
+
+    /// Every part, evaluated; one whose values cannot be read has none.
+    fn rows(
+        &self,
+        read: &mut Read,
+        table: Table,
+        kinds: &[ErrorKind],
+        output: &mut Output,
+    ) -> Result<Vec<PartRow>, Failure> {
+        let name = Arc::clone(&table.name);
+        let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
+        let unreadable =
+            |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
+        let mut rows: Vec<PartRow> = Vec::new();
+        for block in table.blocks().map_err(unreadable)? {
+            if let Some(contradiction) = &block.contradiction {
+                let message = format!("{name}, line {}: {}", contradiction.line, contradiction.message);
+                return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
+            }
+            read.reading.asides.extend(block.asides.iter().cloned());
+            for index in 0..block.rows() {
+                if rows.len() == MOST_PARTS {
+                    let message = format!("{name} has more than {MOST_PARTS} parts");
+                    return Err(Diagnostic::error(Code::BadTable, message)
+                        .help("`rackmesh batch` evaluates tables of any length")
+                        .into());
+                }
+                let faults: Vec<_> = block.faults().iter().filter(|fault| fault.row == index).collect();
+                for fault in &faults {
+                    let column = fault.column.and_then(|column| titles.get(column));
+                    let place = column.map(|title| format!(", column `{title}`")).unwrap_or_default();
+                    let message = format!("{name}, line {}{place}: {}", block.lines[index], fault.message);
+                    output.diagnostic(&Diagnostic::error(Code::BadRow, message));
+                }
+                let errors: Vec<_> =
+                    kinds.iter().enumerate().map(|(column, kind)| (*kind, block.values(column)[index])).collect();
+                let judged = if faults.is_empty() { Some(self.evaluate(read, &errors)?) } else { None };
+                let (evaluation, uncertainty) =
+                    judged.map_or((None, None), |judged| (Some(judged.evaluation), judged.uncertainty));
+                let part = block.name(index).filter(|name| !name.is_empty()).map(std::borrow::Cow::into_owned);
+                let line = usize::try_from(block.lines[index]).unwrap_or(usize::MAX);
+                rows.push(PartRow {
+                    name: part.unwrap_or_else(|| (rows.len() + 1).to_string()),
+                    line,
+                    evaluation,
+                    uncertainty,
+                });
+            }
+        }
+        Ok(rows)
+    }
+
+    fn teeth(&self, mut read: Read, table: Table, output: &mut Output) -> Result<Status, Failure> {
+        let name = Arc::clone(&table.name);
+        let gatherer = Gatherer::new(&table)?;
+        let unreadable =
+            |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
+        let mut parts = gather(gatherer, &table.blocks().map_err(unreadable)?)?.into_iter();
+        let (part, others) = (parts.next(), parts.next());
+        let Some(part) = part else {
+            return Err(Diagnostic::error(Code::BadTable, format!("{name} has no rows")).into());
+        };
+        if others.is_some() {
+            let message = format!("{name} has teeth or spaces of several parts");
+            return Err(Diagnostic::error(Code::BadTable, message)
+                .help("`rackmesh batch --teeth` evaluates them")
+                .into());
+        }
+        if let Some(fault) = part.fault {
+            let message = format!("{name}, line {}: {}", fault.line, fault.message);
+            return Err(Diagnostic::error(Code::BadRow, message).into());
+        }
+        let (is_rack, tables) = match part.teeth {
+            Teeth::Rack(rack) => (true, MeasuredTables { rack: Some(rack), pinion: None }),
+            Teeth::Pinion(pinion) => (false, MeasuredTables { rack: None, pinion: Some(pinion) }),
+        };
+        if read.spec.has_other_deviations(is_rack) {
+            read.notes.push("the table takes the place of the deviations in the spec".to_owned());
+        }
+        tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
+        self.spaces(&read, tables, output)
+    }
+
+    fn spaces(&self, read: &Read, tables: MeasuredTables, output: &mut Output) -> Result<Status, Failure> {
+        let spec = &read.spec;
         let is_rack = tables.rack.is_some();
         let measured = spec.measured(&tables, self.model.into())?;
         let limits = spec.limits();
@@ -242,7 +307,7 @@ impl Args {
         let report = SpacesReport { title: spec.title.as_deref(), measured: &measured, limit };
         let by_formula = report.verdict();
         if !self.mesh {
-            self.report(&report, spec, output)?;
+            self.report(&report, read, output)?;
             return Ok(status(by_formula));
         }
         let only = spec.measured_only(is_rack);
@@ -253,8 +318,16 @@ impl Args {
             all.pinion = tables.pinion;
         }
         let input = only.mesh(&all)?;
-        let curve = input.mesh.curve(0.0, 50.0, 1e-6).map_err(|error| mesh::unsolved(&error))?;
+        let covered = mesh::covered(&input, &all, 0.0, 50.0)?;
+        let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| mesh::unsolved(&error))?;
         let prediction = mesh::prediction(&input);
+        let mut notes = mesh::notes(&input);
+        if covered != (0.0..50.0) {
+            notes.push(format!(
+                "the strokes whose contacts were measured are {:.3} to {:.3} mm, of 0 to 50: the others are not judged",
+                covered.start, covered.end
+            ));
+        }
         let solved = MeshReport {
             title: None,
             mesh: &input.mesh,
@@ -262,13 +335,19 @@ impl Args {
             listed: &[],
             prediction: &prediction,
             limit,
-            notes: mesh::notes(&input),
+            notes,
             screen: output.screen(),
         };
         let verdict = solved.verdict();
-        self.report(&Together { formula: &report, mesh: &solved }, spec, output)?;
+        self.report(&Together { formula: &report, mesh: &solved }, read, output)?;
         Ok(status(verdict))
     }
+}
+
+/// What came of a part.
+struct Judged {
+    evaluation: Evaluation,
+    uncertainty: Option<UncertaintyPart>,
 }
 
 fn status(verdict: Option<Verdict>) -> Status {

@@ -1,15 +1,16 @@
 //! `rackmesh report`: everything about a spec and its parts on one page.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use super::decision::DecisionArgs;
 use super::eval::{self, ModelArg, StackArg};
+use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
-use super::{batch, mesh, office, stream};
-use crate::batch::{Batch, Dialect, Input, Layout, Packing, Plan, Request, Rows, RunError, Sink, Sinks};
+use super::page::{hashed, reading_section, spec_section, without_verdict};
+use super::tables::{self, Files, ReadArgs};
+use super::{batch, mesh, target};
+use crate::batch::{Batch, Layout, Outcome, Packing, Plan, Request, Rows, Sink, Sinks, Teeth, TeethRequest};
 use crate::decision::{LimitTarget, Stack};
 use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -17,6 +18,7 @@ use crate::quantity::Length;
 use crate::report::html::{Chart, InputFile, Page, Section};
 use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
 use crate::spec::Spec;
+use crate::table::Want;
 
 pub(super) const ABOUT: &str =
     "Write one self-contained page: spec, deviations, ΔCD, mesh curve, batch, hashes of the inputs";
@@ -28,19 +30,21 @@ pub(super) const ABOUT: &str =
 Examples:
   rackmesh report examples/steering.toml -o report.html
   rackmesh report rack.toml lot7.csv -o lot7.html
+  rackmesh report rack.toml spaces.csv --teeth -o racks.html
 
-Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something could not be judged, 3 indeterminate."
+Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something could not be judged or\nread, 3 indeterminate, 130 or 143 interrupted."
 )]
 pub(super) struct Args {
     /// The gear spec (TOML).
     spec: String,
-    /// Tables with a row per part: what `rackmesh batch` reads.
+    /// Tables: what `rackmesh batch` and `rackmesh paste` read.
     files: Vec<String>,
-    #[command(flatten)]
-    place: office::Place,
     /// The page to write; standard output unless given.
     #[arg(long, short, value_name = "FILE")]
     output: Option<String>,
+    /// Many rows per part, one per tooth or space: each part through the exact mesh.
+    #[arg(long)]
+    teeth: bool,
     /// First stroke of the mesh curve.
     #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
     from: Length,
@@ -53,13 +57,24 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    /// Judge parts without the errors that the spec asks for and the table lacks.
+    #[arg(long)]
+    partial: bool,
     #[command(flatten)]
     decision: DecisionArgs,
+    #[command(flatten)]
+    reading: ReadArgs,
 }
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = super::read_spec(&self.spec)?;
+        let inputs = self.inputs(&spec);
+        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+        if let Some(path) = &self.output {
+            target::refuse_inputs(path, &inputs)?;
+            target::known_ending(path, &["html", "htm"])?;
+        }
         let mut page = Page { title: spec.title.clone().unwrap_or_else(|| self.spec.clone()), ..Page::default() };
         page.inputs.push(InputFile::of(&self.spec, spec.source.text.as_bytes()).map_err(Failure::Write)?);
         if self.spec != "-" {
@@ -78,18 +93,13 @@ impl Args {
         }
         self.mesh(&spec, &mut page, output)?;
         if !self.files.is_empty() {
-            statuses.push(self.batch(&spec, &mut page, output)?);
+            statuses.push(self.lot(&spec, &mut page, output)?);
         }
         page.sections.push(self.assumptions());
-        page.sections.push(Section {
-            heading: "Spec".to_owned(),
-            source: Some(spec.source.text.clone()),
-            ..Section::default()
-        });
+        page.sections.push(spec_section(&spec));
         let html = page.html();
         match &self.output {
-            Some(path) => std::fs::write(path, html)
-                .map_err(|error| Diagnostic::error(Code::FileAccess, format!("cannot write {path}: {error}")))?,
+            Some(path) => target::write(path, &inputs, html.as_bytes())?,
             None => output.text(&html)?,
         }
         Ok(statuses.into_iter().max_by_key(|status| status.severity()).unwrap_or(Status::Pass))
@@ -177,88 +187,125 @@ impl Args {
         Ok(())
     }
 
+    /// Every file that is read.
+    fn inputs(&self, spec: &Spec) -> Vec<String> {
+        let mut inputs = mesh::files_read(spec, &self.spec);
+        inputs.extend(tables::files_read(&self.files));
+        inputs
+    }
+
     /// The parts of the tables.
-    fn batch(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
+    fn lot(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
         if self.files.iter().any(|file| file == "-") {
             let message = "a report names its inputs and their hashes, and standard input has no name";
             return Err(Diagnostic::error(Code::Usage, message).help("give a file").into());
         }
-        let stop = Arc::new(AtomicBool::new(false));
+        let interruption = long::interrupted();
+        let spec = Arc::new(spec.clone());
+        let files: Vec<&str> = self.files.iter().map(String::as_str).collect();
+        let mut found =
+            self.reading.look(&files, &spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want))?;
+        if let Some(failed) = found.failed.pop() {
+            return Err(failed.into());
+        }
+        let done = if found.first().is_some_and(|first| first.table.is_teeth) {
+            self.toothed(&spec, &mut found, &interruption)?
+        } else {
+            self.parts(&mut found, &interruption)?
+        };
+        let Lot { mut outcome, basis, charts, small_charts } = done;
+        outcome.notes.extend(outcome.duplicates.note());
+        for path in tables::files_read(&self.files) {
+            page.inputs.push(hashed(&path)?);
+        }
+        for problem in &outcome.problems {
+            output.diagnostic(&Diagnostic::error(Code::BadRow, problem_text(problem)));
+        }
+        tables::say(&outcome.readings, &outcome.notes, output);
+        let report = BatchReport::new(None, &basis, &outcome);
+        let mut blocks = without_verdict(report.blocks(), page, "the batch");
+        let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
+        blocks.extend(unread);
+        let heading = format!("Batch: {}", self.files.join(", "));
+        page.sections.push(Section { heading, charts, small_charts, blocks, ..Section::default() });
+        page.sections.push(reading_section(&outcome.readings, &outcome.notes));
+        Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
+    }
+
+    fn adjusted(&self, want: Want) -> Want {
+        if self.teeth { Want { teeth: Some(true), ..want } } else { want }
+    }
+
+    /// Parts by the formulas.
+    fn parts(&self, found: &mut Files, interruption: &Interruption) -> Result<Lot, Failure> {
+        let Some(first) = found.first() else { return Err(no_table().into()) };
+        let spec = Arc::clone(&first.spec);
         let request = Request {
             model: self.model.into(),
             stack: self.stack.into(),
-            rule: self.decision.rule(spec),
+            rule: self.decision.rule(&spec),
             monte_carlo: self.decision.settings()?,
             rows: Rows::All,
             statistics: true,
             problems_kept: 10,
+            partial: self.partial,
             ..Request::default()
         };
-        let (first, spec) = self.table(&self.files[0], &Arc::new(spec.clone()), &stop, Some(output))?;
-        let plan = Plan::new(&spec, &first.header, request)?;
+        let plan = Plan::new(&spec, &first.table, request)?;
+        let notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
         let mut run = RunChart::default();
         let sinks = Sinks { rows: Some(Sink { writer: &mut run, packing: Packing::None }), rejects: None };
-        let mut batch = Batch::new(&plan, sinks, None);
-        let mut first = Some(first);
-        for file in &self.files {
-            let input = match first.take() {
-                Some(input) => input,
-                None => self.table(file, &spec, &stop, None)?.0,
+        let mut lot = Batch::new(&plan, sinks, None);
+        for path in found.paths() {
+            let opened = match found.take_first() {
+                Some(opened) => opened,
+                None => self
+                    .reading
+                    .open(&path, &spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want))?,
             };
-            let layout = Layout::new(&plan, &input.header)?;
-            if !layout.understood().is_empty() {
-                output.remark(&format!("{}: {}", input.header.name, layout.understood().join(", ")));
+            let layout = Layout::new(&plan, &opened.table)?;
+            let ran = lot.run(opened.table, &layout, interruption.stop(), &mut |_| {});
+            if let Some(problem) = batch::unfinished(&path, ran)? {
+                return Err(problem.into());
             }
-            batch.run(input, &layout, &stop, &mut |_| {}).map_err(|error| match error {
-                RunError::Read(error) => {
-                    Diagnostic::error(Code::FileAccess, format!("cannot read {file} to its end: {error}")).into()
-                }
-                RunError::Write(error) => Failure::Write(error),
-            })?;
-            page.inputs.push(hashed(file)?);
         }
-        let (outcome, written) = batch.finish();
+        let (mut outcome, written) = lot.finish();
         written?;
-        for problem in &outcome.problems {
-            output.diagnostic(&Diagnostic::error(Code::BadRow, problem_text(problem)));
-        }
-        let basis = Basis::of(&plan);
-        let report = BatchReport::new(None, &basis, &outcome);
-        let mut blocks = without_verdict(report.blocks(), page, "the batch");
-        if !outcome.problems.is_empty() {
-            blocks.extend(
-                outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem)))),
-            );
-        }
+        outcome.notes.extend(notes);
         let (judged, small_charts) = histograms(&plan, &outcome);
         let charts = judged.into_iter().chain(run.chart(&plan)).collect();
-        page.sections.push(Section {
-            heading: format!("Batch: {}", self.files.join(", ")),
-            charts,
-            small_charts,
-            blocks,
-            ..Section::default()
-        });
-        Ok(batch::status(&outcome, false, !plan.unjudged().is_empty()))
+        Ok(Lot { outcome, basis: Basis::of(&plan), charts, small_charts })
     }
 
-    fn table(
-        &self,
-        file: &str,
-        spec: &Arc<Spec>,
-        stop: &Arc<AtomicBool>,
-        output: Option<&mut Output>,
-    ) -> Result<(Input, Arc<Spec>), Failure> {
-        let Some(found) = office::open(file, spec, &self.place)? else {
-            return Ok((Input::open(file, stream::open(file, stop)?, Dialect::default())?, Arc::clone(spec)));
+    /// Parts with their teeth, by the exact mesh.
+    fn toothed(&self, spec: &Arc<Spec>, found: &mut Files, interruption: &Interruption) -> Result<Lot, Failure> {
+        const TOLERANCE_MM: f64 = 1e-6;
+        let request = TeethRequest {
+            stroke_mm: (self.from.mm(), self.to.mm()),
+            tolerance_mm: TOLERANCE_MM,
+            rule: self.decision.rule(spec),
+            statistics: true,
+            problems_kept: 10,
+            ..TeethRequest::default()
         };
-        let (completed, notes) = found.completed(spec, self.model.into());
-        if let Some(output) = output {
-            for note in notes {
-                output.remark(&note);
+        let basis = batch::mesh_basis(spec, &request.rule);
+        let measured = mesh::measured_tables(spec, &self.spec)?;
+        let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;
+        for path in found.paths() {
+            let opened = match found.take_first() {
+                Some(opened) => opened,
+                None => self
+                    .reading
+                    .open(&path, spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want))?,
+            };
+            let ran = teeth.run(opened.table, interruption.stop(), &mut |_| {})?;
+            if let Some(problem) = batch::unfinished(&path, ran)? {
+                return Err(problem.into());
             }
         }
-        Ok((found.input(file), Arc::new(completed)))
+        let (outcome, written) = teeth.finish();
+        written?;
+        Ok(Lot { outcome, basis, charts: Vec::new(), small_charts: Vec::new() })
     }
 
     fn assumptions(&self) -> Section {
@@ -278,24 +325,16 @@ fn problem_text(problem: &crate::batch::Problem) -> String {
     format!("{}: {}", problem.whereabouts(), problem.what())
 }
 
-fn hashed(path: &str) -> Result<InputFile, Failure> {
-    let file = File::open(path).and_then(|file| InputFile::of(path, file));
-    Ok(file.map_err(|error| Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {error}")))?)
+/// What came of the parts of all tables.
+struct Lot {
+    outcome: Outcome,
+    basis: Basis,
+    charts: Vec<Chart>,
+    small_charts: Vec<Chart>,
 }
 
-/// The blocks without their verdicts, which go to the top of the page.
-fn without_verdict(blocks: Vec<Block>, page: &mut Page, of: &str) -> Vec<Block> {
-    let mut kept = Vec::new();
-    for block in blocks {
-        match block {
-            Block::Verdict(verdict, sentence) => {
-                page.verdicts.push((verdict, format!("{of}: {sentence}")));
-                kept.push(Block::Verdict(verdict, sentence));
-            }
-            block => kept.push(block),
-        }
-    }
-    kept
+fn no_table() -> Diagnostic {
+    Diagnostic::error(Code::BadTable, "there is no table that can be read")
 }
 
 /// The result that is judged: the name of its upper and, for a range, of its lower end.

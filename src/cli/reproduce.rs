@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::mesh::write_picture;
 use super::output::{Failure, Output, Status};
+use super::picture::Picture;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::plot::{CurvePlot, Series};
 use crate::report::{Format, Reproduction};
@@ -48,8 +48,9 @@ impl Args {
                         ..CurvePlot::default()
                     };
                     let path = folder.join(format!("{name}-{suffix}.svg"));
-                    write_picture(&path, || plot.svg(), || plot.png())?;
-                    output.remark(&format!("wrote {}", path.display()));
+                    let path = path.display().to_string();
+                    Picture::new(&path, Vec::new())?.write(|| plot.svg(), || plot.png())?;
+                    output.remark(&format!("wrote {path}"));
                 }
             }
         }

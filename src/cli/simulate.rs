@@ -1,12 +1,14 @@
 //! `rackmesh simulate`: the multibody simulation along the stroke.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use super::mesh::{measured_tables, write_picture};
+use super::long::Interruption;
+use super::mesh::{files_read, measured_tables};
 use super::output::{Failure, Output, Status};
+use super::picture::Picture;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::mesh::Mesh;
 use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
 use crate::quantity::Length;
 use crate::report::plot::{CurvePlot, Series};
@@ -23,7 +25,7 @@ pub(super) const ABOUT: &str =
 
 Ctrl-C ends the run and prints what was computed.
 
-Exit status: 0 if the whole stroke was computed, 2 if not.")]
+Exit status: 0 if the whole stroke was computed, 2 if not, 130 or 143 if Ctrl-C or SIGTERM ended the run.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     spec: String,
@@ -35,7 +37,7 @@ pub(super) struct Args {
     spacing: Option<Length>,
     /// Write ΔCD over the stroke as a picture, the exact mesh beside it; the name ends in .svg or .png.
     #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    plot: Option<String>,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -43,14 +45,13 @@ pub(super) struct Args {
 
 impl Args {
     /// Runs the scene with a bar where somebody watches, until the end or Ctrl-C.
-    fn watched(&self, scene: &Scene) -> Outcome {
-        let stop = super::long::interrupted();
+    fn watched(&self, scene: &Scene, interruption: &Interruption) -> Outcome {
         let mut bar = super::long::Bar::new();
         let parameters = scene.parameters();
         let mut watch = |sample: &Sample| {
             let share = (sample.stroke_mm - parameters.start_mm) / parameters.stroke_mm;
             bar.show(Some(share), || format!("stroke {:.1} mm", sample.stroke_mm));
-            if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if interruption.stop().load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let outcome = if self.quasi_static { scene.quasi_static(&mut watch) } else { scene.dynamic(&mut watch) };
         bar.finish();
@@ -62,10 +63,12 @@ impl Args {
         if let Some(spacing) = &self.spacing {
             spec.simulation.parameters.spacing_mm = spacing.mm();
         }
+        let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();
-        let outcome = self.watched(&scene);
+        let interruption = super::long::interrupted();
+        let outcome = self.watched(&scene, &interruption);
         let exact = |steady: Option<Steady>| exact_mean_mm(&input.mesh, &steady?);
         let report = SimulationReport {
             title: spec.title.as_deref(),
@@ -77,23 +80,15 @@ impl Args {
             notes: input.warnings.iter().map(ToString::to_string).collect(),
             screen: output.screen(),
         };
-        if let Some(path) = &self.plot {
-            let samples = outcome.samples.iter();
-            let strokes: Vec<f64> = samples.clone().map(|sample| sample.stroke_mm).collect();
-            let exact = strokes.iter().zip(input.mesh.sample(&strokes));
-            let exact = exact.filter_map(|(stroke, point)| Some((*stroke, point.ok()?.delta_cd_mm)));
-            let plot = CurvePlot {
-                title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
-                curves: vec![
-                    Series {
-                        label: "simulated".to_owned(),
-                        points: samples.map(|sample| (sample.stroke_mm, sample.delta_cd_mm)).collect(),
-                    },
-                    Series { label: "exact mesh".to_owned(), points: exact.collect() },
-                ],
-                ..CurvePlot::default()
-            };
-            write_picture(path, || plot.svg(), || plot.png())?;
+        if let Some(picture) = &picture {
+            let plot = plot(&report, &input.mesh);
+            if matches!(outcome.end, RunEnd::Completed) {
+                picture.write(|| plot.svg(), || plot.png())?;
+            } else if !outcome.samples.is_empty()
+                && let Some(partial) = picture.write_partial(|| plot.svg(), || plot.png())?
+            {
+                output.remark(&format!("{partial} shows what was computed"));
+            }
         }
         output.report(&report, self.format)?;
         Ok(match outcome.end {
@@ -106,12 +101,31 @@ impl Args {
                         format!("interrupted at a stroke of {reached:.1} mm; the positions up to there are printed");
                     output.diagnostic(&Diagnostic::warning(Code::NoSimulation, message));
                 }
-                Status::Undecided
+                interruption.status().unwrap_or(Status::Undecided)
             }
             RunEnd::Failed(error) => {
                 output.diagnostic(&Diagnostic::error(Code::NoSimulation, error.to_string()));
                 Status::Undecided
             }
         })
+    }
+}
+
+/// ΔCD over the stroke, the exact mesh beside it.
+fn plot(report: &SimulationReport<'_>, mesh: &Mesh) -> CurvePlot {
+    let samples = report.outcome.samples.iter();
+    let strokes: Vec<f64> = samples.clone().map(|sample| sample.stroke_mm).collect();
+    let exact = strokes.iter().zip(mesh.sample(&strokes));
+    let exact = exact.filter_map(|(stroke, point)| Some((*stroke, point.ok()?.delta_cd_mm)));
+    CurvePlot {
+        title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
+        curves: vec![
+            Series {
+                label: "simulated".to_owned(),
+                points: samples.map(|sample| (sample.stroke_mm, sample.delta_cd_mm)).collect(),
+            },
+            Series { label: "exact mesh".to_owned(), points: exact.collect() },
+        ],
+        ..CurvePlot::default()
     }
 }

@@ -112,6 +112,14 @@ impl Evaluation {
         Ok(())
     }
 
+    /// Takes the verdict on a limit back: what it is on is not all there.
+    pub fn leave_open(&mut self, on: LimitTarget) {
+        for check in self.limits.iter_mut().filter(|check| check.on == on) {
+            (check.verdict, check.decision) = (None, None);
+        }
+        self.verdict = overall(self.limits.iter().map(|check| check.verdict));
+    }
+
     /// Whether any error's ΔCD depends on the model.
     #[must_use]
     pub fn models_differ(&self) -> bool {

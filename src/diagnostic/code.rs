@@ -57,6 +57,8 @@ codes! {
     BadTeeth = "bad-teeth",
     /// A table of measured values that cannot be read.
     BadTable = "bad-table",
+    /// A column or line that may be a measurement and is not understood.
+    NotUnderstood = "not-understood",
     /// A pasted block that can be read in more than one way.
     AmbiguousBlock = "ambiguous-block",
     /// A row of a batch that makes no part.

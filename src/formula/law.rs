@@ -295,24 +295,45 @@ impl Law {
             return Ok(ErrorValue::zero(self.kind));
         }
         let within = |steps: i64| self.delta_cd(error(steps), model).is_ok_and(|reached| reached <= delta_cd);
-        if within(farthest) {
-            return Err(DomainError::NeverReached {
+        match last_within(farthest, within) {
+            Some(steps) => Ok(error(steps)),
+            None => Err(DomainError::NeverReached {
                 error: if shape == Shape::Step { "pitch error up to 1 km" } else { "lead angle error below 90°" },
                 delta_cd,
                 largest: self.delta_cd(error(farthest), model)?,
-            });
+            }),
         }
-        // ΔCD rises with the error
-        let (mut inside, mut outside) = (0, farthest);
-        while outside - inside > 1 {
-            let middle = inside + (outside - inside) / 2;
-            if within(middle) {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
+    }
+
+    /// The largest helix slope deviation f_Hβ over an evaluation length whose ΔCD does not exceed `delta_cd`, not
+    /// negative: on the grid, so that it holds when it is read back as printed.
+    ///
+    /// # Errors
+    /// [`DomainError`] if this is not the law of a lead error, the length is not above 0, `delta_cd` is negative, or no
+    /// f_Hβ reaches it.
+    pub fn largest_slope_deviation(
+        self,
+        delta_cd: Length,
+        length: Length,
+        model: Model,
+    ) -> Result<Length, DomainError> {
+        /// In femtometres: 1 m, up to which every unit shows a length to its last digit.
+        const FARTHEST: i64 = 1_000_000_000_000_000;
+        let reached = |fm: i64| self.delta_cd(lead_slope(Length::from_fm(fm), length)?, model);
+        // no f_Hβ is large enough to be refused where none at all is not
+        reached(0)?;
+        domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
+        if delta_cd.is_zero() {
+            return Ok(Length::ZERO);
         }
-        Ok(error(inside))
+        match last_within(FARTHEST, |fm| reached(fm).is_ok_and(|reached| reached <= delta_cd)) {
+            Some(fm) => Ok(Length::from_fm(fm)),
+            None => Err(DomainError::NeverReached {
+                error: "helix slope deviation up to 1 m",
+                delta_cd,
+                largest: reached(FARTHEST)?,
+            }),
+        }
     }
 
     /// Its page in the [`CATALOGUE`](super::CATALOGUE).
@@ -320,6 +341,24 @@ impl Law {
     pub fn page(self) -> &'static FormulaPage {
         page_of(self.kind)
     }
+}
+
+/// The last step for which `within` holds, where it holds from 0 to some step and not beyond; `None` if it holds for
+/// the farthest.
+fn last_within(farthest: i64, within: impl Fn(i64) -> bool) -> Option<i64> {
+    if within(farthest) {
+        return None;
+    }
+    let (mut inside, mut outside) = (0, farthest);
+    while outside - inside > 1 {
+        let middle = inside + (outside - inside) / 2;
+        if within(middle) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    Some(inside)
 }
 
 /// The page of the law of a kind of error.
@@ -412,6 +451,36 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_largest_slope_deviation_is_the_last_that_holds() {
+        let law = laws("19.9", "-21.5")[2];
+        for (evaluation_length, model) in [("18", Model::Exact), ("18", Model::Paper), ("0.7", Model::Exact)] {
+            let over = length(evaluation_length);
+            for text in ["0.000000000001", "0.02", "1.7"] {
+                let largest = law.largest_slope_deviation(length(text), over, model).unwrap();
+                let next = largest + Length::from_fm(1);
+                for (deviation, holds) in [(largest, true), (next, false)] {
+                    let reached = law.delta_cd(lead_slope(deviation, over).unwrap(), model).unwrap();
+                    assert_eq!(reached <= length(text), holds, "{text} over {evaluation_length}: {deviation}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_slope_deviation_where_none_is_meant_or_reaches() {
+        let [_, step, lead, ..] = laws("20", "0");
+        let largest = |law: Law, delta_cd: &str, over: &str| {
+            law.largest_slope_deviation(length(delta_cd), length(over), Model::Exact).map_err(|error| error.to_string())
+        };
+        assert_eq!(largest(lead, "0", "18"), Ok(Length::ZERO));
+        assert!(largest(lead, "-0.01", "18").is_err());
+        assert!(largest(lead, "0.01", "0").is_err());
+        assert!(largest(step, "0.01", "18").is_err());
+        let message = largest(lead, "5000", "18").unwrap_err();
+        assert!(message.starts_with("no helix slope deviation up to 1 m reaches a ΔCD of 5000 mm"), "{message}");
     }
 
     #[test]

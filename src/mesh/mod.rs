@@ -8,6 +8,7 @@
 //! What follows from this in closed form, with figures: [`relations`].
 
 mod contact;
+mod coverage;
 mod curve;
 mod demand;
 mod measure;
@@ -21,6 +22,7 @@ mod summary;
 mod trail;
 
 pub use contact::ContactKind;
+pub use coverage::CarryingStrokes;
 pub use curve::{Curve, Kink};
 pub use measure::{PinionReading, RackReading};
 pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, Work};

@@ -5,13 +5,14 @@ use std::str::FromStr;
 
 use super::length::LengthUnit;
 use super::number::{Decimal, Scale, split_number};
+use super::unit::is_spelt;
 use super::{QuantityError, grid_quantity};
 
 /// An angle on a grid of nano-arcseconds (2.8e-13°). Base unit: degree.
 ///
-/// Read from text: a bare number is in degrees; the units are `deg` (`°`), `arcmin` (`'`), `arcsec`
-/// (`"`), `rad`, `mrad`, and degrees, minutes and seconds may follow each other: `12° 30' 15"`. Only
-/// radians are not exact: π enters them with 100 decimals.
+/// Read from text: a bare number is in degrees; the units are `deg` (`°`), `arcmin` (`'`), `arcsec` (`"`), `rad`,
+/// `mrad`, `µrad`, `gon`, and degrees, minutes and seconds may follow each other: `12° 30' 15"`. Only radians are not
+/// exact: π enters them with 18 digits.
 ///
 /// ```
 /// use rackmesh::quantity::Angle;
@@ -39,22 +40,37 @@ pub enum AngleUnit {
     Radian,
     /// `mrad`: 0.001 rad.
     Milliradian,
+    /// `µrad`, `urad`: 0.000001 rad.
+    Microradian,
+    /// `gon`: 0.9°.
+    Gon,
 }
 
 impl AngleUnit {
-    /// The units in words, for messages.
-    pub const NAMES: &'static str = "deg, °, ', arcmin, \", arcsec, rad or mrad";
+    /// Every unit, the usual ones first.
+    pub const ALL: [Self; 7] =
+        [Self::Degree, Self::Arcminute, Self::Arcsecond, Self::Radian, Self::Milliradian, Self::Microradian, Self::Gon];
 
-    /// The unit of that symbol.
+    /// The units in words, for messages.
+    pub const NAMES: &'static str = "deg, °, ', arcmin, \", arcsec, rad, mrad, µrad or gon";
+
+    /// The unit of that symbol or name, on what is known to be an angle: `min` and `sec` are parts of a degree.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
-        match symbol {
-            "deg" | "°" => Some(Self::Degree),
-            "arcmin" | "'" | "\u{2032}" | "\u{2019}" => Some(Self::Arcminute),
-            "arcsec" | "\"" | "\u{2033}" | "\u{201d}" | "''" => Some(Self::Arcsecond),
-            "rad" => Some(Self::Radian),
-            "mrad" => Some(Self::Milliradian),
-            _ => None,
+        Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
+    }
+
+    /// How the unit is written.
+    pub(crate) const fn spellings(self) -> &'static [&'static str] {
+        match self {
+            Self::Degree => &["deg", "°", "degree", "degrees", "Grad"],
+            Self::Arcminute => &["arcmin", "'", "\u{2032}", "\u{2019}", "min"],
+            Self::Arcsecond => &["arcsec", "\"", "\u{2033}", "\u{201d}", "''", "sec"],
+            Self::Radian => &["rad"],
+            Self::Milliradian => &["mrad"],
+            // the micro sign and the Greek letter look alike and are both typed
+            Self::Microradian => &["urad", "\u{b5}rad", "\u{3bc}rad"],
+            Self::Gon => &["gon"],
         }
     }
 
@@ -67,6 +83,8 @@ impl AngleUnit {
             Self::Arcsecond => "arcsec",
             Self::Radian => "rad",
             Self::Milliradian => "mrad",
+            Self::Microradian => "µrad",
+            Self::Gon => "gon",
         }
     }
 
@@ -79,6 +97,8 @@ impl AngleUnit {
             // 648000/π arcseconds, to 18 digits
             Self::Radian => Scale { factor: 206_264_806_247_096_355, exponent: -3 },
             Self::Milliradian => Scale { factor: 206_264_806_247_096_355, exponent: -6 },
+            Self::Microradian => Scale { factor: 206_264_806_247_096_355, exponent: -9 },
+            Self::Gon => Scale { factor: 324, exponent: 10 },
         }
     }
 }
@@ -139,7 +159,7 @@ impl Angle {
         (nearest, low - (nearest - high))
     }
 
-    /// The angle in `unit`; of radians and milliradians, whose decimals are not on the grid, the shortest decimal that
+    /// The angle in `unit`; of radians and their parts, whose decimals are not on the grid, the shortest decimal that
     /// reads back as the same angle.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "exact up to 2500°, one rounding more beyond")]
@@ -148,12 +168,16 @@ impl Angle {
             AngleUnit::Degree => self.degrees(),
             AngleUnit::Arcminute => self.nas as f64 / 6e10,
             AngleUnit::Arcsecond => self.nas as f64 / 1e9,
-            AngleUnit::Radian => self.shortest(self.radians(), unit).parse().unwrap_or(self.radians()),
-            AngleUnit::Milliradian => {
-                let value = 1e3 * self.radians();
-                self.shortest(value, unit).parse().unwrap_or(value)
-            }
+            AngleUnit::Gon => self.nas as f64 / 3.24e12,
+            AngleUnit::Radian => self.shortest_number(self.radians(), unit),
+            AngleUnit::Milliradian => self.shortest_number(1e3 * self.radians(), unit),
+            AngleUnit::Microradian => self.shortest_number(1e6 * self.radians(), unit),
         }
+    }
+
+    /// The shortest number that reads back as this angle, whose value in `unit` is near `value`.
+    fn shortest_number(self, value: f64, unit: AngleUnit) -> f64 {
+        self.shortest(value, unit).parse().unwrap_or(value)
     }
 
     /// The shortest decimal text of `value`, this angle in `unit`, that reads back as it.
@@ -250,6 +274,13 @@ mod tests {
         for text in ["0.25", "0.25deg", "0.25°", "15'", "15 arcmin", "900\"", "900 arcsec", "0° 15'", "0°14'60\""] {
             assert_eq!(angle(text), angle("0.25"), "{text}");
         }
+        for text in ["0.25 Degrees", "0.25 Grad", "15 min", "15′", "900″", "900 sec", "0 deg 14 min 60 sec"] {
+            assert_eq!(angle(text), angle("0.25"), "{text}");
+        }
+        assert_eq!(angle("3 gon"), angle("2.7"));
+        assert_eq!(angle("2.7").in_unit(AngleUnit::Gon), 3.0);
+        assert_eq!(angle("5 µrad"), angle("0.005 mrad"));
+        assert_eq!(angle("5 urad").in_unit(AngleUnit::Microradian), 5.0);
         assert_eq!(angle("-1° 30'").degrees(), -1.5);
         assert_eq!(angle("-0° 30'").degrees(), -0.5);
         assert!((angle("1 rad").degrees() - 57.295_779_513_082_32).abs() < 1.4e-13);
@@ -261,8 +292,22 @@ mod tests {
     }
 
     #[test]
+    fn every_spelling_is_its_unit_and_no_other() {
+        for unit in AngleUnit::ALL {
+            for spelling in unit.spellings().iter().chain([&unit.symbol()]) {
+                assert_eq!(AngleUnit::from_symbol(spelling), Some(unit), "{spelling}");
+            }
+        }
+        assert_eq!(AngleUnit::from_symbol("DEG"), Some(AngleUnit::Degree));
+        // `grad` is a gon in English and a degree in German
+        for symbol in ["grad", "GRAD", "Mrad", "gr", "s", "m", "°C", ""] {
+            assert_eq!(AngleUnit::from_symbol(symbol), None, "{symbol}");
+        }
+    }
+
+    #[test]
     fn errors_name_what_is_wrong() {
-        const UNITS: &str = "deg, °, ', arcmin, \", arcsec, rad or mrad";
+        const UNITS: &str = AngleUnit::NAMES;
         for (text, message) in [
             ("20 um", format!("`um` is a unit of length, and an angle is needed: write {UNITS}")),
             ("20 grad", format!("`grad` is not a unit of an angle: write {UNITS}")),

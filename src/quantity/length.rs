@@ -5,12 +5,13 @@ use std::str::FromStr;
 
 use super::angle::AngleUnit;
 use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
+use super::unit::is_spelt;
 use super::{QuantityError, grid_quantity};
 
 /// A length on a grid of femtometres (1e-12 mm). Base unit: mm.
 ///
-/// Read from text: a bare number is in mm; the units are `um` (`µm`), `mm`, `in`, `mil`. Finer text is rounded to the
-/// grid; a length that is read or computed is at most 1 km.
+/// Read from text: a bare number is in mm; the units are `nm`, `um` (`µm`), `mm`, `cm`, `m`, `in` (`″`), `mil`. Finer
+/// text is rounded to the grid; a length that is read or computed is at most 1 km.
 ///
 /// ```
 /// use rackmesh::quantity::Length;
@@ -28,30 +29,53 @@ pub struct Length {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LengthUnit {
+    /// `nm`: 0.000001 mm.
+    Nanometre,
     /// `um`, `µm`: 0.001 mm.
     Micrometre,
     /// `mm`.
     Millimetre,
-    /// `in`: 25.4 mm.
+    /// `cm`: 10 mm.
+    Centimetre,
+    /// `m`: 1000 mm.
+    Metre,
+    /// `in`, `″`: 25.4 mm.
     Inch,
     /// `mil`: 0.001 in.
     Mil,
 }
 
 impl LengthUnit {
-    /// The units in words, for messages.
-    pub const NAMES: &'static str = "um, µm, mm, in or mil";
+    /// Every unit, the usual ones first.
+    pub const ALL: [Self; 7] =
+        [Self::Millimetre, Self::Micrometre, Self::Inch, Self::Mil, Self::Nanometre, Self::Centimetre, Self::Metre];
 
-    /// The unit of that symbol.
+    /// The units in words, for messages.
+    pub const NAMES: &'static str = "nm, um, µm, mm, cm, m, in or mil";
+
+    /// The unit of that symbol or name, as a heading has it.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
-        match symbol {
-            "mm" => Some(Self::Millimetre),
+        let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm"]);
+        if thousandth { Some(Self::Micrometre) } else { Self::behind_number(symbol) }
+    }
+
+    /// The unit of that symbol behind a number, where `12 1/1000 mm` could be a mixed fraction.
+    fn behind_number(symbol: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
+    }
+
+    /// How the unit is written behind a number.
+    pub(crate) const fn spellings(self) -> &'static [&'static str] {
+        match self {
+            Self::Nanometre => &["nm", "\u{339a}"],
             // the micro sign and the Greek letter look alike and are both typed
-            "um" | "\u{b5}m" | "\u{3bc}m" => Some(Self::Micrometre),
-            "in" => Some(Self::Inch),
-            "mil" => Some(Self::Mil),
-            _ => None,
+            Self::Micrometre => &["um", "\u{b5}m", "\u{3bc}m", "\u{339b}", "micron", "microns"],
+            Self::Millimetre => &["mm", "\u{339c}"],
+            Self::Centimetre => &["cm", "\u{339d}"],
+            Self::Metre => &["m"],
+            Self::Inch => &["in", "inch", "inches", "\u{2033}"],
+            Self::Mil => &["mil", "mils", "thou"],
         }
     }
 
@@ -59,8 +83,11 @@ impl LengthUnit {
     #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
+            Self::Nanometre => "nm",
             Self::Micrometre => "µm",
             Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Metre => "m",
             Self::Inch => "in",
             Self::Mil => "mil",
         }
@@ -69,8 +96,11 @@ impl LengthUnit {
     /// One of this unit in femtometres.
     const fn scale(self) -> Scale {
         match self {
+            Self::Nanometre => Scale { factor: 1, exponent: 6 },
             Self::Micrometre => Scale { factor: 1, exponent: 9 },
             Self::Millimetre => Scale { factor: 1, exponent: 12 },
+            Self::Centimetre => Scale { factor: 1, exponent: 13 },
+            Self::Metre => Scale { factor: 1, exponent: 15 },
             // 25.4 mm
             Self::Inch => Scale { factor: 254, exponent: 11 },
             Self::Mil => Scale { factor: 254, exponent: 8 },
@@ -80,8 +110,11 @@ impl LengthUnit {
     /// One of this unit in femtometres, as a number.
     const fn in_fm(self) -> f64 {
         match self {
+            Self::Nanometre => 1e6,
             Self::Micrometre => 1e9,
             Self::Millimetre => 1e12,
+            Self::Centimetre => 1e13,
+            Self::Metre => 1e15,
             Self::Inch => 2.54e13,
             Self::Mil => 2.54e10,
         }
@@ -109,7 +142,11 @@ impl Length {
     /// [`QuantityError::Overflow`] naming the quantity, `what`.
     pub(crate) fn nearest(fm: f64, what: &'static str) -> Result<Self, QuantityError> {
         #[expect(clippy::cast_possible_truncation, reason = "saturates, and the largest is refused")]
-        let nearest = fm.round() as i64;
+        let whole = fm as i64;
+        // what lies between is exact in a double
+        #[expect(clippy::cast_precision_loss, reason = "where a double is whole, there is nothing between")]
+        let between = fm - whole as f64;
+        let nearest = whole.saturating_add(i64::from(between >= 0.5)).saturating_sub(i64::from(between <= -0.5));
         Self::of_steps((!fm.is_nan()).then_some(nearest), what)
     }
 
@@ -163,7 +200,7 @@ impl FromStr for Length {
         const EXPECTED: &str = "a length";
         let (written, unit) = split_number(text);
         let number = Decimal::of_quantity(written, text, EXPECTED)?;
-        let unit = match LengthUnit::from_symbol(unit) {
+        let unit = match LengthUnit::behind_number(unit) {
             Some(unit) => unit,
             None if unit.is_empty() => LengthUnit::Millimetre,
             None => {
@@ -198,9 +235,35 @@ mod tests {
         for text in ["12.7", "12.7mm", "12700 um", "12700 µm", "12700μm", "0.5 in", "500mil", " +12.7 mm "] {
             assert_eq!(length(text), length("12.7"), "{text}");
         }
+        for text in
+            ["12700 MM", "12.7 ㎜", "12700000 nm", "12700㎛", "12700 Microns", "1.27 cm", "1.27㎝", "0.5″", "0.5 INCH"]
+        {
+            let expected = if text.ends_with("MM") { "12.7e3" } else { "12.7" };
+            assert_eq!(length(text), length(expected), "{text}");
+        }
+        assert_eq!(length("0.0127 m"), length("500 thou"));
         assert_eq!(length("1e3um"), length("1"));
+        assert_eq!(length("12.5 nm").fm(), 12_500_000);
+        assert_eq!(length("1000 m"), Length::LARGEST);
         assert_eq!(length("-20 um").mm(), -0.02);
         assert_eq!(length("0.0131").in_unit(LengthUnit::Micrometre), 13.1);
+    }
+
+    #[test]
+    fn every_spelling_is_its_unit_and_no_other() {
+        for unit in LengthUnit::ALL {
+            for spelling in unit.spellings().iter().chain([&unit.symbol()]) {
+                assert_eq!(LengthUnit::from_symbol(spelling), Some(unit), "{spelling}");
+            }
+            assert_eq!(Length::of_number(Decimal::parse("3").unwrap(), unit).unwrap().in_unit(unit), 3.0, "{unit:?}");
+        }
+        for symbol in ["Mm", "MM", "CM", "IN", "Inch", "Micron", "Thou", "1/1000 MM"] {
+            assert!(LengthUnit::from_symbol(symbol).is_some(), "{symbol}");
+        }
+        // a thread, a moment, a force, a concentration; nothing at all
+        for symbol in ["M", "Nm", "NM", "N", "min", "sec", "µ", "\"", "'", "km", ""] {
+            assert_eq!(LengthUnit::from_symbol(symbol), None, "{symbol}");
+        }
     }
 
     #[test]
@@ -219,8 +282,12 @@ mod tests {
     #[test]
     fn errors_name_what_is_wrong() {
         for (text, message) in [
-            ("20 deg", "`deg` is a unit of angle, and a length is needed: write um, µm, mm, in or mil"),
-            ("20 mn", "`mn` is not a unit of a length: write um, µm, mm, in or mil"),
+            ("20 deg", "`deg` is a unit of angle, and a length is needed: write nm, um, µm, mm, cm, m, in or mil"),
+            ("5 M", "`M` is not a unit of a length: write nm, um, µm, mm, cm, m, in or mil"),
+            ("5 Nm", "`Nm` is not a unit of a length: write nm, um, µm, mm, cm, m, in or mil"),
+            ("12 1/1000 mm", "`1/1000 mm` is not a unit of a length: write nm, um, µm, mm, cm, m, in or mil"),
+            ("1000.0001 m", "the length is too large: its magnitude must stay within 1e6 mm"),
+            ("20 mn", "`mn` is not a unit of a length: write nm, um, µm, mm, cm, m, in or mil"),
             (
                 "0,4",
                 "`0,4` is not a length: a comma could be a decimal or a thousands mark; write a decimal point and no \

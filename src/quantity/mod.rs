@@ -23,20 +23,22 @@ mod error;
 mod length;
 mod number;
 mod rounded;
+mod unit;
 
 pub use angle::{Angle, AngleUnit};
 pub use domain::{Bound, Domain, DomainError};
 pub use error::QuantityError;
-#[cfg(feature = "batch")]
+#[cfg(feature = "table")]
 pub(crate) use error::shown;
 pub use length::{Length, LengthUnit};
 pub(crate) use number::Decimal;
 pub use number::NumberError;
-#[cfg(feature = "cmm")]
+#[cfg(feature = "table")]
 pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
 pub(crate) use number::split_number;
 pub(crate) use rounded::{Degrees, Rounded};
+pub use unit::Unit;
 
 impl Decimal {
     /// Reads the number of a quantity; `expected` is what the error calls it, `text` the whole text.

@@ -125,6 +125,8 @@ impl Decimal {
     }
 
     /// `digits · factor · 10^exponent`, half rounded up.
+    #[cold]
+    #[inline(never)]
     fn rounded(self, factor: u64, exponent: i32) -> Option<u128> {
         let product = u128::from(self.digits) * u128::from(factor);
         let power = 10u128.checked_pow(exponent.unsigned_abs());
@@ -134,6 +136,78 @@ impl Decimal {
             // beyond 10^38 steps, or below 10^-38 of a product that is smaller
             None => (exponent < 0).then_some(0),
         }
+    }
+
+    /// The shortest decimal that reads as this double; `None` if it is not finite.
+    #[cfg(feature = "table")]
+    pub(crate) fn of_f64(value: f64) -> Option<Self> {
+        const PLACES: i32 = 6;
+        const MILLION: f64 = 1e6;
+        // no two decimals of 15 digits are the same double, so that one that reads as this double is the shortest
+        const OF_15_DIGITS: f64 = 1e15;
+        let millionths = (value * MILLION).round();
+        if millionths.abs() < OF_15_DIGITS && millionths / MILLION == value {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below 10^15")]
+            let digits = millionths.abs() as u64;
+            return Some(Self { negative: millionths < 0.0, digits, exponent: -PLACES }.without_zeros());
+        }
+        Self::of_display(format_args!("{value:e}"))
+    }
+
+    /// The shortest decimal that reads as this single-precision number; `None` if it is not finite.
+    #[cfg(feature = "table")]
+    pub(crate) fn of_f32(value: f32) -> Option<Self> {
+        Self::of_display(format_args!("{value:e}"))
+    }
+
+    /// `unscaled · 10^-scale`; of more digits than fit the rest is cut off.
+    #[cfg(feature = "table")]
+    pub(crate) fn of_i128(unscaled: i128, scale: i32) -> Self {
+        let mut magnitude = unscaled.unsigned_abs();
+        let mut exponent = -scale;
+        let digits = loop {
+            match u64::try_from(magnitude) {
+                Ok(digits) => break digits,
+                Err(_) => magnitude /= 10,
+            }
+            exponent += 1;
+        };
+        Self { negative: unscaled < 0, digits, exponent }
+    }
+
+    /// A number as it is displayed, in scientific notation; `None` if that is no number.
+    #[cfg(feature = "table")]
+    fn of_display(number: std::fmt::Arguments<'_>) -> Option<Self> {
+        let mut text = ShortText { bytes: [0; 32], length: 0 };
+        std::fmt::Write::write_fmt(&mut text, number).ok()?;
+        Self::parse(std::str::from_utf8(&text.bytes[..text.length]).ok()?).ok()
+    }
+
+    /// The same number without zeros at the end of its decimals.
+    #[cfg(feature = "table")]
+    fn without_zeros(mut self) -> Self {
+        while self.exponent < 0 && self.digits.is_multiple_of(10) {
+            self.digits /= 10;
+            self.exponent += 1;
+        }
+        self
+    }
+}
+
+/// A text that is written without asking for memory: millions of numbers are.
+#[cfg(feature = "table")]
+struct ShortText {
+    bytes: [u8; 32],
+    length: usize,
+}
+
+#[cfg(feature = "table")]
+impl std::fmt::Write for ShortText {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        let end = self.length + text.len();
+        self.bytes.get_mut(self.length..end).ok_or(std::fmt::Error)?.copy_from_slice(text.as_bytes());
+        self.length = end;
+        Ok(())
     }
 }
 
@@ -163,7 +237,7 @@ fn power_of_ten(written: &str) -> Result<i32, NumberError> {
 }
 
 /// Reads a number that is no length and no angle: a weight, a stiffness, a count.
-#[cfg(any(feature = "cmm", test))]
+#[cfg(any(feature = "table", test))]
 pub(crate) fn parse_f64(text: &str) -> Result<f64, NumberError> {
     Decimal::parse(text)?;
     let value: f64 = text.replace('\u{2212}', "-").parse().map_err(|_| NumberError::NotANumber)?;
@@ -282,6 +356,55 @@ mod tests {
         // the place behind the number shows that these are more than a plain number
         assert_eq!(plain(b"1e3", 0).map(|(_, end)| end), Some(1));
         assert_eq!(plain(b"12 um", 0).map(|(_, end)| end), Some(2));
+    }
+
+    #[cfg(feature = "table")]
+    #[test]
+    fn binary_numbers_become_their_shortest_decimal() {
+        let decimal = |negative, digits, exponent| Some(Decimal { negative, digits, exponent });
+        for (value, expected) in [
+            (0.0, decimal(false, 0, 0)),
+            (-0.0, decimal(false, 0, 0)),
+            (25.0131, decimal(false, 250_131, -4)),
+            (-100.0, decimal(true, 100, 0)),
+            (0.1 + 0.2, decimal(false, 30_000_000_000_000_004, -17)),
+            (1.31e-9, decimal(false, 131, -11)),
+            (999_999_999.999_999, decimal(false, 999_999_999_999_999, -6)),
+            (1e17, decimal(false, 1, 17)),
+            (f64::MAX, decimal(false, 17_976_931_348_623_157, 292)),
+            (-5e-324, decimal(true, 5, -324)),
+            (f64::NAN, None),
+            (f64::NEG_INFINITY, None),
+        ] {
+            assert_eq!(Decimal::of_f64(value), expected, "{value}");
+        }
+        assert_eq!(Decimal::of_f32(25.0131), decimal(false, 250_131, -4));
+        assert_eq!(Decimal::of_f32(-0.1), decimal(true, 1, -1));
+        assert_eq!(Decimal::of_f32(f32::INFINITY), None);
+        assert_eq!(Some(Decimal::of_i128(-250_131, 4)), decimal(true, 250_131, -4));
+        assert_eq!(Some(Decimal::of_i128(i128::MIN, 38)), decimal(true, 17_014_118_346_046_923_173, -19));
+    }
+
+    #[cfg(feature = "table")]
+    proptest::proptest! {
+        #[test]
+        fn every_double_is_read_as_it_is_displayed(steps in -1_000_000_000_000_000_000i64..1_000_000_000_000_000_000, places in 0i32..18, any in proptest::num::f64::NORMAL) {
+            let rounded: f64 = format!("{steps}e-{places}").parse().expect("a number");
+            for value in [rounded, any] {
+                let number = Decimal::of_f64(value).expect("finite");
+                let sign = if number.negative { "-" } else { "" };
+                let text = format!("{sign}{}e{}", number.digits, number.exponent);
+                assert_eq!(text.parse(), Ok(value), "{text}");
+                let shortest = Decimal::parse(&format!("{value:e}")).expect("a number");
+                let significant = |mut digits: u64| {
+                    while digits > 0 && digits.is_multiple_of(10) {
+                        digits /= 10;
+                    }
+                    digits
+                };
+                assert_eq!(significant(number.digits), significant(shortest.digits), "{value:e}");
+            }
+        }
     }
 
     #[test]

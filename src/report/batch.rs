@@ -4,10 +4,10 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, plain};
 use super::uncertainty::{micrometres, rule_name};
-use super::{Block, Column, Report, Table};
+use super::{Block, Column, Report, Table, judged_without};
 use crate::batch::{Outcome, Part, Plan, QUANTILES, Statistics};
 use crate::decision::capability::{FEWEST_PARTS, Gauge, Index, Normality, PRELIMINARY_PARTS, performance, short_term};
-use crate::decision::{Limits, Rule, Stack, Verdict};
+use crate::decision::{LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::deviation::ErrorKind;
 
 /// What the parts of a batch were evaluated by and held against.
@@ -23,8 +23,10 @@ pub struct Basis {
     pub limits: Limits,
     /// The limits (mm, lower and upper) of each result that has statistics.
     pub quantity_limits: Vec<(Option<f64>, Option<f64>)>,
-    /// Errors without an uncertainty, where others have one.
-    pub taken_as_exact: Vec<ErrorKind>,
+    /// The limits that something needed is missing for.
+    pub unjudged: Vec<LimitTarget>,
+    /// Errors that the spec asks for and the parts were judged without.
+    pub without: Vec<ErrorKind>,
 }
 
 impl Basis {
@@ -37,15 +39,25 @@ impl Basis {
             rule: plan.rule().clone(),
             limits: plan.limits().clone(),
             quantity_limits: plan.quantity_limits(),
-            taken_as_exact: plan.taken_as_exact(),
+            unjudged: plan.unjudged().to_vec(),
+            without: if plan.is_partial() { plan.lacking().to_vec() } else { Vec::new() },
         }
+    }
+
+    /// Which limits are not judged, if there are such.
+    pub(super) fn unjudged_sentence(&self) -> Option<String> {
+        let names: Vec<_> = self.unjudged.iter().map(ToString::to_string).collect();
+        let sentence =
+            || format!("the limit on {} is not judged: something that the spec asks for is missing", names.join(", "));
+        (!names.is_empty()).then(sentence)
     }
 
     /// The model and combination in words.
     #[must_use]
     pub fn judged_by(&self) -> String {
         let by = self.stack.map_or_else(|| self.model.to_owned(), |stack| format!("{} model, {stack}", self.model));
-        if self.rule == Rule::Simple { by } else { format!("{by}, rule {}", rule_name(&self.rule)) }
+        let rule = if self.rule == Rule::Simple { String::new() } else { format!(", rule {}", rule_name(&self.rule)) };
+        format!("{by}{rule}{}", judged_without(&self.without))
     }
 }
 
@@ -310,6 +322,7 @@ impl<'a> BatchReport<'a> {
             Rule::Simple => format!("(judged by {by})"),
             rule => format!("(judged by {by}, rule {})", rule_name(rule)),
         };
+        let judged_by = format!("{judged_by}{}", judged_without(&self.basis.without));
         if counts.fail > 0 {
             let sentence = format!(
                 "{} of {} parts are outside a limit {judged_by}{rejected}",
@@ -326,13 +339,19 @@ impl<'a> BatchReport<'a> {
             );
             return Block::Verdict(Verdict::Indeterminate, sentence);
         }
-        if counts.unjudged > 0 || parts == 0 || counts.rejected > 0 {
-            let why = match (counts.rows, self.basis.limits.is_empty()) {
-                (0, _) => "the table has no rows",
-                (_, true) => "there is no limit",
-                (_, false) => "not every row could be judged",
+        let is_incomplete = self.outcome.interrupted || self.outcome.is_cut;
+        if counts.unjudged > 0 || parts == 0 || counts.rejected > 0 || is_incomplete {
+            let why = match (counts.rows, self.basis.unjudged_sentence()) {
+                (0, _) => "the table has no rows".to_owned(),
+                _ if is_incomplete => "the run is incomplete".to_owned(),
+                (_, Some(why)) => why,
+                _ if self.basis.limits.is_empty() => "there is no limit".to_owned(),
+                _ => "not every row could be judged".to_owned(),
             };
-            return Block::Note(format!("No verdict: {why}{rejected}."));
+            return Block::Open(format!("{why}{rejected}"));
+        }
+        if let Some(why) = self.basis.unjudged_sentence() {
+            return Block::Open(why);
         }
         let parts = match parts {
             1 => "the part is".to_owned(),
@@ -364,13 +383,10 @@ impl<'a> BatchReport<'a> {
             notes
                 .push(format!("{}: no standard deviation, because the sum of the squares is too large", quantity.name));
         }
-        let exact = &self.basis.taken_as_exact;
-        if !exact.is_empty() {
-            let names: Vec<_> = exact.iter().map(|kind| kind.name()).collect();
-            notes.push(format!("Taken as exact, because no uncertainty is given: {}.", names.join(", ")));
-        }
         if self.outcome.interrupted {
-            notes.push("The run was interrupted: this is of the rows up to there.".to_owned());
+            notes.push("The run is incomplete: it was interrupted, and this is of the rows up to there.".to_owned());
+        } else if self.outcome.is_cut {
+            notes.push("The run is incomplete: a table could not be read to its end.".to_owned());
         }
         notes
     }
@@ -469,7 +485,9 @@ impl Report for BatchReport<'_> {
             "counts": counts,
             "results": results,
             "worst": worst,
+            "unjudged_limits": self.basis.unjudged.iter().map(|on| on.key()).collect::<Vec<_>>(),
             "interrupted": self.outcome.interrupted,
+            "complete": !self.outcome.interrupted && !self.outcome.is_cut,
             "notes": self.notes(),
         })
     }

@@ -147,3 +147,42 @@ impl Report for Calculation {
         })]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::Law;
+    use crate::formula::law::lead_slope;
+    use crate::quantity::{Angle, Length};
+
+    fn quantity<Q: std::str::FromStr>(text: &str) -> Q {
+        text.parse().ok().expect(text)
+    }
+
+    #[test]
+    fn the_largest_slope_deviation_holds_when_it_is_read_back_as_printed() {
+        let law =
+            Law::rack_lead(quantity("19.9"), Angle::ZERO, quantity("19.7")).expect("the gear data are in their domain");
+        let (delta_cd, over): (Length, Length) = (quantity("20 um"), quantity("18"));
+        for model in [Model::Exact, Model::Paper] {
+            let result = law.largest_slope_deviation(delta_cd, over, model).expect("some f_Hβ reaches it");
+            for (unit, decimals) in
+                LengthUnit::ALL.into_iter().flat_map(|unit| (0..12).map(Some).chain([None]).map(move |n| (unit, n)))
+            {
+                let calculation = Calculation {
+                    formula: law.page(),
+                    result: result.into(),
+                    model: Some(model),
+                    other: None,
+                    unit: ResultUnit::Length(unit, unit.symbol().to_owned()),
+                    decimals,
+                    is_bound: true,
+                };
+                let printed: Length = quantity(&calculation.line());
+                let reached = law.delta_cd(lead_slope(printed, over).expect("a length"), model).expect("in its domain");
+                assert!(reached <= delta_cd, "{} reaches {reached}", calculation.line());
+                assert!(decimals.is_some() || printed == result, "{}", calculation.line());
+            }
+        }
+    }
+}

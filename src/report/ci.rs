@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::batch::{grouped, whereabouts};
+use super::batch::{Basis, grouped, whereabouts};
 use super::number::millimetres;
+use super::reading::remarks;
 use crate::batch::{Outcome, Part};
-use crate::decision::{Limits, Verdict};
+use crate::decision::Verdict;
 
 /// Annotations that a page shows of one step.
 pub const ANNOTATIONS_SHOWN: usize = 10;
@@ -25,19 +26,20 @@ fn sentence(part: &Part) -> String {
 
 /// The batch as a JUnit report. The parts that did not pass and the rejected rows are test cases of their own,
 /// as far as the outcome lists them; one more stands for all others, so that a pipeline has something to show
-/// where everything passes. `judged_by` says what the limits were held against. File and line stand in the class name
-/// and the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
+/// where everything passes. What keeps the run from speaking for all parts is an error. File and line stand in the class
+/// name and the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
 #[must_use]
-pub fn junit(title: Option<&str>, judged_by: &str, limits: &Limits, outcome: &Outcome) -> String {
+pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
     let counts = &outcome.counts;
     let (failures, problems) = (&outcome.failures, &outcome.problems);
     let unlisted_failures = (counts.fail + counts.indeterminate).saturating_sub(failures.len() as u64);
     let unlisted_problems = counts.rejected.saturating_sub(problems.len() as u64);
     let rest = counts.pass + counts.unjudged;
-    let cases =
-        failures.len() + problems.len() + 1 + usize::from(unlisted_failures > 0) + usize::from(unlisted_problems > 0);
+    let doubts = doubts(basis, outcome);
+    let unlisted = usize::from(unlisted_failures > 0) + usize::from(unlisted_problems > 0);
+    let cases = failures.len() + problems.len() + 1 + unlisted + doubts.len();
     let failed = failures.len() + usize::from(unlisted_failures > 0);
-    let errors = problems.len() + usize::from(unlisted_problems > 0);
+    let errors = problems.len() + usize::from(unlisted_problems > 0) + doubts.len();
     let name = escaped(title.unwrap_or("rackmesh batch"));
     let mut xml = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
@@ -59,8 +61,8 @@ pub fn junit(title: Option<&str>, judged_by: &str, limits: &Limits, outcome: &Ou
     for (name, count) in values {
         property(&mut xml, name, &count.to_string());
     }
-    property(&mut xml, "judged by", judged_by);
-    for (on, limit) in limits {
+    property(&mut xml, "judged by", &basis.judged_by());
+    for (on, limit) in &basis.limits {
         property(&mut xml, &format!("limit {}", on.key()), &limit.to_string());
     }
     xml.push_str("</properties>\n");
@@ -71,6 +73,13 @@ pub fn junit(title: Option<&str>, judged_by: &str, limits: &Limits, outcome: &Ou
         (false, false) => "parts were checked and pass",
     };
     let _ = writeln!(xml, "<testcase classname=\"parts\" name=\"{} {all}\"/>", grouped(rest));
+    for Doubt { of, kind, why } in doubts {
+        let _ = writeln!(
+            xml,
+            "<testcase classname=\"run\" name=\"{of}\">\n<error type=\"{kind}\" message=\"{}\"/>\n</testcase>",
+            escaped(&why)
+        );
+    }
     for part in failures {
         let place = escaped(&whereabouts(part));
         let message = escaped(&sentence(part));
@@ -108,8 +117,37 @@ pub fn junit(title: Option<&str>, judged_by: &str, limits: &Limits, outcome: &Ou
             grouped(unlisted_problems)
         );
     }
+    let mut said: Vec<String> = outcome.readings.iter().map(ToString::to_string).collect();
+    said.extend(remarks(&outcome.readings, &outcome.notes));
+    if !said.is_empty() {
+        let _ = writeln!(xml, "<system-out>{}</system-out>", escaped(&said.join("\n")));
+    }
     xml.push_str("</testsuite>\n</testsuites>\n");
     xml
+}
+
+/// What keeps a run from speaking for all parts.
+struct Doubt {
+    of: &'static str,
+    kind: &'static str,
+    why: String,
+}
+
+fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Doubt> {
+    let mut doubts = Vec::new();
+    let incomplete = if outcome.interrupted {
+        Some("the run was interrupted: later parts were not checked")
+    } else if outcome.is_cut {
+        Some("a table could not be read to its end: not all parts were checked")
+    } else if outcome.counts.rows == 0 {
+        Some("there were no parts to check")
+    } else {
+        None
+    };
+    let complete = |why: &str| Doubt { of: "the run is complete", kind: "incomplete", why: why.to_owned() };
+    doubts.extend(incomplete.map(complete));
+    doubts.extend(basis.unjudged_sentence().map(|why| Doubt { of: "every limit is judged", kind: "unjudged", why }));
+    doubts
 }
 
 /// Text in XML 1.0, which has no place for most control characters.
@@ -131,11 +169,14 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// The batch as workflow commands of GitHub Actions: the first parts that did not pass, the first rejected
-/// rows, and the counts.
+/// The batch as workflow commands of GitHub Actions: what keeps it from speaking for all parts, the first parts that did
+/// not pass, the first rejected rows, and the counts.
 #[must_use]
-pub fn github_annotations(outcome: &Outcome) -> String {
+pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     let mut text = String::new();
+    for doubt in doubts(basis, outcome) {
+        let _ = writeln!(text, "::error title=rackmesh batch::{}", doubt.why);
+    }
     for part in outcome.failures.iter().take(ANNOTATIONS_SHOWN) {
         let level = if part.verdict == Some(Verdict::Indeterminate) { "warning" } else { "error" };
         let title = format!("part {}", part.id);

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, signed, tidy};
 use super::uncertainty::{UncertaintyPart, decision_json, indeterminate_sentence, rule_name};
-use super::{Block, Column, Report, Table};
+use super::{Block, Column, Report, Table, judged_without};
 use crate::decision::class::ErrorClass;
 use crate::decision::{Evaluation, LimitCheck, Rule, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
@@ -31,6 +31,8 @@ pub struct EvaluationReport<'a> {
     pub rule: Rule,
     /// The uncertainty of the results, where uncertainties are given.
     pub uncertainty: Option<UncertaintyPart>,
+    /// Errors that the spec asks for and the part was judged without.
+    pub without: Vec<ErrorKind>,
 }
 
 /// The exact mesh of the same parts, in short.
@@ -183,16 +185,23 @@ impl EvaluationReport<'_> {
 
     fn verdict_block(&self) -> Option<Block> {
         let evaluation = self.evaluation;
+        let without = judged_without(&self.without);
         if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
-            return Some(Block::Verdict(Verdict::Fail, failure_sentence(failed, evaluation.stack)));
+            let sentence = failure_sentence(failed, evaluation.stack);
+            return Some(Block::Verdict(Verdict::Fail, format!("{sentence}{without}")));
         }
-        let unjudged: Vec<_> = evaluation.unjudged().map(|target| target.to_string()).collect();
+        let unjudged: Vec<_> = evaluation.unjudged().collect();
+        let is_partial = |check: &LimitCheck| check.verdict.is_none() && check.result.is_some();
+        if evaluation.limits.iter().any(is_partial) {
+            return Some(Block::Open("the sum lacks errors that the spec asks for".to_owned()));
+        }
         if !unjudged.is_empty() {
-            return Some(Block::Note(format!("No verdict: there is no value for {}.", unjudged.join(", "))));
+            let names: Vec<_> = unjudged.iter().map(ToString::to_string).collect();
+            return Some(Block::Open(format!("there is no value for {}", names.join(", "))));
         }
         if let Some(open) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Indeterminate)) {
             let sentence = indeterminate_sentence(open, &self.rule, evaluation.stack);
-            return Some(Block::Verdict(Verdict::Indeterminate, sentence));
+            return Some(Block::Verdict(Verdict::Indeterminate, format!("{sentence}{without}")));
         }
         let rule = match &self.rule {
             Rule::Simple => String::new(),
@@ -203,7 +212,7 @@ impl EvaluationReport<'_> {
             1 => "the limit is met".to_owned(),
             count => format!("all {count} limits are met"),
         };
-        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule})", evaluation.stack)))
+        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule}){without}", evaluation.stack)))
     }
 }
 
@@ -434,7 +443,16 @@ impl<'a> EvaluationReport<'a> {
         if has_lead && rack_is_helical {
             notes.push("note: for a helical rack the formula of the lead error holds within about 2 %".to_owned());
         }
-        Self { title, evaluation, notes, mesh: None, classes: Vec::new(), rule: Rule::Simple, uncertainty: None }
+        Self {
+            title,
+            evaluation,
+            notes,
+            mesh: None,
+            classes: Vec::new(),
+            rule: Rule::Simple,
+            uncertainty: None,
+            without: Vec::new(),
+        }
     }
 
     /// Adds what errors given as classes came to.

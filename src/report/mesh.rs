@@ -133,6 +133,7 @@ impl MeshReport<'_> {
                 "left_tooth": kink.after.1.rack_tooth,
             })).collect::<Vec<_>>(),
             "points": points,
+            "interrupted": trust.interrupted,
             "largest_residual_mm": trust.largest_residual_mm,
             "unconverged": trust.unconverged,
             "roll_not_found": trust.roll_not_found,

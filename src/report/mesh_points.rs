@@ -36,6 +36,8 @@ pub struct Trust {
     pub largest_residual_mm: f64,
     /// Why the first stroke without a solution has none.
     pub failure: Option<MeshError>,
+    /// Whether the list was interrupted before its last stroke.
+    pub interrupted: bool,
 }
 
 impl Trust {
@@ -47,6 +49,7 @@ impl Trust {
             roll_not_found: self.roll_not_found + next.roll_not_found,
             largest_residual_mm: self.largest_residual_mm.max(next.largest_residual_mm),
             failure: self.failure.or(next.failure),
+            interrupted: self.interrupted || next.interrupted,
         }
     }
 
@@ -62,6 +65,9 @@ impl Trust {
         let strokes = |count: usize| if count == 1 { "1 stroke".to_owned() } else { format!("{count} strokes") };
         let apart = self.unconverged - self.roll_not_found;
         let mut notes = Vec::new();
+        if self.interrupted {
+            notes.push("note: interrupted: the strokes listed are the first of those asked for".to_owned());
+        }
         if apart > 0 {
             notes.push(format!(
                 "note: {} did not converge; the largest residual is {:.1e} mm",
@@ -86,7 +92,7 @@ impl Trust {
                 unconverged: usize::from(!point.converged()),
                 roll_not_found: usize::from(point.ending == Ending::RollNotFound),
                 largest_residual_mm: point.residual_mm.abs(),
-                failure: None,
+                ..Self::default()
             },
             Err(error) => Self { failure: Some(*error), ..Self::default() },
         }
@@ -212,7 +218,7 @@ mod tests {
     #[test]
     fn notes_say_what_is_in_doubt() {
         let notes = |unconverged, roll_not_found| {
-            let trust = Trust { unconverged, roll_not_found, largest_residual_mm: 2.5e-7, failure: None };
+            let trust = Trust { unconverged, roll_not_found, largest_residual_mm: 2.5e-7, ..Trust::default() };
             trust.and(Trust::default()).notes().join("\n")
         };
         let apart = "note: 1 stroke did not converge; the largest residual is 2.5e-7 mm";

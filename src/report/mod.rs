@@ -24,9 +24,11 @@ mod number;
 mod paste;
 #[cfg(feature = "plot")]
 pub mod plot;
-#[cfg(feature = "cmm")]
+#[cfg(feature = "table")]
 mod qdas;
 mod racks;
+#[cfg(feature = "table")]
+mod reading;
 mod reproduction;
 mod simulation;
 mod sketch;
@@ -47,9 +49,11 @@ pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "batch")]
 pub(crate) use number::plain;
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
-#[cfg(feature = "cmm")]
+#[cfg(feature = "table")]
 pub use qdas::qdas;
 pub use racks::RacksReport;
+#[cfg(feature = "table")]
+pub use reading::{WithReading, reading_blocks, remarks};
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
 pub use table::{Align, Block, Column, Table};
@@ -58,6 +62,8 @@ pub(crate) use table::{table_text, wrap};
 pub use uncertainty::UncertaintyPart;
 
 use serde_json::Value;
+
+use crate::deviation::ErrorKind;
 
 /// An output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -104,6 +110,12 @@ pub trait Report {
 
     /// The result for people.
     fn blocks(&self) -> Vec<Block>;
+}
+
+/// The end of a verdict's sentence: what the parts were judged without, as the user asked for.
+fn judged_without(kinds: &[ErrorKind]) -> String {
+    let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
+    if names.is_empty() { String::new() } else { format!("; judged without {}", names.join(", ")) }
 }
 
 /// The report as text in `format`, ending in a newline.

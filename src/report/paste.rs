@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::number::{millimetres, plain, signed};
 use super::uncertainty::micrometres;
-use super::{Block, Column, Report, Table, UncertaintyPart};
+use super::{Block, Column, Report, Table, UncertaintyPart, judged_without};
 use crate::decision::uncertainty::{Linear, Propagation};
 use crate::decision::{Evaluation, Limit, MeasuredPart, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
@@ -31,6 +31,8 @@ pub struct PartsReport<'a> {
     pub title: Option<&'a str>,
     /// The parts.
     pub rows: &'a [PartRow],
+    /// Errors that the spec asks for and the parts were judged without.
+    pub without: &'a [ErrorKind],
 }
 
 impl PartsReport<'_> {
@@ -203,25 +205,25 @@ impl Report for PartsReport<'_> {
         let unread = self.rows.iter().filter(|row| row.evaluation.is_none()).count();
         if judged {
             let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
-            let open = self.count(Verdict::Indeterminate);
-            let sentence = format!(
-                "{pass} of {} parts are within the limits{}",
-                self.rows.len(),
-                match (open, unread) {
-                    (0, 0) => String::new(),
-                    (0, unread) => format!(", {unread} could not be read"),
-                    (open, 0) => format!(", {open} indeterminate"),
-                    (open, unread) => format!(", {open} indeterminate, {unread} could not be read"),
+            let indeterminate = self.count(Verdict::Indeterminate);
+            let open = self.rows.len() - unread - pass - fail - indeterminate;
+            let mut sentence = format!("{pass} of {} parts are within the limits", self.rows.len());
+            for (count, what) in
+                [(indeterminate, "indeterminate"), (open, "without a verdict"), (unread, "could not be read")]
+            {
+                if count > 0 {
+                    sentence.push_str(&format!(", {count} {what}"));
                 }
-            );
+            }
+            sentence.push_str(&judged_without(self.without));
             if fail > 0 {
                 blocks.push(Block::Verdict(Verdict::Fail, sentence));
             } else if pass == self.rows.len() {
                 blocks.push(Block::Verdict(Verdict::Pass, sentence));
-            } else if unread == 0 && pass + open == self.rows.len() {
+            } else if pass + indeterminate == self.rows.len() {
                 blocks.push(Block::Verdict(Verdict::Indeterminate, sentence));
             } else {
-                blocks.push(Block::Note(sentence));
+                blocks.push(Block::Open(sentence));
             }
         }
         blocks
@@ -403,7 +405,8 @@ impl Report for Together<'_> {
 
     fn blocks(&self) -> Vec<Block> {
         // one verdict is enough: that of the mesh, which counts
-        let formula = self.formula.blocks().into_iter().filter(|block| !matches!(block, Block::Verdict(..)));
+        let is_verdict = |block: &Block| matches!(block, Block::Verdict(..) | Block::Open(_));
+        let formula = self.formula.blocks().into_iter().filter(|block| !is_verdict(block));
         formula.chain(self.mesh.blocks()).collect()
     }
 }

@@ -1,9 +1,9 @@
 //! Rows of a report as a Q-DAS file: lengths become characteristics, for the statistics software that the values came
 //! from.
 
-use crate::cmm::qdas::{Column, PartDefinition, write};
 use crate::decision::{LimitTarget, Limits};
 use crate::quantity::Length;
+use crate::table::qdas::{Column, PartDefinition, write};
 
 /// A `.dfq` of rows with a header: the columns in mm and degrees, with the limits that hold for them, a row per part
 /// named by its `part_id` (or its first column).

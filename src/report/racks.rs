@@ -28,7 +28,7 @@ pub struct RacksReport<'a> {
     pub classes: &'a [ErrorClass],
     /// Seed, number and stroke.
     pub settings: &'a RackSettings,
-    /// One per rack.
+    /// One per rack; fewer than asked for if the run was interrupted.
     pub results: &'a [RackResult],
     /// Limits of ΔCD along the stroke.
     pub limit: Option<&'a Limit>,
@@ -90,10 +90,21 @@ impl RacksReport<'_> {
         Some(self.results.iter().filter(inside).count())
     }
 
-    /// Fail if any rack leaves the limits, `None` without limits.
+    /// Whether the run ended before the last rack.
+    #[must_use]
+    pub fn is_interrupted(&self) -> bool {
+        self.results.len() < self.settings.racks
+    }
+
+    /// Fail if any rack leaves the limits, `None` without limits, and where racks are missing and none of the others
+    /// fails.
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {
-        self.inside().map(|inside| if inside == self.results.len() { Verdict::Pass } else { Verdict::Fail })
+        match self.inside()? {
+            inside if inside < self.results.len() => Some(Verdict::Fail),
+            _ if self.is_interrupted() => None,
+            _ => Some(Verdict::Pass),
+        }
     }
 
     fn spreads(&self) -> Vec<(&'static str, Uncertainty, bool)> {
@@ -192,6 +203,12 @@ impl RacksReport<'_> {
             plain(*from_mm),
             plain(*to_mm)
         )];
+        if self.is_interrupted() {
+            let (solved, asked) = (self.results.len(), self.settings.racks);
+            notes.push(format!(
+                "interrupted: {solved} of the {asked} racks asked for were solved, and the result is of these"
+            ));
+        }
         notes.extend(self.classes.iter().map(|class| {
             format!(
                 "{} {} of {}: every value within it is taken to be as probable as any other",
@@ -242,6 +259,7 @@ impl Report for RacksReport<'_> {
             "title": self.title,
             "seed": self.settings.seed,
             "racks": self.results.len(),
+            "interrupted": self.is_interrupted(),
             "from_mm": self.settings.from_mm,
             "to_mm": self.settings.to_mm,
             "confidence": 0.95,
@@ -278,7 +296,7 @@ impl Report for RacksReport<'_> {
         blocks.push(Block::Table(self.quantile_table()));
         blocks.extend(self.histograms());
         blocks.extend(self.all_notes().into_iter().map(|note| Block::Note(format!("note: {note}"))));
-        if let (Some(inside), Some(verdict)) = (self.inside(), self.verdict()) {
+        if let Some(inside) = self.inside() {
             let (value, lower, upper) = share(inside, self.results.len());
             let sentence = format!(
                 "{inside} of {} racks stay within the limits along the stroke: {:.2} %, 95 % confidence {:.2} … {:.2} %",
@@ -287,7 +305,10 @@ impl Report for RacksReport<'_> {
                 100.0 * lower,
                 100.0 * upper
             );
-            blocks.push(Block::Verdict(verdict, sentence));
+            blocks.push(match self.verdict() {
+                Some(verdict) => Block::Verdict(verdict, sentence),
+                None => Block::Open(sentence),
+            });
         }
         blocks
     }

@@ -24,6 +24,8 @@ pub enum Block {
     Note(String),
     /// The verdict and its sentence.
     Verdict(Verdict, String),
+    /// Why there is no verdict.
+    Open(String),
 }
 
 /// A table.
@@ -111,6 +113,10 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
                 let word = paint(&verdict.name().to_uppercase(), color.on_default().bold());
                 out.push_str(&wrap(&format!("{word}: {sentence}"), screen.width));
             }
+            Block::Open(why) => {
+                let word = paint("No verdict", AnsiColor::Yellow.on_default().bold());
+                out.push_str(&wrap(&format!("{word}: {why}"), screen.width));
+            }
             Block::Table(table) => {
                 out.push_str(&table_text(table, screen.width));
             }
@@ -180,6 +186,7 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
             Block::Verdict(verdict, sentence) => {
                 out.push_str(&format!("**{}**: {sentence}\n", verdict.name().to_uppercase()));
             }
+            Block::Open(why) => out.push_str(&format!("**No verdict**: {why}\n")),
             Block::Table(table) => {
                 let mut escaped = table.clone();
                 for column in &mut escaped.columns {

@@ -1,16 +1,20 @@
 //! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
 //! the reader of pasted blocks; reads no table.
 
-use super::keys::{self, Section};
+use crate::table::{Field, Given, Holds, Want};
+use std::ops::Range;
+
+use toml::de::DeValue;
+
+use super::keys::{self, Kind, Section};
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::page_of;
-use crate::formula::{Law, Model};
-use crate::quantity::Length;
-use std::ops::Range;
+use crate::formula::{Law, Model, PartError};
+use crate::quantity::{AngleUnit, Length, LengthUnit, QuantityError, Unit};
 
 /// `[batch]`.
 #[derive(Debug, Clone, Default)]
@@ -19,6 +23,10 @@ pub struct BatchSection {
     pub part_id: Option<String>,
     /// `[batch.columns]`, in the paper's order.
     pub columns: Vec<(ErrorKind, Located<BatchColumn>)>,
+    /// The columns that are not to be used: patterns in which `*` stands for any characters, and case does not count.
+    pub ignore: Vec<Located<String>>,
+    /// Whether columns that are not understood are not used, once every error has its column.
+    pub others_ignored: bool,
 }
 
 /// One entry of `[batch.columns]`.
@@ -26,8 +34,10 @@ pub struct BatchSection {
 pub struct BatchColumn {
     /// The column's name in the header.
     pub name: Option<String>,
-    /// The unit of its numbers.
-    pub unit: Option<Located<&'static str>>,
+    /// The unit of its numbers; of a lead error, a unit of length means the helix slope deviation f_Hβ.
+    pub unit: Option<Located<Unit>>,
+    /// The evaluation length of f_Hβ, in the entry of a lead error only.
+    pub length: Option<Located<Length>>,
     /// The nominal value.
     pub nominal: Option<Located<ErrorValue>>,
     /// `measured` or `deviation`.
@@ -49,25 +59,96 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
     let columns = reader.table("columns", &keys::BATCH_COLUMNS, |reader| BatchSection {
         part_id: reader.text("part_id"),
         columns: ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, column(reader, kind)?))).collect(),
+        ..BatchSection::default()
     });
-    columns.map(|columns| columns.value).unwrap_or_default()
+    BatchSection {
+        ignore: reader.texts("ignore"),
+        others_ignored: reader.word("others").is_some(),
+        ..columns.map(|columns| columns.value).unwrap_or_default()
+    }
 }
 
 fn column(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<BatchColumn>> {
     let section: &'static Section =
         if kind == ErrorKind::RackLead { &keys::ANGLE_COLUMN } else { &keys::LENGTH_COLUMN };
-    reader.table(kind.key(), section, |reader| BatchColumn {
-        name: reader.text("name"),
-        unit: reader.word("unit"),
-        nominal: if kind == ErrorKind::RackLead {
-            let angle = reader.angle("nominal");
-            angle.map(|angle| Located { value: ErrorValue::Angle(angle.value), span: angle.span })
-        } else {
-            let length = reader.length("nominal");
-            length.map(|length| Located { value: ErrorValue::Length(length.value), span: length.span })
-        },
-        kind: reader.word("kind"),
+    reader.table(kind.key(), section, |reader| {
+        let unit = reader.column_unit("unit");
+        let length = if kind == ErrorKind::RackLead { reader.length("length") } else { None };
+        if let (Some(length), Some(Unit::Angle(unit))) = (&length, unit.as_ref().map(|unit| unit.value)) {
+            let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
+            reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone(), "");
+        }
+        BatchColumn {
+            name: reader.text("name"),
+            unit,
+            length,
+            nominal: nominal(reader, kind),
+            kind: reader.word("kind"),
+        }
     })
+}
+
+fn nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<ErrorValue>> {
+    if kind == ErrorKind::RackLead {
+        let angle = reader.angle("nominal")?;
+        Some(Located { value: ErrorValue::Angle(angle.value), span: angle.span })
+    } else {
+        let length = reader.length("nominal")?;
+        Some(Located { value: ErrorValue::Length(length.value), span: length.span })
+    }
+}
+
+impl SectionReader<'_> {
+    /// The unit of a column.
+    fn column_unit(&mut self, name: &str) -> Option<Located<Unit>> {
+        let value = self.table?.get(name)?;
+        let Some(Kind::ColumnUnit { of_lead }) = self.kind(name) else { return None };
+        let DeValue::String(symbol) = value.get_ref() else {
+            self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
+            return None;
+        };
+        // ″ is an arcsecond on a lead error, and an inch on any other
+        let angle = if of_lead { Unit::of_angle(symbol) } else { None };
+        let unit = angle.or_else(|| Unit::of_length(symbol));
+        if unit.is_none() {
+            let message = format!("`{name}`: {}", no_unit(symbol, of_lead));
+            self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
+        }
+        Some(Located { value: unit?, span: value.span() })
+    }
+
+    /// The texts of a list; none if it is not there.
+    fn texts(&mut self, name: &str) -> Vec<Located<String>> {
+        let Some(value) = self.table.and_then(|table| table.get(name)) else { return Vec::new() };
+        let DeValue::Array(list) = value.get_ref() else {
+            self.wrong_type(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
+            return Vec::new();
+        };
+        let mut texts = Vec::new();
+        for entry in list {
+            match entry.get_ref() {
+                DeValue::String(text) => texts.push(Located { value: text.to_string(), span: entry.span() }),
+                _ => self.wrong_type(name, entry, "text in quotes for each entry of its list"),
+            }
+        }
+        texts
+    }
+}
+
+/// Why a symbol is not the unit of a column.
+fn no_unit(symbol: &str, of_lead: bool) -> String {
+    let unit = symbol.to_owned();
+    let lengths = LengthUnit::NAMES;
+    if of_lead {
+        let problem = QuantityError::UnknownUnit { unit, expected: "an angle", units: AngleUnit::NAMES };
+        return format!("{problem}; or, of f_Hβ, {lengths}");
+    }
+    let expected = "a length";
+    match Unit::of_angle(symbol) {
+        Some(_) => QuantityError::OtherDimension { unit, measures: "angle", expected, units: lengths },
+        None => QuantityError::UnknownUnit { unit, expected, units: lengths },
+    }
+    .to_string()
 }
 
 impl Spec {
@@ -77,19 +158,87 @@ impl Spec {
         self.batch.columns.iter().find(|(column, _)| *column == kind).map(|(_, column)| column)
     }
 
-    /// Whether the spec says that a batch has a column for this error: `[batch.columns]` has it, or
-    /// `[errors]` gives its nominal value or its uncertainty alone.
+    /// What the spec says of a table before it is read. What the user says of the file is added to it.
     #[must_use]
-    pub fn expects_column(&self, kind: ErrorKind) -> bool {
-        let alone = self.nominals.iter().any(|(nominal, _)| *nominal == kind)
-            && self.errors.iter().all(|(error, _)| *error != kind);
-        alone || self.unmeasured.iter().any(|(error, _)| *error == kind) || self.batch_column(kind).is_some()
+    pub fn want(&self) -> Want {
+        let own = self
+            .batch
+            .columns
+            .iter()
+            .filter_map(|(kind, column)| column.value.name.clone().map(|name| (name, Field::Error(*kind))));
+        Want {
+            expected: self.asked_errors(),
+            own: self.batch.part_id.iter().map(|name| (name.clone(), Field::PartId)).chain(own).collect(),
+            given: ErrorKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
+            module: self.pair.normal_module.as_ref().map(|module| module.value),
+            face_width: self.rack.face_width.as_ref().map(|width| width.value),
+            ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
+            others_ignored: self.batch.others_ignored,
+            ..Want::default()
+        }
     }
 
-    /// Whether the spec says anything about this error.
+    /// What the spec says of the column of an error.
+    fn given(&self, kind: ErrorKind) -> Given {
+        let column = self.batch_column(kind).map(|column| &column.value);
+        let stated = column.and_then(|column| column.kind.as_ref()).map(|stated| stated.value);
+        let holds = match stated {
+            Some("deviation") => Some(Holds::Deviation),
+            Some(_) => Some(Holds::Measured),
+            None => None,
+        };
+        let nominal = match self.reading(kind) {
+            Ok(Reading::Measured(nominal)) => Some(Ok(nominal)),
+            Ok(Reading::Deviation) => None,
+            Err(problems) => Some(Err(problems)),
+        };
+        Given {
+            kind,
+            unit: column.and_then(|column| column.unit.as_ref()).map(|unit| unit.value),
+            holds,
+            nominal,
+            length: column
+                .and_then(|column| column.length.as_ref())
+                .map(|length| length.value)
+                .or(self.evaluation_length.filter(|_| kind == ErrorKind::RackLead)),
+        }
+    }
+
+    /// The errors that the spec speaks of, those of columns first, each in its order.
+    fn asked_errors(&self) -> Vec<ErrorKind> {
+        let columns = self.batch.columns.iter().map(|(kind, column)| (column.span.start, *kind));
+        let errors = self.errors.iter().map(|(kind, error)| (error.span.start, *kind));
+        let nominals = self.nominals.iter().map(|(kind, nominal)| (nominal.span.start, *kind));
+        let unmeasured = self.unmeasured.iter().map(|(kind, place)| (place.start, *kind));
+        let mut asked: Vec<ErrorKind> = Vec::new();
+        for mut written in [columns.collect::<Vec<_>>(), errors.chain(nominals).chain(unmeasured).collect()] {
+            written.sort_unstable();
+            for (_, kind) in written {
+                if !asked.contains(&kind) && !self.every_part.contains(&kind) {
+                    asked.push(kind);
+                }
+            }
+        }
+        asked
+    }
+
+    /// The errors whose value in `[errors]` is that of every part, but for those that a table has.
+    ///
+    /// # Errors
+    /// Diagnostics for gear data that a formula needs, or a value that it does not take.
+    pub fn errors_of_every_part(&self, in_table: &[ErrorKind]) -> Result<Vec<PartError>, Diagnostics> {
+        let is_so = |kind: &ErrorKind| self.every_part.contains(kind) && !in_table.contains(kind);
+        let errors = self.errors.iter().filter(|(kind, _)| is_so(kind)).cloned().collect::<Vec<_>>();
+        if errors.is_empty() {
+            return Ok(Vec::new());
+        }
+        Self { errors, nominals: Vec::new(), unmeasured: Vec::new(), ..self.clone() }.part_errors()
+    }
+
+    /// The errors that the spec asks for and a table lacks: without them the sum is not that of a part.
     #[must_use]
-    pub fn speaks_of(&self, kind: ErrorKind) -> bool {
-        self.errors.iter().any(|(error, _)| *error == kind) || self.expects_column(kind)
+    pub fn lacking(&self, in_table: &[ErrorKind]) -> Vec<ErrorKind> {
+        self.asked_errors().into_iter().filter(|kind| !in_table.contains(kind)).collect()
     }
 
     /// What the column of an error holds: measured values if `[batch.columns]` or `[errors]` gives a nominal
@@ -214,10 +363,77 @@ mod tests {
             problem("[batch.columns]\nrack_pitch = { kind = \"deviation\", nominal = 6.28 }")
                 .contains("error[bad-error-entry]: the column of `rack_pitch` holds deviations")
         );
-        let unknown = Spec::parse("spec.toml", "[batch.columns]\nrack_pitch = { unit = \"m\", nme = \"dp\" }");
+        let unknown = Spec::parse("spec.toml", "[batch.columns]\nrack_pitch = { unit = \"N\", nme = \"dp\" }");
         let unknown = unknown.unwrap_err().to_string();
-        assert!(unknown.contains("`unit` must be \"mm\" or \"um\""), "{unknown}");
+        assert!(unknown.contains("`unit`: `N` is not a unit of a length: write nm, um,"), "{unknown}");
         assert!(unknown.contains("no key `nme`"), "{unknown}");
+    }
+
+    #[test]
+    fn units_of_columns_by_what_they_hold() {
+        let unit = |column: &str| {
+            let spec = Spec::parse("spec.toml", &format!("[batch.columns]\n{column}"))?;
+            let (_, column) = spec.batch.columns.into_iter().next().expect("it has a column");
+            Ok::<_, Diagnostics>(column.value.unit.expect("it has a unit").value)
+        };
+        for (column, expected) in [
+            ("rack_pitch = { unit = \"Micron\" }", Unit::Length(LengthUnit::Micrometre)),
+            ("rack_pitch = { unit = \"1/1000 mm\" }", Unit::Length(LengthUnit::Micrometre)),
+            ("rack_pitch = { unit = \"″\" }", Unit::Length(LengthUnit::Inch)),
+            ("rack_lead = { unit = \"″\" }", Unit::Angle(AngleUnit::Arcsecond)),
+            ("rack_lead = { unit = \"min\" }", Unit::Angle(AngleUnit::Arcminute)),
+            ("rack_lead = { unit = \"um\", length = 18 }", Unit::Length(LengthUnit::Micrometre)),
+        ] {
+            assert_eq!(unit(column).unwrap(), expected, "{column}");
+        }
+        for (column, message) in [
+            (
+                "rack_pitch = { unit = \"min\" }",
+                "spec.toml:2:23: error[bad-quantity]: `unit`: `min` is a unit of angle, and a length is needed: write nm, um, \
+                 µm, mm, cm, m, in or mil",
+            ),
+            (
+                "rack_lead = { unit = \"grad\" }",
+                "spec.toml:2:22: error[bad-quantity]: `unit`: `grad` is not a unit of an angle: write deg, °, ', arcmin, \", \
+                 arcsec, rad, mrad, µrad or gon; or, of f_Hβ, nm, um, µm, mm, cm, m, in or mil",
+            ),
+            (
+                "rack_pitch = { unit = 3 }",
+                "spec.toml:2:23: error[wrong-type]: `unit` is a whole number; a unit in quotes, such as \"um\", is needed",
+            ),
+            (
+                "rack_lead = { unit = \"deg\", length = 18 }",
+                "spec.toml:2:38: error[bad-error-entry]: `length` is of f_Hβ, a length, and the unit of the column is deg",
+            ),
+            (
+                "rack_lead = { unit = \"um\", length = 0 }",
+                "spec.toml:2:37: error[out-of-domain]: the evaluation length L is 0 mm; it must be above 0 mm",
+            ),
+        ] {
+            assert_eq!(unit(column).unwrap_err().to_string(), message);
+        }
+        assert!(unit("rack_pitch = { unit = \"um\", length = 18 }").is_err());
+    }
+
+    #[test]
+    fn what_is_not_to_be_used_is_a_list_of_patterns() {
+        let batch = spec("[batch]\nignore = [\"Temperatur*\", \"Bemerkung\"]\nothers = \"ignore\"").batch;
+        let patterns: Vec<_> = batch.ignore.iter().map(|pattern| pattern.value.as_str()).collect();
+        assert_eq!(patterns, ["Temperatur*", "Bemerkung"]);
+        assert_eq!(batch.ignore[1].span, 33..44);
+        assert!(batch.others_ignored);
+        assert!(!spec("[batch]\nignore = []").batch.others_ignored);
+        for (text, message) in [
+            (
+                "ignore = \"Bemerkung\"",
+                "`ignore` is text; a list of texts in quotes, such as [\"Temperature*\"], is needed",
+            ),
+            ("ignore = [1]", "`ignore` is a whole number; text in quotes for each entry of its list is needed"),
+            ("others = \"use\"", "`others` must be \"ignore\""),
+        ] {
+            let problem = Spec::parse("spec.toml", &format!("[batch]\n{text}")).unwrap_err().to_string();
+            assert!(problem.contains(message), "{problem}");
+        }
     }
 
     #[test]

@@ -32,9 +32,20 @@ pub enum WrittenError {
     Class(u8),
 }
 
-/// The entries of `[errors]`: values, nominal values, and uncertainties of values that stand elsewhere.
-pub(super) type Errors =
-    (Vec<(ErrorKind, Located<WrittenError>)>, Vec<(ErrorKind, Located<ErrorValue>)>, Vec<(ErrorKind, Range<usize>)>);
+/// The entries of `[errors]`.
+#[derive(Default)]
+pub(super) struct Errors {
+    /// The values.
+    pub(super) values: Vec<(ErrorKind, Located<WrittenError>)>,
+    /// The nominal values, with a value or alone.
+    pub(super) nominals: Vec<(ErrorKind, Located<ErrorValue>)>,
+    /// The uncertainties of values that stand elsewhere.
+    pub(super) unmeasured: Vec<(ErrorKind, Range<usize>)>,
+    /// The errors whose value is that of every part.
+    pub(super) every_part: Vec<ErrorKind>,
+    /// The evaluation length of f_Hβ.
+    pub(super) evaluation_length: Option<Length>,
+}
 
 /// Reads `[errors]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> Errors {
@@ -47,8 +58,31 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> Errors {
             || unmeasured.iter().any(|(other, _)| *other == kind)
     };
     let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
-    let errors = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
-    (errors, nominals, unmeasured)
+    let every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
+    let values = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
+    let evaluation_length = read_evaluation_length(reader);
+    Errors { values, nominals, unmeasured, every_part, evaluation_length }
+}
+
+/// The length beside f_Hβ; one that cannot be read is reported with the value.
+fn read_evaluation_length(reader: &mut SectionReader<'_>) -> Option<Length> {
+    let entry = reader.table?.get(ErrorKind::RackLead.key())?.get_ref().as_table()?;
+    let value = entry.get("length")?;
+    let known = reader.diagnostics.len();
+    let length = reader.length_value("length", value);
+    reader.diagnostics.truncate(known);
+    length
+}
+
+/// Whether the entry of an error says that its value is that of every part.
+fn is_of_every_part(reader: &mut SectionReader<'_>, kind: ErrorKind) -> bool {
+    let entry = reader.table.and_then(|table| table.get(kind.key())?.get_ref().as_table());
+    let Some(value) = entry.and_then(|entry| entry.get(keys::EVERY_PART)) else { return false };
+    if let DeValue::Boolean(every_part) = value.get_ref() {
+        return *every_part;
+    }
+    reader.wrong_type(keys::EVERY_PART, value, "true or false");
+    false
 }
 
 /// Reads one entry of `[errors]`.
@@ -132,6 +166,11 @@ pub(super) fn error_table_forms(kind: ErrorKind) -> &'static [&'static [&'static
     }
 }
 
+/// Whether a table form of an error is a value of a part: no class, which is a tolerance, and no nominal value alone.
+pub(super) fn is_of_a_part(form: &[&str]) -> bool {
+    form != ["class"] && form != ["nominal"]
+}
+
 /// The coarsest grade of any standard.
 pub(super) const LARGEST_CLASS: u8 = 12;
 
@@ -145,7 +184,8 @@ fn read_error_table(
     let mut known = true;
     for (key, _) in entry {
         let name = key.get_ref().as_ref();
-        let all = forms.iter().flat_map(|form| form.iter().copied()).chain(keys::UNCERTAINTY_KEYS);
+        let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART]);
+        let all = forms.iter().flat_map(|form| form.iter().copied()).chain(beside);
         if !all.clone().any(|candidate| candidate == name) {
             known = false;
             let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{}` has no key `{name}`", kind.key()));
@@ -160,7 +200,9 @@ fn read_error_table(
         return None;
     }
     let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
-    let makes = |form: &&&[&str]| form.len() + uncertain == entry.len() && form.iter().all(|k| entry.contains_key(*k));
+    let every_part = entry.contains_key(keys::EVERY_PART);
+    let beside = uncertain + usize::from(every_part);
+    let makes = |form: &&&[&str]| form.len() + beside == entry.len() && form.iter().all(|k| entry.contains_key(*k));
     let Some(form) = forms.iter().find(makes) else {
         let message = format!("`{}` is a table that makes no error", kind.key());
         let diagnostic =
@@ -168,6 +210,13 @@ fn read_error_table(
         reader.report(diagnostic, span, "");
         return None;
     };
+    if every_part && !is_of_a_part(form) {
+        let message = format!("`{}` has no value that `every_part` could be of", kind.key());
+        let diagnostic = Diagnostic::error(Code::BadErrorEntry, message)
+            .help("it goes with a value: { value = …, every_part = true }");
+        reader.report(diagnostic, span, "");
+        return None;
+    }
     let noted = uncertain::Source::Error(kind);
     if *form == ["class"] {
         if uncertain > 0 {
@@ -231,4 +280,41 @@ fn forms_in_words(forms: &[&[&str]]) -> String {
     // a nominal value alone is for tables of measured values, and no error by itself
     let tables: Vec<_> = forms.iter().filter(|form| ***form != ["nominal"]).map(table).collect();
     format!("a deviation, or {}", tables.join(" or "))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::deviation::ErrorKind;
+    use crate::spec::Spec;
+
+    #[test]
+    fn a_value_may_be_that_of_every_part() {
+        let every_part =
+            |entry: &str| Spec::parse("spec.toml", &format!("[errors]\n{entry}")).map(|spec| spec.every_part);
+        for (entry, kind) in [
+            ("rack_pitch = { value = \"12 um\", every_part = true }", ErrorKind::RackPitch),
+            ("pinion_radial = { measured = 8.5, nominal = 8.4, u = 0.01, every_part = true }", ErrorKind::PinionRadial),
+            ("rack_over_roller = { measured = 25.1, roller = 4, every_part = true }", ErrorKind::RackOverRoller),
+            ("rack_lead = { f_h_beta = 0.008, length = 18, every_part = true }", ErrorKind::RackLead),
+        ] {
+            assert_eq!(every_part(entry).expect(entry), [kind], "{entry}");
+            assert!(every_part(&entry.replace("true", "false")).expect(entry).is_empty(), "{entry}");
+        }
+        assert!(every_part("rack_pitch = \"12 um\"").expect("a value").is_empty());
+    }
+
+    #[test]
+    fn every_part_needs_a_value_that_it_is_of() {
+        for (entry, message) in [
+            ("{ class = 7, every_part = true }", "`rack_pitch` has no value that `every_part` could be of"),
+            ("{ nominal = 6.28, every_part = true }", "`rack_pitch` has no value that `every_part` could be of"),
+            ("{ every_part = true }", "`rack_pitch` is a table that makes no error"),
+            ("{ u = 0.001, every_part = true }", "`rack_pitch` is a table that makes no error"),
+            ("{ value = 1, every_part = 1 }", "`every_part` is a whole number; true or false is needed"),
+            ("{ value = 1, evry_part = true }", "`rack_pitch` has no key `evry_part`"),
+        ] {
+            let problem = Spec::parse("spec.toml", &format!("[errors]\nrack_pitch = {entry}")).expect_err(entry);
+            assert!(problem.to_string().contains(message), "{problem}");
+        }
+    }
 }

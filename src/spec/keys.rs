@@ -32,6 +32,13 @@ pub(crate) enum Kind {
     Limit,
     /// The name of a file, relative to the spec.
     File,
+    /// A list of texts.
+    Texts,
+    /// The unit of a column of lengths; of a column of lead errors, a unit of angle or, of f_Hβ, of length.
+    ColumnUnit {
+        /// Whether the column holds lead errors.
+        of_lead: bool,
+    },
     /// One of these words.
     Word(&'static [&'static str]),
     /// The name of an accuracy standard and its edition.
@@ -125,6 +132,9 @@ pub(crate) const TOP: Section = Section {
         ),
     ],
 };
+
+/// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
+pub(crate) const EVERY_PART: &str = "every_part";
 
 /// The keys of an uncertainty, beside the value that it is of.
 pub(crate) const UNCERTAINTY_KEYS: [&str; 6] = ["u", "U", "k", "half_width", "distribution", "dof"];
@@ -266,7 +276,8 @@ pub(crate) const PINION: Section = Section {
 
 pub(crate) const ERRORS: Section = Section {
     name: "errors",
-    doc: "The measured errors: a deviation, or the values from which it follows.",
+    doc: "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
+          error of every part of a table.",
     keys: &[
         key(
             "rack_over_roller",
@@ -414,7 +425,7 @@ pub(crate) const LENGTH_COLUMN: Section = Section {
     doc: "A column of lengths.",
     keys: &[
         COLUMN_NAME,
-        key("unit", Kind::Word(&["mm", "um", "µm", "in", "mil"]), "Unit of its numbers. Default: the header's, or mm."),
+        key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers. Default: the header's, or mm."),
         key("nominal", Kind::Length(Domain::any("nominal value", "M_nom")), "Nominal value of what was measured."),
         COLUMN_KIND,
     ],
@@ -422,14 +433,15 @@ pub(crate) const LENGTH_COLUMN: Section = Section {
 
 pub(crate) const ANGLE_COLUMN: Section = Section {
     name: "batch.columns.rack_lead",
-    doc: "A column of angles.",
+    doc: "A column of angles, or of helix slope deviations f_Hβ.",
     keys: &[
         COLUMN_NAME,
         key(
             "unit",
-            Kind::Word(&["deg", "arcmin", "arcsec", "rad", "mrad"]),
-            "Unit of its numbers. Default: the header's, or degrees.",
+            Kind::ColumnUnit { of_lead: true },
+            "Unit of its numbers; a unit of length means f_Hβ. Default: the header's, or degrees.",
         ),
+        key("length", Kind::Length(domain::EVALUATION_LENGTH), "Evaluation length of f_Hβ."),
         key("nominal", Kind::Angle(Domain::any("nominal value", "β_nom")), "Nominal value of what was measured."),
         COLUMN_KIND,
     ],
@@ -442,7 +454,7 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
         key("part_id", Kind::Text, "Name of the column that names the part. Default part_id."),
         key("rack_over_roller", Kind::Table(&LENGTH_COLUMN), "The rack's over-roller measure or error."),
         key("rack_pitch", Kind::Table(&LENGTH_COLUMN), "The rack's pitch or pitch error."),
-        key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle or its error."),
+        key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle, its error, or f_Hβ."),
         key("pinion_radial", Kind::Table(&LENGTH_COLUMN), "The pinion's radial measure or error."),
         key("pinion_pitch", Kind::Table(&LENGTH_COLUMN), "The pinion's single pitch deviation."),
     ],
@@ -451,7 +463,19 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
 pub(crate) const BATCH: Section = Section {
     name: "batch",
     doc: "Tables with a row per part.",
-    keys: &[key("columns", Kind::Table(&BATCH_COLUMNS), "Columns that are named or measured otherwise.")],
+    keys: &[
+        key("columns", Kind::Table(&BATCH_COLUMNS), "Columns that are named or measured otherwise."),
+        key(
+            "ignore",
+            Kind::Texts,
+            "Names of columns that are not to be used: `*` stands for any characters, and case does not count.",
+        ),
+        key(
+            "others",
+            Kind::Word(&["ignore"]),
+            "Once every error has its column: columns that are not understood are listed and not used.",
+        ),
+    ],
 };
 
 const FRACTION: Domain =

@@ -2,12 +2,12 @@
 //! blocks and reports.
 
 use super::{MeasuredTables, Spec};
-use crate::cmm::{Measured, PinionTooth, RackSpace};
 use crate::decision::{Effect, Feature, MeasuredPart, MeasuredRow};
 use crate::deviation::ErrorValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartError};
 use crate::quantity::{Angle, Length};
+use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::trig;
 
 impl Spec {
@@ -23,6 +23,17 @@ impl Spec {
             spec.pinion.measured = None;
         }
         spec
+    }
+
+    /// Whether the spec says that something is wrong with the rack (or the pinion), which a measured table replaces.
+    #[must_use]
+    pub fn has_other_deviations(&self, rack: bool) -> bool {
+        let (deviations, measured) = if rack {
+            (!self.rack.deviations.is_empty(), self.rack.measured.is_some())
+        } else {
+            (!self.pinion.deviations.is_empty(), self.pinion.measured.is_some())
+        };
+        deviations || measured || !self.errors.is_empty()
     }
 
     /// What a measured rack or pinion does by the formulas: the rack of `tables`, or else its pinion.

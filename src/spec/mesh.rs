@@ -6,7 +6,6 @@ use std::ops::Range;
 
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenPinionDeviation};
-use crate::cmm::{Measured, PinionTeeth, RackSpaces};
 use crate::deviation::{
     ErrorKind, ErrorValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, PinionToothRow,
     RackDeviation, RackDeviationKind, RackFlanks, RackForm, RackSpaceRow, ToothRange, pinion_flanks_from_rows,
@@ -18,6 +17,7 @@ use crate::formula::over_pin::OverPin;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
 use crate::mesh::{Mesh, Support};
 use crate::quantity::{Angle, Length};
+use crate::table::{Measured, PinionTeeth, RackSpaces};
 use crate::trig;
 
 /// The tables that a spec names, read by the caller.
@@ -177,7 +177,7 @@ impl Spec {
         let whole = |error| self.bad_value(&error, 0..0);
         let measured = rack_flanks_from_spaces(pair, rows).map_err(whole)?;
         let in_table = |error: crate::deviation::DeviationError| match &tables.rack {
-            Some(table) => Diagnostic::error(Code::BadTable, error.to_string()).at(&table.source, 0..0, ""),
+            Some(table) => Diagnostic::error(Code::BadTable, format!("{}: {error}", table.name)),
             None => self.bad_value(&error, 0..0),
         };
         let (relief, start) = self
@@ -226,7 +226,7 @@ impl Spec {
         }
         let whole = |error| self.bad_value(&error, 0..0);
         let in_table = |error: crate::deviation::DeviationError| match &tables.pinion {
-            Some(table) => Diagnostic::error(Code::BadTable, error.to_string()).at(&table.source, 0..0, ""),
+            Some(table) => Diagnostic::error(Code::BadTable, format!("{}: {error}", table.name)),
             None => self.bad_value(&error, 0..0),
         };
         let form = PinionForm {
@@ -268,10 +268,12 @@ impl Spec {
                 _ => 0.0,
             };
             if height.abs() > pair.normal_module_mm() {
-                let message = format!("over-pin differs from its nominal value by {height:.4} mm, more than a module");
-                let diagnostic = Diagnostic::error(Code::OutOfDomain, message)
-                    .at(&spaces.source, row.span.clone(), "")
-                    .help("check the units, `rack.pin` and `rack.datum`");
+                let message = format!(
+                    "{}, line {}: over-pin differs from its nominal value by {height:.4} mm, more than a module",
+                    spaces.name, row.line
+                );
+                let diagnostic =
+                    Diagnostic::error(Code::OutOfDomain, message).help("check the units, `rack.pin` and `rack.datum`");
                 return Err(diagnostic.into());
             }
             // tooth indices are far below 2⁵³
@@ -284,11 +286,10 @@ impl Spec {
             };
             if position.abs() > pair.rack().pitch_mm / 2.0 {
                 let message = format!(
-                    "the pin of space {} stands {position:.4} mm from its nominal position {nominal_position:.4} mm, more than half a pitch",
-                    row.space
+                    "{}, line {}: the pin of space {} stands {position:.4} mm from its nominal position {nominal_position:.4} mm, more than half a pitch",
+                    spaces.name, row.line, row.space
                 );
                 let diagnostic = Diagnostic::error(Code::OutOfDomain, message)
-                    .at(&spaces.source, row.span.clone(), "")
                     .help("space j is nominally at (j + 1/2) p_x; shift the positions, or give `position_deviation`");
                 return Err(diagnostic.into());
             }

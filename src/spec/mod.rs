@@ -48,6 +48,7 @@ use crate::decision::uncertainty as uncertain;
 use crate::decision::{Limit, LimitTarget, Rule};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::quantity::Length;
 use keys::{SECTIONS, Section};
 use reader::{SectionReader, similar};
 
@@ -87,6 +88,11 @@ pub struct Spec {
     /// The entries of `[errors]` that give nothing but the uncertainty of values to come from a batch or a pasted
     /// block.
     pub unmeasured: Vec<(ErrorKind, Range<usize>)>,
+    /// The entries of `[errors]` with `every_part = true`: their value is that of every part of a batch or a pasted
+    /// block.
+    pub every_part: Vec<ErrorKind>,
+    /// The length over which `[errors]` evaluates f_Hβ.
+    pub evaluation_length: Option<Length>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
     /// `[batch]`.
@@ -133,7 +139,8 @@ impl Spec {
             standard: reader.standard("standard"),
             diameter: reader.rack_diameter("diameter"),
         });
-        let (errors, nominals, unmeasured) = sections.read(&keys::ERRORS, errors::read);
+        let errors::Errors { values: errors, nominals, unmeasured, every_part, evaluation_length } =
+            sections.read(&keys::ERRORS, errors::read);
         let limits = sections.read(&keys::LIMITS, limits::read);
         let batch = sections.read(&keys::BATCH, batch::read);
         let simulation = sections.read(&keys::SIMULATION, simulation::read);
@@ -152,6 +159,8 @@ impl Spec {
                 errors,
                 nominals,
                 unmeasured,
+                every_part,
+                evaluation_length,
                 limits,
                 batch,
                 simulation,

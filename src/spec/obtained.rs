@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::{MeasuredTables, Spec, WrittenError};
-use crate::cmm::Measured;
 use crate::decision::class::{deviation_of, part_of};
 use crate::deviation::{ErrorValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length};
 use crate::standard::Deviation;
+use crate::table::Measured;
 use crate::trig;
 
 /// A measured deviation of a part.
@@ -66,7 +66,7 @@ impl Spec {
     fn of_rack_table(&self, tables: &MeasuredTables, values: &mut Vec<MeasuredValue>) -> Result<(), Diagnostics> {
         let Some(table) = &tables.rack else { return Ok(()) };
         let mut push = |deviation, amount: Length, what: &str| {
-            let origin = format!("{what} in {}", table.source.name);
+            let origin = format!("{what} in {}", table.name);
             values.push(MeasuredValue { part: Part::Rack, deviation, amount, origin });
         };
         let heights: Vec<Length> = table
@@ -107,7 +107,7 @@ impl Spec {
     fn of_pinion_table(&self, tables: &MeasuredTables, values: &mut Vec<MeasuredValue>) -> Result<(), Diagnostics> {
         let Some(table) = &tables.pinion else { return Ok(()) };
         let mut push = |deviation, amount: Length, what: &str| {
-            let origin = format!("{what} in {}", table.source.name);
+            let origin = format!("{what} in {}", table.name);
             values.push(MeasuredValue { part: Part::Pinion, deviation, amount, origin });
         };
         let radial: Vec<Length> = table.rows.iter().filter_map(|row| row.radial).collect();
@@ -115,7 +115,7 @@ impl Spec {
             push(Deviation::Runout, spread, "radial deviations, largest less smallest");
         }
         let of_flank = |left: bool| -> BTreeMap<i64, Length> {
-            let pitch = |row: &crate::cmm::PinionTooth| if left { row.left_pitch } else { row.right_pitch };
+            let pitch = |row: &crate::table::PinionTooth| if left { row.left_pitch } else { row.right_pitch };
             table.rows.iter().filter_map(|row| Some((row.tooth, pitch(row)?))).collect()
         };
         let flanks = [of_flank(true), of_flank(false)];

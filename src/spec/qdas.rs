@@ -2,26 +2,14 @@
 //! spec says is never replaced.
 
 use super::{Located, Spec};
-use crate::cmm::paste::Field;
-use crate::cmm::qdas::{Characteristic, Qdas};
 use crate::decision::uncertainty::{Source, Uncertainty};
 use crate::decision::{Limit, LimitTarget};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::Model;
 use crate::quantity::{Angle, Length};
+use crate::table::qdas::{Characteristic, Qdas};
 
 impl Spec {
-    /// The names that `[batch.columns]` gives to columns.
-    #[must_use]
-    pub fn column_names(&self) -> Vec<(String, Field)> {
-        let errors = self
-            .batch
-            .columns
-            .iter()
-            .filter_map(|(kind, column)| column.value.name.clone().map(|name| (name, Field::Error(*kind))));
-        self.batch.part_id.iter().map(|name| (name.clone(), Field::PartId)).chain(errors).collect()
-    }
-
     /// The spec with what a file says of the characteristics that are its errors, and remarks on what was taken and
     /// what was not. What the spec says itself stays.
     ///
@@ -32,7 +20,7 @@ impl Spec {
     pub fn completed_by(&self, qdas: &Qdas, model: Model) -> (Self, Vec<String>) {
         let mut spec = self.clone();
         let mut notes = Vec::new();
-        let own = self.column_names();
+        let own = self.want().own;
         for kind in ErrorKind::ALL {
             let found = qdas.characteristics.iter().find(|found| Qdas::error_of(found, &own) == Some(kind));
             let Some(found) = found else { continue };
@@ -48,16 +36,9 @@ impl Spec {
         let stated = self.batch_column(kind).is_some_and(|column| {
             column.value.nominal.is_some() || column.value.kind.as_ref().is_some_and(|kind| kind.value == "deviation")
         });
-        match self.nominals.iter().find(|(of, _)| *of == kind) {
-            Some((_, known)) if known.value != nominal => {
-                notes.push(format!("{kind}: the nominal value of the spec counts, not {nominal} of the file"));
-            }
-            Some(_) => {}
-            None if stated || nominal.is_zero() => {}
-            None => {
-                notes.push(format!("{kind}: nominal value {nominal} from the file (K2101)"));
-                self.nominals.push((kind, Located { value: nominal, span: 0..0 }));
-            }
+        if !stated && !nominal.is_zero() && self.nominals.iter().all(|(of, _)| *of != kind) {
+            notes.push(format!("{kind}: nominal value {nominal} from the file (K2101)"));
+            self.nominals.push((kind, Located { value: nominal, span: 0..0 }));
         }
     }
 
@@ -137,7 +118,7 @@ mod tests {
     fn nominal_values_and_limits_where_the_spec_is_silent() {
         let file = "K0100 3\nK2002/1 rack_over_roller\nK2101/1 25\nK2112/1 -0.02\nK2113/1 0.03\nK2106/1 0.002\n\
                     K2002/2 rack_pitch\nK2110/2 -10\nK2111/2 10\nK2142/2 um\nK2002/3 pinion_pitch\nK2110/3 -1\nK2111/3 2\n1\n";
-        let qdas = crate::cmm::qdas::read(&[("lot.dfq", file)]).unwrap();
+        let qdas = crate::table::qdas::read(&[("lot.dfq", file)]).unwrap();
         let spec = Spec::parse("rack.toml", "[pair]\nnormal_pressure_angle = 45").unwrap();
         let (completed, notes) = spec.completed_by(&qdas, Model::Exact);
         let limits: Vec<_> = completed
@@ -150,9 +131,9 @@ mod tests {
         assert_eq!(completed.nominals[0].1.value, ErrorValue::Length("25".parse().unwrap()));
         assert_eq!(notes.len(), 5, "{notes:?}");
         let text = "[errors]\nrack_over_roller = { nominal = 24.99 }\n[limits]\nrack_over_roller = \"±1\"";
-        let (completed, notes) = Spec::parse("rack.toml", text).unwrap().completed_by(&qdas, Model::Exact);
+        let (completed, _) = Spec::parse("rack.toml", text).unwrap().completed_by(&qdas, Model::Exact);
+        // the reader of tables refuses what contradicts it
         assert_eq!(completed.nominals[0].1.value, ErrorValue::Length("24.99".parse().unwrap()));
-        assert!(notes[0].contains("the nominal value of the spec counts, not 25 mm"), "{notes:?}");
         assert_eq!(completed.limits()[0].1.upper, Some("1".parse().unwrap()));
     }
 }

@@ -51,7 +51,7 @@ impl SectionReader<'_> {
         }
     }
 
-    fn kind(&self, name: &str) -> Option<Kind> {
+    pub(super) fn kind(&self, name: &str) -> Option<Kind> {
         let key = self.section.keys.iter().find(|key| key.name == name);
         debug_assert!(key.is_some(), "{name} is not declared in keys.rs");
         key.map(|key| key.kind)

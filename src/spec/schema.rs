@@ -1,17 +1,16 @@
 //! The spec's JSON Schema, from the same table as the reader. Printed by `rackmesh schema`; names no key by itself.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value, json};
 
-use super::errors::{LARGEST_CLASS, error_table_forms};
-use super::keys::{Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
+use super::errors::{LARGEST_CLASS, error_table_forms, is_of_a_part};
+use super::keys::{EVERY_PART, Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use super::uncertainty::source_of;
 use crate::decision::uncertainty::Source;
 use crate::deviation::ErrorKind;
-use crate::quantity::{Bound, Domain};
+use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
 use crate::standard::Standard;
-
-const LENGTH_TEXT: &str = r"^\s*[+\-−]?[0-9._]+([eE][+\-]?[0-9]+)?\s*(um|µm|μm|mm|in|mil)?\s*$";
-const LIMIT_TEXT: &str = r"^\s*(±|\+-|\+/-)\s*[0-9._]+([eE][+\-]?[0-9]+)?\s*(um|µm|μm|mm|in|mil)?\s*$";
 
 /// The JSON Schema (draft 2020-12) of the spec, so that editors complete keys and mark mistakes.
 #[must_use]
@@ -81,6 +80,12 @@ fn property(key: &Key, section: &str) -> Value {
             }
             json!({ "anyOf": forms })
         }
+        Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Kind::ColumnUnit { of_lead } => {
+            let lengths = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);
+            let angles = AngleUnit::ALL.into_iter().filter(|_| of_lead).flat_map(AngleUnit::spellings);
+            json!({ "enum": lengths.chain(angles).collect::<BTreeSet<_>>() })
+        }
         Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
         Kind::Error(kind) => error(kind),
         Kind::Word(words) => json!({ "enum": words }),
@@ -111,7 +116,7 @@ fn property(key: &Key, section: &str) -> Value {
         Kind::Limit => {
             let end = json!({ "anyOf": [{ "type": "number" }, length_text()] });
             json!({ "anyOf": [
-                { "type": "string", "pattern": LIMIT_TEXT },
+                { "type": "string", "pattern": length_pattern(r"(±|\+-|\+/-)\s*") },
                 {
                     "type": "object",
                     "additionalProperties": false,
@@ -159,7 +164,13 @@ fn uncertainty_properties() -> Map<String, Value> {
 }
 
 fn length_text() -> Value {
-    json!({ "type": "string", "pattern": LENGTH_TEXT })
+    json!({ "type": "string", "pattern": length_pattern(r"[+\-−]?") })
+}
+
+/// A length as text, behind what `sign` matches.
+fn length_pattern(sign: &str) -> String {
+    let units: Vec<_> = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings).copied().collect();
+    format!(r"^\s*{sign}[0-9.]+([eE][+\-]?[0-9]+)?\s*({})?\s*$", units.join("|"))
 }
 
 fn error(kind: ErrorKind) -> Value {
@@ -173,6 +184,9 @@ fn error(kind: ErrorKind) -> Value {
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         if *form != ["class"] {
             properties.extend(uncertainty_properties());
+        }
+        if is_of_a_part(form) {
+            properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
         }
         forms.push(json!({
             "type": "object",

@@ -1,37 +1,33 @@
 //! Tables with many rows per part: each part's teeth or spaces, through the exact mesh.
 //!
-//! The command line makes one [`Teeth`] per run and hands it table after table. The rows of a part follow each other;
-//! its columns are those of [`crate::cmm`]'s tables, by their names or by what their headings mean, with one more that
-//! names the part. A part of which a row is bad is rejected with all of its rows. Parts are solved side by side and
-//! written in the tables' order.
+//! The command line makes one [`Teeth`] per run and hands it table after table. The rows of a part may stand anywhere in
+//! its table. They take the place of what the spec says is wrong with that part, and are judged at the strokes at which
+//! every flank that can carry was measured. A part of which a row is bad is rejected with all of its rows. Parts are
+//! solved side by side and written in the order of their first rows.
 
-mod read;
-
+use std::collections::BTreeSet;
 use std::io;
+use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::input::{Header, Input};
-use super::layout::find_id;
 use super::number::Decimals;
 use super::outcome::{Kept, Outcome, Part, Problem, keep_worst};
 use super::request::{RowFormat, Rows};
 use super::run::{Progress, RunError, Sinks};
 use super::statistics::{Moving, Statistics};
 use super::{buffer::Buffer, write};
-use crate::cmm::paste::heading_of_teeth;
-use crate::cmm::{name_and_unit, pinion_teeth, rack_spaces};
 use crate::decision::rule::decide;
 use crate::decision::{Limit, LimitTarget, Rule, Verdict};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::mesh::Summary;
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::mesh::{CarryingStrokes, Summary};
+use crate::parallel;
 use crate::quantity::Length;
 use crate::spec::{MeasuredTables, Spec};
-use read::{Reader, Rowset};
+use crate::table::{self, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
 
 /// What is asked of a batch of parts with their teeth.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct TeethRequest {
     /// The stroke, mm.
     pub stroke_mm: (f64, f64),
@@ -49,21 +45,12 @@ pub struct TeethRequest {
     pub statistics: bool,
     /// How a verdict is reached.
     pub rule: Rule,
-    /// The column that names the part; `part_id` if `None`.
-    pub id: Option<String>,
     /// Whether the run ends at the first rejected part.
     pub strict: bool,
     /// How many parts that do not pass are kept with their results.
     pub failures_kept: usize,
     /// How many rejected parts are kept with what is wrong with them.
     pub problems_kept: usize,
-}
-
-/// Which part's teeth a table has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Of {
-    Rack,
-    Pinion,
 }
 
 /// A column that is written.
@@ -85,12 +72,15 @@ enum Number {
     MinStroke,
     MaxStroke,
     TransmissionError,
+    FromStroke,
+    ToStroke,
 }
 
 impl Number {
-    fn of(self, summary: &Summary) -> f64 {
+    fn of(self, solved: &Solved) -> f64 {
         /// Digits beyond this, mm, are rounding of the solution.
         const FINEST: f64 = 1e12;
+        let summary = &solved.summary;
         let mm = match self {
             Self::Mean => summary.mean_mm,
             Self::Min => summary.min_mm,
@@ -100,6 +90,8 @@ impl Number {
             Self::MinStroke => summary.min_stroke_mm,
             Self::MaxStroke => summary.max_stroke_mm,
             Self::TransmissionError => summary.transmission_error_mm,
+            Self::FromStroke => solved.strokes.start,
+            Self::ToStroke => solved.strokes.end,
         };
         // -0 is no result
         (mm * FINEST).round() / FINEST + 0.0
@@ -107,7 +99,7 @@ impl Number {
 }
 
 /// The columns that can be written; the first so many are written unless others are asked for.
-const COLUMNS: [(&str, Column); 10] = [
+const COLUMNS: [(&str, Column); 12] = [
     ("part_id", Column::Id),
     ("mean_delta_cd_mm", Column::Number(Number::Mean)),
     ("min_delta_cd_mm", Column::Number(Number::Min)),
@@ -115,11 +107,13 @@ const COLUMNS: [(&str, Column); 10] = [
     ("peak_to_peak_mm", Column::Number(Number::PeakToPeak)),
     ("tooth_to_tooth_mm", Column::Number(Number::ToothToTooth)),
     ("verdict", Column::Verdict),
+    ("from_stroke_mm", Column::Number(Number::FromStroke)),
+    ("to_stroke_mm", Column::Number(Number::ToStroke)),
     ("min_stroke_mm", Column::Number(Number::MinStroke)),
     ("max_stroke_mm", Column::Number(Number::MaxStroke)),
     ("transmission_error_mm", Column::Number(Number::TransmissionError)),
 ];
-const WRITTEN: usize = 7;
+const WRITTEN: usize = 9;
 
 /// The results of which there are statistics.
 const QUANTITIES: [(&str, Number); 5] = [
@@ -142,6 +136,8 @@ pub struct Teeth<'a> {
     outcome: Outcome,
     worst: Vec<Kept>,
     moving: [Moving; QUANTITIES.len()],
+    /// Parts of which not every stroke that was asked for is covered.
+    cut: u64,
     wrote_header: bool,
     rejects_header: Option<Vec<u8>>,
 }
@@ -188,6 +184,7 @@ impl<'a> Teeth<'a> {
             outcome,
             worst: Vec::new(),
             moving: [Moving::default(); QUANTITIES.len()],
+            cut: 0,
             wrote_header: false,
             rejects_header: None,
         })
@@ -220,81 +217,89 @@ impl<'a> Teeth<'a> {
         QUANTITIES.map(|(_, number)| if held(number) { ends } else { (None, None) }).to_vec()
     }
 
-    /// How the columns of a table are understood that do not have the names of its own, and which are not used at all.
-    #[must_use]
-    pub fn understood(&self, header: &Header) -> Vec<String> {
-        let id = find_id(self.spec, header, self.request.id.as_deref()).ok().flatten();
-        let columns = header.columns.iter().enumerate().filter(|(index, _)| Some(*index) != id);
-        let said = columns.filter_map(|(_, column)| {
-            let name = table_name(column);
-            if !NAMES.contains(&name_and_unit(&name).0.as_str()) {
-                Some(format!("`{column}` is not used"))
-            } else if name == *column {
-                None
-            } else {
-                Some(format!("`{column}` is {name}"))
-            }
-        });
-        said.collect()
-    }
-
     /// Runs one table. `stop` ends the run after the parts that were begun.
     ///
     /// # Errors
-    /// A diagnostic if the table's columns are not those of a rack or a pinion; [`RunError`] if it cannot be read to
+    /// Diagnostics if the table's columns are not those of a rack or a pinion; [`RunError`] if it cannot be read to
     /// its end, or the results cannot be written. What was computed before is kept.
     pub fn run(
         &mut self,
-        input: Input,
+        table: Table,
         stop: &AtomicBool,
         progress: &mut dyn FnMut(&Progress),
-    ) -> Result<Result<(), RunError>, Diagnostic> {
-        let header = &input.header;
-        let id = find_id(self.spec, header, self.request.id.as_deref())?.ok_or_else(|| {
-            let message = format!("{} has no column `part_id`, so its rows belong to no part", header.name);
-            Diagnostic::error(Code::BadTable, message).help("name the column that has the part's name with --id")
-        })?;
-        let columns: Vec<_> = header.columns.iter().map(|column| table_name(column)).collect();
-        let of = kind(&columns).ok_or_else(|| no_teeth(header))?;
-        let name = Arc::clone(&header.name);
-        let place = input.place.clone();
-        let mut reader = Reader::new(input, &columns, id);
-        let before = self.outcome.bytes;
-        let run = (|| {
-            self.start(&reader.input.header).map_err(RunError::Write)?;
-            let mut parts = Vec::new();
-            loop {
-                // some parts for each worker, so that a slow one holds nobody up for long
-                while parts.len() < 8 * self.workers {
-                    match reader.next().map_err(RunError::Read)? {
-                        Some(part) if !stop.load(Ordering::Relaxed) => parts.push(part),
-                        _ => break,
-                    }
-                }
-                if parts.is_empty() || stop.load(Ordering::Relaxed) {
+    ) -> Result<Result<(), RunError>, Diagnostics> {
+        let name = Arc::clone(&table.name);
+        let gatherer = Gatherer::new(&table)?;
+        let is_rack = gatherer.is_rack();
+        let spec = self.spec.measured_only(is_rack);
+        let strokes = if is_rack { Some(carrying(&spec)?) } else { None };
+        let mut reading = table.reading.clone();
+        if self.spec.has_other_deviations(is_rack) {
+            reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
+        }
+        let place = Where { file: &name, unit: table.place };
+        let (encoding, header) = (table.encoding, table.header_raw.clone());
+        let read = self.gathered(table, gatherer);
+        let run = read.map_err(RunError::Read).and_then(|parts| match parts {
+            Ok(parts) => {
+                self.start(encoding, &header).map_err(RunError::Write)?;
+                let request = &self.request;
+                let (stroke_mm, tolerance_mm, tables) = (request.stroke_mm, request.tolerance_mm, self.tables);
+                let solver = Solver { spec: &spec, tables, stroke_mm, tolerance_mm, strokes: strokes.as_ref() };
+                self.all(&parts, &solver, &place, stop, progress)
+            }
+            Err(contradiction) => Err(RunError::Contradiction(contradiction)),
+        });
+        self.outcome.interrupted |= stop.load(Ordering::Relaxed);
+        self.outcome.readings.push(reading);
+        Ok(run)
+    }
+
+    /// The rows of a table, put together to parts.
+    fn gathered(
+        &self,
+        table: Table,
+        mut gatherer: Gatherer,
+    ) -> io::Result<Result<Vec<ToothedPart>, table::Contradiction>> {
+        let keeps_raw = self.sinks.rejects.is_some();
+        let needed = vec![true; table.columns.len()];
+        for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
+            let block = block?;
+            gatherer.take(&block, keeps_raw);
+            if let Some(contradiction) = block.contradiction {
+                return Ok(Err(contradiction));
+            }
+        }
+        Ok(Ok(gatherer.finish()))
+    }
+
+    /// Solves and settles every part.
+    fn all(
+        &mut self,
+        parts: &[ToothedPart],
+        solver: &Solver<'_>,
+        place: &Where<'_>,
+        stop: &AtomicBool,
+        progress: &mut dyn FnMut(&Progress),
+    ) -> Result<(), RunError> {
+        // some parts for each worker, so that a slow one holds nobody up for long
+        for parts in parts.chunks(8 * self.workers) {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            let solved =
+                parallel::map(self.workers, parts.len(), || (), |(): &mut (), index| solver.one(&parts[index])).0;
+            for (part, solved) in parts.iter().zip(solved) {
+                self.settle(part, solved, place).map_err(RunError::Write)?;
+                if self.is_over() {
                     return Ok(());
                 }
-                let solver = Solver { spec: self.spec, tables: self.tables, request: &self.request, of, name: &name };
-                let solved = solver.all(&parts, self.workers);
-                for (part, solved) in parts.drain(..).zip(solved) {
-                    let place = Place { file: &name, of_record: place.as_deref() };
-                    self.settle(&part, solved, &place).map_err(RunError::Write)?;
-                    if self.is_over() {
-                        return Ok(());
-                    }
-                }
-                let counts = self.outcome.counts;
-                progress(&Progress {
-                    rows: counts.rows,
-                    failures: counts.fail,
-                    rejected: counts.rejected,
-                    bytes: reader.input.chunks.bytes_read(),
-                });
             }
-        })();
-        self.outcome.interrupted |= stop.load(Ordering::Relaxed);
-        self.outcome.bytes = before + reader.input.chunks.bytes_read();
-        Ok(run)
+            let counts = self.outcome.counts;
+            let (rows, failures, rejected) = (counts.rows, counts.fail, counts.rejected);
+            progress(&Progress { rows, failures, rejected, bytes: 0 });
+        }
+        Ok(())
     }
 
     /// Whether the run has come to its end before that of the input.
@@ -315,6 +320,13 @@ impl<'a> Teeth<'a> {
             }
         }
         self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
+        if self.cut > 0 {
+            let (from, to) = self.request.stroke_mm;
+            self.outcome.notes.push(format!(
+                "{} parts are judged at the strokes whose contacts were measured, and not from {from} to {to} mm: see from_stroke_mm and to_stroke_mm",
+                self.cut
+            ));
+        }
         let mut flushed = Ok(());
         for sink in [self.sinks.rows, self.sinks.rejects].into_iter().flatten() {
             flushed = flushed.and(sink.writer.flush());
@@ -323,61 +335,64 @@ impl<'a> Teeth<'a> {
     }
 
     /// Writes what stands before the first part, or before the first rejected row of another header.
-    fn start(&mut self, header: &Header) -> io::Result<()> {
+    fn start(&mut self, encoding: Encoding, header: &[u8]) -> io::Result<()> {
         if let Some(rows) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
             let names: Vec<_> = self.columns.iter().map(|(name, _)| (*name).to_owned()).collect();
             rows.writer.write_all(&rows.packing.pack(write::header(&names, self.request.format))?)?;
             self.wrote_header = true;
         }
         if let Some(rejects) = &mut self.sinks.rejects
-            && self.rejects_header.as_ref() != Some(&header.raw)
+            && self.rejects_header.as_deref() != Some(header)
         {
-            rejects.writer.write_all(&rejects.packing.pack(header.raw.clone())?)?;
-            self.rejects_header = Some(header.raw.clone());
+            rejects.writer.write_all(&rejects.packing.pack(encoding.original(header).into_owned())?)?;
+            self.rejects_header = Some(header.to_vec());
         }
         Ok(())
     }
 
     /// Judges, counts and writes a part.
-    fn settle(&mut self, part: &Rowset, solved: Solved, place: &Place<'_>) -> io::Result<()> {
+    fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, place: &Where<'_>) -> io::Result<()> {
         self.outcome.counts.rows += 1;
-        let first = part.lines.first().copied().unwrap_or(0);
-        let judged = solved.and_then(|summary| {
-            self.verdict(&summary).map(|verdict| (summary, verdict)).map_err(|message| (first, message))
+        let judged = solved.and_then(|solved| {
+            let verdict = self.verdict(&solved);
+            verdict.map(|verdict| (solved, verdict)).map_err(|message| LineFault { line: part.line, message })
         });
-        let (summary, verdict) = match judged {
+        let (solved, verdict) = match judged {
             Ok(judged) => judged,
-            Err((line, message)) => return self.reject(part, line, &message, place),
+            Err(fault) => return self.reject(part, &fault, place),
         };
         self.outcome.counts.judge(verdict);
+        if solved.is_cut {
+            self.cut += 1;
+        }
         let failed = matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate));
         if failed && self.outcome.failures.len() < self.request.failures_kept {
-            self.outcome.failures.push(self.part(part, &summary, verdict, place));
+            self.outcome.failures.push(self.part(part, &solved, verdict, place));
         }
         if self.request.statistics {
-            self.count(&summary);
-            let kept = self.part(part, &summary, verdict, place);
+            self.count(&solved);
+            let kept = self.part(part, &solved, verdict, place);
             let margin = Length::from_mm(kept.margin_mm).unwrap_or(Length::ZERO);
             keep_worst(&mut self.worst, Kept { part: kept, margin });
         }
-        let line = if self.request.rows.has(verdict) { self.row(part, &summary, verdict) } else { Vec::new() };
+        let line = if self.request.rows.has(verdict) { self.row(part, &solved, verdict) } else { Vec::new() };
         match &mut self.sinks.rows {
             Some(rows) if !line.is_empty() => rows.writer.write_all(&rows.packing.pack(line)?),
             _ => Ok(()),
         }
     }
 
-    fn count(&mut self, summary: &Summary) {
+    fn count(&mut self, solved: &Solved) {
         let quantities = self.outcome.statistics.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
         for ((statistics, moving), (_, number)) in quantities {
             // a verdict was reached on these: they are lengths
-            let value = Length::from_mm(number.of(summary)).unwrap_or(Length::ZERO);
+            let value = Length::from_mm(number.of(solved)).unwrap_or(Length::ZERO);
             statistics.add(value);
             moving.add(value);
         }
     }
 
-    fn reject(&mut self, part: &Rowset, line: u64, message: &str, place: &Place<'_>) -> io::Result<()> {
+    fn reject(&mut self, part: &ToothedPart, fault: &LineFault, place: &Where<'_>) -> io::Result<()> {
         self.outcome.counts.rejected += 1;
         if let Some(rejects) = &mut self.sinks.rejects {
             let mut raw = part.raw.clone();
@@ -389,44 +404,46 @@ impl<'a> Teeth<'a> {
         if self.outcome.problems.len() < self.request.problems_kept {
             self.outcome.problems.push(Problem {
                 file: Arc::clone(place.file),
-                line,
+                line: fault.line,
                 record: part.record,
-                place: place.of(part.record),
+                place: place.unit.in_words(fault.line),
+                part: Some(part.name.clone()).filter(|name| !name.is_empty()),
                 column: None,
                 text: String::new(),
-                message: format!("part {}: {message}", part.id),
+                message: fault.message.clone(),
             });
         }
         Ok(())
     }
 
-    fn verdict(&self, summary: &Summary) -> Result<Option<Verdict>, String> {
+    fn verdict(&self, solved: &Solved) -> Result<Option<Verdict>, String> {
         let Some(limit) = self.limit else { return Ok(None) };
-        let lower = Length::from_mm(summary.min_mm).map_err(|error| error.to_string())?;
-        let upper = Length::from_mm(summary.max_mm).map_err(|error| error.to_string())?;
+        let lower = Length::from_mm(solved.summary.min_mm).map_err(|error| error.to_string())?;
+        let upper = Length::from_mm(solved.summary.max_mm).map_err(|error| error.to_string())?;
         let decision = decide(&self.request.rule, limit, (lower, upper), None, None);
         decision.map(|decision| Some(decision.verdict)).map_err(|error| error.to_string())
     }
 
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
-    fn part(&self, part: &Rowset, summary: &Summary, verdict: Option<Verdict>, place: &Place<'_>) -> Part {
+    fn part(&self, part: &ToothedPart, solved: &Solved, verdict: Option<Verdict>, place: &Where<'_>) -> Part {
+        let summary = &solved.summary;
         let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - summary.max_mm);
         let below = self.limit.and_then(|limit| limit.lower).map(|end| summary.min_mm - end.mm());
         let nearest = above.into_iter().chain(below).reduce(f64::min);
         Part {
-            id: part.id.clone(),
+            id: part.name.clone(),
             file: Arc::clone(place.file),
-            line: part.lines.first().copied().unwrap_or(0),
+            line: part.line,
             record: part.record,
-            place: place.of(part.record),
+            place: place.unit.in_words(part.line),
             verdict,
             margin_mm: nearest.unwrap_or(-summary.max_mm.abs().max(summary.min_mm.abs())),
             on: nearest.map(|_| LimitTarget::CenterDistance),
-            result_mm: (Number::Min.of(summary), Number::Max.of(summary)),
+            result_mm: (Number::Min.of(solved), Number::Max.of(solved)),
         }
     }
 
-    fn row(&self, part: &Rowset, summary: &Summary, verdict: Option<Verdict>) -> Vec<u8> {
+    fn row(&self, part: &ToothedPart, solved: &Solved, verdict: Option<Verdict>) -> Vec<u8> {
         let format = self.request.format;
         let mut out = Buffer::default();
         for (index, (name, column)) in self.columns.iter().enumerate() {
@@ -440,8 +457,8 @@ impl<'a> Teeth<'a> {
                 RowFormat::Csv | RowFormat::Tsv => {}
             }
             match (column, verdict) {
-                (Column::Id, _) => write::text(&mut out, part.id.as_bytes(), format),
-                (Column::Number(of), _) => out.extend(self.request.decimals.text(of.of(summary)).as_bytes()),
+                (Column::Id, _) => write::text(&mut out, part.name.as_bytes(), format),
+                (Column::Number(of), _) => out.extend(self.request.decimals.text(of.of(solved)).as_bytes()),
                 (Column::Verdict, Some(verdict)) => write::text(&mut out, verdict.name().as_bytes(), format),
                 (Column::Verdict, None) if format == RowFormat::JsonLines => out.extend(b"null"),
                 (Column::Verdict, None) => {}
@@ -452,113 +469,84 @@ impl<'a> Teeth<'a> {
     }
 }
 
-/// Where the records of a table are.
-struct Place<'a> {
+/// Where the rows of a table are.
+struct Where<'a> {
     file: &'a Arc<str>,
-    of_record: Option<&'a (dyn Fn(u64) -> String + Send + Sync)>,
+    unit: Place,
 }
 
-impl Place<'_> {
-    fn of(&self, record: u64) -> Option<String> {
-        self.of_record.map(|place| place(record))
-    }
-}
-
-/// What a table of one part calls a column: its own name if that is known, or what its heading means.
-fn table_name(column: &str) -> String {
-    let (name, _) = name_and_unit(column);
-    if NAMES.contains(&name.as_str()) {
-        column.to_owned()
-    } else {
-        heading_of_teeth(column).unwrap_or_else(|| column.to_owned())
-    }
-}
-
-const RACK: [&str; 5] = ["over_pin", "over_pin_deviation", "position", "position_deviation", "space"];
-const PINION: [&str; 4] = ["radial_deviation", "left_pitch_deviation", "right_pitch_deviation", "tooth"];
-const NAMES: [&str; 10] =
-    [RACK[0], RACK[1], RACK[2], RACK[3], RACK[4], PINION[0], PINION[1], PINION[2], PINION[3], "lead_deviation"];
-
-/// Whose teeth the columns are of.
-fn kind(columns: &[String]) -> Option<Of> {
-    let has = |names: &[&str]| columns.iter().any(|column| names.contains(&name_and_unit(column).0.as_str()));
-    if has(&RACK) {
-        Some(Of::Rack)
-    } else if has(&PINION) {
-        Some(Of::Pinion)
-    } else {
-        None
-    }
-}
-
-fn no_teeth(header: &Header) -> Diagnostic {
-    Diagnostic::error(Code::BadTable, format!("{} has no column of a rack's spaces or a pinion's teeth", header.name)).help(
-        format!(
-            "it has {}; a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; \
-             a pinion tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
-            header.names()
-        ),
-    )
+/// Where the flanks of a rack carry.
+fn carrying(spec: &Spec) -> Result<CarryingStrokes, Diagnostics> {
+    let pair = spec.pair("the exact mesh")?;
+    CarryingStrokes::of(&pair).map_err(|error| Diagnostic::error(Code::NoMesh, error.to_string()).into())
 }
 
 /// Solves parts.
 struct Solver<'a> {
     spec: &'a Spec,
     tables: &'a MeasuredTables,
-    request: &'a TeethRequest,
-    of: Of,
-    name: &'a str,
+    stroke_mm: (f64, f64),
+    tolerance_mm: f64,
+    /// Where a rack's flanks carry; `None` for a pinion, of which every tooth must be measured.
+    strokes: Option<&'a CarryingStrokes>,
 }
 
-type Solved = Result<Summary, (u64, String)>;
+/// A part's curve in short.
+struct Solved {
+    summary: Summary,
+    /// From the first to the last stroke that is covered.
+    strokes: Range<f64>,
+    /// Whether strokes that were asked for are not.
+    is_cut: bool,
+}
 
 impl Solver<'_> {
-    /// Solves every part, side by side.
-    fn all(&self, parts: &[Rowset], workers: usize) -> Vec<Solved> {
-        let next = AtomicUsize::new(0);
-        let solved: Vec<Mutex<Option<Solved>>> = parts.iter().map(|_| Mutex::new(None)).collect();
-        std::thread::scope(|scope| {
-            for _ in 0..workers.min(parts.len()) {
-                scope.spawn(|| {
-                    loop {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
-                        let (Some(part), Some(slot)) = (parts.get(index), solved.get(index)) else { return };
-                        *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.one(part));
-                    }
-                });
-            }
-        });
-        let missing = || Err((0, "the part was not solved".to_owned()));
-        solved
-            .into_iter()
-            .map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner).unwrap_or_else(missing))
-            .collect()
-    }
-
-    fn one(&self, part: &Rowset) -> Solved {
-        if let Some(bad) = &part.bad {
-            return Err(bad.clone());
+    fn one(&self, part: &ToothedPart) -> Result<Solved, LineFault> {
+        if let Some(fault) = &part.fault {
+            return Err(fault.clone());
         }
-        let first = part.lines.first().copied().unwrap_or(0);
-        let table = String::from_utf8_lossy(&part.table);
-        // a line of the part's own table is a row's place in the whole one
-        let of_row = |diagnostic: &Diagnostic| {
-            let line = diagnostic.place.as_ref().map(|place| place.line_and_column().0);
-            let line = line.and_then(|line| part.lines.get(line.checked_sub(2)?)).copied();
-            (line.unwrap_or(first), diagnostic.message.clone())
-        };
+        let bad = |message: String| LineFault { line: part.line, message };
+        let (from, to) = self.stroke_mm;
         let mut tables = self.tables.clone();
-        match self.of {
-            Of::Rack => tables.rack = Some(rack_spaces(self.name, &table).map_err(|problem| of_row(&problem))?),
-            Of::Pinion => tables.pinion = Some(pinion_teeth(self.name, &table).map_err(|problem| of_row(&problem))?),
+        let covered = match &part.teeth {
+            table::Teeth::Rack(rack) => {
+                let spaces: BTreeSet<i64> = rack.measured_spaces();
+                tables.rack = Some(rack.clone());
+                self.strokes.map_or_else(|| vec![from..to], |strokes| strokes.measured(&spaces, from, to))
+            }
+            table::Teeth::Pinion(pinion) => {
+                let teeth = self.spec.pinion.teeth.as_ref().map_or(0, |teeth| i64::from(teeth.value));
+                if let Some(tooth) = pinion.unmeasured(teeth) {
+                    return Err(bad(format!("tooth {tooth} was not measured: a turn needs all {teeth}")));
+                }
+                tables.pinion = Some(pinion.clone());
+                vec![from..to]
+            }
+        };
+        let input = self.spec.mesh(&tables).map_err(|problems| {
+            bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
+        })?;
+        let (Some(first), Some(last)) = (covered.first(), covered.last()) else {
+            return Err(bad(
+                "there is no stroke at which every flank that can carry was measured: more spaces in a row are needed"
+                    .to_owned(),
+            ));
+        };
+        let strokes = first.start..last.end;
+        let is_cut = covered.len() > 1 || strokes != (from..to);
+        let mut joined: Option<(Summary, f64)> = None;
+        for stretch in covered {
+            let curve = input.mesh.curve(stretch.start, stretch.end, self.tolerance_mm);
+            let curve = curve.map_err(|error| bad(error.to_string()))?;
+            let Some(summary) = curve.summary(&input.mesh) else { continue };
+            let length = stretch.end - stretch.start;
+            joined = Some(match joined {
+                Some((before, so_far)) => (before.joined(so_far, &summary, length), so_far + length),
+                None => (summary, length),
+            });
         }
-        let input = self
-            .spec
-            .mesh(&tables)
-            .map_err(|problems| problems.0.first().map_or_else(|| (first, problems.to_string()), of_row))?;
-        let (from, to) = self.request.stroke_mm;
-        let curve =
-            input.mesh.curve(from, to, self.request.tolerance_mm).map_err(|error| (first, error.to_string()))?;
-        curve.summary(&input.mesh).ok_or_else(|| (first, "the exact mesh has no points along the stroke".to_owned()))
+        let summary = joined.map(|(summary, _)| summary);
+        let summary = summary.ok_or_else(|| bad("the exact mesh has no points along the stroke".to_owned()))?;
+        Ok(Solved { summary, strokes, is_cut })
     }
 }

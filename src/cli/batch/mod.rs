@@ -1,4 +1,4 @@
-//! `rackmesh batch`: tables with a row per part, through the formulas; with `--teeth` through the exact mesh.
+//! `rackmesh batch`: tables of measured parts, through the formulas; with `--teeth` through the exact mesh.
 
 mod bar;
 mod targets;
@@ -6,23 +6,26 @@ mod teeth;
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use clap::ValueEnum;
 
 use super::decision::DecisionArgs;
 use super::eval::{ModelArg, StackArg};
+use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
-use super::{long, office, stream};
-use crate::batch::{
-    Batch, Counts, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError,
-};
+use super::tables::{self, ReadArgs};
+use super::{mesh, stream, target};
+use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError, Teeth};
+use crate::decision::{LimitTarget, Rule};
+use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::report::{self, Basis, BatchReport, Format};
+use crate::formula::Model;
+use crate::report::{self, Basis, BatchReport, Format, WithReading};
 use crate::spec::{Spec, WrittenError};
+use crate::table::Want;
 use bar::Bar;
 
-pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinations and a verdict for every part";
+pub(super) const ABOUT: &str = "Check tables of measured parts: ΔCD, combinations and a verdict for every part";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -35,19 +38,17 @@ pub(super) const ABOUT: &str = "Check tables with a row per part: ΔCD, combinat
 
 Exit status: 0 all parts inside the limits or none given, 1 a part outside,
 2 a row was rejected or something could not be judged, 3 a verdict is
-indeterminate and none worse.")]
+indeterminate and none worse, 130 or 143 interrupted.")]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Args {
     /// The gear spec (TOML).
     spec: String,
-    /// Tables with a header and a row per part, gzip and zstd included; Excel workbooks (.xlsx) and Q-DAS files (.dfq,
-    /// .dfd with .dfx); `-` or none reads standard input.
+    /// Tables: text of any kind, gzip and zstd included, Excel workbooks (.xlsx), Q-DAS files (.dfq, .dfd with .dfx),
+    /// Parquet; `-` or none reads standard input.
     files: Vec<String>,
-    #[command(flatten)]
-    place: office::Place,
     /// Write the rows (or the summary) here; `.tsv`, `.jsonl`, `.parquet`, `.xlsx` and `.dfq` name a format, `.gz` and
     /// `.zst` pack.
-    #[arg(long, short)]
+    #[arg(long, short, value_name = "FILE")]
     output: Option<String>,
     /// The format of rows (csv, tsv, jsonl, parquet) or of a summary (table, markdown, json, csv).
     #[arg(long, value_enum)]
@@ -58,9 +59,6 @@ pub(super) struct Args {
     /// The columns to write: results, or columns of the table as they are.
     #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
     columns: Option<Vec<String>>,
-    /// The column that names the part.
-    #[arg(long, value_name = "NAME")]
-    id: Option<String>,
     /// Print counts, statistics, quantiles, Pp, Ppk and the ten worst parts instead of rows.
     #[arg(long, conflicts_with = "only_failures")]
     summary: bool,
@@ -73,6 +71,9 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    /// Judge parts without the errors that the spec asks for and the table lacks.
+    #[arg(long)]
+    partial: bool,
     #[command(flatten)]
     decision: DecisionArgs,
     /// Many rows per part, one per tooth or space: each part through the exact mesh.
@@ -92,15 +93,11 @@ pub(super) struct Args {
     /// Annotate parts that do not pass and rejected rows, on standard error.
     #[arg(long, value_enum, value_name = "FOR")]
     annotations: Option<Annotations>,
-    /// The separator, a character or `tab`; found from the header unless given.
-    #[arg(long, value_parser = separator, value_name = "CHAR")]
-    separator: Option<u8>,
-    /// Numbers have a decimal comma.
-    #[arg(long)]
-    decimal_comma: bool,
     /// Threads; as many as there are cores unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    #[command(flatten)]
+    reading: ReadArgs,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -133,46 +130,28 @@ const PROBLEMS_SHOWN: usize = 10;
 /// Parts listed in a JUnit report; the others are counted in it.
 const PARTS_LISTED: usize = 1000;
 
-fn separator(text: &str) -> Result<u8, String> {
-    match text.as_bytes() {
-        _ if text == "tab" || text == "\\t" => Ok(b'\t'),
-        [byte]
-            if byte.is_ascii()
-                && !byte.is_ascii_alphanumeric()
-                && !matches!(byte, b'"' | b'\n' | b'\r' | b'.' | b'-') =>
-        {
-            Ok(*byte)
-        }
-        _ => Err("write one character such as ; or the word tab".to_owned()),
-    }
-}
-
 const NO_LIMITS: &str = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
 
 fn unread(file: &str, error: &io::Error) -> Diagnostic {
     Diagnostic::error(Code::FileAccess, format!("cannot read {} to its end: {error}", stream::name(file)))
 }
 
-fn unwritable(name: &str, error: &io::Error) -> Failure {
-    Diagnostic::error(Code::FileAccess, format!("cannot write {name}: {error}")).into()
-}
-
 /// What there is when the last file has been read, whether its rows were parts or teeth.
 struct Ending<'a> {
     spec: &'a Spec,
     targets: targets::Targets,
-    collected: &'a office::Collected,
     /// Why files could not be read.
     failed: &'a [Diagnostic],
     basis: Basis,
-    /// Whether a limit was held against nothing.
-    unjudged: bool,
+    interruption: &'a Interruption,
+    /// The files that are read.
+    inputs: &'a [String],
 }
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = Arc::new(super::read_spec(&self.spec)?);
-        let stop = long::interrupted();
+        let interruption = long::interrupted();
         let mut files = self.files.iter().map(String::as_str).collect::<Vec<_>>();
         if files.is_empty() {
             files.push("-");
@@ -183,42 +162,37 @@ impl Args {
             );
         }
         let (rows_format, summary_format) = self.formats()?;
+        let model: Model = self.model.into();
+        let is_teeth = self.teeth;
+        let adjust = |want: Want| Want { teeth: Some(is_teeth), ..want };
+        let mut found = self.reading.look(&files, &spec, model, interruption.stop(), &adjust)?;
         if self.teeth {
-            return self.run_teeth(&spec, &files, (rows_format, summary_format), &stop, output);
+            return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
         }
-        let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
-        let (first, spec) = self.table(files[0], &spec, &stop, dialect, Some(output))?;
-        let plan = Plan::new(&spec, &first.header, self.request(rows_format, &spec)?)?;
-        self.remarks(&spec, &plan, &first, output);
-
-        let collected = office::Collected::default();
-        let mut targets = self.targets(&collected, &|| plan.column_kinds())?;
-        let sinks = targets.sinks();
-        let mut batch = Batch::new(&plan, sinks, self.threads.map(usize::from));
-        let mut failed = Vec::new();
-        let mut said: Option<Vec<String>> = None;
-        let mut first = Some(first);
+        let Some(first) = found.first() else { return Ok(Status::Undecided) };
+        let spec = Arc::clone(&first.spec);
+        let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
+        self.remarks(&plan, output);
+        let notes = [first.notes.clone(), notes(&spec, &plan)].concat();
+        let inputs = self.inputs(&spec, &files);
+        let mut targets = self.targets(&inputs, &|| plan.column_kinds())?;
+        let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
+        let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "rows");
-        for file in &files {
-            let input = match first.take() {
-                Some(input) => Ok(input),
-                None => self.table(file, &spec, &stop, dialect, None).map_err(failures).map(|(input, _)| input),
+        for path in found.paths() {
+            let opened = match found.take_first() {
+                Some(opened) => Ok(opened),
+                None => self.reading.open(&path, &spec, model, interruption.stop(), &adjust),
             };
-            let layout = input.and_then(|input| {
-                let layout = Layout::new(&plan, &input.header).map_err(|diagnostics| diagnostics.0)?;
-                Ok((input, layout))
+            let table = opened.map(|opened| opened.table).map_err(tables::diagnostics);
+            let ready = table.and_then(|table| {
+                let layout = Layout::new(&plan, &table).map_err(|diagnostics| diagnostics.0)?;
+                Ok((table, layout))
             });
-            match layout {
-                Ok((input, layout)) => {
-                    if !layout.understood().is_empty() && said.as_deref() != Some(layout.understood()) {
-                        output.remark(&format!("{}: {}", input.header.name, layout.understood().join(", ")));
-                        said = Some(layout.understood().to_vec());
-                    }
-                    match batch.run(input, &layout, &stop, &mut |progress| bar.show(progress)) {
-                        Ok(()) => {}
-                        Err(RunError::Read(error)) => failed.push(unread(file, &error)),
-                        Err(RunError::Write(error)) => return Err(Failure::Write(error)),
-                    }
+            match ready {
+                Ok((table, layout)) => {
+                    let run = batch.run(table, &layout, interruption.stop(), &mut |progress| bar.show(progress));
+                    failed.extend(unfinished(&path, run)?);
                 }
                 Err(diagnostics) => failed.extend(diagnostics),
             }
@@ -228,84 +202,76 @@ impl Args {
             }
         }
         bar.finish();
-        let finished = batch.finish();
+        let (mut outcome, written) = batch.finish();
+        outcome.notes.extend(notes);
         let ending = Ending {
             spec: &spec,
             targets,
-            collected: &collected,
             failed: &failed,
             basis: Basis::of(&plan),
-            unjudged: !plan.unjudged().is_empty(),
+            interruption: &interruption,
+            inputs: &inputs,
         };
-        self.end(ending, finished, summary_format, output)
+        self.end(ending, (outcome, written), summary_format, output)
+    }
+
+    /// Every file that is read.
+    fn inputs(&self, spec: &Spec, files: &[&str]) -> Vec<String> {
+        let mut inputs = mesh::files_read(spec, &self.spec);
+        let files: Vec<String> = files.iter().map(|file| (*file).to_owned()).collect();
+        inputs.extend(tables::files_read(&files));
+        inputs
     }
 
     /// Ends the files that are written, and says what came of it all.
     fn end(
         &self,
         ending: Ending<'_>,
-        (outcome, written): (Outcome, io::Result<()>),
+        (mut outcome, written): (Outcome, io::Result<()>),
         format: Format,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let Ending { spec, targets, collected, failed, basis, unjudged } = ending;
+        let Ending { spec, targets, failed, basis, interruption, inputs } = ending;
         written?;
-        targets.finish()?;
-        self.write_office(collected, spec)?;
+        outcome.notes.extend(outcome.duplicates.note());
+        outcome.is_cut |= !failed.is_empty();
+        let is_complete = !outcome.interrupted && !outcome.is_cut;
+        targets.finish(is_complete, self.output.as_deref(), spec, output)?;
         for diagnostic in failed {
             output.diagnostic(diagnostic);
         }
-        self.report(spec, &basis, &outcome, format, output)?;
-        Ok(status(&outcome, !failed.is_empty(), unjudged))
-    }
-
-    /// Writes the rows that were collected for a workbook or a Q-DAS file.
-    fn write_office(&self, collected: &office::Collected, spec: &Spec) -> Result<(), Failure> {
-        match self.output.as_deref().filter(|path| !self.summary && office::is_office(path)) {
-            Some(path) => office::write_rows(path, &collected.rows()?, spec),
-            None => Ok(()),
+        let holds_notes = self.summary && self.output.is_none() && format != Format::Csv;
+        if holds_notes {
+            let _ = tables::say_readings(&outcome.readings, output);
+        } else {
+            tables::say(&outcome.readings, &outcome.notes, output);
         }
-    }
-
-    /// A table, whatever file it is in, and the spec with what the file says where it is silent; that is said where
-    /// there is an `output`.
-    fn table(
-        &self,
-        file: &str,
-        spec: &Arc<Spec>,
-        stop: &Arc<AtomicBool>,
-        dialect: Dialect,
-        output: Option<&mut Output>,
-    ) -> Result<(Input, Arc<Spec>), Failure> {
-        let Some(found) = office::open(file, spec, &self.place)? else {
-            return Ok((Input::open(stream::name(file), stream::open(file, stop)?, dialect)?, Arc::clone(spec)));
-        };
-        let (completed, notes) = found.completed(spec, self.model.into());
-        if let Some(output) = output {
-            for note in notes {
-                output.remark(&note);
-            }
+        self.report(spec, &basis, &outcome, format, inputs, output)?;
+        if let Some(status) = interruption.status().filter(|_| outcome.interrupted) {
+            return Ok(status);
         }
-        Ok((found.input(file), Arc::new(completed)))
+        if outcome.counts.rows == 0 {
+            let message = "there is no part in the tables, so none was checked";
+            output.diagnostic(&Diagnostic::warning(Code::BadTable, message));
+        }
+        Ok(status(&outcome, &basis, !failed.is_empty()))
     }
 
     /// The format of the rows, and of a summary.
     fn formats(&self) -> Result<(RowFormat, Format), Failure> {
-        let named = self.output.as_deref().map(|path| Packing::of_name(path).1.to_ascii_lowercase());
-        let ends = |suffix: &str| named.as_ref().is_some_and(|name| name.ends_with(suffix));
+        let ending = self.ending()?;
         let rows = match self.format {
-            Some(BatchFormat::Csv) => RowFormat::Csv,
+            Some(BatchFormat::Csv | BatchFormat::Parquet) => RowFormat::Csv,
             Some(BatchFormat::Tsv) => RowFormat::Tsv,
             Some(BatchFormat::Jsonl) => RowFormat::JsonLines,
-            Some(BatchFormat::Parquet) if !self.summary => RowFormat::Csv,
             Some(format) if !self.summary => {
                 let name = format.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
                 return Err(Diagnostic::error(Code::Usage, format!("rows cannot be written as {name}"))
                     .help("write csv, tsv, jsonl or parquet; or ask for the --summary")
                     .into());
             }
-            None if ends(".tsv") => RowFormat::Tsv,
-            None if ends(".jsonl") || ends(".ndjson") => RowFormat::JsonLines,
+            None if ending == Some("tsv") => RowFormat::Tsv,
+            None if matches!(ending, Some("jsonl" | "ndjson")) => RowFormat::JsonLines,
             _ => RowFormat::Csv,
         };
         let summary = match self.format {
@@ -317,12 +283,30 @@ impl Args {
                     .help("write table, markdown, json or csv")
                     .into());
             }
-            None if ends(".json") => Format::Json,
-            None if ends(".csv") => Format::Csv,
-            None if ends(".md") => Format::Markdown,
+            None if ending == Some("json") => Format::Json,
+            None if ending == Some("csv") => Format::Csv,
+            None if ending == Some("md") => Format::Markdown,
             _ => Format::Table,
         };
         Ok((rows, summary))
+    }
+
+    /// The format that the name of the output tells, where no other is given.
+    fn ending(&self) -> Result<Option<&'static str>, Failure> {
+        let ending = match (&self.output, self.format, self.summary) {
+            (Some(path), None, false) => {
+                target::known_ending_unpacked(path, &["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"])
+            }
+            (Some(path), None, true) => target::known_ending(path, &["txt", "json", "csv", "md"]),
+            _ => Ok(None),
+        };
+        ending.map_err(|failure| {
+            let or_format = |diagnostic: Diagnostic| {
+                let endings = diagnostic.help.clone().unwrap_or_default();
+                diagnostic.help(format!("{endings}; or --format says the format"))
+            };
+            Failure::from(Diagnostics(tables::diagnostics(failure).into_iter().map(or_format).collect()))
+        })
     }
 
     fn request(&self, format: RowFormat, spec: &Spec) -> Result<Request, Failure> {
@@ -334,7 +318,7 @@ impl Args {
             decimals: self.decimals,
             format,
             columns: self.columns.clone(),
-            id: self.id.clone(),
+            partial: self.partial,
             rows: match (self.summary, self.only_failures) {
                 (true, _) => Rows::None,
                 (_, true) => Rows::NotPassed,
@@ -354,44 +338,19 @@ impl Args {
     }
 
     /// What the user should know before the first row.
-    fn remarks(&self, spec: &Spec, plan: &Plan, first: &Input, output: &mut Output) {
-        let class = |kind| {
-            spec.errors.iter().find_map(|(error, written)| match written.value {
-                WrittenError::Class(grade) if *error == kind => Some(grade),
-                _ => None,
-            })
-        };
-        for kind in plan.left_out(&first.header) {
-            let why = match class(kind) {
-                Some(grade) => format!("class {grade} in [errors] is what is permitted, not what a part has"),
-                None => "the value in [errors] is one part's".to_owned(),
-            };
-            let message =
-                format!("{} has no column `{}`: that error is left out, because {why}", first.header.name, kind.key());
-            output.diagnostic(&Diagnostic::warning(Code::BadTable, message));
-        }
-        for (kind, grade) in plan.errors().filter_map(|kind| Some((kind, class(kind)?))) {
-            output.remark(&format!(
-                "{}: the table's values count; class {grade} in [errors] is not held against them, because limits stand in [limits]",
-                kind.key()
-            ));
-        }
-        let exact = plan.taken_as_exact();
-        if !exact.is_empty() {
-            let names: Vec<_> = exact.iter().map(|kind| kind.key()).collect();
-            output.remark(&format!("taken as exact, because no uncertainty is given: {}", names.join(", ")));
-        }
+    fn remarks(&self, plan: &Plan, output: &mut Output) {
         for target in plan.unjudged() {
-            let message = format!("there is a limit on ΔCD of the {target}, but the table has no such column");
+            let message = match target {
+                LimitTarget::Error(kind) if plan.errors().all(|error| error != *kind) => {
+                    format!("there is a limit on ΔCD of the {target}, but the table has no such column")
+                }
+                _ => format!(
+                    "the limit on ΔCD of the {target} is not judged: something that the spec asks for is missing"
+                ),
+            };
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
         }
-        if !plan.has_id(&first.header) {
-            let message =
-                format!("{} has no column `part_id`: parts are called by the number of their row", first.header.name);
-            let help = "name the column that has the part's name with --id";
-            output.diagnostic(&Diagnostic::warning(Code::BadTable, message).help(help));
-        }
-        if self.only_failures && plan.limits().is_empty() {
+        if self.only_failures && plan.limits().is_empty() && plan.unjudged().is_empty() {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
     }
@@ -403,19 +362,22 @@ impl Args {
         basis: &Basis,
         outcome: &Outcome,
         format: Format,
+        inputs: &[String],
         output: &mut Output,
     ) -> Result<(), Failure> {
-        self.problems(outcome, output);
+        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+        self.problems(basis, outcome, output);
         if let Some(path) = &self.junit {
-            let report = report::junit(spec.title.as_deref(), &basis.judged_by(), &basis.limits, outcome);
-            std::fs::write(path, report).map_err(|error| unwritable(path, &error))?;
+            let report = report::junit(spec.title.as_deref(), basis, outcome);
+            target::write(path, &inputs, report.as_bytes())?;
         }
         if self.summary {
             let report = BatchReport::new(spec.title.as_deref(), basis, outcome);
+            let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
             match &self.output {
                 Some(path) => {
                     let text = report::write(&report, format, crate::report::Screen::default())?;
-                    std::fs::write(path, text).map_err(|error| unwritable(path, &error))?;
+                    target::write(path, &inputs, text.as_bytes())?;
                 }
                 None => output.report(&report, format)?,
             }
@@ -426,7 +388,7 @@ impl Args {
     }
 
     /// What is wrong with which row, and annotations.
-    fn problems(&self, outcome: &Outcome, output: &mut Output) {
+    fn problems(&self, basis: &Basis, outcome: &Outcome, output: &mut Output) {
         for problem in outcome.problems.iter().take(PROBLEMS_SHOWN) {
             output.remark(&problem.to_string());
         }
@@ -435,10 +397,10 @@ impl Args {
             output.remark(&format!("… and {} more rejected", long::counted(more)));
         }
         if self.annotations == Some(Annotations::Github) {
-            output.remark(report::github_annotations(outcome).trim_end());
+            output.remark(report::github_annotations(basis, outcome).trim_end());
         }
         if outcome.interrupted {
-            output.remark("interrupted: what follows is of the rows up to here");
+            output.remark("interrupted: this is of the rows up to here, and not of all parts");
         }
     }
 }
@@ -470,26 +432,105 @@ fn in_words(counts: &Counts, row: &str) -> String {
     line
 }
 
+/// What parts with their teeth are judged by.
+pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
+    let limits = spec.limits();
+    Basis {
+        model: "exact mesh",
+        stack: None,
+        rule: rule.clone(),
+        limits: limits.into_iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).collect(),
+        quantity_limits: Teeth::quantity_limits(spec),
+        unjudged: Vec::new(),
+        without: Vec::new(),
+    }
+}
+
+/// What the tables lack of what the spec asks for, and what follows.
+pub(super) fn lacking(who: &str, spec: &Spec, kinds: &[ErrorKind], is_partial: bool) -> Option<String> {
+    let names: Vec<_> = kinds.iter().map(|kind| kind.key()).collect();
+    let consequence = if is_partial {
+        "parts are judged without, as told by --partial"
+    } else if kinds.iter().all(|kind| class(spec, *kind).is_some()) {
+        "the sum is shown without and not judged; a class is what is permitted, not what a part has"
+    } else {
+        "the sum is shown without and not judged; every_part = true beside a value of [errors] says that every part has it, --partial judges without"
+    };
+    (!names.is_empty()).then(|| format!("the {who} {}, which the spec asks for: {consequence}", names.join(", ")))
+}
+
+/// Which values of the spec every part has.
+pub(super) fn of_every_part(kinds: &[ErrorKind]) -> Option<String> {
+    let names: Vec<_> = kinds.iter().map(|kind| kind.key()).collect();
+    (!names.is_empty()).then(|| format!("every part has the value in [errors]: {}", names.join(", ")))
+}
+
+/// What the plan leaves to say with the result.
+pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
+    let classes = plan.errors().filter_map(|kind| Some((kind, class(spec, kind)?)));
+    let mut notes: Vec<_> = classes
+        .map(|(kind, grade)| {
+            let key = kind.key();
+            format!("{key}: the table's values count; class {grade} in [errors] is not held against them, because limits stand in [limits]")
+        })
+        .collect();
+    notes.extend(lacking("tables lack", spec, plan.lacking(), plan.is_partial()));
+    notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
+    let exact: Vec<_> = plan.taken_as_exact().iter().map(|kind| kind.key()).collect();
+    if !exact.is_empty() {
+        let names = exact.join(", ");
+        let rule = plan.rule();
+        notes.push(if rule.needs_uncertainty() && !plan.unjudged().is_empty() {
+            format!("no uncertainty is given, and the rule {rule} needs one: {names}; --partial takes these as exact")
+        } else {
+            format!("taken as exact, because no uncertainty is given: {names}")
+        });
+    }
+    if !plan.has_id() {
+        notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
+    }
+    notes
+}
+
+/// The class that `[errors]` gives for an error.
+fn class(spec: &Spec, kind: ErrorKind) -> Option<u8> {
+    spec.errors.iter().find_map(|(error, written)| match written.value {
+        WrittenError::Class(grade) if *error == kind => Some(grade),
+        _ => None,
+    })
+}
+
+/// What is wrong where a table was not read to its end.
+pub(super) fn unfinished(path: &str, run: Result<(), RunError>) -> Result<Option<Diagnostic>, Failure> {
+    match run {
+        Ok(()) => Ok(None),
+        Err(RunError::Read(error)) => Ok(Some(unread(path, &error))),
+        Err(RunError::Write(error)) => Err(Failure::Write(error)),
+        Err(RunError::Contradiction(contradiction)) => {
+            let message = format!(
+                "{}, line {}, column `{}`: {}; the run ends here",
+                stream::name(path),
+                contradiction.line,
+                contradiction.column,
+                contradiction.message
+            );
+            Ok(Some(Diagnostic::error(Code::BadTable, message).help(contradiction.help)))
+        }
+    }
+}
+
 /// The exit status: a rejected row weighs more than a failed part, and that more than an open verdict.
-pub(super) fn status(outcome: &Outcome, unread: bool, unjudged: bool) -> Status {
+pub(super) fn status(outcome: &Outcome, basis: &Basis, unread: bool) -> Status {
     let counts = &outcome.counts;
-    if counts.rejected > 0 || unread {
+    if counts.rejected > 0 || unread || outcome.is_cut || counts.rows == 0 {
         Status::Undecided
     } else if counts.fail > 0 {
         Status::Fail
-    } else if unjudged {
+    } else if !basis.unjudged.is_empty() {
         Status::Undecided
     } else if counts.indeterminate > 0 {
         Status::Indeterminate
     } else {
         Status::Pass
-    }
-}
-
-fn failures(failure: Failure) -> Vec<Diagnostic> {
-    match failure {
-        Failure::Diagnostics(diagnostics) => diagnostics,
-        Failure::Usage(error) => Diagnostics::from(Diagnostic::error(Code::Usage, error.to_string())).0,
-        Failure::Write(error) => Diagnostics::from(Diagnostic::error(Code::FileAccess, error.to_string())).0,
     }
 }

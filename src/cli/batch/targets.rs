@@ -1,29 +1,58 @@
-//! The files that a batch writes: rows in their format and packing, and rejected rows.
+//! The files that a batch writes: rows in their format and packing, and rejected rows. They appear under their names when
+//! the run is complete; of one that is not, what there is stands beside as NAME.partial.
 
-use std::fs::File;
-use std::io::Write;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{Args, BatchFormat, unwritable};
+use super::{Args, BatchFormat};
 use crate::batch::{ColumnKind, Packing, ParquetRows, Sink, Sinks};
-use crate::cli::output::Failure;
+use crate::cli::output::{Failure, Output};
+use crate::cli::target::{self, Target};
 use crate::cli::{office, stream};
+use crate::spec::Spec;
+
+/// A file that a writer of its own format writes, and that is ended here.
+#[derive(Clone)]
+struct Shared(Arc<Mutex<Option<Target>>>);
+
+impl Shared {
+    fn new(target: Target) -> Self {
+        Self(Arc::new(Mutex::new(Some(target))))
+    }
+
+    fn take(&self) -> Option<Target> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+            Some(target) => target.write(bytes),
+            None => Err(io::Error::other("the file has ended")),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).as_mut().map_or(Ok(()), Write::flush)
+    }
+}
 
 /// Files that are written.
 pub(super) struct Targets {
     rows: Option<Box<dyn Write + Send>>,
+    /// The file of the rows, if they go to one.
+    file: Option<Shared>,
     /// The rows, too, if they become a Parquet file, which has an end of its own.
     parquet: Option<ParquetRows>,
-    rejects: Option<File>,
+    /// The rows, if their format needs all of them.
+    collected: Option<office::Collected>,
+    rejects: Option<Target>,
     packing: Packing,
     rejects_packing: Packing,
 }
 
 impl Targets {
-    /// Ends the files that have an end of their own.
-    pub(super) fn finish(self) -> Result<(), Failure> {
-        self.parquet.map_or(Ok(()), |parquet| Ok(parquet.finish()?))
-    }
-
     pub(super) fn sinks(&mut self) -> Sinks<'_> {
         let (packing, rejects_packing) = (self.packing, self.rejects_packing);
         Sinks {
@@ -31,38 +60,83 @@ impl Targets {
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
         }
     }
+
+    /// Ends the files. Of a run that is not complete, what there is is kept beside, and that is said.
+    pub(super) fn finish(
+        self,
+        is_complete: bool,
+        path: Option<&str>,
+        spec: &Spec,
+        output: &mut Output,
+    ) -> Result<(), Failure> {
+        if let Some(parquet) = &self.parquet {
+            parquet.finish()?;
+        }
+        let file = self.file.and_then(|file| file.take());
+        let file = match (self.collected, path, file) {
+            (Some(collected), Some(path), Some(mut file)) => {
+                file.write_all(&office::rows_as(path, &collected.rows()?, spec)?)?;
+                Some(file)
+            }
+            (_, _, file) => file,
+        };
+        for target in [file, self.rejects].into_iter().flatten() {
+            if is_complete {
+                target.finish()?;
+            } else if let Some(name) = target.keep_partial()? {
+                output.remark(&format!("incomplete: what there is stands in {name}"));
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Args {
     /// Where rows and rejected rows go.
-    pub(super) fn targets(
-        &self,
-        collected: &office::Collected,
-        kinds: &dyn Fn() -> Vec<ColumnKind>,
-    ) -> Result<Targets, Failure> {
-        let rows: Option<Box<dyn Write + Send>> = match (&self.output, self.summary) {
-            (_, true) => None,
-            (Some(path), false) if office::is_office(path) => Some(Box::new(collected.clone())),
-            (Some(path), false) => Some(Box::new(File::create(path).map_err(|error| unwritable(path, &error))?)),
-            (None, false) => Some(Box::new(stream::Stdout)),
-        };
-        let (rows, parquet) = match rows {
-            Some(rows) if self.is_parquet() => {
-                let parquet = ParquetRows::new(rows, kinds());
-                let writer: Box<dyn Write + Send> = Box::new(parquet.clone());
-                (Some(writer), Some(parquet))
-            }
-            rows => (rows, None),
-        };
+    pub(super) fn targets(&self, inputs: &[String], kinds: &dyn Fn() -> Vec<ColumnKind>) -> Result<Targets, Failure> {
+        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+        let written: Vec<&str> =
+            [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(String::as_str).collect();
+        target::refuse_same(&written)?;
+        for path in &written {
+            target::refuse_inputs(path, &inputs)?;
+        }
+        let rejects = self.rejects.as_ref().map(|path| Target::create(path, &inputs)).transpose()?;
         let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
-        let rejects = self.rejects.as_ref().map(|path| File::create(path).map_err(|error| unwritable(path, &error)));
-        Ok(Targets {
-            rows,
-            parquet,
-            rejects: rejects.transpose()?,
+        let mut targets = Targets {
+            rows: None,
+            file: None,
+            parquet: None,
+            collected: None,
+            rejects,
             packing: packing(&self.output),
             rejects_packing: packing(&self.rejects),
-        })
+        };
+        if self.summary {
+            return Ok(targets);
+        }
+        let rows: Box<dyn Write + Send> = match &self.output {
+            Some(path) => {
+                let file = Shared::new(Target::create(path, &inputs)?);
+                targets.file = Some(file.clone());
+                if office::is_office(path) {
+                    let collected = office::Collected::default();
+                    targets.collected = Some(collected.clone());
+                    Box::new(collected)
+                } else {
+                    Box::new(file)
+                }
+            }
+            None => Box::new(stream::Stdout),
+        };
+        targets.rows = Some(if self.is_parquet() {
+            let parquet = ParquetRows::new(rows, kinds());
+            targets.parquet = Some(parquet.clone());
+            Box::new(parquet)
+        } else {
+            rows
+        });
+        Ok(targets)
     }
 
     /// Whether the rows become a Parquet file.

@@ -1,26 +1,27 @@
 //! `--teeth`: parts with their teeth, through the exact mesh.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use super::bar::Bar;
-use super::{Args, Ending, NO_LIMITS, failures, unread};
-use crate::batch::{Dialect, RowFormat, RunError, Teeth, TeethRequest};
+use super::{Args, Ending, NO_LIMITS, mesh_basis, unfinished};
+use crate::batch::{RowFormat, Teeth, TeethRequest};
+use crate::cli::long::Interruption;
 use crate::cli::output::{Failure, Output, Status};
-use crate::cli::{mesh, office};
+use crate::cli::{mesh, tables};
 use crate::decision::LimitTarget;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::report::{Basis, Format};
+use crate::report::Format;
 use crate::spec::Spec;
+use crate::table::Want;
 
 impl Args {
     /// Parts with their teeth, through the exact mesh.
     pub(super) fn run_teeth(
         &self,
         spec: &Arc<Spec>,
-        files: &[&str],
+        found: &mut tables::Files,
         (format, summary_format): (RowFormat, Format),
-        stop: &Arc<AtomicBool>,
+        interruption: &Interruption,
         output: &mut Output,
     ) -> Result<Status, Failure> {
         let rows = self.request(format, spec)?;
@@ -39,7 +40,6 @@ impl Args {
             rows: rows.rows,
             statistics: rows.statistics,
             rule: rows.rule.clone(),
-            id: self.id.clone(),
             strict: self.strict,
             failures_kept: rows.failures_kept,
             problems_kept: rows.problems_kept,
@@ -47,29 +47,28 @@ impl Args {
         if self.only_failures && !spec.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance) {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
-        let tables = mesh::measured_tables(spec, &self.spec)?;
-        let dialect = Dialect { separator: self.separator, decimal_comma: self.decimal_comma };
+        let measured = mesh::measured_tables(spec, &self.spec)?;
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let workers = self.threads.map_or_else(cores, usize::from);
-        let collected = office::Collected::default();
-        let mut targets = self.targets(&collected, &|| Teeth::column_kinds(self.columns.as_deref()))?;
-        let mut teeth = Teeth::new(spec, &tables, request, targets.sinks(), workers)?;
-        let mut failed = Vec::new();
-        let mut bar = Bar::new(files, "parts");
-        for file in files {
-            let input = self.table(file, spec, stop, dialect, None).map_err(failures);
-            if let Ok((input, _)) = &input {
-                let understood = teeth.understood(&input.header);
-                if !understood.is_empty() {
-                    output.remark(&format!("{}: {}", input.header.name, understood.join(", ")));
-                }
-            }
-            match input.and_then(|(input, _)| {
-                teeth.run(input, stop, &mut |progress| bar.show(progress)).map_err(|diagnostic| vec![diagnostic])
-            }) {
-                Ok(Ok(())) => {}
-                Ok(Err(RunError::Read(error))) => failed.push(unread(file, &error)),
-                Ok(Err(RunError::Write(error))) => return Err(Failure::Write(error)),
+        let paths = found.paths();
+        let files: Vec<&str> = paths.iter().map(String::as_str).collect();
+        let inputs = self.inputs(spec, &files);
+        let mut targets = self.targets(&inputs, &|| Teeth::column_kinds(self.columns.as_deref()))?;
+        let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
+        let mut failed = std::mem::take(&mut found.failed);
+        let mut bar = Bar::new(&files, "parts");
+        let adjust = |want: Want| Want { teeth: Some(true), ..want };
+        for path in &files {
+            let opened = match found.take_first() {
+                Some(opened) => Ok(opened),
+                None => self.reading.open(path, spec, self.model.into(), interruption.stop(), &adjust),
+            };
+            let run = opened.map_err(tables::diagnostics).and_then(|opened| {
+                let run = teeth.run(opened.table, interruption.stop(), &mut |progress| bar.show(progress));
+                run.map_err(|diagnostics| diagnostics.0)
+            });
+            match run {
+                Ok(run) => failed.extend(unfinished(path, run)?),
                 Err(diagnostics) => failed.extend(diagnostics),
             }
             bar.next();
@@ -79,17 +78,9 @@ impl Args {
         }
         bar.finish();
         let finished = teeth.finish();
-        let limits = spec.limits();
-        let judged = limits.into_iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).collect();
-        let basis = Basis {
-            model: "exact mesh",
-            stack: None,
-            rule: rows.rule,
-            limits: judged,
-            quantity_limits: Teeth::quantity_limits(spec),
-            taken_as_exact: Vec::new(),
-        };
-        let ending = Ending { spec, targets, collected: &collected, failed: &failed, basis, unjudged: false };
+        let basis = mesh_basis(spec, &rows.rule);
+        let (failed, inputs) = (&failed, &inputs);
+        let ending = Ending { spec, targets, failed, basis, interruption, inputs };
         self.end(ending, finished, summary_format, output)
     }
 }

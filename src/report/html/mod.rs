@@ -62,13 +62,22 @@ impl InputFile {
     }
 }
 
+/// A verdict above everything else.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Headline {
+    /// The verdict; `None` if it is open.
+    pub verdict: Option<Verdict>,
+    /// Of what, and why.
+    pub sentence: String,
+}
+
 /// A page.
 #[derive(Debug, Default)]
 pub struct Page {
     /// Its title.
     pub title: String,
     /// The verdicts that count, above everything else.
-    pub verdicts: Vec<(Verdict, String)>,
+    pub verdicts: Vec<Headline>,
     /// Its parts.
     pub sections: Vec<Section>,
     /// What it was made from.
@@ -110,7 +119,7 @@ impl Page {
             version = env!("CARGO_PKG_VERSION"),
             style = include_str!("style.css"),
         );
-        for (verdict, sentence) in &self.verdicts {
+        for Headline { verdict, sentence } in &self.verdicts {
             out += &verdict_html(*verdict, sentence);
         }
         for (index, section) in self.sections.iter().enumerate() {
@@ -158,9 +167,10 @@ impl Page {
     }
 }
 
-fn verdict_html(verdict: Verdict, sentence: &str) -> String {
-    let name = verdict.name();
-    format!("<p class=\"verdict {name}\"><b>{}</b>{}</p>\n", name.to_uppercase(), escape(sentence))
+fn verdict_html(verdict: Option<Verdict>, sentence: &str) -> String {
+    let class = verdict.map_or("open", Verdict::name);
+    let word = verdict.map_or("No verdict", Verdict::name).to_uppercase();
+    format!("<p class=\"verdict {class}\"><b>{word}</b>{}</p>\n", escape(sentence))
 }
 
 fn block_html(block: &Block) -> String {
@@ -170,7 +180,8 @@ fn block_html(block: &Block) -> String {
         Block::Table(table) => table_html(table),
         Block::Drawing(lines) => format!("<pre>{}</pre>\n", escape(lines)),
         Block::Note(note) => format!("<p class=\"note\">{}</p>\n", escape(note)),
-        Block::Verdict(verdict, sentence) => verdict_html(*verdict, sentence),
+        Block::Verdict(verdict, sentence) => verdict_html(Some(*verdict), sentence),
+        Block::Open(why) => verdict_html(None, why),
     }
 }
 
@@ -215,7 +226,7 @@ mod tests {
         };
         let page = Page {
             title: evil.to_owned(),
-            verdicts: vec![(Verdict::Fail, evil.to_owned())],
+            verdicts: vec![Headline { verdict: Some(Verdict::Fail), sentence: evil.to_owned() }],
             sections: vec![Section {
                 heading: evil.to_owned(),
                 charts: vec![Chart {

@@ -139,12 +139,18 @@ pub enum RacksError {
     },
 }
 
-/// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. One result per rack, in order.
+/// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. One result per rack, in order;
+/// once `stop` is set, of the first racks only.
 ///
 /// # Errors
 /// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
 /// rack.
-pub fn simulate_racks(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -> Result<Vec<RackResult>, RacksError> {
+pub fn simulate_racks(
+    base: &Mesh,
+    scatter: &Scatter,
+    settings: &RackSettings,
+    stop: &AtomicBool,
+) -> Result<Vec<RackResult>, RacksError> {
     if scatter.is_empty() {
         return Err(RacksError::NothingScatters);
     }
@@ -158,7 +164,7 @@ pub fn simulate_racks(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -
     let failed = AtomicBool::new(false);
     let solve = |(): &mut (), rack| {
         // nothing after the first failure is reported; racks before it are already being solved
-        if failed.load(Ordering::Relaxed) {
+        if failed.load(Ordering::Relaxed) || stop.load(Ordering::Relaxed) {
             return None;
         }
         let result = draw.rack(rack);
@@ -166,7 +172,12 @@ pub fn simulate_racks(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -
         Some(result)
     };
     let threads = settings.threads.unwrap_or_else(parallel::cores);
-    parallel::map(threads, racks, || (), solve).0.into_iter().flatten().collect()
+    let solved = parallel::map(threads, racks, || (), solve).0;
+    // racks behind one that was left out are solved where another thread was faster; they would have no number
+    let first = solved.iter().take_while(|rack| rack.is_some()).count();
+    let mut results = solved.into_iter().flatten().collect::<Result<Vec<_>, _>>()?;
+    results.truncate(first);
+    Ok(results)
 }
 
 struct Strokes {
@@ -456,14 +467,34 @@ mod tests {
         }
     }
 
+    fn run(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -> Result<Vec<RackResult>, RacksError> {
+        simulate_racks(base, scatter, settings, &AtomicBool::new(false))
+    }
+
+    #[test]
+    fn a_run_that_is_stopped_has_the_first_racks() {
+        let (base, scatter, stop) = (base(), all(), AtomicBool::new(false));
+        let most = RackSettings { threads: Some(2), ..settings(1_000_000) };
+        let some = std::thread::scope(|scope| {
+            let running = scope.spawn(|| simulate_racks(&base, &scatter, &most, &stop));
+            std::thread::sleep(std::time::Duration::from_millis(300));
+            stop.store(true, Ordering::Relaxed);
+            running.join().unwrap().unwrap()
+        });
+        assert!(some.len() < 1_000_000, "{}", some.len());
+        let few = some.len().min(5);
+        assert_eq!(some[..few], run(&base, &scatter, &settings(5)).unwrap()[..few]);
+        assert_eq!(simulate_racks(&base, &scatter, &settings(5), &AtomicBool::new(true)).unwrap(), []);
+    }
+
     #[test]
     fn the_same_bits_at_any_number_of_threads() {
         let (base, scatter) = (base(), all());
-        let with = |threads| simulate_racks(&base, &scatter, &RackSettings { threads, ..settings(20) }).unwrap();
+        let with = |threads| run(&base, &scatter, &RackSettings { threads, ..settings(20) }).unwrap();
         let one = with(Some(1));
         assert_eq!(one, with(Some(3)));
         assert_eq!(one, with(None));
-        assert_eq!(one[..5], simulate_racks(&base, &scatter, &settings(5)).unwrap());
+        assert_eq!(one[..5], run(&base, &scatter, &settings(5)).unwrap());
     }
 
     #[test]
@@ -471,7 +502,7 @@ mod tests {
         // so the mean lies above 0, and below the standard deviation: two or three teeth share the contact
         let base = base();
         let scatter = Scatter { rack_over_roller: Some(Uncertainty::standard(0.003)), ..Scatter::default() };
-        let results = simulate_racks(&base, &scatter, &settings(40)).unwrap();
+        let results = run(&base, &scatter, &settings(40)).unwrap();
         let mean = results.iter().map(|result| result.mean_mm).sum::<f64>() / 40.0;
         assert!(mean > 0.0 && mean < 0.003, "{mean}");
         assert!(results.iter().all(|result| result.min_mm <= result.mean_mm && result.mean_mm <= result.max_mm));
@@ -480,7 +511,7 @@ mod tests {
     #[test]
     fn what_cannot_be_drawn_says_why() {
         let base = base();
-        let run = |scatter: &Scatter, settings: &RackSettings| simulate_racks(&base, scatter, settings).unwrap_err();
+        let run = |scatter: &Scatter, settings: &RackSettings| run(&base, scatter, settings).unwrap_err();
         assert_eq!(run(&Scatter::default(), &settings(1)), RacksError::NothingScatters);
         assert_eq!(run(&all(), &settings(0)), RacksError::Count { racks: 0 });
         let empty = RackSettings { to_mm: 0.0, ..settings(1) };

@@ -1,0 +1,59 @@
+//! Pages: what `report` and `paste -o page.html` put around a result.
+
+use std::fs::File;
+
+use super::output::Failure;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::report::html::{Headline, InputFile, Page, Section};
+use crate::report::{Block, Report, reading_blocks};
+use crate::spec::Spec;
+use crate::table::Reading;
+
+/// A page of one report: the result, how its table was read, the spec, and the hashes of the inputs.
+pub(super) fn of_report(
+    spec: &Spec,
+    report: &dyn Report,
+    readings: &[Reading],
+    notes: &[String],
+    inputs: &[&str],
+) -> Result<String, Failure> {
+    let title = spec.title.clone().unwrap_or_else(|| "Measured values".to_owned());
+    let mut page = Page { title, ..Page::default() };
+    for input in inputs.iter().filter(|input| **input != "-") {
+        page.inputs.push(hashed(input)?);
+    }
+    let blocks = without_verdict(report.blocks(), &mut page, "the measured values");
+    page.sections.push(Section { heading: "Result".to_owned(), blocks, ..Section::default() });
+    page.sections.push(reading_section(readings, notes));
+    page.sections.push(spec_section(spec));
+    Ok(page.html())
+}
+
+/// How tables were read.
+pub(super) fn reading_section(readings: &[Reading], notes: &[String]) -> Section {
+    let blocks = reading_blocks(readings, notes);
+    Section { heading: "How the tables were read".to_owned(), blocks, ..Section::default() }
+}
+
+/// The spec as it stands in its file.
+pub(super) fn spec_section(spec: &Spec) -> Section {
+    Section { heading: "Spec".to_owned(), source: Some(spec.source.text.clone()), ..Section::default() }
+}
+
+/// The blocks; their verdicts go to the top of the page as well.
+pub(super) fn without_verdict(blocks: Vec<Block>, page: &mut Page, of: &str) -> Vec<Block> {
+    for block in &blocks {
+        let (verdict, sentence) = match block {
+            Block::Verdict(verdict, sentence) => (Some(*verdict), sentence),
+            Block::Open(why) => (None, why),
+            _ => continue,
+        };
+        page.verdicts.push(Headline { verdict, sentence: format!("{of}: {sentence}") });
+    }
+    blocks
+}
+
+pub(super) fn hashed(path: &str) -> Result<InputFile, Failure> {
+    let file = File::open(path).and_then(|file| InputFile::of(path, file));
+    Ok(file.map_err(|error| Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {error}")))?)
+}

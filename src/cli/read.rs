@@ -1,0 +1,161 @@
+//! `rackmesh read`: how tables would be read; evaluates nothing.
+
+use std::sync::Arc;
+
+use super::long;
+use super::output::{Failure, Output, Status};
+use super::tables::{self, ReadArgs};
+use crate::diagnostic::Diagnostics;
+use crate::formula::Model;
+use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};
+use crate::spec::Spec;
+use crate::table::{Reading, Stranger, refusal};
+
+pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping to paste into a spec";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  rackmesh read parts.csv
+  rackmesh read export.txt --spec rack.toml
+  rackmesh read lot.xlsx --sheet 'Lot 7' --format json
+
+Exit status: 0 every column is understood or no measurement, 2 something is not understood or cannot be read.")]
+pub(super) struct Args {
+    /// Tables: text, Excel workbooks (.xlsx), Q-DAS files (.dfq, .dfd with .dfx), Parquet; a .toml among them is the
+    /// spec.
+    #[arg(required = true)]
+    files: Vec<String>,
+    /// The gear spec (TOML) whose columns are looked for.
+    #[arg(long, value_name = "SPEC")]
+    spec: Option<String>,
+    /// Output format.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    #[command(flatten)]
+    reading: ReadArgs,
+}
+
+impl Args {
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let is_spec = |path: &&String| path.to_ascii_lowercase().ends_with(".toml");
+        let named = self.spec.as_ref().or(self.files.iter().find(is_spec));
+        let spec = Arc::new(match named {
+            Some(path) => super::read_spec(path)?,
+            None => Spec::parse("no spec", "")?,
+        });
+        let interruption = long::interrupted();
+        let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut notes, mut mapping) = (Vec::new(), Vec::new());
+        for path in self.files.iter().filter(|path| !is_spec(path)) {
+            match self.reading.open(path, &spec, Model::Exact, interruption.stop(), &|want| want) {
+                Ok(opened) => {
+                    mapping.extend(part_id(&opened.table.reading));
+                    mapping.extend(opened.table.mapping());
+                    strangers.extend(opened.table.strangers);
+                    readings.push(opened.table.reading);
+                    notes.extend(opened.notes);
+                }
+                Err(failure) => failed.extend(tables::diagnostics(failure)),
+            }
+        }
+        mapping.dedup();
+        let report = ReadReport { readings, strangers, notes, mapping };
+        output.report(&report, self.format)?;
+        failed.extend(refusal(&report.strangers, &[]));
+        if failed.is_empty() { Ok(Status::Pass) } else { Err(Diagnostics(failed).into()) }
+    }
+}
+
+/// The line of `[batch.columns]` that names the parts' column, where its heading is another than the key.
+fn part_id(reading: &Reading) -> Option<String> {
+    const KEY: &str = "part_id";
+    let column = reading.columns.iter().find(|column| column.role == KEY && column.title != KEY)?;
+    Some(format!("{KEY} = \"{}\"", column.title.replace('\\', "\\\\").replace('"', "\\\"")))
+}
+
+/// How tables would be read.
+struct ReadReport {
+    readings: Vec<Reading>,
+    strangers: Vec<Stranger>,
+    notes: Vec<String>,
+    /// Lines of `[batch.columns]`.
+    mapping: Vec<String>,
+}
+
+impl ReadReport {
+    fn not_understood(&self) -> Table {
+        let row = |stranger: &Stranger| {
+            vec![
+                stranger.title.clone(),
+                format!("{}, {}", stranger.file, stranger.place),
+                stranger.values.join(", "),
+                stranger.near.join(", "),
+            ]
+        };
+        Table {
+            columns: ["not understood", "where", "values", "near"].map(Column::text).into(),
+            rows: self.strangers.iter().map(row).collect(),
+        }
+    }
+}
+
+impl Report for ReadReport {
+    fn json(&self) -> serde_json::Value {
+        let strangers: Vec<_> = self
+            .strangers
+            .iter()
+            .map(|stranger| {
+                serde_json::json!({
+                    "file": stranger.file,
+                    "place": stranger.place,
+                    "title": stranger.title,
+                    "values": stranger.values,
+                    "unit": stranger.unit,
+                    "near": stranger.near,
+                })
+            })
+            .collect();
+        serde_json::json!({
+            "reading": self.readings,
+            "not_understood": strangers,
+            "mapping": self.mapping,
+            "notes": remarks(&self.readings, &self.notes),
+        })
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![["file", "column", "is", "unit", "holds", "nominal"].map(str::to_owned).to_vec()];
+        for reading in &self.readings {
+            rows.extend(reading.columns.iter().map(|column| {
+                vec![
+                    reading.file.clone(),
+                    column.title.clone(),
+                    column.role.clone(),
+                    column.unit.clone().unwrap_or_default(),
+                    column.holds.unwrap_or_default().to_owned(),
+                    column.nominal.clone().unwrap_or_default(),
+                ]
+            }));
+            let unused = |title: &str, is: &str| [&reading.file, title, is, "", "", ""].map(str::to_owned).to_vec();
+            rows.extend(reading.not_used.iter().map(|column| unused(&column.title, "not used")));
+        }
+        let unknown = |stranger: &Stranger| {
+            let unit = stranger.unit.as_deref().unwrap_or_default();
+            [&stranger.file, &stranger.title, "not understood", unit, "", ""].map(str::to_owned).to_vec()
+        };
+        rows.extend(self.strangers.iter().map(unknown));
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let mut blocks = reading_blocks(&self.readings, &self.notes);
+        if !self.strangers.is_empty() {
+            blocks.push(Block::Table(self.not_understood()));
+        }
+        if !self.mapping.is_empty() {
+            blocks.push(Block::Title("To say so in a spec".to_owned()));
+            blocks.push(Block::Drawing(format!("[batch.columns]\n{}", self.mapping.join("\n"))));
+        }
+        blocks
+    }
+}

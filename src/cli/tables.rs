@@ -1,0 +1,289 @@
+//! Tables for `batch`, `paste`, `report` and `read`: options that say how a file is to be read, and files as tables. What
+//! is not understood in any of the files ends the run before the first result.
+
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::output::{Failure, Output};
+use super::stream;
+use crate::deviation::ErrorKind;
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::Model;
+use crate::report;
+use crate::spec::Spec;
+use crate::table::{
+    Container, DecimalMark, Encoding, Field, Orientation, Reading, Source, Stranger, Table, Want, refusal,
+};
+
+/// How files are to be read.
+#[derive(Debug, Clone, Default, clap::Args)]
+// stands last in the arguments of a subcommand: what follows would stand under its heading, too
+#[command(next_help_heading = "Reading tables")]
+pub(super) struct ReadArgs {
+    /// What stands before decimals; found from the numbers unless given.
+    #[arg(long, value_enum, value_name = "MARK")]
+    decimal: Option<DecimalMark>,
+    /// The separator, a character or `tab`; found from the text unless given.
+    #[arg(long, value_parser = separator, value_name = "CHAR")]
+    separator: Option<u8>,
+    /// The encoding of a text, such as utf-16le or shift_jis; found from its bytes unless given.
+    #[arg(long, value_parser = encoding, value_name = "NAME")]
+    encoding: Option<Encoding>,
+    /// Leave out columns, lines and characteristics of this name, `*` standing for any characters; may be repeated.
+    #[arg(long, value_name = "PATTERN")]
+    ignore: Vec<String>,
+    /// The column that names the part; found by its heading unless given.
+    #[arg(long, value_name = "NAME")]
+    id: Option<String>,
+    /// What the columns hold, in their order, such as `part_id,rack_pitch`; for numbers without names.
+    #[arg(long = "as", value_delimiter = ',', value_name = "NAME,…")]
+    fields: Vec<Field>,
+    /// Whether each part is a row or a column; for numbers without names.
+    #[arg(long, value_enum, value_name = "WHERE")]
+    parts: Option<Orientation>,
+    /// The sheet of an Excel workbook; the first one that has the columns unless given.
+    #[arg(long, value_name = "NAME")]
+    sheet: Option<String>,
+    /// The cells of the sheet that are the table, header included.
+    #[arg(long, value_name = "A1:F200")]
+    range: Option<String>,
+}
+
+fn separator(text: &str) -> Result<u8, String> {
+    match text.as_bytes() {
+        _ if text == "tab" || text == "\\t" => Ok(b'\t'),
+        [byte]
+            if byte.is_ascii()
+                && !byte.is_ascii_alphanumeric()
+                && !matches!(byte, b'"' | b'\n' | b'\r' | b'.' | b'-') =>
+        {
+            Ok(*byte)
+        }
+        _ => Err("write one character such as ; or the word tab".to_owned()),
+    }
+}
+
+fn encoding(text: &str) -> Result<Encoding, String> {
+    Encoding::of_name(text).ok_or_else(|| "write a name such as utf-8, utf-16le, windows-1252 or shift_jis".to_owned())
+}
+
+/// A table, and the spec with what its file says where the spec is silent.
+pub(super) struct Opened {
+    pub(super) table: Table,
+    pub(super) spec: Arc<Spec>,
+    /// What was taken from the file.
+    pub(super) notes: Vec<String>,
+}
+
+/// The files of a run, all of them looked at.
+pub(super) struct Files {
+    paths: Vec<String>,
+    /// The first table, and with one file the only one.
+    first: Option<Opened>,
+    /// What is wrong with files that cannot be read; the others are evaluated all the same.
+    pub(super) failed: Vec<Diagnostic>,
+}
+
+impl ReadArgs {
+    /// What the spec and the user say of a table.
+    pub(super) fn want(&self, spec: &Spec) -> Result<Want, Failure> {
+        let mut want = spec.want();
+        if let Some(id) = &self.id {
+            want.own.retain(|(_, field)| *field != Field::PartId);
+            want.own.push((id.clone(), Field::PartId));
+        }
+        want.ignored.extend(self.ignore.iter().cloned());
+        want.fields.clone_from(&self.fields);
+        (want.decimal, want.separator, want.encoding) = (self.decimal, self.separator, self.encoding);
+        (want.orientation, want.sheet) = (self.parts, self.sheet.clone());
+        if let Some(range) = &self.range {
+            want.range =
+                range.parse().map_err(|problem| Diagnostic::error(Code::Usage, format!("--range: {problem}")))?;
+        }
+        Ok(want)
+    }
+
+    /// A file as a table. `adjust` says what else is known.
+    pub(super) fn open(
+        &self,
+        path: &str,
+        spec: &Arc<Spec>,
+        model: Model,
+        stop: &Arc<AtomicBool>,
+        adjust: &dyn Fn(Want) -> Want,
+    ) -> Result<Opened, Failure> {
+        let want = adjust(self.want(spec)?);
+        let container = match qdas_pair(path) {
+            Some((definitions, values)) => {
+                let sources = (source(&definitions, stop)?, source(&values, stop)?);
+                Container::qdas_pair((&definitions, sources.0), (&values, sources.1))?
+            }
+            None => Container::open(stream::name(path), source(path, stop)?, &want)?,
+        };
+        self.found(container, stream::name(path), spec, model, adjust)
+    }
+
+    /// The table of a file that was recognised.
+    pub(super) fn found(
+        &self,
+        container: Container,
+        name: &str,
+        spec: &Arc<Spec>,
+        model: Model,
+        adjust: &dyn Fn(Want) -> Want,
+    ) -> Result<Opened, Failure> {
+        let (spec, notes) = match container.qdas() {
+            Some(qdas) => {
+                let (completed, notes) = spec.completed_by(qdas, model);
+                (Arc::new(completed), notes)
+            }
+            None => (Arc::clone(spec), Vec::new()),
+        };
+        let want = adjust(self.want(&spec)?);
+        let table = container.table(name, &want)?;
+        let is_so = |id: &&String| {
+            let named = table.reading.columns.iter().find(|column| column.role == Field::PartId.key());
+            named.is_some_and(|column| column.title.trim().eq_ignore_ascii_case(id.trim()))
+        };
+        if let Some(id) = self.id.as_ref().filter(|id| !is_so(id)) {
+            let message = format!("{name} has no column `{id}` that names the part");
+            let help = format!("it has {}", table.titles.join(", "));
+            return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
+        }
+        Ok(Opened { table, spec, notes })
+    }
+
+    /// Looks at every file before any is evaluated.
+    pub(super) fn look(
+        &self,
+        paths: &[&str],
+        spec: &Arc<Spec>,
+        model: Model,
+        stop: &Arc<AtomicBool>,
+        adjust: &dyn Fn(Want) -> Want,
+    ) -> Result<Files, Failure> {
+        let mut strangers: Vec<Stranger> = Vec::new();
+        let mut still_missing: Vec<ErrorKind> = Vec::new();
+        let (mut first, mut failed) = (None, Vec::new());
+        let mut kept = Vec::new();
+        for path in paths {
+            match self.open(path, spec, model, stop, adjust) {
+                Ok(opened) => {
+                    strangers.extend(opened.table.strangers.iter().cloned());
+                    still_missing.extend(&opened.table.still_missing);
+                    if kept.is_empty() {
+                        first = Some(opened);
+                    }
+                    kept.push((*path).to_owned());
+                }
+                Err(failure) => failed.extend(diagnostics(failure)),
+            }
+        }
+        still_missing.dedup();
+        match (refusal(&strangers, &still_missing), &first) {
+            (Some(refused), _) => {
+                failed.push(refused);
+                Err(Diagnostics(failed).into())
+            }
+            (None, None) => Err(Diagnostics(failed).into()),
+            (None, Some(_)) => Ok(Files { paths: kept, first, failed }),
+        }
+    }
+}
+
+impl Files {
+    /// The first table.
+    pub(super) fn first(&self) -> Option<&Opened> {
+        self.first.as_ref()
+    }
+
+    /// The files that can be read.
+    pub(super) fn paths(&self) -> Vec<String> {
+        self.paths.clone()
+    }
+
+    /// Takes the table of the first file, which was opened to look at it.
+    pub(super) fn take_first(&mut self) -> Option<Opened> {
+        self.first.take()
+    }
+}
+
+/// Where the bytes of a file are.
+fn source(path: &str, stop: &Arc<AtomicBool>) -> Result<Source, Failure> {
+    if path == "-" {
+        return Ok(Source::Stream(stream::open(path, stop)?));
+    }
+    let unreadable = |reason: &dyn std::fmt::Display| {
+        Failure::from(Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {reason}")))
+    };
+    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
+        return Err(unreadable(&"it is a folder"));
+    }
+    Ok(Source::File(file))
+}
+
+/// The files of definitions and of values, if the name is that of one of them.
+pub(super) fn qdas_pair(path: &str) -> Option<(String, String)> {
+    let extension = Path::new(path).extension()?.to_str()?;
+    if !["dfd", "dfx"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        return None;
+    }
+    let other = |wanted: &str| {
+        // LOT.DFD and LOT.DFX, too
+        let is_upper = extension.chars().all(|c| c.is_ascii_uppercase());
+        let wanted = if is_upper { wanted.to_ascii_uppercase() } else { wanted.to_owned() };
+        Path::new(path).with_extension(wanted).display().to_string()
+    };
+    Some((other("dfd"), other("dfx")))
+}
+
+/// Every file that is read for these names.
+pub(super) fn files_read(paths: &[String]) -> Vec<String> {
+    let pair = |path: &String| match qdas_pair(path) {
+        Some((definitions, values)) => vec![definitions, values],
+        None => vec![path.clone()],
+    };
+    paths.iter().flat_map(pair).collect()
+}
+
+/// Says how tables were read, and what is worth a look.
+pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
+    let told = say_readings(readings, output);
+    let mut remarks = report::remarks(&told, notes);
+    for note in readings.iter().flat_map(|reading| &reading.notes) {
+        if !remarks.contains(note) {
+            remarks.push(note.clone());
+        }
+    }
+    for remark in remarks {
+        output.remark(&format!("note: {remark}"));
+    }
+}
+
+/// Says how tables were read, a line for each. Returns those that were told about.
+pub(super) fn say_readings(readings: &[Reading], output: &mut Output) -> Vec<Reading> {
+    let mut said: Vec<String> = Vec::new();
+    let mut told = Vec::new();
+    for reading in readings {
+        let line = reading.to_string();
+        // lots of files that look alike are told about once
+        let shape = line.replacen(&reading.file, "", 1);
+        if !said.contains(&shape) {
+            output.remark(&line);
+            said.push(shape);
+            told.push(reading.clone());
+        }
+    }
+    told
+}
+
+pub(super) fn diagnostics(failure: Failure) -> Vec<Diagnostic> {
+    match failure {
+        Failure::Diagnostics(diagnostics) => diagnostics,
+        Failure::Usage(error) => vec![Diagnostic::error(Code::Usage, error.to_string())],
+        Failure::Write(error) => vec![Diagnostic::error(Code::FileAccess, error.to_string())],
+    }
+}

@@ -1,0 +1,546 @@
+//! Files that are written. A file appears under its name once it is complete: until then it stands beside it under a
+//! name of its own, and a run that fails or is interrupted leaves the old file as it was, or none. A file that is read
+//! is never written, whatever it is called. Pipes and devices are written as they are.
+
+use std::fs::{self, File, Metadata, OpenOptions, Permissions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::output::Failure;
+use crate::diagnostic::{Code, Diagnostic};
+
+/// A file that is being written. It is removed when it is dropped without [`Target::finish`] or
+/// [`Target::keep_partial`].
+pub(super) struct Target {
+    /// What it was called on the command line.
+    path: String,
+    /// Files that are read.
+    inputs: Vec<String>,
+    sink: Sink,
+}
+
+/// Where the bytes go.
+enum Sink {
+    Stdout,
+    Stderr,
+    /// A pipe or a device.
+    Stream(File),
+    /// A file beside its name.
+    Beside(Beside),
+}
+
+impl Target {
+    /// Begins the file `path` (`-` is standard output) in a run that reads `inputs` (`-` is standard input).
+    pub(super) fn create(path: &str, inputs: &[&str]) -> Result<Self, Failure> {
+        refuse_inputs(path, inputs)?;
+        let sink = Sink::open(path).map_err(|error| unwritable(path, error))?;
+        Ok(Self { path: path.to_owned(), inputs: inputs.iter().map(|&input| input.to_owned()).collect(), sink })
+    }
+
+    /// Puts the file in its place, now that it is complete.
+    pub(super) fn finish(mut self) -> Result<(), Failure> {
+        let finished = match &mut self.sink {
+            Sink::Beside(beside) => beside.put(None),
+            stream => stream.flush(),
+        };
+        finished.map_err(|error| unwritable(&self.path, error))
+    }
+
+    /// Keeps what there is of an incomplete file as `NAME.partial`, and gives that name. `None` if there is nothing to
+    /// keep: no byte was written, or they are in a pipe already.
+    pub(super) fn keep_partial(mut self) -> Result<Option<String>, Failure> {
+        let place = match &mut self.sink {
+            Sink::Beside(beside) if beside.has_bytes() => {
+                let place = partial_place(&beside.place, &self.inputs);
+                beside.put(Some(&place)).map(|()| Some(place.display().to_string()))
+            }
+            Sink::Beside(_) => Ok(None),
+            stream => stream.flush().map(|()| None),
+        };
+        place.map_err(|error| unwritable(&self.path, error))
+    }
+}
+
+impl Write for Target {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.sink.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.sink.flush()
+    }
+}
+
+impl Sink {
+    /// The process's own stream of that name: opened once more it would be written from its start.
+    fn own(path: &str) -> Option<Self> {
+        match path {
+            "-" | "/dev/stdout" | "/dev/fd/1" | "/proc/self/fd/1" => Some(Self::Stdout),
+            "/dev/stderr" | "/dev/fd/2" | "/proc/self/fd/2" => Some(Self::Stderr),
+            _ => None,
+        }
+    }
+
+    fn open(path: &str) -> io::Result<Self> {
+        if let Some(own) = Self::own(path) {
+            return Ok(own);
+        }
+        let (place, found) = (Path::new(path), metadata(path)?);
+        if is_stream(place, found.as_ref()) {
+            // what is behind another descriptor of the process may be a file, of which nothing may be lost
+            return Ok(Self::Stream(OpenOptions::new().append(true).open(place)?));
+        }
+        Beside::create(behind_links(place)?, found).map(Self::Beside)
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Stdout => io::stdout().lock().write(bytes),
+            Self::Stderr => io::stderr().lock().write(bytes),
+            Self::Stream(file) => file.write(bytes),
+            Self::Beside(beside) => beside.file()?.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Stdout => io::stdout().lock().flush(),
+            Self::Stderr => io::stderr().lock().flush(),
+            Self::Stream(file) => file.flush(),
+            Self::Beside(beside) => beside.file()?.flush(),
+        }
+    }
+}
+
+/// A file that stands beside the name it is to have.
+struct Beside {
+    /// The name it is to have, links resolved.
+    place: PathBuf,
+    /// The name it has.
+    temporary: PathBuf,
+    /// `None` once it is closed.
+    file: Option<File>,
+}
+
+impl Beside {
+    /// Begins a file that is to stand at `place`, where `old` was found.
+    fn create(place: PathBuf, old: Option<Metadata>) -> io::Result<Self> {
+        if old.is_some() {
+            // a file that must not be written must not be replaced
+            OpenOptions::new().write(true).open(&place)?;
+        }
+        let (temporary, file) = exclusive(&place)?;
+        let beside = Self { place, temporary, file: Some(file) };
+        if let Some(old) = old {
+            beside.permit(old.permissions())?;
+        }
+        Ok(beside)
+    }
+
+    fn permit(&self, permissions: Permissions) -> io::Result<()> {
+        fs::set_permissions(&self.temporary, permissions)
+    }
+
+    fn file(&mut self) -> io::Result<&mut File> {
+        self.file.as_mut().ok_or_else(|| io::Error::other("the file is closed"))
+    }
+
+    fn has_bytes(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| file.metadata().is_ok_and(|metadata| metadata.len() > 0))
+    }
+
+    /// Closes the file and gives it its name, or another one.
+    fn put(&mut self, other: Option<&Path>) -> io::Result<()> {
+        // some systems do not rename a file that is open
+        self.file()?.flush()?;
+        self.file = None;
+        let renamed = fs::rename(&self.temporary, other.unwrap_or(&self.place));
+        if renamed.is_err() {
+            self.remove();
+        }
+        renamed
+    }
+
+    fn remove(&self) {
+        // a file that cannot be removed is in nobody's way
+        let _ = fs::remove_file(&self.temporary);
+    }
+}
+
+impl Drop for Beside {
+    fn drop(&mut self) {
+        if self.file.take().is_some() {
+            self.remove();
+        }
+    }
+}
+
+/// Makes a file beside `place` that nobody else has made.
+fn exclusive(place: &Path) -> io::Result<(PathBuf, File)> {
+    /// Characters of the name: the whole one has to fit a folder's longest.
+    const LONGEST: usize = 40;
+    const MOST: u32 = 1000;
+    let name = place.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
+    let name: String = name.to_string_lossy().chars().take(LONGEST).collect();
+    let process = std::process::id();
+    for number in 0..MOST {
+        let temporary = place.with_file_name(format!(".{name}.{process}-{number}.part"));
+        match File::create_new(&temporary) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            made => return made.map(|file| (temporary, file)),
+        }
+    }
+    Err(io::Error::from(io::ErrorKind::AlreadyExists))
+}
+
+/// The name of what is there of an incomplete file: not that of a file that is read.
+fn partial_place(place: &Path, inputs: &[String]) -> PathBuf {
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    let is_read = |place: &PathBuf| inputs.iter().any(|input| same_file(named(input), &place.to_string_lossy()));
+    let mut partial = place.with_file_name(format!("{name}.partial"));
+    let mut number = 2_u32;
+    while is_read(&partial) {
+        partial = place.with_file_name(format!("{name}.partial-{number}"));
+        number += 1;
+    }
+    partial
+}
+
+/// Writes a file whose bytes are all there.
+pub(super) fn write(path: &str, inputs: &[&str], bytes: &[u8]) -> Result<(), Failure> {
+    let mut target = Target::create(path, inputs)?;
+    target.write_all(bytes).map_err(|error| unwritable(path, error))?;
+    target.finish()
+}
+
+/// What is found behind a name; `None` if there is nothing.
+fn metadata(path: &str) -> io::Result<Option<Metadata>> {
+    match fs::metadata(path) {
+        _ if path.ends_with(std::path::is_separator) => Err(io::Error::from(io::ErrorKind::IsADirectory)),
+        Ok(metadata) if metadata.is_dir() => Err(io::Error::from(io::ErrorKind::IsADirectory)),
+        Ok(metadata) => Ok(Some(metadata)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether a name is one of a pipe, a device or an open descriptor, which cannot be replaced.
+fn is_stream(path: &Path, found: Option<&Metadata>) -> bool {
+    let is_descriptor = ["/dev/fd", "/proc/self/fd"].iter().any(|folder| path.starts_with(folder));
+    is_descriptor || found.is_some_and(|found| !found.is_file())
+}
+
+/// The file that a name stands for, behind all links, also where the last of them leads to nothing yet.
+fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    const MOST: usize = 40;
+    let mut place = path.to_owned();
+    for _ in 0..MOST {
+        match fs::read_link(&place) {
+            Ok(target) => place = place.with_file_name("").join(target),
+            Err(_) => return Ok(place),
+        }
+    }
+    Err(io::Error::other("too many links lead from one to the next"))
+}
+
+/// Refuses a file that is written and read as well.
+pub(super) fn refuse_inputs(path: &str, inputs: &[&str]) -> Result<(), Failure> {
+    let Some(input) = inputs.iter().find(|input| path != "-" && same_file(named(input), path)) else { return Ok(()) };
+    let read = match *input {
+        "-" => "standard input reads it".to_owned(),
+        input if input == path => "it is read".to_owned(),
+        input => format!("it is read as {input}"),
+    };
+    let message = format!("{path} would be written over, and {read}");
+    Err(Diagnostic::error(Code::Usage, message).help("give what is written another name").into())
+}
+
+/// A name for what is read: standard input may be a file.
+fn named(input: &str) -> &str {
+    if input == "-" { "/dev/stdin" } else { input }
+}
+
+/// Refuses two files to be written that are one; pipes and devices may be.
+pub(super) fn refuse_same(paths: &[&str]) -> Result<(), Failure> {
+    for (index, path) in paths.iter().enumerate() {
+        if let Some(other) = paths[..index].iter().find(|other| same_file(other, path)) {
+            let message = format!("{other} and {path} are the same file, and both would be written");
+            return Err(Diagnostic::error(Code::Usage, message).help("give one of them another name").into());
+        }
+    }
+    Ok(())
+}
+
+/// Whether two names are of one file, which need not be there yet. Pipes and devices are never the same.
+fn same_file(a: &str, b: &str) -> bool {
+    let (a, b) = (Path::new(a), Path::new(b));
+    match (fs::metadata(a), fs::metadata(b)) {
+        (Ok(found_a), Ok(found_b)) => {
+            found_a.is_file() && found_b.is_file() && (same_entry(&found_a, &found_b) || same_place(a, b))
+        }
+        (Err(_), Err(_)) => same_place(a, b),
+        // what is there is not what is not
+        _ => false,
+    }
+}
+
+/// Whether two names lead to one place.
+fn same_place(a: &Path, b: &Path) -> bool {
+    place_of(a).is_some_and(|a| place_of(b).is_some_and(|b| a == b))
+}
+
+/// Where a name leads to, written in the one way that every place has.
+fn place_of(path: &Path) -> Option<PathBuf> {
+    let path = behind_links(path).ok()?;
+    if let Ok(place) = fs::canonicalize(&path) {
+        return Some(place);
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
+}
+
+/// Whether two names found one file.
+#[cfg(unix)]
+fn same_entry(a: &Metadata, b: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    (a.dev(), a.ino()) == (b.dev(), b.ino())
+}
+
+/// Whether two names found one file: here only the names tell.
+#[cfg(not(unix))]
+fn same_entry(_: &Metadata, _: &Metadata) -> bool {
+    false
+}
+
+/// Which of the `known` endings the name has, in lower case and without its point; `None` for standard output, a pipe
+/// or a device, whose name says nothing. A name with another ending or none is refused.
+pub(super) fn known_ending<'k>(path: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
+    ending_of(path, path, known)
+}
+
+/// The same for files that may be packed: `rows.csv.gz` has the ending `csv`.
+pub(super) fn known_ending_unpacked<'k>(path: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
+    let packed = Path::new(path).extension().and_then(|extension| extension.to_str()).unwrap_or("");
+    let is_packed = ["gz", "zst"].iter().any(|packing| packed.eq_ignore_ascii_case(packing));
+    let unpacked = if is_packed { &path[..path.len() - packed.len() - 1] } else { path };
+    ending_of(path, unpacked, known)
+}
+
+fn ending_of<'k>(path: &str, unpacked: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
+    let ending = Path::new(unpacked).extension().and_then(|extension| extension.to_str()).unwrap_or("");
+    if let Some(known) = known.iter().find(|known| ending.eq_ignore_ascii_case(known)) {
+        return Ok(Some(known));
+    }
+    if Sink::own(path).is_some() || is_stream(Path::new(path), fs::metadata(path).ok().as_ref()) {
+        return Ok(None);
+    }
+    let message = format!("{path}: the name's ending tells no format that can be written");
+    let endings: Vec<_> = known.iter().map(|known| format!(".{known}")).collect();
+    let help = match endings.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("it ends in {} or {last}", others.join(", ")),
+        _ => format!("it ends in {}", endings.concat()),
+    };
+    Err(Diagnostic::error(Code::Usage, message).help(help).into())
+}
+
+/// Why a file cannot be written. That the reader of a pipe has seen enough is no fault.
+fn unwritable(path: &str, error: io::Error) -> Failure {
+    if error.kind() == io::ErrorKind::BrokenPipe {
+        return Failure::Write(error);
+    }
+    Diagnostic::error(Code::FileAccess, format!("cannot write {path}: {error}"))
+        .help("the file must be writable, and its folder too: the file is written beside its name and renamed")
+        .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder of its own for one test, removed at the end.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let folder = std::env::temp_dir().join(format!("rackmesh-target-{}-{name}", std::process::id()));
+            let _ = fs::remove_dir_all(&folder);
+            fs::create_dir_all(&folder).unwrap();
+            Self(folder)
+        }
+
+        fn path(&self, file: &str) -> String {
+            self.0.join(file).to_str().unwrap().to_owned()
+        }
+
+        /// A file of this folder that holds its own name.
+        fn with(&self, file: &str) -> String {
+            fs::write(self.path(file), file).unwrap();
+            self.path(file)
+        }
+
+        fn names(&self) -> Vec<String> {
+            let entries = fs::read_dir(&self.0).unwrap();
+            let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    fn text(path: &str) -> String {
+        fs::read_to_string(path).unwrap()
+    }
+
+    fn message(failure: &Failure) -> String {
+        match failure {
+            Failure::Diagnostics(diagnostics) => crate::diagnostic::render(&diagnostics[0], false),
+            other => format!("{other:?}"),
+        }
+    }
+
+    fn refusal(path: &str, input: &str) -> String {
+        Target::create(path, &["other", input]).err().map_or_else(String::new, |failure| message(&failure))
+    }
+
+    #[test]
+    fn a_file_that_is_read_is_not_written_by_any_name() {
+        let folder = Folder::new("same");
+        let input = folder.with("parts.csv");
+        fs::create_dir(folder.path("inner")).unwrap();
+        for name in ["parts.csv", "./parts.csv", "inner/../parts.csv"] {
+            let refused = refusal(&folder.path(name), &input);
+            assert!(refused.contains("would be written over"), "{name}: {refused}");
+            assert!(refused.contains("another name"), "{name}: {refused}");
+        }
+        assert_eq!(refusal(&folder.path("results.csv"), &input), "");
+        assert_eq!(text(&input), "parts.csv");
+        assert_eq!(folder.names(), ["inner", "parts.csv"]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_are_names_too() {
+        let folder = Folder::new("links");
+        let input = folder.with("parts.csv");
+        let (hard, soft, second) = (folder.path("hard.csv"), folder.path("soft.csv"), folder.path("second.csv"));
+        fs::hard_link(&input, &hard).unwrap();
+        std::os::unix::fs::symlink("parts.csv", &soft).unwrap();
+        std::os::unix::fs::symlink("soft.csv", &second).unwrap();
+        for name in [&hard, &soft, &second] {
+            assert!(refusal(name, &input).contains("would be written over"), "{name}");
+            assert!(refusal(&input, name).contains("would be written over"), "{name}");
+        }
+    }
+
+    #[test]
+    fn two_files_to_be_written_are_two() {
+        let folder = Folder::new("two");
+        let (a, b, again) = (folder.path("a.csv"), folder.path("b.csv"), folder.path("./a.csv"));
+        assert!(refuse_same(&[&a, &b]).is_ok());
+        // before there is a file, and after
+        for _ in 0..2 {
+            let refused = message(&refuse_same(&[&a, &b, &again]).unwrap_err());
+            assert!(refused.contains("a.csv are the same file"), "{refused}");
+            folder.with("a.csv");
+        }
+        #[cfg(unix)]
+        assert!(refuse_same(&["/dev/null", "/dev/null"]).is_ok());
+    }
+
+    #[test]
+    fn the_old_file_stays_until_the_other_is_complete() {
+        let folder = Folder::new("old");
+        let path = folder.with("results.csv");
+        let mut target = Target::create(&path, &[]).unwrap();
+        target.write_all(b"half").unwrap();
+        assert_eq!(text(&path), "results.csv");
+        drop(target);
+        assert_eq!((text(&path).as_str(), folder.names().len()), ("results.csv", 1));
+        write(&path, &[], b"whole").unwrap();
+        assert_eq!((text(&path).as_str(), folder.names().len()), ("whole", 1));
+        // and where there is none, none comes to be
+        drop(Target::create(&folder.path("none.csv"), &[]).unwrap());
+        assert_eq!(folder.names(), ["results.csv"]);
+    }
+
+    #[test]
+    fn what_was_computed_is_kept_under_a_name_of_its_own() {
+        let folder = Folder::new("partial");
+        let path = folder.with("results.csv");
+        let partial = |inputs: &[&str], bytes: &[u8]| {
+            let mut target = Target::create(&path, inputs).unwrap();
+            target.write_all(bytes).unwrap();
+            target.keep_partial().unwrap()
+        };
+        assert_eq!(partial(&[], b""), None);
+        let kept = folder.path("results.csv.partial");
+        assert_eq!(partial(&[], b"half"), Some(kept.clone()));
+        assert_eq!((text(&path).as_str(), text(&kept).as_str()), ("results.csv", "half"));
+        assert_eq!(partial(&[], b"more"), Some(kept.clone()));
+        assert_eq!(partial(&[&kept], b"other"), Some(folder.path("results.csv.partial-2")));
+        assert_eq!(text(&kept), "more");
+        assert_eq!(folder.names(), ["results.csv", "results.csv.partial", "results.csv.partial-2"]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn permissions_and_links_stay() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = Folder::new("permissions");
+        let (path, link, dangling) = (folder.with("results.csv"), folder.path("link.csv"), folder.path("dangling.csv"));
+        fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink("results.csv", &link).unwrap();
+        std::os::unix::fs::symlink("later.csv", &dangling).unwrap();
+        write(&link, &[], b"through the link").unwrap();
+        write(&dangling, &[], b"later").unwrap();
+        assert_eq!(text(&path), "through the link");
+        assert_eq!(text(&folder.path("later.csv")), "later");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        assert!([link, dangling].iter().all(|link| fs::symlink_metadata(link).unwrap().is_symlink()));
+    }
+
+    #[test]
+    fn what_cannot_be_written_says_why() {
+        let folder = Folder::new("unwritable");
+        for path in [folder.path(""), folder.path("none/a.csv"), folder.path("none/")] {
+            let failure = write(&path, &[], b"x").unwrap_err();
+            assert!(message(&failure).contains("cannot write"), "{path}");
+        }
+        assert!(folder.names().is_empty());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn devices_are_written_as_they_are() {
+        write("/dev/null", &["/dev/null"], b"x").unwrap();
+        assert_eq!(Target::create("/dev/null", &[]).unwrap().keep_partial().unwrap(), None);
+    }
+
+    #[test]
+    fn endings_are_those_that_are_known() {
+        let known = ["csv", "svg"];
+        for (path, ending) in [("a.csv", "csv"), ("b.c/A.SVG", "svg")] {
+            assert_eq!(known_ending(path, &known).unwrap(), Some(ending), "{path}");
+        }
+        for path in ["a.pdf", "a", "csv", ".csv", "a.csv.gz", ""] {
+            let refused = message(&known_ending(path, &known).unwrap_err());
+            assert!(refused.contains("it ends in .csv or .svg"), "{path}: {refused}");
+        }
+        for path in ["a.csv.gz", "a.csv.ZST", "a.csv"] {
+            assert_eq!(known_ending_unpacked(path, &known).unwrap(), Some("csv"), "{path}");
+        }
+        for path in ["a.gz", "a.pdf.gz", "a.csv.zip", "ü.gz"] {
+            assert!(known_ending_unpacked(path, &known).is_err(), "{path}");
+        }
+        assert_eq!(known_ending("-", &known).unwrap(), None);
+        #[cfg(unix)]
+        assert_eq!(known_ending("/dev/null", &known).unwrap(), None);
+    }
+}

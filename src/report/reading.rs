@@ -1,0 +1,112 @@
+//! How tables were read, as part of whatever was made of them. Wraps the report of a result; computes nothing.
+
+use serde_json::{Value, json};
+
+use super::{Block, Column, Report, Table};
+use crate::table::Reading;
+
+/// A report, and how its tables were read.
+pub struct WithReading<'a> {
+    /// The result.
+    pub report: &'a dyn Report,
+    /// How each table was read.
+    pub readings: &'a [Reading],
+    /// What was left out or assumed besides.
+    pub notes: &'a [String],
+}
+
+/// What the user must know of the reading: what was assumed, what was left out.
+#[must_use]
+pub fn remarks(readings: &[Reading], notes: &[String]) -> Vec<String> {
+    let mut all: Vec<String> = notes.to_vec();
+    for remark in readings.iter().flat_map(Reading::remarks) {
+        if !all.contains(&remark) {
+            all.push(remark);
+        }
+    }
+    all
+}
+
+/// How tables were read, for a page: the text's form, every column with its role, unit and nominal value, and what was
+/// not used.
+#[must_use]
+pub fn reading_blocks(readings: &[Reading], notes: &[String]) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    for reading in readings {
+        blocks.push(Block::Table(form(reading)));
+        blocks.push(Block::Table(columns(reading)));
+    }
+    blocks.extend(remarks(readings, notes).into_iter().map(|remark| Block::Note(format!("note: {remark}"))));
+    blocks
+}
+
+/// What stands between cells and before decimals, and where the names stand.
+fn form(reading: &Reading) -> Table {
+    let row = |what: &str, how: String| vec![what.to_owned(), how];
+    let format = [Some(reading.format), reading.separator.as_deref(), reading.encoding.as_deref()];
+    let mut rows = vec![row("read as", format.into_iter().flatten().collect::<Vec<_>>().join(", "))];
+    if let Some(mark) = reading.decimal_mark {
+        let by = reading.settled_by.as_ref().map_or_else(String::new, |by| format!(" ({by})"));
+        rows.push(row("decimal mark", format!("{mark}{by}")));
+    }
+    rows.extend(reading.header_line.map(|line| row("names", format!("line {line}"))));
+    let is_across = reading.parts_in == "columns";
+    rows.push(row(&format!("each {}", reading.unit_counted), if is_across { "a column" } else { "a row" }.to_owned()));
+    let asides =
+        reading.asides.iter().map(|aside| row("no part of it", format!("line {}: {}", aside.line, aside.text)));
+    rows.extend(asides);
+    Table { columns: vec![Column::text("table"), Column::text(&reading.file)], rows }
+}
+
+/// Every column, and what was not used.
+fn columns(reading: &Reading) -> Table {
+    let used = reading.columns.iter().map(|column| {
+        let unit = column.unit.clone().unwrap_or_default();
+        let assumed = if column.unit_is_assumed && !unit.is_empty() { " (assumed)" } else { "" };
+        vec![
+            column.title.clone(),
+            column.role.clone(),
+            format!("{unit}{assumed}"),
+            column.holds.unwrap_or_default().to_owned(),
+            column.nominal.clone().unwrap_or_default(),
+        ]
+    });
+    let unused = reading.not_used.iter().map(|unused| {
+        vec![unused.title.clone(), format!("not used: {}", unused.why), String::new(), String::new(), String::new()]
+    });
+    Table {
+        rows: used.chain(unused).collect(),
+        columns: ["column", "is", "unit", "holds", "nominal"].map(Column::text).into(),
+    }
+}
+
+impl Report for WithReading<'_> {
+    fn json(&self) -> Value {
+        let mut json = self.report.json();
+        let remarks = remarks(self.readings, self.notes);
+        if let Value::Object(object) = &mut json {
+            let mut notes = match object.get("notes") {
+                Some(Value::Array(notes)) => notes.clone(),
+                _ => Vec::new(),
+            };
+            notes.extend(remarks.into_iter().map(Value::from));
+            object.insert("notes".to_owned(), notes.into());
+            object.insert("reading".to_owned(), json!(self.readings));
+        }
+        json
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        self.report.rows()
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let mut blocks = self.report.blocks();
+        // the verdict stays last
+        let is_verdict = |block: &Block| matches!(block, Block::Verdict(..) | Block::Open(_));
+        let end = blocks.iter().position(is_verdict).unwrap_or(blocks.len());
+        let notes = remarks(self.readings, self.notes).into_iter().map(|remark| Block::Note(format!("note: {remark}")));
+        blocks.splice(end..end, notes);
+        blocks
+    }
+}

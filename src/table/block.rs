@@ -1,0 +1,184 @@
+//! Some rows of a table as columns: the seam between whatever a table was and whoever evaluates it. Filled by the readers;
+//! read by the evaluators of parts and of teeth.
+
+use super::cell::{Cell, Record};
+use super::encoding::text;
+use super::reading::AsideReading;
+use crate::deviation::ErrorValue;
+
+/// Bytes of a block's text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Span {
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+}
+
+/// Why a row is no part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The row, from 0.
+    pub row: usize,
+    /// The column of the table that is to blame, if one is.
+    pub column: Option<usize>,
+    /// Whether there is no value, in place of a bad one.
+    pub is_missing: bool,
+    /// What stands there, if that is what is wrong.
+    pub text: String,
+    /// What is wrong.
+    pub message: String,
+}
+
+/// A cell that contradicts how the table is read, so that nothing after it can be trusted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Contradiction {
+    /// The line, counted from the start of the block.
+    pub line: u64,
+    /// The column.
+    pub column: String,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub help: &'static str,
+}
+
+/// Some rows of a table.
+#[derive(Debug, Default)]
+pub struct Block {
+    /// One slice per column of the table; a column that nobody needs is empty. Where a row has a fault, the value is
+    /// nothing that was measured.
+    pub(crate) values: Vec<Vec<ErrorValue>>,
+    /// By row.
+    pub(crate) faults: Vec<Fault>,
+    /// Numbers of spaces or teeth.
+    pub(crate) index: Vec<Option<i64>>,
+    /// What the spans point into.
+    pub(crate) text: Vec<u8>,
+    /// The name of each part; empty if they have none.
+    pub(crate) names: Vec<Span>,
+    /// The rows as they stand in the file.
+    pub(crate) raw: Vec<Span>,
+    /// The cells that are copied, row by row.
+    pub(crate) copied: Vec<Span>,
+    /// The line of each row from the start of the block, from 1.
+    pub(crate) lines: Vec<u64>,
+    /// The record of each row from the start of the block, from 1.
+    pub(crate) records: Vec<u64>,
+    /// Records that are no parts: a header again, a mean.
+    pub(crate) asides: Vec<AsideReading>,
+    /// Records in all.
+    pub(crate) record_count: u64,
+    /// Lines in all.
+    pub(crate) line_count: u64,
+    pub(crate) blank_lines: u64,
+    pub(crate) contradiction: Option<Contradiction>,
+    /// Whether it is the rest of a row that is too long to be one, for whoever keeps rejected rows.
+    pub(crate) is_rest: bool,
+    /// Whether its last row goes on in the next block.
+    pub(crate) goes_on: bool,
+}
+
+impl Block {
+    /// How many rows there are.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// The values of a column.
+    #[must_use]
+    pub fn values(&self, column: usize) -> &[ErrorValue] {
+        self.values.get(column).map_or(&[], Vec::as_slice)
+    }
+
+    /// What is wrong with rows, in their order.
+    #[must_use]
+    pub fn faults(&self) -> &[Fault] {
+        &self.faults
+    }
+
+    pub(crate) fn bytes(&self, span: Span) -> &[u8] {
+        &self.text[span.start as usize..span.end as usize]
+    }
+
+    /// A row as it stands in the file, if rows are kept.
+    pub(crate) fn raw(&self, row: usize) -> Option<&[u8]> {
+        self.raw.get(row).map(|span| self.bytes(*span))
+    }
+
+    /// A cell that is copied.
+    pub(crate) fn copied(&self, row: usize, number: usize) -> Option<&[u8]> {
+        let each = self.copied.len() / self.rows().max(1);
+        self.copied.get(row * each + number).map(|span| self.bytes(*span))
+    }
+
+    /// The name of a part, if it has one.
+    pub(crate) fn name(&self, row: usize) -> Option<std::borrow::Cow<'_, str>> {
+        self.name_bytes(row).map(text)
+    }
+
+    /// The bytes of a part's name.
+    pub(crate) fn name_bytes(&self, row: usize) -> Option<&[u8]> {
+        self.names.get(row).map(|span| self.bytes(*span).trim_ascii())
+    }
+
+    /// Forgets everything but the room.
+    pub(crate) fn clear(&mut self, columns: usize) {
+        self.values.resize_with(columns, Vec::new);
+        for values in &mut self.values {
+            values.clear();
+        }
+        self.faults.clear();
+        self.index.clear();
+        self.text.clear();
+        self.names.clear();
+        self.raw.clear();
+        self.copied.clear();
+        self.lines.clear();
+        self.records.clear();
+        self.asides.clear();
+        (self.record_count, self.line_count, self.blank_lines) = (0, 0, 0);
+        self.contradiction = None;
+        (self.is_rest, self.goes_on) = (false, false);
+    }
+
+    /// Appends text.
+    pub(crate) fn append(&mut self, bytes: &[u8]) -> Span {
+        let start = span_end(self.text.len());
+        self.text.extend_from_slice(bytes);
+        Span { start, end: span_end(self.text.len()) }
+    }
+
+    /// Adds a fault of the last row.
+    pub(crate) fn fault(&mut self, column: Option<usize>, is_missing: bool, text: &str, message: String) {
+        let row = self.rows().saturating_sub(1);
+        self.faults.push(Fault { row, column, is_missing, text: text.to_owned(), message });
+    }
+}
+
+/// A place in a text; a block's is far below 4 GiB.
+pub(crate) fn span_end(at: usize) -> u32 {
+    u32::try_from(at).unwrap_or(u32::MAX)
+}
+
+/// A record as a line of cells between commas, for whoever keeps rejected rows of files without lines.
+pub(crate) fn as_line(record: &Record) -> Vec<u8> {
+    let texts: Vec<_> = record.cells.iter().map(Cell::text).collect();
+    line_of(texts.iter().map(AsRef::as_ref))
+}
+
+/// Texts as a line of cells between commas.
+pub(crate) fn line_of<'t>(cells: impl Iterator<Item = &'t str>) -> Vec<u8> {
+    let mut line = String::new();
+    for (index, cell) in cells.enumerate() {
+        if index > 0 {
+            line.push(',');
+        }
+        if cell.contains([',', '"', '\n', '\r']) {
+            line.push_str(&format!("\"{}\"", cell.replace('"', "\"\"")));
+        } else {
+            line.push_str(cell);
+        }
+    }
+    line.push('\n');
+    line.into_bytes()
+}

@@ -1,0 +1,198 @@
+//! A cell as its file holds it, before anybody knows what its column means. Made by every reader of files.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::ops::Range;
+
+use super::number::{Marks, is_missing, marks};
+use crate::quantity::{Decimal, Unit};
+
+/// What a cell holds.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) enum Content {
+    /// Nothing.
+    #[default]
+    Empty,
+    /// Text as it is written, numbers of text files included: which character is the decimal mark is still open.
+    Text(String),
+    /// A number that its file holds as one, taken as its shortest decimal.
+    Number(Decimal),
+    /// A date, a time, or true and false: no measured value, as a message shows it.
+    Other(String),
+}
+
+impl Content {
+    /// A number as its shortest decimal; one that is not finite as its text, which no reader of numbers takes.
+    pub(crate) fn of_f64(value: f64) -> Self {
+        Decimal::of_f64(value).map_or_else(|| Self::Text(value.to_string()), Self::Number)
+    }
+
+    /// A text without the blanks around it; nothing if there is no more to it.
+    pub(crate) fn of_text(text: &str) -> Self {
+        match text.trim() {
+            "" => Self::Empty,
+            text => Self::Text(text.to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for Content {
+    /// As a message shows it; a number without an exponent where that is not long.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const LONGEST: usize = 24;
+        let number = match self {
+            Self::Empty => return Ok(()),
+            Self::Text(text) | Self::Other(text) => return f.write_str(text),
+            Self::Number(number) => number,
+        };
+        let sign = if number.negative { "-" } else { "" };
+        let places = usize::try_from(number.exponent.unsigned_abs()).unwrap_or(usize::MAX);
+        let digits = number.digits.to_string();
+        if number.exponent >= 0 && places < LONGEST - digits.len() {
+            write!(f, "{sign}{digits}{}", "0".repeat(places))
+        } else if number.exponent < 0 && places < LONGEST {
+            let digits = format!("{digits:0>width$}", width = places + 1);
+            let (whole, decimals) = digits.split_at(digits.len() - places);
+            write!(f, "{sign}{whole}.{decimals}")
+        } else {
+            write!(f, "{sign}{digits}e{}", number.exponent)
+        }
+    }
+}
+
+impl From<Content> for Cell {
+    /// A cell of a file that is no text.
+    fn from(content: Content) -> Self {
+        Self { content, span: 0..0 }
+    }
+}
+
+/// A cell.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Cell {
+    pub(crate) content: Content,
+    /// Its bytes in the text that it comes from; empty where there is no text.
+    pub(crate) span: Range<usize>,
+}
+
+/// A row of cells, and the number of its line, sheet row or record, from 1.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Record {
+    pub(crate) cells: Vec<Cell>,
+    pub(crate) line: u64,
+    /// Where its line starts in the text that it comes from.
+    pub(crate) start: usize,
+}
+
+impl Cell {
+    /// A cell of text.
+    pub(crate) fn of_text(text: &str, span: Range<usize>) -> Self {
+        Self { content: Content::of_text(text), span }
+    }
+
+    /// What a person sees there.
+    pub(crate) fn text(&self) -> Cow<'_, str> {
+        match &self.content {
+            Content::Empty => "".into(),
+            Content::Text(text) | Content::Other(text) => text.into(),
+            content @ Content::Number(_) => content.to_string().into(),
+        }
+    }
+
+    /// Whether it is empty.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.content == Content::Empty
+    }
+
+    /// Whether it says that there is no value, an empty one included.
+    pub(crate) fn is_missing(&self) -> bool {
+        match &self.content {
+            Content::Empty => true,
+            Content::Text(text) => is_missing(text),
+            Content::Number(_) | Content::Other(_) => false,
+        }
+    }
+
+    /// How it can be read as a number; `1/1000 mm` is a unit.
+    pub(crate) fn marks(&self) -> Marks {
+        match &self.content {
+            Content::Text(text) if text.starts_with("1/") && Unit::from_symbol(text.trim()).is_some() => Marks::None,
+            Content::Text(text) => marks(text),
+            Content::Number(_) => Marks::Same,
+            Content::Empty | Content::Other(_) => Marks::None,
+        }
+    }
+
+    /// Whether it is a number with nothing behind it but a unit, or what else stands behind measured values.
+    pub(crate) fn is_measure(&self) -> bool {
+        let Content::Text(text) = &self.content else { return self.is_number() };
+        let behind = text.trim().trim_start_matches(|c: char| !c.is_alphabetic() && !matches!(c, '°' | 'µ' | '±'));
+        self.is_number()
+            && !text.contains('_')
+            && (behind.is_empty() || behind.starts_with(['°', '±', 'e', 'E']) || Unit::from_symbol(behind).is_some())
+    }
+
+    /// Whether it is a number.
+    pub(crate) fn is_number(&self) -> bool {
+        self.marks() != Marks::None
+    }
+}
+
+impl Record {
+    /// A record of a file without text.
+    pub(crate) fn new(cells: Vec<Cell>, line: u64) -> Self {
+        Self { cells, line, start: 0 }
+    }
+
+    /// How many of its cells are numbers.
+    pub(crate) fn numbers(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.is_number()).count()
+    }
+
+    /// Its cells up to the last that is not empty.
+    pub(crate) fn filled(&self) -> &[Cell] {
+        let end = self.cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+        &self.cells[..end]
+    }
+
+    /// The bytes from its first cell to its last.
+    pub(crate) fn span(&self) -> Range<usize> {
+        let start = self.cells.first().map_or(0, |cell| cell.span.start);
+        start..self.cells.last().map_or(start, |cell| cell.span.end)
+    }
+
+    /// Its cells in one line of text.
+    pub(crate) fn in_words(&self) -> String {
+        let texts: Vec<_> = self.cells.iter().map(Cell::text).filter(|text| !text.is_empty()).collect();
+        texts.join(" ")
+    }
+
+    /// Whether it has something to read: not only a line drawn below a heading.
+    pub(crate) fn is_drawn(&self) -> bool {
+        let is_line = |text: &str| text.len() > 1 && text.chars().all(|c| matches!(c, '-' | ':' | '=' | '_' | '+'));
+        let mut cells = self.cells.iter().filter(|cell| !cell.is_empty()).peekable();
+        cells.peek().is_some() && cells.all(|cell| is_line(&cell.text()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_are_shown_as_they_are_written() {
+        for (value, text) in [
+            (25.0131, "25.0131"),
+            (-0.002, "-0.002"),
+            (100.0, "100"),
+            (1e17, "100000000000000000"),
+            (0.1 + 0.2, "0.30000000000000004"),
+            (-2.5e-30, "-25e-31"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(Content::of_f64(value).to_string(), text);
+        }
+        assert_eq!(Content::of_text(" \u{a0}"), Content::Empty);
+        assert_eq!(Content::of_text(" a b "), Content::Text("a b".to_owned()));
+    }
+}

@@ -1,0 +1,304 @@
+//! Tables with a row per characteristic, as CMM programs export them: a column of names, and columns of actual and nominal
+//! values, tolerances, deviations and units; one part, a part in each of several columns, or a column that names the part.
+//! Called by [`shape`](super::shape).
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use super::cell::{Cell, Record};
+use super::grid::bare_unit;
+use super::names::{Aspect, Field, Holds, Role, heading, is_context, role, split_unit};
+use super::shape::{Headings, Measurement, Named, NoShape, Series, Shape, Unknown, aside, headings, names_value};
+use super::understand::kind_of;
+use super::want::{Orientation, Want};
+
+/// A table of characteristics, found but not read.
+pub(crate) struct Characteristics {
+    header: usize,
+    /// What each column is.
+    roles: Vec<Option<Role>>,
+    /// The column of names.
+    name: usize,
+    /// The columns of values, where each is a part.
+    parts: Vec<usize>,
+    /// The records that are characteristics, known or not.
+    rows: Vec<usize>,
+    /// How many of them have a known name.
+    pub(crate) known: usize,
+}
+
+/// What the cells of a row are, by the part and the field that they belong to.
+struct Reading<'a> {
+    found: &'a Characteristics,
+    want: &'a Want,
+    /// The unit in the heading of each column.
+    units: Vec<Option<String>>,
+    parts: Vec<Cell>,
+    /// The index of each part by its name, where a column names it.
+    indices: HashMap<String, usize>,
+    lines: Vec<u64>,
+}
+
+/// A header that speaks of nominal and actual values, or of values of parts, and the records below it that start with a
+/// name.
+pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Characteristics> {
+    if want.teeth == Some(true) {
+        return None;
+    }
+    records.iter().enumerate().filter(|(_, record)| record.numbers() == 0).find_map(|(header, record)| {
+        let roles: Vec<_> = record.cells.iter().map(|cell| role(&cell.text())).collect();
+        let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
+        let is_table = roles.iter().flatten().count() > 1
+            && has(&[Role::Measured, Role::Deviation, Role::Nominal, Role::Upper, Role::Lower]);
+        if !is_table {
+            return None;
+        }
+        let name = roles.iter().position(|role| *role == Some(Role::Name));
+        let name = name.or_else(|| roles.iter().position(Option::is_none)).unwrap_or(0);
+        let is_row = |record: &Record| {
+            let is_named = || record.cells.get(name).is_some_and(|cell| names_value(cell, want));
+            record.cells.len() > name.max(1) && (record.numbers() > 0 || is_named())
+        };
+        let rows: Vec<usize> = (header + 1..records.len()).filter(|index| is_row(&records[*index])).collect();
+        let parts = if has(&[Role::Measured, Role::Deviation]) {
+            Vec::new()
+        } else {
+            let is_part = |place: &usize| {
+                let is_counter = || {
+                    let text = record.cells[*place].text();
+                    let is_id = heading(&text, &[]).is_some_and(|found| found.fields == [Field::PartId]);
+                    is_id && !has_digit(&text)
+                };
+                *place != name
+                    && roles[*place].is_none()
+                    && !is_counter()
+                    && (has_digit(&record.cells[*place].text()) || !is_context(&record.cells[*place].text()))
+                    && !record.cells[*place].is_empty()
+                    && rows.iter().any(|row| records[*row].cells.get(*place).is_some_and(Cell::is_number))
+            };
+            (0..roles.len()).filter(is_part).collect()
+        };
+        let is_known = |row: &&usize| heading(&records[**row].cells[name].text(), &want.own).is_some();
+        let known = rows.iter().filter(is_known).count();
+        let is_read = has(&[Role::Measured, Role::Deviation]) || !parts.is_empty();
+        // so many roles leave no doubt, though none of the names is known
+        let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
+        ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
+    })
+}
+
+/// Whether a name counts: `Teil 1`.
+fn has_digit(text: &str) -> bool {
+    text.contains(|c: char| c.is_ascii_digit())
+}
+
+/// Reads the characteristics.
+pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, want: &Want) -> Result<Shape, NoShape> {
+    let header = &records[found.header];
+    if let Some(row) = found.rows.iter().find(|row| records[**row].filled().len() > header.cells.len()) {
+        return Err(NoShape::Ragged { record: records[*row].clone(), expected: header.cells.len() });
+    }
+    found.has_each_role_once(records)?;
+    let mut names: Vec<Cell> = Vec::new();
+    let mut rows_of: HashMap<String, Vec<&Record>> = HashMap::new();
+    for row in &found.rows {
+        let name = &records[*row].cells[found.name];
+        let rows = rows_of.entry(name.text().into_owned()).or_default();
+        if rows.is_empty() {
+            names.push(name.clone());
+        }
+        rows.push(&records[*row]);
+    }
+    let Headings { named, commas } = headings(&names, want)?;
+    let mut shape = Shape::new(Orientation::Columns);
+    (shape.header_line, shape.commas) = (Some(header.line), commas);
+    let reading = Reading::new(records, found, want);
+    for (name, named) in names.iter().zip(named) {
+        let rows = &rows_of[name.text().as_ref()];
+        let Some(named) = named else {
+            let cells = rows.iter().flat_map(|row| found.values_of(row)).collect();
+            shape.unknown.push(Unknown::line(&name.text(), rows[0].line, cells).measured(true));
+            continue;
+        };
+        let measurement = reading.measurement(&named, rows, name)?;
+        if shape.measurements.iter().any(|known| known.field == measurement.field) {
+            return Err(NoShape::Twice { heading: name.clone(), field: named.field });
+        }
+        shape.measurements.push(measurement);
+    }
+    if found.roles.contains(&Some(Role::Part)) || !found.parts.is_empty() {
+        shape.ids = Some(Series { title: "part".to_owned(), cells: reading.parts.clone(), ..Series::default() });
+    }
+    shape.unknown.extend(found.columns_without_role(records));
+    shape.lines = reading.lines;
+    shape.beside = found.rows.iter().flat_map(|row| records[*row].cells.iter().cloned()).collect();
+    let strangers = (0..records.len()).filter(|index| *index != found.header && !found.rows.contains(index));
+    shape.asides = strangers.map(|index| &records[index]).filter(|record| !record.is_drawn()).map(aside).collect();
+    Ok(shape)
+}
+
+impl Characteristics {
+    /// A second column of the same role, with numbers, leaves open which of them counts.
+    fn has_each_role_once(&self, records: &[Record]) -> Result<(), NoShape> {
+        let header = &records[self.header].cells;
+        for (place, role) in self.roles.iter().enumerate() {
+            let Some(role) = role.filter(|role| *role != Role::Name && *role != Role::Uncertainty) else { continue };
+            let first = self.roles.iter().position(|other| *other == Some(role)).unwrap_or(place);
+            if first < place && self.has_numbers(records, place) {
+                return Err(NoShape::TwoColumns { first: header[first].clone(), second: header[place].clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// The cells of a row that may be measured: all but its name, and the part's.
+    fn values_of(&self, row: &Record) -> Vec<Cell> {
+        let is_value = |place: usize| place != self.name && self.roles.get(place) != Some(&Some(Role::Part));
+        row.cells.iter().enumerate().filter(|(place, _)| is_value(*place)).map(|(_, cell)| cell.clone()).collect()
+    }
+
+    fn has_numbers(&self, records: &[Record], place: usize) -> bool {
+        self.rows.iter().any(|row| records[*row].cells.get(place).is_some_and(Cell::is_number))
+    }
+
+    /// The columns that are neither names nor values, nor what belongs to them.
+    fn columns_without_role(&self, records: &[Record]) -> Vec<Unknown> {
+        let header = &records[self.header].cells;
+        let is_without =
+            |place: &usize| self.roles[*place].is_none() && *place != self.name && !self.parts.contains(place);
+        let unknown = |place: usize| {
+            let cells: Vec<Cell> = self.rows.iter().filter_map(|row| records[*row].cells.get(place).cloned()).collect();
+            // a list's numbers count its rows
+            let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
+            let title = header[place].text();
+            let is_id = heading(&title, &[]).is_some_and(|found| found.fields == [Field::PartId]);
+            Unknown::column(&title, place, cells).measured(!is_counted && !is_id)
+        };
+        (0..self.roles.len()).filter(is_without).map(unknown).collect()
+    }
+}
+
+impl<'a> Reading<'a> {
+    fn new(records: &[Record], found: &'a Characteristics, want: &'a Want) -> Self {
+        let header = &records[found.header];
+        let units = header.cells.iter().map(|cell| split_unit(&cell.text()).1).collect();
+        let first = found.rows.first().map_or(header.line, |row| records[*row].line);
+        let mut reading = Self { found, want, units, parts: Vec::new(), indices: HashMap::new(), lines: Vec::new() };
+        let part = found.roles.iter().position(|role| *role == Some(Role::Part));
+        match part {
+            Some(place) => {
+                for row in &found.rows {
+                    let record = &records[*row];
+                    let name = record.cells.get(place).cloned().unwrap_or_default();
+                    if let Entry::Vacant(entry) = reading.indices.entry(name.text().into_owned()) {
+                        entry.insert(reading.parts.len());
+                        reading.parts.push(name);
+                        reading.lines.push(record.line);
+                    }
+                }
+            }
+            None if found.parts.is_empty() => {
+                reading.parts.push(Cell::default());
+                reading.lines.push(first);
+            }
+            None => {
+                reading.parts = found.parts.iter().map(|place| header.cells[*place].clone()).collect();
+                reading.lines = vec![first; found.parts.len()];
+            }
+        }
+        reading
+    }
+
+    fn place(&self, role: Role) -> Option<usize> {
+        self.found.roles.iter().position(|other| *other == Some(role))
+    }
+
+    /// The part that a row belongs to; 0 where the row belongs to all.
+    fn part_of(&self, record: &Record) -> usize {
+        let name = self.place(Role::Part).and_then(|place| record.cells.get(place));
+        name.and_then(|name| self.indices.get(name.text().as_ref())).copied().unwrap_or(0)
+    }
+
+    /// The cells of one column, one per part.
+    fn series(&self, place: usize, rows: &[&Record], title: &Cell) -> Result<Series, NoShape> {
+        let mut cells = vec![Cell::default(); self.parts.len()];
+        let mut filled = vec![false; self.parts.len()];
+        for record in rows {
+            let cell = record.cells.get(place).filter(|cell| !cell.is_missing()).cloned().unwrap_or_default();
+            if self.found.parts.is_empty() {
+                let part = self.part_of(record);
+                if std::mem::replace(&mut filled[part], true) {
+                    let field = heading(&title.text(), &[]).and_then(|heading| heading.fields.first().copied());
+                    return Err(NoShape::Twice { heading: title.clone(), field: field.unwrap_or(Field::PartId) });
+                }
+                cells[part] = cell;
+            } else if let Some(part) = self.found.parts.iter().position(|column| *column == place) {
+                cells[part] = cell;
+            } else {
+                // a nominal value or a tolerance is that of every part
+                cells.fill(cell);
+            }
+        }
+        let unit = self.units.get(place).cloned().flatten();
+        Ok(Series { title: title.text().into_owned(), place, unit, cells })
+    }
+
+    /// The values of one characteristic.
+    fn measurement(&self, named: &Named, rows: &[&Record], title: &Cell) -> Result<Measurement, NoShape> {
+        if !self.found.parts.is_empty() && rows.len() > 1 {
+            return Err(twice(named, title));
+        }
+        let unit_of_row = self.unit_of_rows(rows)?;
+        let unit = named.series.unit.clone().or(unit_of_row);
+        let united = |series: Series| Series { unit: unit.clone().or_else(|| series.unit.clone()), ..series };
+        let of_role = |role: Role| -> Result<Option<Series>, NoShape> {
+            let Some(place) = self.place(role) else { return Ok(None) };
+            let series = united(self.series(place, rows, title)?);
+            Ok(series.cells.iter().any(|cell| !cell.is_missing()).then_some(series))
+        };
+        let (measured, deviation) = (of_role(Role::Measured)?, of_role(Role::Deviation)?);
+        let measured = if self.found.parts.is_empty() { measured } else { Some(united(self.by_part(rows, title))) };
+        let (nominal, upper, lower) = (of_role(Role::Nominal)?, of_role(Role::Upper)?, of_role(Role::Lower)?);
+        let uncertainty = of_role(Role::Uncertainty)?;
+        // the value and its nominal, or else the deviation
+        let in_spec =
+            kind_of(named.field).and_then(|kind| self.want.given(kind)).is_some_and(|given| given.nominal.is_some());
+        let (value, deviation, holds) = match (measured, deviation) {
+            (Some(measured), deviation) if nominal.is_some() || (in_spec && deviation.is_some()) => {
+                (measured, deviation, Some(Holds::Measured))
+            }
+            (_, Some(deviation)) => (deviation, None, Some(Holds::Deviation)),
+            (measured, None) => {
+                let empty = || Series { cells: vec![Cell::default(); self.parts.len()], ..named.series.clone() };
+                (measured.unwrap_or_else(empty), None, named.holds)
+            }
+        };
+        let field = if named.aspect == Aspect::Value { named.field } else { return Err(twice(named, title)) };
+        Ok(Measurement { field, holds, value, deviation, nominal, upper, lower, uncertainty })
+    }
+
+    /// The unit in the column of units, which is the same for every row of a characteristic.
+    fn unit_of_rows(&self, rows: &[&Record]) -> Result<Option<String>, NoShape> {
+        let Some(place) = self.place(Role::Unit) else { return Ok(None) };
+        let unit_of = |record: &Record| {
+            let cell = record.cells.get(place).filter(|cell| !cell.is_missing())?;
+            Some(bare_unit(&cell.text()).to_owned())
+        };
+        let unit = unit_of(rows[0]);
+        match rows.iter().find(|record| unit_of(record) != unit) {
+            Some(record) => Err(NoShape::Units { record: (*record).clone() }),
+            None => Ok(unit),
+        }
+    }
+
+    /// The values of a characteristic whose parts are columns.
+    fn by_part(&self, rows: &[&Record], title: &Cell) -> Series {
+        let cell = |place: &usize| rows[0].cells.get(*place).filter(|cell| !cell.is_missing()).cloned();
+        let cells = self.found.parts.iter().map(|place| cell(place).unwrap_or_default()).collect();
+        Series { title: title.text().into_owned(), cells, ..Series::default() }
+    }
+}
+
+fn twice(named: &Named, title: &Cell) -> NoShape {
+    NoShape::Twice { heading: title.clone(), field: named.field }
+}

@@ -1,0 +1,241 @@
+//! A table in chunks that end where a record ends, so that workers can take one each.
+//!
+//! Chunks have the same size however the bytes arrive. A record that does not fit is handed on in pieces: it
+//! is no record, but its bytes are not lost.
+
+use std::io::{self, Read};
+
+use super::split;
+
+/// Bytes in a chunk. With a chunk and its results per worker, memory stays below 16 MiB.
+const CHUNK: usize = 1 << 16;
+
+/// The longest record, in bytes.
+pub(crate) const LONGEST_RECORD: usize = 1 << 18;
+
+/// What a chunk holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Holds {
+    /// Whole records; `plain` if each is one line without quotes.
+    Records { plain: bool },
+    /// A piece of a record that is too long; `first` and `last` piece of it.
+    Piece { first: bool, last: bool },
+}
+
+/// Reads a table in chunks.
+pub(crate) struct Chunker {
+    reader: Box<dyn Read + Send>,
+    /// Read, but not handed on: all of it from `at` on.
+    pending: Vec<u8>,
+    ended: bool,
+    /// Within a record that is too long: whether within quotes, and whether a quote was the last byte.
+    overlong: Option<Overlong>,
+    bytes_read: u64,
+    separator: u8,
+}
+
+/// Where a record that is too long has got to.
+#[derive(Debug, Clone, Copy, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is what the last byte was")]
+struct Overlong {
+    quoted: bool,
+    after_quote: bool,
+    field_start: bool,
+    after_return: bool,
+}
+
+impl Chunker {
+    pub(crate) fn new(reader: Box<dyn Read + Send>) -> Self {
+        Self { reader, pending: Vec::new(), ended: false, overlong: None, bytes_read: 0, separator: b',' }
+    }
+
+    /// Bytes read so far, after unpacking.
+    pub(crate) fn bytes_read(&self) -> u64 {
+        self.bytes_read
+    }
+
+    /// The separator of fields.
+    pub(crate) fn set_separator(&mut self, separator: u8) {
+        self.separator = separator;
+    }
+
+    /// The first bytes, without handing them on.
+    pub(crate) fn start(&mut self, count: usize) -> io::Result<&[u8]> {
+        self.fill(count)?;
+        Ok(&self.pending[..self.pending.len().min(count)])
+    }
+
+    /// Drops bytes that [`start`](Self::start) gave.
+    pub(crate) fn skip(&mut self, count: usize) {
+        self.pending.drain(..count);
+    }
+
+    /// Reads until so many bytes are pending, or the input ends.
+    fn fill(&mut self, count: usize) -> io::Result<()> {
+        let mut filled = self.pending.len();
+        if self.ended || filled >= count {
+            return Ok(());
+        }
+        self.pending.resize(count, 0);
+        while filled < count {
+            match self.reader.read(&mut self.pending[filled..]) {
+                Ok(0) => {
+                    self.ended = true;
+                    break;
+                }
+                Ok(read) => {
+                    filled += read;
+                    self.bytes_read += read as u64;
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => {
+                    self.pending.truncate(filled);
+                    return Err(error);
+                }
+            }
+        }
+        self.pending.truncate(filled);
+        Ok(())
+    }
+
+    /// The next chunk into `chunk`; `None` at the end.
+    pub(crate) fn next(&mut self, chunk: &mut Vec<u8>) -> io::Result<Option<Holds>> {
+        if self.overlong.is_some() {
+            return self.piece(chunk, false).map(Some);
+        }
+        let mut size = CHUNK;
+        loop {
+            self.fill(size)?;
+            if self.pending.is_empty() {
+                return Ok(None);
+            }
+            if self.ended {
+                // the last record needs no line end
+                self.hand_on(chunk, self.pending.len());
+                return Ok(Some(Holds::Records { plain: split::is_plain(chunk) }));
+            }
+            if let Some((length, plain)) = self.whole_records() {
+                self.hand_on(chunk, length);
+                return Ok(Some(Holds::Records { plain }));
+            }
+            if size >= LONGEST_RECORD {
+                self.overlong = Some(Overlong { field_start: true, ..Overlong::default() });
+                return self.piece(chunk, true).map(Some);
+            }
+            size = (2 * size).min(LONGEST_RECORD);
+        }
+    }
+
+    /// How many of the pending bytes are whole records, and whether these are plain lines.
+    fn whole_records(&self) -> Option<(usize, bool)> {
+        let bytes = self.pending.as_slice();
+        if let Some(end) = memchr::memrchr(b'\n', bytes)
+            && split::is_plain(&bytes[..=end])
+        {
+            return Some((end + 1, true));
+        }
+        let (mut fields, mut at, mut lines) = (Vec::new(), 0, 0);
+        while let Some(record) = split::next_record(bytes, at, self.separator, &mut fields, &mut lines) {
+            if !record.closed {
+                break;
+            }
+            at = record.next;
+        }
+        (at > 0).then_some((at, false))
+    }
+
+    /// Hands on the first pending bytes.
+    fn hand_on(&mut self, chunk: &mut Vec<u8>, length: usize) {
+        chunk.clear();
+        chunk.extend_from_slice(&self.pending[length..]);
+        std::mem::swap(chunk, &mut self.pending);
+        chunk.truncate(length);
+    }
+
+    /// The next piece of a record that is too long.
+    fn piece(&mut self, chunk: &mut Vec<u8>, first: bool) -> io::Result<Holds> {
+        self.fill(CHUNK)?;
+        let mut state = self.overlong.take().unwrap_or_default();
+        let mut end = None;
+        for (at, &byte) in self.pending.iter().enumerate() {
+            if state.after_return {
+                end = Some(if byte == b'\n' { at + 1 } else { at });
+                break;
+            }
+            if state.quoted {
+                if byte == b'"' {
+                    (state.quoted, state.after_quote) = (false, true);
+                }
+            } else if byte == b'"' && (state.field_start || state.after_quote) {
+                (state.quoted, state.after_quote) = (true, false);
+            } else if byte == b'\n' {
+                end = Some(at + 1);
+                break;
+            } else if byte == b'\r' {
+                state.after_return = true;
+            } else {
+                state.after_quote = false;
+            }
+            state.field_start = !state.quoted && byte == self.separator;
+        }
+        let last = end.is_some() || self.ended;
+        let length = end.unwrap_or(self.pending.len());
+        self.hand_on(chunk, length);
+        self.overlong = (!last).then_some(state);
+        Ok(Holds::Piece { first, last })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gives one byte at a time, as a slow pipe does.
+    struct Trickle(io::Cursor<Vec<u8>>);
+
+    impl Read for Trickle {
+        fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+            let count = out.len().min(1);
+            self.0.read(&mut out[..count])
+        }
+    }
+
+    fn chunks(bytes: &[u8], trickle: bool) -> Vec<(Vec<u8>, Holds)> {
+        let cursor = io::Cursor::new(bytes.to_vec());
+        let mut chunker = Chunker::new(if trickle { Box::new(Trickle(cursor)) } else { Box::new(cursor) });
+        let (mut all, mut chunk) = (Vec::new(), Vec::new());
+        while let Some(holds) = chunker.next(&mut chunk).unwrap() {
+            all.push((chunk.clone(), holds));
+        }
+        all
+    }
+
+    #[test]
+    fn chunks_end_where_records_end_however_the_bytes_arrive() {
+        let lines: String = (0..40_000).map(|line| ["P", &line.to_string(), ",1.0\n"].concat()).collect();
+        let quoted: String = (0..40_000).map(|line| ["\"P\n", &line.to_string(), "\",1.0\r"].concat()).collect();
+        for text in [lines, quoted] {
+            let whole = chunks(text.as_bytes(), false);
+            assert!(whole.len() > 3);
+            let last = text.as_bytes()[text.len() - 1];
+            assert!(whole.iter().all(|(chunk, _)| chunk.last() == Some(&last) && chunk.len() <= CHUNK));
+            assert_eq!(whole.iter().flat_map(|(chunk, _)| chunk.clone()).collect::<Vec<_>>(), text.as_bytes());
+            assert_eq!(chunks(text.as_bytes(), true), whole);
+        }
+    }
+
+    #[test]
+    fn a_record_that_is_too_long_comes_in_pieces_and_the_next_is_whole() {
+        let long = format!("a,b\nP1,{}\r\nP2,2\n", "x".repeat(3 * LONGEST_RECORD));
+        let quoted = format!("a,b\nP1,\"{}\"\"\n\"\nP2,2\n", "x\n".repeat(2 * LONGEST_RECORD));
+        for text in [long, quoted] {
+            let all = chunks(text.as_bytes(), false);
+            assert_eq!(all[0].0, b"a,b\n");
+            assert_eq!(all[1].1, Holds::Piece { first: true, last: false });
+            assert_eq!(all.iter().filter(|(_, holds)| matches!(holds, Holds::Piece { last: true, .. })).count(), 1);
+            assert_eq!(all.last().unwrap(), &(b"P2,2\n".to_vec(), Holds::Records { plain: true }));
+            assert!(all.iter().all(|(chunk, _)| chunk.len() <= LONGEST_RECORD));
+            assert_eq!(all.iter().flat_map(|(chunk, _)| chunk.clone()).collect::<Vec<_>>(), text.as_bytes());
+        }
+    }
+}

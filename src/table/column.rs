@@ -1,0 +1,619 @@
+//! One column of values: from what a cell holds to a deviation. Made once per table; asked for every cell.
+
+use super::cell::{Cell, Content};
+use super::names::{Field, Holds};
+use super::number::{DecimalMark, Marks, marks, normalise};
+use super::shape::{Measurement, Series};
+use super::strangers::unit_in;
+use super::want::Want;
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::law::lead_slope;
+use crate::quantity::{Angle, AngleUnit, Decimal, Length, LengthUnit, QuantityError, Unit, shown};
+
+/// Where the unit of a column is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum UnitFrom {
+    /// The table: a heading, a row or a column of units, the cells.
+    Table,
+    /// The spec.
+    Spec,
+    /// A column that is called by its key has that of a spec.
+    Key,
+}
+
+/// What is taken from a measured value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Nominal {
+    /// Nothing: the column holds deviations.
+    None,
+    /// The same for every part.
+    Fixed(ErrorValue),
+    /// What stands beside the value.
+    Beside,
+}
+
+/// Over what f_Hβ is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Evaluated {
+    /// It is no f_Hβ.
+    No,
+    /// The same length for every part.
+    Over(Length),
+    /// What stands beside the value.
+    Beside,
+}
+
+/// One column of values.
+#[derive(Debug, Clone)]
+pub(crate) struct Column {
+    pub(crate) field: Field,
+    /// The error that it is, where each row is a part.
+    pub(crate) kind: Option<ErrorKind>,
+    pub(crate) title: String,
+    /// The field of a record, where rows are parts.
+    pub(crate) place: usize,
+    pub(crate) unit: Unit,
+    pub(crate) unit_from: UnitFrom,
+    pub(crate) holds: Option<Holds>,
+    pub(crate) nominal: Nominal,
+    pub(crate) evaluated: Evaluated,
+    /// The nominal value that the spec gives, where the table has its own.
+    stated: Option<ErrorValue>,
+    /// How far a measured value may be from its nominal one, and a deviation from 0.
+    farthest: Option<ErrorValue>,
+    /// How far the file says that it may be, mm or degrees.
+    tolerance: Option<f64>,
+    pub(crate) mark: DecimalMark,
+    /// Whether the decimal mark is still open: no number so far has decimals.
+    pub(crate) mark_is_open: bool,
+    /// The companions of its values.
+    pub(crate) beside: Companions,
+}
+
+/// What stands beside a value in every record.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Companion {
+    /// Where it stands.
+    pub(crate) place: usize,
+    /// The unit of its numbers: that of its heading, or else the value's.
+    unit: Unit,
+}
+
+/// The companions of the values of a column.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Companions {
+    pub(crate) deviation: Option<Companion>,
+    pub(crate) nominal: Option<Companion>,
+    pub(crate) upper: Option<Companion>,
+    pub(crate) lower: Option<Companion>,
+    pub(crate) length: Option<Companion>,
+}
+
+/// The companions of one value.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Beside<'a> {
+    pub(crate) deviation: Option<&'a Cell>,
+    pub(crate) nominal: Option<&'a Cell>,
+    pub(crate) upper: Option<&'a Cell>,
+    pub(crate) lower: Option<&'a Cell>,
+    pub(crate) length: Option<&'a Cell>,
+}
+
+/// All that is asked of a plain number: what makes a deviation of it, and how large that may be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plain {
+    unit: Unit,
+    nominal: ErrorValue,
+    farthest: Length,
+    /// The evaluation length of f_Hβ.
+    over: Option<Length>,
+}
+
+impl Plain {
+    /// The deviation of a number; `None` where it is too large to be one.
+    #[inline]
+    pub(crate) fn deviation(&self, number: Decimal) -> Option<ErrorValue> {
+        match (self.unit, self.nominal) {
+            (Unit::Length(unit), ErrorValue::Length(nominal)) => {
+                let deviation = Length::of_number(number, unit).ok()? - nominal;
+                match self.over {
+                    Some(over) => lead_slope(deviation, over).ok(),
+                    None => (deviation.abs() <= self.farthest).then_some(ErrorValue::Length(deviation)),
+                }
+            }
+            (Unit::Angle(unit), nominal) => Some(ErrorValue::Angle(Angle::of_number(number, unit).ok()?).less(nominal)),
+            _ => None,
+        }
+    }
+}
+
+/// Why a cell has no value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Problem {
+    /// It is no value, or one that cannot be meant.
+    Bad(String),
+    /// It is larger than any deviation.
+    TooLarge(String),
+    /// It has the other decimal mark than the cells before it.
+    OtherMark(String),
+}
+
+impl Column {
+    /// The column of a measurement. `kind` is the error that it is where each row is a part.
+    pub(crate) fn new(
+        measurement: &Measurement,
+        kind: Option<ErrorKind>,
+        lengths: Option<&Series>,
+        want: &Want,
+        mark: DecimalMark,
+    ) -> Result<Self, Diagnostics> {
+        let value = &measurement.value;
+        let given = kind.and_then(|kind| want.given(kind));
+        let is_angle = measurement.field.is_angle();
+        let (unit, unit_from) = unit(measurement, kind, want)?;
+        let holds = given.and_then(|given| given.holds).or(measurement.holds);
+        let mut column = Self {
+            field: measurement.field,
+            kind,
+            title: value.title.clone(),
+            place: value.place,
+            unit,
+            unit_from,
+            holds,
+            nominal: Nominal::None,
+            evaluated: Evaluated::No,
+            stated: None,
+            farthest: None,
+            tolerance: None,
+            mark,
+            mark_is_open: false,
+            beside: Companions::default(),
+        };
+        if is_angle && matches!(unit, Unit::Length(_)) {
+            column.evaluated = evaluated(lengths, given.and_then(|given| given.length), want, &value.title)?;
+            column.beside.length = companion(lengths, Unit::Length(LengthUnit::Millimetre))?;
+            return Ok(column);
+        }
+        column.beside = Companions {
+            deviation: companion(measurement.deviation.as_ref(), unit)?,
+            nominal: companion(measurement.nominal.as_ref(), unit)?,
+            upper: companion(measurement.upper.as_ref(), unit)?,
+            lower: companion(measurement.lower.as_ref(), unit)?,
+            length: None,
+        };
+        if let Some(kind) = kind {
+            column.take_nominal(kind, measurement, want)?;
+        }
+        Ok(column)
+    }
+
+    /// Decides what is taken from a value.
+    fn take_nominal(&mut self, kind: ErrorKind, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
+        if self.holds == Some(Holds::Deviation) {
+            self.farthest = want.module.map(ErrorValue::Length);
+            return Ok(());
+        }
+        let in_spec = want.given(kind).and_then(|given| given.nominal.clone());
+        if measurement.nominal.is_some() {
+            self.nominal = Nominal::Beside;
+            self.stated = in_spec.and_then(Result::ok);
+        } else if let Some(nominal) = in_spec {
+            self.nominal = Nominal::Fixed(nominal?);
+        } else if self.holds == Some(Holds::Measured) {
+            let message =
+                format!("`{}` holds measured values, and nothing tells the nominal value of {kind}", self.title);
+            return Err(Diagnostic::error(Code::MissingKey, message)
+                .help(format!(
+                    "give it in the spec: [errors] {} = {{ nominal = … }}; or a column of nominal values",
+                    kind.key()
+                ))
+                .into());
+        }
+        self.farthest = match self.nominal {
+            Nominal::Fixed(nominal) => farthest(nominal, want.module),
+            Nominal::None => want.module.map(ErrorValue::Length),
+            Nominal::Beside => None,
+        };
+        Ok(())
+    }
+
+    /// The same column, whose decimal mark is still open if that is so.
+    pub(crate) fn with_open_mark(self, mark_is_open: bool) -> Self {
+        Self { mark_is_open, ..self }
+    }
+
+    /// Whether a plain number is all that a row needs to say.
+    pub(crate) fn is_plain(&self) -> bool {
+        let Companions { deviation, nominal, upper, lower, .. } = self.beside;
+        self.tolerance.is_none()
+            && self.nominal != Nominal::Beside
+            && self.evaluated != Evaluated::Beside
+            && [deviation, nominal, upper, lower].iter().all(Option::is_none)
+    }
+
+    /// What a plain number of this column is; `None` if a row has more to say.
+    pub(crate) fn plain(&self) -> Option<Plain> {
+        let nominal = match (self.nominal, self.unit) {
+            (Nominal::Fixed(nominal), _) => nominal,
+            (Nominal::None, Unit::Length(_)) => ErrorValue::Length(Length::ZERO),
+            (Nominal::None, Unit::Angle(_)) => ErrorValue::Angle(Angle::ZERO),
+            (Nominal::Beside, _) => return None,
+        };
+        let farthest = match self.farthest {
+            Some(ErrorValue::Length(farthest)) => farthest,
+            _ => Length::LARGEST,
+        };
+        let over = match self.evaluated {
+            Evaluated::No => None,
+            Evaluated::Over(over) => Some(over),
+            Evaluated::Beside => return None,
+        };
+        self.is_plain().then_some(Plain { unit: self.unit, nominal, farthest, over })
+    }
+
+    /// The deviation that a cell means; `None` if it says that there is none.
+    pub(crate) fn read(&self, cell: &Cell, beside: Beside<'_>) -> Result<Option<ErrorValue>, Problem> {
+        if cell.is_missing() {
+            return Ok(None);
+        }
+        let value = self.quantity(cell)?;
+        if let Evaluated::Over(_) | Evaluated::Beside = self.evaluated {
+            return self.slope(value, beside.length).map(Some);
+        }
+        let nominal = match self.nominal {
+            Nominal::None => return self.deviation(cell, value, &beside).map(Some),
+            Nominal::Fixed(nominal) => nominal,
+            Nominal::Beside => self.nominal_beside(beside.nominal)?,
+        };
+        let deviation = value.less(nominal);
+        if farthest(nominal, None).is_some()
+            && (self.is_far(deviation) || is_farther(deviation, farthest(nominal, None)))
+        {
+            return Err(Problem::Bad(format!(
+                "{value} is far from the nominal value {nominal}: check the unit and the decimal mark, or whether it is a deviation"
+            )));
+        }
+        self.check(cell, deviation, &beside)?;
+        Ok(Some(deviation))
+    }
+
+    /// A deviation that stands for itself.
+    fn deviation(&self, cell: &Cell, value: ErrorValue, beside: &Beside<'_>) -> Result<ErrorValue, Problem> {
+        if self.is_far(value) {
+            let module = self.farthest.map_or_else(String::new, |farthest| format!(" (the module is {farthest})"));
+            return Err(Problem::TooLarge(format!(
+                "{value} is too much for a deviation{module}: check the unit, or give the nominal value if it is a measure"
+            )));
+        }
+        self.check(cell, value, beside)?;
+        Ok(value)
+    }
+
+    fn is_far(&self, deviation: ErrorValue) -> bool {
+        is_farther(deviation, self.farthest)
+    }
+
+    /// The quantity in a cell.
+    pub(crate) fn quantity(&self, cell: &Cell) -> Result<ErrorValue, Problem> {
+        self.quantity_in(cell, self.unit)
+    }
+
+    /// The quantity in a companion's cell; `None` if there is none.
+    fn quantity_beside(&self, cell: Option<&Cell>, of: Option<Companion>) -> Result<Option<ErrorValue>, Problem> {
+        let unit = of.map_or(self.unit, |companion| companion.unit);
+        cell.filter(|cell| !cell.is_missing()).map(|cell| self.quantity_in(cell, unit)).transpose()
+    }
+
+    fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<ErrorValue, Problem> {
+        let too_large = |error: QuantityError| Problem::Bad(error.to_string());
+        match &cell.content {
+            Content::Number(number) => match unit {
+                Unit::Length(unit) => Length::of_number(*number, unit).map(ErrorValue::Length).map_err(too_large),
+                Unit::Angle(unit) => Angle::of_number(*number, unit).map(ErrorValue::Angle).map_err(too_large),
+            },
+            Content::Text(text) => self.quantity_of_text(text, unit),
+            Content::Other(text) => Err(Problem::Bad(format!("`{}` is not a number", shown(text)))),
+            Content::Empty => Err(Problem::Bad("the cell is empty".to_owned())),
+        }
+    }
+
+    fn quantity_of_text(&self, text: &str, unit: Unit) -> Result<ErrorValue, Problem> {
+        let reading = marks(text);
+        let other = match self.mark {
+            DecimalMark::Point => DecimalMark::Comma,
+            DecimalMark::Comma => DecimalMark::Point,
+        };
+        if reading == Marks::Only(other) {
+            let message = format!(
+                "`{}` has a {}, and the table's numbers have a {}",
+                shown(text),
+                other.name(),
+                self.mark.name()
+            );
+            return Err(Problem::OtherMark(message));
+        }
+        if self.mark_is_open && reading == Marks::Differ {
+            let message = format!(
+                "`{}` could be {} or {}, and nothing before it tells which",
+                shown(text),
+                text.replace(',', "."),
+                text.replace([',', '.'], "")
+            );
+            return Err(Problem::OtherMark(message));
+        }
+        let text = measured(text, unit);
+        let text = text.as_ref();
+        let not_a_number = || Problem::Bad(format!("`{}` is not a number with a {}", shown(text), self.mark.name()));
+        let number = normalise(text, self.mark).ok_or_else(not_a_number)?;
+        let is_bare = number.ends_with(|c: char| c.is_ascii_digit() || c == '.');
+        let united = if is_bare { format!("{number} {}", unit.symbol()) } else { number };
+        let read = match unit {
+            Unit::Length(_) => united.parse().map(ErrorValue::Length),
+            Unit::Angle(_) => united.parse().map(ErrorValue::Angle),
+        };
+        read.map_err(|error| Problem::Bad(error.to_string()))
+    }
+
+    /// Whether every value is far below the tolerances beside it, as it is if it has another unit than they.
+    pub(crate) fn is_far_below_tolerance(&self, measurement: &Measurement) -> bool {
+        const TIMES: f64 = 500.0;
+        let mut largest: f64 = 0.0;
+        let mut widest: f64 = 0.0;
+        for (row, cell) in measurement.value.cells.iter().enumerate() {
+            let beside = super::understand::beside(measurement, None, row);
+            if let Ok(Some(value)) = self.read(cell, beside) {
+                largest = largest.max(value.base().abs());
+            }
+            widest = widest.max(self.widest(&beside).unwrap_or(0.0));
+        }
+        largest > 0.0 && TIMES * largest < widest
+    }
+
+    /// The widest tolerance beside a value, mm or degrees: a limit of size, or an allowance from nominal.
+    fn widest(&self, beside: &Beside<'_>) -> Result<f64, Problem> {
+        let of = self.beside;
+        let nominal = self.quantity_beside(beside.nominal, of.nominal)?.map_or(0.0, ErrorValue::base);
+        let upper = self.quantity_beside(beside.upper, of.upper)?;
+        let lower = self.quantity_beside(beside.lower, of.lower)?;
+        let mut widest = self.tolerance.unwrap_or(0.0);
+        for tolerance in [upper, lower].into_iter().flatten() {
+            let size = tolerance.base();
+            let is_limit = nominal != 0.0 && size.abs() > nominal.abs() / 2.0;
+            widest = widest.max(if is_limit { (size - nominal).abs() } else { size.abs() });
+        }
+        Ok(widest)
+    }
+
+    /// The same column, whose file says how far its values may be from nominal, in mm or degrees.
+    pub(crate) fn with_tolerance(self, tolerance: Option<f64>) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// f_Hβ over its evaluation length.
+    fn slope(&self, value: ErrorValue, beside: Option<&Cell>) -> Result<ErrorValue, Problem> {
+        let ErrorValue::Length(deviation) = value else { return Ok(value) };
+        let over = match (self.evaluated, beside) {
+            (Evaluated::Over(over), _) => over,
+            (_, cell) => match self.quantity_beside(cell, self.beside.length)? {
+                Some(ErrorValue::Length(over)) => over,
+                _ => return Err(Problem::Bad("there is no evaluation length for this f_Hβ".to_owned())),
+            },
+        };
+        lead_slope(deviation, over).map_err(|error| Problem::Bad(error.to_string()))
+    }
+
+    fn nominal_beside(&self, cell: Option<&Cell>) -> Result<ErrorValue, Problem> {
+        let Some(nominal) = self.quantity_beside(cell, self.beside.nominal)? else {
+            return self.stated.ok_or_else(|| Problem::Bad("there is no nominal value beside it".to_owned()));
+        };
+        match self.stated {
+            Some(stated) if stated != nominal => {
+                Err(Problem::Bad(format!("the nominal value is {nominal} in the table and {stated} in the spec")))
+            }
+            _ => Ok(nominal),
+        }
+    }
+
+    /// Holds a deviation against what stands beside the value: the deviation, and the tolerances.
+    fn check(&self, cell: &Cell, deviation: ErrorValue, beside: &Beside<'_>) -> Result<(), Problem> {
+        /// Values this much beyond a tolerance have another unit.
+        const TIMES: f64 = 100.0;
+        let of = self.beside;
+        let stated = self.quantity_beside(beside.deviation, of.deviation)?;
+        // the places of teeth have a nominal value that no table tells
+        if let Some(stated) = stated.filter(|_| self.nominal != Nominal::None)
+            && (stated.base() - deviation.base()).abs() > self.rounding(cell, beside)
+        {
+            return Err(Problem::Bad(format!(
+                "the deviation beside it is {stated}, and measured less nominal is {deviation}"
+            )));
+        }
+        let widest = self.widest(beside)?;
+        if widest > 0.0 && deviation.base().abs() > TIMES * widest {
+            return Err(Problem::Bad(format!(
+                "a deviation of {deviation} is more than {TIMES} times the tolerance beside it: check the units"
+            )));
+        }
+        Ok(())
+    }
+
+    /// By how much a deviation may differ from measured less nominal, because each is rounded to its last digit, mm or
+    /// degrees. What has far fewer digits than the others has lost its zeros, and is no rounder than they.
+    fn rounding(&self, cell: &Cell, beside: &Beside<'_>) -> f64 {
+        /// A tenth of a micrometre is no contradiction.
+        const LEAST: f64 = 1e-4;
+        /// Finer digits of a deviation are those of a computation.
+        const FINE: f64 = 1e-3;
+        const FEWER: f64 = 15.0;
+        let digit = |cell: Option<&Cell>, of: Option<Companion>| {
+            Some(self.digit(cell?, of.map_or(self.unit, |companion| companion.unit)))
+        };
+        let value = Some(self.digit(cell, self.unit));
+        let nominal = digit(beside.nominal, self.beside.nominal);
+        let deviation = digit(beside.deviation, self.beside.deviation);
+        let all = [value, nominal, deviation.map(|digit| digit.max(FINE))].into_iter().flatten();
+        let finest = all.fold(f64::INFINITY, f64::min);
+        let each = [value, nominal, deviation].into_iter().flatten();
+        each.map(|digit| if digit > FEWER * finest { finest } else { digit }).sum::<f64>().max(LEAST)
+    }
+
+    /// One of the last digit that is written, in mm or degrees.
+    fn digit(&self, cell: &Cell, unit: Unit) -> f64 {
+        const MOST: usize = 12;
+        let exponent = match &cell.content {
+            Content::Text(text) => normalise(text, self.mark).map_or(0, |number| {
+                let fraction = number.split_once('.').map_or("", |(_, fraction)| fraction);
+                let decimals = fraction.bytes().take_while(u8::is_ascii_digit).take(MOST).count();
+                -i32::try_from(decimals).unwrap_or(0)
+            }),
+            Content::Number(number) => number.exponent.min(0),
+            Content::Empty | Content::Other(_) => 0,
+        };
+        let one = Decimal { negative: false, digits: 1, exponent };
+        match unit {
+            Unit::Length(unit) => Length::of_number(one, unit).map_or(1.0, Length::mm),
+            Unit::Angle(unit) => Angle::of_number(one, unit).map_or(1.0, Angle::degrees),
+        }
+    }
+}
+
+/// The companion that a column of the table is.
+fn companion(series: Option<&Series>, unit_of_value: Unit) -> Result<Option<Companion>, Diagnostic> {
+    let Some(series) = series else { return Ok(None) };
+    let is_angle = matches!(unit_of_value, Unit::Angle(_));
+    let unit = match series.unit.as_deref() {
+        None => unit_of_value,
+        Some(symbol) if is_angle => Unit::of_angle(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, true))?,
+        Some(symbol) => Unit::of_length(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, false))?,
+    };
+    Ok(Some(Companion { place: series.place, unit }))
+}
+
+/// What is measured in a text: without the uncertainty behind ±, and with the inch for the quotes that stand for it.
+fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
+    let text = text.split_once('±').or_else(|| text.split_once("+/-")).map_or(text, |(value, _)| value.trim_end());
+    let inches = text.strip_suffix('"').or_else(|| text.strip_suffix("''")).or_else(|| text.strip_suffix('\u{201d}'));
+    match (unit, inches) {
+        (Unit::Length(_), Some(number)) => format!("{number} in").into(),
+        _ => text.into(),
+    }
+}
+
+/// How far a measured value may be from its nominal one: a tenth of it, and no further than a module.
+fn farthest(nominal: ErrorValue, module: Option<Length>) -> Option<ErrorValue> {
+    let ErrorValue::Length(nominal) = nominal else { return None };
+    let tenth = Length::from_fm(nominal.abs().fm() / 10);
+    let bound = module.map_or(tenth, |module| module.min(tenth));
+    (!bound.is_zero()).then_some(ErrorValue::Length(bound))
+}
+
+#[inline]
+fn is_farther(deviation: ErrorValue, farthest: Option<ErrorValue>) -> bool {
+    match (deviation, farthest) {
+        (ErrorValue::Length(deviation), Some(ErrorValue::Length(farthest))) => deviation.abs() > farthest,
+        _ => false,
+    }
+}
+
+/// The unit of a column: of its heading or cells, of the spec, or that of its key.
+fn unit(measurement: &Measurement, kind: Option<ErrorKind>, want: &Want) -> Result<(Unit, UnitFrom), Diagnostic> {
+    let value = &measurement.value;
+    let is_angle = measurement.field.is_angle();
+    let dimension = |symbol: &str| {
+        if is_angle { Unit::of_angle(symbol).or_else(|| Unit::of_length(symbol)) } else { Unit::of_length(symbol) }
+    };
+    let stated = kind.and_then(|kind| want.given(kind)).and_then(|given| given.unit);
+    let written = match value.unit.as_deref() {
+        Some(symbol) => {
+            let Some(unit) = dimension(symbol) else {
+                let problem = unknown_unit(&value.title, symbol, is_angle);
+                let Some(kind) = kind else { return Err(problem) };
+                let help = problem.help.clone().unwrap_or_default();
+                let in_spec = format!("[batch.columns] {} = {{ unit = … }}", kind.key());
+                return Err(problem.help(format!("{help}; or say it in the spec: {in_spec}")));
+            };
+            Some(unit)
+        }
+        None => None,
+    };
+    match (stated, written) {
+        (Some(stated), Some(written)) if stated != written => {
+            let message =
+                format!("`{}`: the table says {} and the spec {}", value.title, written.symbol(), stated.symbol());
+            return Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong"));
+        }
+        (_, Some(written)) => return Ok((written, UnitFrom::Table)),
+        (Some(stated), None) => return Ok((stated, UnitFrom::Spec)),
+        (None, None) => {}
+    }
+    let default = if is_angle { Unit::Angle(AngleUnit::Degree) } else { Unit::Length(LengthUnit::Millimetre) };
+    let numbers = value.cells.iter().filter(|cell| cell.is_number());
+    let carries = |cell: &Cell| matches!(&cell.content, Content::Text(text) if !text.trim_end().ends_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',') || ('\u{ff10}'..='\u{ff19}').contains(&c)));
+    // f_Hβ in µm: the cells tell that it is no angle
+    let in_cells =
+        || numbers.clone().next().and_then(|cell| unit_in(&cell.text())).and_then(|symbol| dimension(&symbol));
+    let of_slope = in_cells().filter(|unit| is_angle && matches!(unit, Unit::Length(_)));
+    if numbers.clone().next().is_some() && numbers.clone().all(carries) {
+        return Ok((of_slope.unwrap_or(default), UnitFrom::Table));
+    }
+    let is_of_tooth = kind.is_none() && is_key(&value.title, of_tooth(measurement.field));
+    let by_key =
+        is_of_tooth || is_key(&value.title, measurement.field) || want.is_own(&value.title) || !want.fields.is_empty();
+    if by_key {
+        return Ok((default, UnitFrom::Key));
+    }
+    let message =
+        format!("`{}` is {}, and nothing tells the unit of its numbers", value.title, measurement.field.key());
+    let wanted = if is_angle { "deg" } else { "um" };
+    let help = format!("write the unit behind the name: `{} [{wanted}]`", value.title);
+    let in_spec = kind.map(|kind| {
+        format!(
+            "; or say it in the spec: [batch.columns] {} = {{ name = \"{}\", unit = \"{wanted}\" }}",
+            kind.key(),
+            value.title
+        )
+    });
+    Err(Diagnostic::error(Code::BadTable, message).help(help + &in_spec.unwrap_or_default()))
+}
+
+/// Whether a title is the key of a field, with nothing but case changed.
+fn is_key(title: &str, field: Field) -> bool {
+    let (name, _) = super::names::split_unit(title);
+    let title = name.trim().to_lowercase();
+    let key = field.key();
+    title == key || title.strip_suffix("_deviation").is_some_and(|stem| stem == key)
+}
+
+/// What an error of a part is called in a table of its teeth or spaces.
+fn of_tooth(field: Field) -> Field {
+    match field {
+        Field::Error(ErrorKind::PinionRadial) => Field::Radial,
+        Field::Error(ErrorKind::RackLead) => Field::Lead,
+        field => field,
+    }
+}
+
+fn unknown_unit(title: &str, symbol: &str, is_angle: bool) -> Diagnostic {
+    let (what, units) = if is_angle { ("an angle", AngleUnit::NAMES) } else { ("a length", LengthUnit::NAMES) };
+    let message = format!("`{title}`: `{}` is not a unit of {what}", shown(symbol));
+    Diagnostic::error(Code::BadTable, message).help(format!("write {units}"))
+}
+
+/// Over what f_Hβ is evaluated: a column, the spec's length, or the face width.
+fn evaluated(
+    lengths: Option<&Series>,
+    given: Option<Length>,
+    want: &Want,
+    title: &str,
+) -> Result<Evaluated, Diagnostic> {
+    if lengths.is_some() {
+        return Ok(Evaluated::Beside);
+    }
+    given.or(want.face_width).map(Evaluated::Over).ok_or_else(|| {
+        let message = format!("`{title}` is f_Hβ in a unit of length, and nothing tells its evaluation length");
+        Diagnostic::error(Code::MissingKey, message).help(
+            "give a column of evaluation lengths, [batch.columns] rack_lead = { length = … }, or the rack's face width",
+        )
+    })
+}

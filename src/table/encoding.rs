@@ -1,0 +1,279 @@
+//! Bytes as text, whatever program wrote them: unpacked, and in UTF-8. Called by whoever opens a table.
+//!
+//! A table of any length is recoded as it is read. Text in UTF-8, Latin-1 or Windows-1252 goes through as it is: these
+//! share the characters of which tables are made, and a cell is recoded when somebody looks at it.
+
+use std::borrow::Cow;
+use std::io::{self, Read};
+
+use encoding_rs::{Encoding as Code, SHIFT_JIS, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
+
+/// The code of a file's text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Encoding {
+    code: &'static Code,
+    /// Whether the text is recoded to UTF-8 as it is read.
+    recoded: bool,
+}
+
+impl Encoding {
+    /// UTF-8, or an 8-bit code that has ASCII in it.
+    pub(crate) const PLAIN: Self = Self { code: UTF_8, recoded: false };
+
+    /// The encoding of that name: `utf-8`, `utf-16le`, `windows-1252`, `latin1`, `shift_jis`, and what browsers know.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        let code = Code::for_label(name.trim().as_bytes())?;
+        Some(Self { code, recoded: code != UTF_8 && code != WINDOWS_1252 })
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.code.name()
+    }
+
+    /// Bytes as they stood in the file.
+    pub(crate) fn original(self, bytes: &[u8]) -> Cow<'_, [u8]> {
+        if !self.recoded {
+            return bytes.into();
+        }
+        let text = String::from_utf8_lossy(bytes);
+        match self.code {
+            code if code == UTF_16BE => text.encode_utf16().flat_map(u16::to_be_bytes).collect(),
+            code if code == UTF_16LE => text.encode_utf16().flat_map(u16::to_le_bytes).collect(),
+            code => code.encode(&text).0.into_owned().into(),
+        }
+    }
+
+    /// The mark that files of this encoding start with.
+    pub(crate) fn mark(self) -> &'static [u8] {
+        match self.code {
+            code if code == UTF_16BE => b"\xfe\xff",
+            code if code == UTF_16LE => b"\xff\xfe",
+            _ => b"",
+        }
+    }
+
+    /// The encoding of a text that starts so, and how long its byte order mark is.
+    fn detect(start: &[u8]) -> (Self, usize) {
+        let utf16 = |code| Self { code, recoded: true };
+        match start {
+            [0xef, 0xbb, 0xbf, ..] => return (Self::PLAIN, 3),
+            [0xff, 0xfe, ..] => return (utf16(UTF_16LE), 2),
+            [0xfe, 0xff, ..] => return (utf16(UTF_16BE), 2),
+            // a table starts with two characters of ASCII
+            [a, 0, b, 0, ..] if *a != 0 && *b != 0 => return (utf16(UTF_16LE), 0),
+            [0, a, 0, b, ..] if *a != 0 && *b != 0 => return (utf16(UTF_16BE), 0),
+            _ => {}
+        }
+        if is_utf8(start) {
+            (Self::PLAIN, 0)
+        } else if is_shift_jis(start) {
+            (Self { code: SHIFT_JIS, recoded: true }, 0)
+        } else {
+            (Self { code: WINDOWS_1252, recoded: false }, 0)
+        }
+    }
+}
+
+/// Whether the start of a text is UTF-8; its last character may be cut.
+fn is_utf8(start: &[u8]) -> bool {
+    std::str::from_utf8(start).map_or_else(|error| error.error_len().is_none(), |_| true)
+}
+
+/// Whether the start of a text is Japanese: pairs of bytes whose first ones are control characters in Latin-1, and no
+/// byte that cannot be.
+fn is_shift_jis(start: &[u8]) -> bool {
+    let whole = start.iter().rposition(|byte| *byte == b'\n').map_or(start, |end| &start[..end]);
+    let leads = whole.iter().filter(|byte| (0x81..=0x9f).contains(*byte)).count();
+    leads >= 2 && SHIFT_JIS.decode_without_bom_handling_and_without_replacement(whole).is_some()
+}
+
+/// Text of a cell: UTF-8, or else Windows-1252, which is Latin-1 with the places that it leaves free.
+pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
+    }
+}
+
+/// The text of bytes that are all there.
+#[must_use]
+pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    let (encoding, mark) = Encoding::detect(bytes);
+    let bytes = &bytes[mark..];
+    if encoding.recoded { encoding.code.decode_without_bom_handling(bytes).0 } else { text(bytes) }
+}
+
+/// A reader that starts with bytes that were read already.
+fn again(start: Vec<u8>, rest: Box<dyn Read + Send>) -> Box<dyn Read + Send> {
+    Box::new(io::Cursor::new(start).chain(rest))
+}
+
+/// The first bytes of a reader, as many as there are up to `count`.
+fn first(reader: &mut dyn Read, count: usize) -> io::Result<Vec<u8>> {
+    let mut start = Vec::with_capacity(count);
+    reader.take(count as u64).read_to_end(&mut start)?;
+    Ok(start)
+}
+
+/// What was read, with the first bytes of it put back.
+pub(crate) struct Peeked {
+    /// The first bytes.
+    pub(crate) start: Vec<u8>,
+    /// All of them.
+    pub(crate) bytes: Box<dyn Read + Send>,
+}
+
+/// Looks at the first bytes.
+pub(crate) fn peek(mut bytes: Box<dyn Read + Send>, count: usize) -> io::Result<Peeked> {
+    let start = first(&mut *bytes, count)?;
+    Ok(Peeked { bytes: again(start.clone(), bytes), start })
+}
+
+/// Unpacks gzip and zstd.
+pub(crate) fn unpacked(mut bytes: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
+    let start = first(&mut *bytes, 4)?;
+    let packed = start.clone();
+    let bytes = again(start, bytes);
+    Ok(match packed.as_slice() {
+        [0x1f, 0x8b, ..] => Box::new(flate2::read::MultiGzDecoder::new(bytes)),
+        [0x28, 0xb5, 0x2f, 0xfd] => Box::new(Zstd { frames: Frames::Between(bytes) }),
+        _ => bytes,
+    })
+}
+
+/// Frame after frame of zstd.
+struct Zstd {
+    frames: Frames,
+}
+
+enum Frames {
+    Between(Box<dyn Read + Send>),
+    In(Box<ruzstd::decoding::StreamingDecoder<Box<dyn Read + Send>, ruzstd::decoding::FrameDecoder>>),
+    Done,
+}
+
+impl Read for Zstd {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        loop {
+            match std::mem::replace(&mut self.frames, Frames::Done) {
+                Frames::Done => return Ok(0),
+                Frames::Between(mut bytes) => {
+                    let start = first(&mut *bytes, 4)?;
+                    if start.is_empty() {
+                        return Ok(0);
+                    }
+                    // a window of 8 MiB is what the format asks every decoder for
+                    let decoder = ruzstd::decoding::StreamingDecoder::new(again(start, bytes));
+                    self.frames = Frames::In(Box::new(decoder.map_err(io::Error::other)?));
+                }
+                Frames::In(mut decoder) => {
+                    let count = decoder.read(out)?;
+                    if count > 0 {
+                        self.frames = Frames::In(decoder);
+                        return Ok(count);
+                    }
+                    self.frames = Frames::Between(decoder.into_inner());
+                }
+            }
+        }
+    }
+}
+
+/// Recodes a table to UTF-8, as far as it needs to be; takes a byte order mark away. `told` is the encoding that the user
+/// names.
+pub(crate) fn recoded(
+    bytes: Box<dyn Read + Send>,
+    told: Option<Encoding>,
+) -> io::Result<(Box<dyn Read + Send>, Encoding)> {
+    const LOOKED_AT: usize = 1 << 16;
+    let mut peeked = peek(bytes, LOOKED_AT)?;
+    let (found, mark) = Encoding::detect(&peeked.start);
+    first(&mut peeked.bytes, mark)?;
+    let encoding = told.unwrap_or(found);
+    if !encoding.recoded {
+        return Ok((peeked.bytes, encoding));
+    }
+    let decoder = encoding.code.new_decoder_without_bom_handling();
+    let raw = vec![0; 1 << 13];
+    let read = Recoded { bytes: peeked.bytes, decoder, raw, text: String::new(), at: 0, ended: false };
+    Ok((Box::new(read), encoding))
+}
+
+struct Recoded {
+    bytes: Box<dyn Read + Send>,
+    decoder: encoding_rs::Decoder,
+    raw: Vec<u8>,
+    /// What was recoded, and how much of it was handed on: whoever asks may have room for less than a character.
+    text: String,
+    at: usize,
+    ended: bool,
+}
+
+impl Read for Recoded {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        while self.at == self.text.len() && !self.ended {
+            let count = self.bytes.read(&mut self.raw)?;
+            self.ended = count == 0;
+            self.text.clear();
+            self.at = 0;
+            self.text.reserve(self.decoder.max_utf8_buffer_length(count).unwrap_or(0));
+            // there is room for all of it
+            let _ = self.decoder.decode_to_string(&self.raw[..count], &mut self.text, self.ended);
+        }
+        let rest = &self.text.as_bytes()[self.at..];
+        let count = rest.len().min(out.len());
+        out[..count].copy_from_slice(&rest[..count]);
+        self.at += count;
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_encoding_of_an_office() {
+        for bytes in [
+            "12,5 µm".as_bytes(),
+            b"\xef\xbb\xbf12,5 \xc2\xb5m",
+            b"12,5 \xb5m",
+            b"\xff\xfe1\x002\x00,\x005\x00 \x00\xb5\x00m\x00",
+            b"\xfe\xff\x001\x002\x00,\x005\x00 \x00\xb5\x00m",
+        ] {
+            assert_eq!(decode(bytes), "12,5 µm");
+            let mut text = String::new();
+            let (mut read, encoding) = recoded(Box::new(io::Cursor::new(bytes.to_vec())), None).unwrap();
+            let mut raw = Vec::new();
+            read.read_to_end(&mut raw).unwrap();
+            text.push_str(&super::text(&raw));
+            assert_eq!(text, "12,5 µm", "{}", encoding.name());
+        }
+        assert_eq!(decode(b""), "");
+    }
+
+    #[test]
+    fn a_reader_with_little_room_gets_everything() {
+        let bytes: Vec<u8> = "部品 µm".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let (mut read, _) = recoded(Box::new(io::Cursor::new(bytes)), Encoding::of_name("utf-16le")).unwrap();
+        let mut all = Vec::new();
+        let mut byte = [0];
+        while read.read(&mut byte).unwrap() == 1 {
+            all.push(byte[0]);
+        }
+        assert_eq!(text(&all), "部品 µm");
+    }
+
+    #[test]
+    fn japanese_and_german_are_told_apart() {
+        let (japanese, german) = ("部品番号,ラックピッチ誤差 [μm]\nP1,12.5\n", "Teil;Länge;Maß über Rolle – größer\n");
+        let bytes = SHIFT_JIS.encode(japanese).0;
+        assert_eq!(decode(&bytes), japanese);
+        assert_eq!(Encoding::detect(&bytes).0.name(), "Shift_JIS");
+        assert_eq!(Encoding::detect(&bytes).0.original(japanese.as_bytes()), bytes);
+        assert_eq!(decode(&WINDOWS_1252.encode(german).0), german);
+    }
+}

@@ -1,0 +1,297 @@
+//! Tables of measured values, whatever file they are in, as typed columns: the one reader.
+//!
+//! The command line opens files and hands them in as bytes ([`Container::open`]); the spec and the user say what is known
+//! ([`Want`]). What comes out is a [`Table`]: columns with roles, units and nominal values, how that was found
+//! ([`Reading`]), what is not understood ([`Stranger`]), and the rows, as [`Block`]s of columns. `batch`, `paste`,
+//! `report`, `read` and the tables that a spec names all read so. Nothing here knows gear geometry.
+//!
+//! # How a table is read
+//! ```text
+//! bytes ─ encoding ─ text ─ split, grid ─┐
+//! workbook ──────────────────────────────┼─ records ─ shape (names) ─ understand ─ columns ─ rows ─ blocks
+//! qdas ──────────────────────────────────┘                            strangers
+//! parquet ──────────────────────────────────────────────────────────────────────────────────┘
+//! ```
+//! | module | what it is |
+//! |---|---|
+//! | `encoding`, `chunk`, `split`, `grid` | bytes to text, text to records, records to cells |
+//! | `workbook`, `qdas`, `parquet` | files whose cells are typed |
+//! | `names` | what headings mean, in four languages |
+//! | `shape`, `characteristics` | where the names stand, which cells belong to them |
+//! | `number`, `column` | what a cell means |
+//! | `understand` | separator and decimal mark: one reading, or a refusal |
+//! | `strangers` | what names nothing known, and may be a measurement |
+//! | `rows`, `gathered`, `pieces`, `block` | rows to columns |
+//! | `reading` | how it was read, for the result |
+//! | `teeth` | rows that are spaces of a rack or teeth of a pinion |
+//!
+//! # The rules
+//! A column is used, refused, or left out because the user said so or because it cannot be a measurement. A comma and a
+//! point are never guessed: another cell, a nominal value or the user settles which is the decimal mark. A cell is a
+//! number, says that there is no value (`n.a.`, `-`, `#DIV/0!`), or is refused with its place.
+//!
+//! ```
+//! use rackmesh::table::{Container, Source, Want};
+//!
+//! let bytes = "Teil;Rollenmaß-Abweichung [µm]\nP1;13,1\nP2;-2,5\n";
+//! let container = Container::open("parts.csv", Source::bytes(bytes.as_bytes().to_vec()), &Want::default())?;
+//! let table = container.table("parts.csv", &Want::default())?;
+//! assert_eq!(table.reading.columns[1].role, "rack_over_roller");
+//! assert_eq!(table.reading.decimal_mark, Some("comma"));
+//! # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
+//! ```
+
+mod block;
+mod cell;
+mod characteristics;
+mod chunk;
+mod column;
+mod container;
+mod encoding;
+mod gathered;
+mod grid;
+mod names;
+mod number;
+mod parquet;
+mod pieces;
+pub mod qdas;
+mod reading;
+mod rows;
+mod shape;
+mod split;
+mod strangers;
+mod teeth;
+mod text;
+mod understand;
+mod want;
+pub mod workbook;
+
+pub use block::{Block, Contradiction, Fault};
+pub use container::{Container, Source};
+pub use encoding::{Encoding, decode};
+pub use grid::Separator;
+pub use names::{Field, Holds};
+pub use number::DecimalMark;
+pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
+pub use strangers::{Stranger, refusal};
+pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, Teeth, of_one_part};
+pub use want::{Given, Orientation, Want};
+
+pub(crate) use column::{Column, Nominal};
+pub(crate) use encoding::text as cell_text;
+pub(crate) use pieces::{Piece, Pieces, Place, Queue};
+pub(crate) use rows::{Rows, Wanted};
+pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
+pub(crate) use understand::in_words;
+
+use std::sync::Arc;
+
+use crate::deviation::ErrorKind;
+use crate::quantity::Unit;
+use column::{Evaluated, UnitFrom};
+use shape::Measurement;
+use understand::Understood;
+
+/// A table whose columns are found, and whose rows are still to be read.
+pub struct Table {
+    /// What messages call it.
+    pub name: Arc<str>,
+    /// How it was read.
+    pub reading: Reading,
+    /// Columns, lines and characteristics that may be measurements and are not understood.
+    pub strangers: Vec<Stranger>,
+    /// The errors that keep `others = "ignore"` from holding.
+    pub still_missing: Vec<ErrorKind>,
+    /// Whether each row is a tooth or a space, and not a part.
+    pub is_teeth: bool,
+    /// Whether parts have names.
+    pub has_id: bool,
+    /// The names of all columns, where rows are parts.
+    pub titles: Vec<String>,
+    pub(crate) columns: Vec<Column>,
+    /// Whether the rows count spaces or teeth.
+    pub(crate) index_field: Option<Field>,
+    /// The header as it stands in the file.
+    pub(crate) header_raw: Vec<u8>,
+    pub(crate) encoding: Encoding,
+    pub(crate) place: Place,
+    pub(crate) pieces: Pieces,
+}
+
+impl Table {
+    fn new(name: &str, format: &'static str, understood: &Understood, want: &Want) -> Self {
+        let shape = &understood.shape;
+        let found = |kind: &ErrorKind| understood.columns.iter().any(|column| column.kind == Some(*kind));
+        let missing: Vec<_> = want.expected.iter().copied().filter(|kind| !found(kind)).collect();
+        let is_complete = !want.expected.is_empty() && missing.is_empty();
+        let sorted = strangers::sort(name, shape, want, is_complete);
+        let mut reading = Reading {
+            file: name.to_owned(),
+            format,
+            separator: understood.separator.map(Separator::name),
+            settled_by: understood.settled_by.clone(),
+            header_line: shape.header_line,
+            not_used: sorted.not_used,
+            unit_counted: "part",
+            ..Reading::default()
+        };
+        reading.set_mark(understood.mark);
+        reading.set_orientation(shape.orientation);
+        for aside in sorted.asides {
+            reading.asides.push(AsideReading { line: aside.line, text: aside.text });
+        }
+        reading.columns.extend(shape.ids.as_ref().map(|ids| named_only(&ids.title, Field::PartId.key())));
+        if let (Some(index), Some(field)) = (&shape.index, shape.index_field) {
+            reading.columns.push(named_only(&index.title, field.key()));
+        }
+        for (measurement, column) in shape.measurements.iter().zip(&understood.columns) {
+            reading.notes.extend(doubts(name, measurement, column));
+            reading.columns.push(column_reading(column));
+            reading.columns.extend(companions(measurement));
+            if let Some(uncertainty) = &measurement.uncertainty {
+                reading.notes.push(format!(
+                    "{name}: `{}` is an uncertainty, and is not used: uncertainties stand in the spec",
+                    uncertainty.title
+                ));
+            }
+        }
+        reading.columns.extend(shape.lengths.as_ref().map(|lengths| named_only(&lengths.title, "evaluation_length")));
+        if understood.is_teeth {
+            reading.unit_counted =
+                if teeth::is_rack(&understood.columns, shape.index_field) { "space" } else { "tooth" };
+        }
+        for column in understood.columns.iter().filter(|column| column.evaluated_over_face_width(want)) {
+            reading.notes.push(format!("{name}: `{}` is evaluated over the rack's face width", column.title));
+        }
+        Self {
+            name: name.into(),
+            reading,
+            strangers: sorted.strangers,
+            still_missing: if want.others_ignored { missing } else { Vec::new() },
+            is_teeth: understood.is_teeth,
+            has_id: shape.ids.is_some(),
+            titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
+            columns: understood.columns.clone(),
+            index_field: shape.index_field,
+            header_raw: Vec::new(),
+            encoding: Encoding::PLAIN,
+            place: Place::Line,
+            pieces: Pieces::blocks(Vec::new()),
+        }
+    }
+
+    /// The errors that it has columns of.
+    pub fn kinds(&self) -> impl Iterator<Item = ErrorKind> + '_ {
+        self.columns.iter().filter_map(|column| column.kind)
+    }
+
+    /// What its columns are, as lines of `[batch.columns]`.
+    #[must_use]
+    pub fn mapping(&self) -> Vec<String> {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+        let line = |column: &Column| {
+            let unit = column.unit.symbol();
+            let kind = if column.nominal == Nominal::None { ", kind = \"deviation\"" } else { "" };
+            let (name, _) = names::split_unit(&column.title);
+            Some(format!("{} = {{ name = {}, unit = \"{unit}\"{kind} }}", column.kind?.key(), quoted(name.trim())))
+        };
+        self.columns.iter().filter_map(line).collect()
+    }
+
+    /// All of its rows, in its order; lines count from the start of the file.
+    pub(crate) fn rows(self, wanted: Wanted) -> impl Iterator<Item = std::io::Result<Block>> {
+        let (rows, mut queue) = self.pieces.open(wanted);
+        let mut piece = Piece::default();
+        let mut lines = queue.lines;
+        std::iter::from_fn(move || match queue.next(rows.as_ref(), &mut piece) {
+            Ok(false) => None,
+            Err(error) => Some(Err(error)),
+            Ok(true) => {
+                piece.read(rows.as_ref());
+                let mut block = std::mem::take(&mut piece.block);
+                if queue.is_relative() {
+                    block.lines.iter_mut().for_each(|line| *line += lines);
+                    lines += block.line_count;
+                }
+                Some(Ok(block))
+            }
+        })
+    }
+
+    /// All of its rows, with every column read.
+    ///
+    /// # Errors
+    /// If it cannot be read to its end.
+    pub fn blocks(self) -> Result<Vec<Block>, std::io::Error> {
+        let needed = vec![true; self.columns.len()];
+        self.rows(Wanted { needed, ..Wanted::default() }).collect()
+    }
+}
+
+impl Column {
+    fn evaluated_over_face_width(&self, want: &Want) -> bool {
+        let given = self.kind.and_then(|kind| want.given(kind)).and_then(|given| given.length);
+        matches!(self.evaluated, Evaluated::Over(_)) && given.is_none()
+    }
+}
+
+/// What is worth a look in a column that can be read: uncertainties that are not used, values far below their tolerance.
+fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String> {
+    let mut notes = Vec::new();
+    if measurement.value.cells.iter().any(|cell| cell.text().contains(['±'])) {
+        notes.push(format!(
+            "{name}: `{}`: what stands behind ± is not used: uncertainties stand in the spec",
+            column.title
+        ));
+    }
+    if column.is_far_below_tolerance(measurement) {
+        notes.push(format!(
+            "{name}: `{}`: every value is less than a 500th of its tolerance: check the unit",
+            column.title
+        ));
+    }
+    notes
+}
+
+fn named_only(title: &str, role: &str) -> ColumnReading {
+    ColumnReading { title: title.to_owned(), role: role.to_owned(), ..ColumnReading::default() }
+}
+
+fn column_reading(column: &Column) -> ColumnReading {
+    let is_angle = column.field.is_angle();
+    // without a word, a space has measures; a part has deviations where no nominal value is known
+    let of_space = [Field::OverPin, Field::Position, Field::Error(ErrorKind::RackOverRoller)].contains(&column.field);
+    let holds = match (column.nominal, column.holds) {
+        (Nominal::None, Some(Holds::Deviation)) => "deviation",
+        (Nominal::None, None) if column.kind.is_some() || !of_space => "deviation",
+        _ => "measured",
+    };
+    let is_slope = is_angle && matches!(column.unit, Unit::Length(_));
+    ColumnReading {
+        title: column.title.clone(),
+        role: column.kind.map_or(column.field.key(), ErrorKind::key).to_owned(),
+        unit: Some(column.unit.symbol().to_owned()),
+        unit_is_assumed: column.unit_from == UnitFrom::Key,
+        holds: Some(if is_slope { "f_Hβ" } else { holds }),
+        nominal: match column.nominal {
+            Nominal::None => None,
+            Nominal::Fixed(nominal) => Some(in_words(nominal)),
+            Nominal::Beside => Some("beside it".to_owned()),
+        },
+    }
+}
+
+/// The columns that stand beside a value.
+fn companions(measurement: &Measurement) -> impl Iterator<Item = ColumnReading> + '_ {
+    let key = measurement.field.key();
+    let beside = [
+        (&measurement.deviation, "deviation, checked"),
+        (&measurement.nominal, "nominal"),
+        (&measurement.upper, "upper tolerance, checked"),
+        (&measurement.lower, "lower tolerance, checked"),
+    ];
+    let own = move |series: &shape::Series| series.title != measurement.value.title;
+    let found =
+        beside.into_iter().filter_map(move |(series, what)| series.as_ref().filter(|s| own(s)).map(|s| (s, what)));
+    found.map(move |(series, what)| named_only(&series.title, &format!("{what} of {key}")))
+}

@@ -1,0 +1,300 @@
+//! What headings, labels and names of characteristics mean, in English, German, French and Japanese. Called by the
+//! readers of tables; it knows words only, no values.
+//!
+//! [`heading`] understands names, [`role`] the columns of a table with a row per characteristic. Of a name that is not
+//! understood, [`near`] tells what it may have meant, and [`is_context`] whether it is known to be something else.
+
+mod lengths;
+mod near;
+mod role;
+mod unit;
+mod vocabulary;
+mod words;
+
+pub(crate) use lengths::is_evaluation_length;
+pub(crate) use near::{is_context, near};
+pub(crate) use role::{Role, role};
+pub(crate) use unit::split_unit;
+
+use crate::deviation::ErrorKind;
+use vocabulary::{Entry, Sense};
+use words::Words;
+
+/// What a column or a row of a block holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Field {
+    /// The part's name or number.
+    PartId,
+    /// One value per part.
+    Error(ErrorKind),
+    /// Number of a rack's space.
+    Space,
+    /// Measure over the pin in one space.
+    OverPin,
+    /// Position of the pin in one space.
+    Position,
+    /// Number of a pinion's tooth.
+    Tooth,
+    /// Radial deviation of the space after a tooth.
+    Radial,
+    /// Single pitch deviation of a left flank.
+    LeftPitch,
+    /// Single pitch deviation of a right flank.
+    RightPitch,
+    /// Helix angle deviation of a space or tooth.
+    Lead,
+}
+
+impl Field {
+    /// The name by which `--as` asks for it and the account of a block calls it.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::PartId => "part_id",
+            Self::Error(kind) => kind.key(),
+            Self::Space => "space",
+            Self::OverPin => "over_pin",
+            Self::Position => "position",
+            Self::Tooth => "tooth",
+            Self::Radial => "radial",
+            Self::LeftPitch => "left_pitch",
+            Self::RightPitch => "right_pitch",
+            Self::Lead => "lead",
+        }
+    }
+
+    /// Every field that can be asked for.
+    pub const ALL: [Self; 14] = [
+        Self::PartId,
+        Self::Error(ErrorKind::RackOverRoller),
+        Self::Error(ErrorKind::RackPitch),
+        Self::Error(ErrorKind::RackLead),
+        Self::Error(ErrorKind::PinionRadial),
+        Self::Error(ErrorKind::PinionPitch),
+        Self::Space,
+        Self::OverPin,
+        Self::Position,
+        Self::Tooth,
+        Self::Radial,
+        Self::LeftPitch,
+        Self::RightPitch,
+        Self::Lead,
+    ];
+
+    /// Whether the column holds whole numbers or names rather than measured values.
+    #[must_use]
+    pub const fn is_index(self) -> bool {
+        matches!(self, Self::PartId | Self::Space | Self::Tooth)
+    }
+
+    /// Whether its values are angles.
+    #[must_use]
+    pub const fn is_angle(self) -> bool {
+        matches!(self, Self::Lead | Self::Error(ErrorKind::RackLead))
+    }
+}
+
+impl std::str::FromStr for Field {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|field| field.key() == text).ok_or_else(|| {
+            let names: Vec<_> = Self::ALL.iter().map(|field| field.key()).collect();
+            format!("it is none of {}", names.join(", "))
+        })
+    }
+}
+
+/// Whether a column holds the measured value itself or its deviation from nominal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Holds {
+    /// The value.
+    Measured,
+    /// Measured minus nominal.
+    Deviation,
+}
+
+/// What a column of a table with a row per part says of its field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Aspect {
+    /// What was measured.
+    Value,
+    /// What should have been measured.
+    Nominal,
+    /// The upper tolerance, or the tolerance to both sides.
+    Upper,
+    /// The lower tolerance.
+    Lower,
+    /// How uncertain the measured value is.
+    Uncertainty,
+}
+
+/// What a heading says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Heading {
+    /// What the column is about; several where the heading leaves it open.
+    pub(crate) fields: Vec<Field>,
+    /// What it says of that.
+    pub(crate) aspect: Aspect,
+    /// Whether values are measured values or deviations, if the heading says so.
+    pub(crate) holds: Option<Holds>,
+    /// The unit as it is written, known or not.
+    pub(crate) unit: Option<String>,
+    /// Whether it is in a language that writes decimal commas.
+    pub(crate) commas: bool,
+}
+
+/// Understands a heading or label; `None` if it names nothing that is known. `own` are names that the spec gives to its
+/// columns, which mean what it says whatever else they could mean.
+pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
+    let text = bare(text);
+    let (name, unit) = split_unit(text);
+    if let Some(field) = own_field(text, &name, own) {
+        return Some(Heading { fields: vec![field], aspect: Aspect::Value, holds: None, unit, commas: false });
+    }
+    let name = without_ordinal(&name);
+    // a bound is no value
+    if has_total_pitch(name) || text.contains(['<', '>', '≤', '≥', '~', '≈']) {
+        return None;
+    }
+    let known = Words::of(name).known()?;
+    let senses = senses(&known)?;
+    let aspect = aspect(&senses)?;
+    let fields = fields(&senses)?;
+    let said = senses.iter().any(|sense| matches!(sense, Sense::Deviation | Sense::Measured));
+    if fields.iter().all(|field| field.is_index()) && (said || aspect != Aspect::Value) {
+        return None;
+    }
+    let commas = known.iter().any(|word| word.commas);
+    Some(Heading { fields, aspect, holds: holds(&senses), unit, commas })
+}
+
+/// A text without the blanks and marks around it.
+fn bare(text: &str) -> &str {
+    text.trim().trim_end_matches([':', '=', '.', '：', '…']).trim()
+}
+
+/// The field of a name that the spec gives, with its unit or without.
+fn own_field(text: &str, name: &str, own: &[(String, Field)]) -> Option<Field> {
+    let same = |a: &str, b: &str| a.trim().to_lowercase() == b.trim().to_lowercase();
+    let with = |matches: &dyn Fn(&str) -> bool| own.iter().find(|(own, _)| matches(own)).map(|(_, field)| *field);
+    with(&|own| same(own, text))
+        .or_else(|| with(&|own| same(own, name)))
+        .or_else(|| with(&|own| same(&split_unit(own).0, name)))
+}
+
+/// A name without its number in a list: `003 Pitch error`, `12. Rollenmaß`, `#4 fp`, `Pos. 3 Rollenmaß`.
+fn without_ordinal(name: &str) -> &str {
+    let name = name.trim();
+    let word = name.find(|c: char| !c.is_alphabetic()).unwrap_or(name.len());
+    let counts = matches!(name[..word].to_lowercase().as_str(), "pos" | "nr" | "no" | "item" | "merkmal" | "char");
+    let number = if counts { name[word..].trim_start_matches(['.', ' ']) } else { name };
+    let number = number.trim_start_matches(['#', '(']).trim_start();
+    let rest = number.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let after = rest.trim_start_matches([')', ':', ' ', '_', '\u{a0}', '\t']);
+    let counted = number.starts_with(|c: char| c.is_ascii_digit());
+    let apart = after.len() < rest.len() || number[..number.len() - rest.len()].ends_with('.');
+    if counted && apart && after.starts_with(char::is_alphabetic) { after } else { name }
+}
+
+/// Whether it speaks of F_p, which adds up what f_p is of a single tooth.
+fn has_total_pitch(name: &str) -> bool {
+    name.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| matches!(word, "Fp" | "F_p"))
+}
+
+/// What each word means beside the others; `None` if one has no meaning in a heading. `M` beside a name is one, too: of
+/// another field, it makes the heading one that is not understood.
+fn senses(known: &[&'static Entry]) -> Option<Vec<Sense>> {
+    let names = |sense: &Sense| matches!(sense, Sense::Name(_) | Sense::Error(_));
+    let named = known.iter().flat_map(|word| &word.senses).any(names);
+    let alone = |sense: &Sense| matches!(sense, Sense::Alone(_));
+    let sense = |word: &Entry| {
+        let usable = word.senses.iter().copied().filter(|sense| !sense.is_foreign());
+        let first = usable.clone().find(|sense| alone(sense) != named);
+        first.or_else(|| usable.clone().next())
+    };
+    known.iter().map(|word| sense(word)).collect()
+}
+
+/// What the column says of its field; `None` where the words contradict each other or do not tell.
+fn aspect(senses: &[Sense]) -> Option<Aspect> {
+    let has = |sense: Sense| senses.contains(&sense);
+    let tolerance = has(Sense::Tolerance) || has(Sense::Limit);
+    let upper = has(Sense::Upper) || (has(Sense::Plus) && tolerance);
+    let lower = has(Sense::Lower) || (has(Sense::Minus) && tolerance);
+    let deviation = has(Sense::Deviation) || senses.iter().any(|sense| matches!(sense, Sense::Error(_)));
+    if (upper && lower)
+        || (has(Sense::Plus) && !upper)
+        || (has(Sense::Limit) && !upper && !lower)
+        || (has(Sense::Nominal) && has(Sense::Measured))
+        || (has(Sense::Greatest) && !deviation)
+    {
+        return None;
+    }
+    Some(if has(Sense::Uncertainty) && !has(Sense::Tolerance) {
+        Aspect::Uncertainty
+    } else if upper {
+        Aspect::Upper
+    } else if lower {
+        Aspect::Lower
+    } else if tolerance {
+        Aspect::Upper
+    } else if has(Sense::Nominal) {
+        Aspect::Nominal
+    } else {
+        Aspect::Value
+    })
+}
+
+fn holds(senses: &[Sense]) -> Option<Holds> {
+    if senses.iter().any(|sense| matches!(sense, Sense::Deviation | Sense::Error(_))) {
+        return Some(Holds::Deviation);
+    }
+    senses.contains(&Sense::Measured).then_some(Holds::Measured)
+}
+
+/// The fields that all names among the words can mean, of the part and the flank that they say; `None` if there is none.
+fn fields(senses: &[Sense]) -> Option<Vec<Field>> {
+    let mut fields: Option<Vec<Field>> = None;
+    for sense in senses {
+        if let Sense::Name(named) | Sense::Error(named) | Sense::Alone(named) = sense {
+            let both = |so_far: Vec<Field>| so_far.into_iter().filter(|field| named.contains(field)).collect();
+            fields = Some(fields.map_or_else(|| named.to_vec(), both));
+        }
+    }
+    let has = |sense: Sense| senses.contains(&sense);
+    let fields = fields?;
+    let (left, right) = (has(Sense::Left), has(Sense::Right));
+    if left || right {
+        let pitch = fields.contains(&Field::Error(ErrorKind::PinionPitch)) && left != right && !has(Sense::Rack);
+        return pitch.then(|| vec![if left { Field::LeftPitch } else { Field::RightPitch }]);
+    }
+    let fits = |field: &Field| (!has(Sense::Pinion) || !of_rack(*field)) && (!has(Sense::Rack) || !of_pinion(*field));
+    let fields: Vec<Field> = fields.into_iter().filter(fits).collect();
+    (!fields.is_empty()).then_some(fields)
+}
+
+fn of_rack(field: Field) -> bool {
+    match field {
+        Field::Error(kind) => matches!(kind, ErrorKind::RackOverRoller | ErrorKind::RackPitch | ErrorKind::RackLead),
+        // an over-pin measure of the pinion is nothing that a formula here takes
+        field => matches!(field, Field::Space | Field::OverPin | Field::Position),
+    }
+}
+
+fn of_pinion(field: Field) -> bool {
+    match field {
+        Field::Error(kind) => matches!(kind, ErrorKind::PinionRadial | ErrorKind::PinionPitch),
+        field => matches!(field, Field::Tooth | Field::Radial),
+    }
+}
+
+/// Whether a heading names measured values. `own` are names that the spec gives to its columns.
+pub(crate) fn is_value_heading(text: &str, own: &[(String, Field)]) -> bool {
+    let names_value =
+        |heading: &Heading| heading.aspect == Aspect::Value && heading.fields.iter().any(|field| !field.is_index());
+    heading(text, own).is_some_and(|heading| names_value(&heading))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,211 @@
+//! What a name that is not understood may have meant, and which names are known to mean something else.
+
+use super::unit::split_unit;
+use super::vocabulary::{Entry, Sense, VOCABULARY, is_japanese};
+use super::words::Words;
+use super::{Field, bare, heading, of_pinion, of_rack, without_ordinal};
+use crate::deviation::ErrorKind;
+
+/// The longest known phrase, in words.
+const LONGEST_PHRASE: usize = 5;
+
+/// The fields whose names are nearest to a heading that is not understood, or leaves open which field it means; empty if
+/// it is near none. Part, flank, unit, numbers and words such as `measured` make no name near.
+pub(crate) fn near(text: &str) -> Vec<Field> {
+    if is_context(text) {
+        return Vec::new();
+    }
+    if let Some(heading) = heading(text, &[]) {
+        return heading.fields.into_iter().filter(|field| *field != Field::PartId).collect();
+    }
+    let words = Words::of(&name_of(text));
+    let mut fields = named(&words);
+    if fields.is_empty() {
+        fields = misspelt(&words);
+    }
+    of_part(fields, &words)
+}
+
+/// Whether a name is known to be no measured error: dates, operators, machines, serial numbers, and what a gear is, such
+/// as its module or the diameter of the roller.
+pub(crate) fn is_context(text: &str) -> bool {
+    let Some(known) = Words::of(&name_of(text)).known() else { return false };
+    let says_it = |word: &&Entry| word.senses.iter().any(|sense| is_of_context(*sense));
+    let silent = |word: &&Entry| word.senses.iter().any(|sense| is_silent(*sense) && *sense != Sense::Other);
+    known.iter().any(says_it) && known.iter().all(|word| says_it(word) || silent(word))
+}
+
+const fn is_of_context(sense: Sense) -> bool {
+    matches!(sense, Sense::Context | Sense::Alone([Field::PartId]))
+}
+
+fn name_of(text: &str) -> String {
+    let (name, _) = split_unit(bare(text));
+    without_ordinal(&name).to_owned()
+}
+
+/// Whether it says nothing of what was measured.
+const fn is_silent(sense: Sense) -> bool {
+    !matches!(sense, Sense::Name(_) | Sense::Error(_) | Sense::Alone(_) | Sense::Near(_) | Sense::Context)
+}
+
+/// What the words of a name can mean that are known; not the words that count only by themselves.
+fn names(known: &[&'static Entry]) -> Vec<Field> {
+    let mut fields = Vec::new();
+    for sense in known.iter().flat_map(|word| &word.senses) {
+        if let Sense::Name(named) | Sense::Error(named) | Sense::Near(named) = sense {
+            add(&mut fields, named);
+        }
+    }
+    fields.retain(|field| !only_whole(*field));
+    fields
+}
+
+/// Whether its names are ordinary words: a `tool position` is no position of a pin.
+fn only_whole(field: Field) -> bool {
+    field.is_index() || field == Field::Position
+}
+
+fn add(fields: &mut Vec<Field>, more: &[Field]) {
+    // a pitch is meant by the rack's name or the pinion's
+    let pitch = [Field::Error(ErrorKind::RackPitch), Field::Error(ErrorKind::PinionPitch)];
+    let more = if more.iter().any(|field| pitch.contains(field)) { &pitch } else { more };
+    for field in more {
+        if !fields.contains(field) {
+            fields.push(*field);
+        }
+    }
+}
+
+/// The fields whose names stand in a heading.
+fn named(words: &Words) -> Vec<Field> {
+    let fields = words.known().map_or_else(|| named_among_others(words), |known| names(&known));
+    if fields.is_empty() { named_alone(words) } else { fields }
+}
+
+/// The fields of a word that counts only by itself, where it does: `M 2`, `p limit`.
+fn named_alone(words: &Words) -> Vec<Field> {
+    let known = words.known().unwrap_or_default();
+    let mut speaking = known.iter().filter(|word| word.senses.iter().any(|sense| !is_silent(*sense)));
+    match (speaking.next(), speaking.next()) {
+        (Some(word), None) => meant(word, true),
+        _ => Vec::new(),
+    }
+}
+
+/// The fields whose names stand among words that are not known, or within one: `pitch circle`, `Stirnteilung`.
+fn named_among_others(words: &Words) -> Vec<Field> {
+    const LONG: usize = 7;
+    let mut fields = Vec::new();
+    for length in (1..=LONGEST_PHRASE.min(words.tokens.len())).rev() {
+        for phrase in words.tokens.windows(length) {
+            let known = Words::of_tokens(phrase.to_vec()).known().filter(|known| known.len() == 1 || length == 1);
+            add(&mut fields, &known.map_or_else(Vec::new, |known| names(&known)));
+        }
+    }
+    let unknown = |token: &&String| Words::of_tokens(vec![(*token).clone()]).known().is_none();
+    let unknown: Vec<&String> = words.tokens.iter().filter(unknown).collect();
+    let within = |entry: &&'static Entry| {
+        (entry.is_japanese() || entry.letters.len() >= LONG)
+            && unknown.iter().any(|token| token.contains(&entry.letters))
+    };
+    let within: Vec<&'static Entry> = VOCABULARY.all().filter(within).collect();
+    add(&mut fields, &names(&within));
+    fields
+}
+
+/// The fields whose names differ least from the words of a heading that are not known, if by a letter or two.
+fn misspelt(words: &Words) -> Vec<Field> {
+    let unknown: Vec<String> = words.tokens.iter().filter_map(|token| unknown_part(token)).collect();
+    let of_context = |token: &String| {
+        let known = Words::of_tokens(vec![token.clone()]).known().unwrap_or_default();
+        known.iter().any(|word| word.senses.contains(&Sense::Context))
+    };
+    let beside_context = words.tokens.iter().any(of_context);
+    let mut nearest = usize::MAX;
+    let mut fields = Vec::new();
+    for length in 1..=LONGEST_PHRASE.min(unknown.len()) {
+        let whole = length == unknown.len() && !beside_context;
+        for phrase in unknown.windows(length) {
+            let phrase = phrase.concat();
+            for (distance, entry) in VOCABULARY.all().filter_map(|entry| Some((distance(&phrase, entry)?, entry))) {
+                let found = meant(entry, whole);
+                if found.is_empty() || distance > nearest {
+                    continue;
+                }
+                if distance < nearest {
+                    fields.clear();
+                    nearest = distance;
+                }
+                add(&mut fields, &found);
+            }
+        }
+    }
+    fields
+}
+
+/// What a word means; some mean it only if nothing else stands beside them, so that it is the `whole` name.
+fn meant(entry: &'static Entry, whole: bool) -> Vec<Field> {
+    let mut fields = Vec::new();
+    for sense in &entry.senses {
+        match sense {
+            Sense::Name(named) | Sense::Error(named) | Sense::Near(named) => add(&mut fields, named),
+            Sense::Alone(named) if whole => add(&mut fields, named),
+            _ => {}
+        }
+    }
+    fields.retain(|field| *field != Field::PartId && (whole || !only_whole(*field)));
+    fields
+}
+
+/// A word without the known words at its ends; `None` if nothing is left, or only what says nothing.
+fn unknown_part(token: &str) -> Option<String> {
+    let whole = Words::of_tokens(vec![token.to_owned()]);
+    let says_nothing = |entry: &&Entry| entry.senses.iter().any(|sense| is_silent(*sense) || is_of_context(*sense));
+    if whole.known().is_some_and(|known| known.iter().all(says_nothing)) || token.chars().any(is_japanese) {
+        return None;
+    }
+    let silent = |entry: &&Entry| entry.letters.len() > 2 && entry.senses.iter().all(|sense| is_silent(*sense));
+    let mut rest = token;
+    for entry in VOCABULARY.all().filter(silent) {
+        let stem = rest.strip_prefix(&entry.letters).or_else(|| rest.strip_suffix(&entry.letters));
+        rest = stem.filter(|stem| stem.chars().count() > 3).unwrap_or(rest);
+    }
+    Some(rest.to_owned())
+}
+
+/// How many letters are missing, added, wrong or swapped, if few enough for the word's length.
+fn distance(phrase: &str, entry: &Entry) -> Option<usize> {
+    let length = entry.letters.chars().count();
+    let most = match length {
+        0..=3 => return None,
+        4..=6 => 1,
+        _ => 2,
+    };
+    if phrase.chars().count().abs_diff(length) > most || !entry.letters.is_ascii() {
+        return None;
+    }
+    Some(strsim::osa_distance(phrase, &entry.letters)).filter(|distance| *distance <= most)
+}
+
+/// The fields of the part that the name says; all of them if it has none of that part.
+fn of_part(fields: Vec<Field>, words: &Words) -> Vec<Field> {
+    let says = |part: Sense| {
+        let is_part = |entry: &&Entry| entry.senses.contains(&part);
+        let said = |entry: &Entry| {
+            let within = entry.is_japanese() && words.letters().contains(&entry.letters);
+            let token = |token: &String| {
+                token.starts_with(&entry.letters) || (token.len() > 4 && distance(token, entry).is_some())
+            };
+            within || words.tokens.iter().any(token)
+        };
+        VOCABULARY.all().filter(is_part).any(said)
+    };
+    let of: fn(Field) -> bool = match (says(Sense::Rack), says(Sense::Pinion)) {
+        (true, false) => |field| !of_pinion(field),
+        (false, true) => |field| !of_rack(field),
+        _ => return fields,
+    };
+    let fitting: Vec<Field> = fields.iter().copied().filter(|field| of(*field)).collect();
+    if fitting.is_empty() { fields } else { fitting }
+}

@@ -1,0 +1,185 @@
+//! Where a heading ends and its unit begins.
+
+use super::vocabulary::is_japanese;
+use super::words::{Words, plain_widths};
+use crate::quantity::Unit;
+
+/// Units of what is no length and no angle.
+const OTHER: &str = "°C|°F|℃|N|kN|mN|Nm|N·m|Ncm|g|kg|mg|s|ms|h|%|‰|HRC|HV|HB|bar|mbar|Pa|kPa|MPa|V|mV|A|mA|W|kW|Hz|kHz|\
+                     rpm|1/min|min-1|min⁻¹|mm/s|mm/min|pcs|ppm|K|dB";
+
+/// A heading's name and its unit: `Teilung [µm]`, `pitch_mm`, `Teilung in µm`, `Teilung/µm`, `Teilung µm`. What stands
+/// in square brackets is a unit, known or not; what stands in round ones is one unless it is a word of another meaning.
+pub(crate) fn split_unit(text: &str) -> (String, Option<String>) {
+    let text = plain_widths(text);
+    bracketed(&text, &[('[', ']'), ('【', '】'), ('〔', '〕')], |_, _| true)
+        .or_else(|| bracketed(&text, &[('(', ')')], is_unit_in_round))
+        .or_else(|| behind(&text))
+        .or_else(|| attached(&text))
+        .unwrap_or((text, None))
+}
+
+/// The last bracket whose inside is a unit, as told by `accept` of what stands before it and in it.
+fn bracketed(text: &str, pairs: &[(char, char)], accept: fn(&str, &str) -> bool) -> Option<(String, Option<String>)> {
+    let openings = text.char_indices().rev();
+    let mut openings = openings.filter_map(|(at, c)| Some((at, *pairs.iter().find(|(open, _)| *open == c)?)));
+    openings.find_map(|(at, (open, close))| {
+        let (before, rest) = (&text[..at], &text[at + open.len_utf8()..]);
+        let end = rest.find(close).unwrap_or(rest.len());
+        let after = rest[end..].strip_prefix(close).unwrap_or("");
+        let inside = without_preposition(rest[..end].trim());
+        accept(before, inside).then(|| {
+            let unit = (!inside.is_empty()).then(|| inside.to_owned());
+            (format!("{} {}", before.trim_end(), after.trim()).trim().to_owned(), unit)
+        })
+    })
+}
+
+/// `in µm` is µm.
+fn without_preposition(unit: &str) -> &str {
+    let rest = ["in ", "en "].iter().find_map(|word| unit.strip_prefix(word));
+    rest.map_or(unit, str::trim).trim_start_matches('/').trim_start()
+}
+
+/// Whether what stands in round brackets is a unit: a known one, or what looks like one and is no word.
+fn is_unit_in_round(before: &str, inside: &str) -> bool {
+    // roller(s)
+    let plural = matches!(inside, "s" | "n" | "en") && before.ends_with(char::is_alphabetic);
+    if plural {
+        return false;
+    }
+    let looks = inside.chars().count() <= 12
+        && inside.chars().any(|c| c.is_alphabetic() || "°′″'\"%".contains(c))
+        && !inside.starts_with(|c: char| c.is_ascii_digit())
+        && !inside.contains([' ', '=', ':', ',', '.', ';', '#']);
+    is_known(inside) || (looks && Words::of(inside).known().is_none())
+}
+
+/// Whether it is a unit of anything: also N/mm, and MM where all is written in capitals.
+fn is_known(unit: &str) -> bool {
+    let simple = |unit: &str| {
+        let capitals = unit.chars().count() > 1 && !unit.contains(char::is_lowercase);
+        Unit::from_symbol(unit).is_some()
+            || OTHER.split('|').any(|other| other == unit)
+            || (capitals && Unit::from_symbol(&unit.to_lowercase()).is_some())
+    };
+    simple(unit) || unit.split_once('/').is_some_and(|(above, below)| simple(above) && simple(below))
+}
+
+/// A unit after a blank, a slash, `in`, `_` or `-`.
+fn behind(text: &str) -> Option<(String, Option<String>)> {
+    let text = text.trim();
+    // a unit may have a blank inside: 1/1000 mm
+    let starts = text.char_indices().rev().filter(|(_, c)| c.is_whitespace() || matches!(c, '/' | '_' | '-'));
+    let starts: Vec<(usize, char)> = starts.take(3).collect();
+    starts.into_iter().rev().find_map(|(at, mark)| {
+        let (before, unit) = (&text[..at], text[at + mark.len_utf8()..].trim());
+        let before = before.trim_end();
+        let slash = mark == '/' || before.ends_with('/');
+        let said = slash || before.ends_with(" in") || before.ends_with(" en");
+        let stem = before.strip_suffix(" in").or_else(|| before.strip_suffix(" en")).unwrap_or(before);
+        let stem = stem.trim_end().trim_end_matches([',', '/', ';', ':', '-']).trim_end();
+        // no name ends in a sign: ° and ㎛ are no letters
+        let is_word = unit.chars().all(char::is_alphabetic);
+        let clear = if said { !slash || !is_word || !is_name(text) } else { is_clear(unit, mark) };
+        (clear && is_known(unit)).then(|| (stem.to_owned(), Some(unit.to_owned())))
+    })
+}
+
+/// `P/N` and `S/N` are names.
+fn is_name(text: &str) -> bool {
+    Words::of(text).known().is_some()
+}
+
+/// Whether it is a unit although nothing around it says so: `in` may be the word, `min` the least, `m` a name.
+fn is_clear(unit: &str, mark: char) -> bool {
+    let word = match unit {
+        "in" | "IN" => mark != '_',
+        "min" | "MIN" | "'" | "\"" => true,
+        _ => unit.chars().count() == 1 && unit.chars().all(char::is_alphabetic),
+    };
+    !word
+}
+
+/// A unit without a blank before it, where it cannot be part of a word: `Winkel°`, `ピッチ誤差μm`.
+fn attached(text: &str) -> Option<(String, Option<String>)> {
+    let start = text.char_indices().rev().take_while(|(_, c)| !is_japanese(*c)).last().map(|(at, _)| at)?;
+    let degree = text.strip_suffix(['°', '㎛', '㎜', '″', '′']).filter(|name| !matches!(*name, "N" | "n"));
+    let at = if start > 0 { start } else { degree.filter(|name| name.ends_with(char::is_alphabetic))?.len() };
+    let (name, unit) = (text[..at].trim(), text[at..].trim());
+    (!name.is_empty() && is_known(unit) && unit.chars().count() + usize::from(start == 0) > 1)
+        .then(|| (name.to_owned(), Some(unit.to_owned())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_wherever_they_stand() {
+        for (text, name, unit) in [
+            ("Teilung [µm]", "Teilung", Some("µm")),
+            ("Teilung (µm)", "Teilung", Some("µm")),
+            ("Teilung（µm）", "Teilung", Some("µm")),
+            ("ピッチ誤差［µm］", "ピッチ誤差", Some("µm")),
+            ("ﾋﾟｯﾁ誤差 µm", "ピッチ誤差", Some("µm")),
+            ("ピッチ誤差【mm】", "ピッチ誤差", Some("mm")),
+            ("ピッチ誤差μm", "ピッチ誤差", Some("μm")),
+            ("pitch_um", "pitch", Some("um")),
+            ("pitch-um", "pitch", Some("um")),
+            ("PITCH UM", "PITCH", Some("UM")),
+            ("Teilung µm", "Teilung", Some("µm")),
+            ("Teilung, µm", "Teilung", Some("µm")),
+            ("Rollenmaß/µm", "Rollenmaß", Some("µm")),
+            ("Rollenmaß / µm", "Rollenmaß", Some("µm")),
+            ("/µm", "", Some("µm")),
+            ("fp in µm", "fp", Some("µm")),
+            ("pas en µm", "pas", Some("µm")),
+            ("fp [in µm]", "fp", Some("µm")),
+            ("pitch in in", "pitch", Some("in")),
+            ("pitch_in", "pitch", Some("in")),
+            ("check in", "check in", None),
+            ("lead (deg)", "lead", Some("deg")),
+            ("lead °", "lead", Some("°")),
+            ("lead°", "lead", Some("°")),
+            ("lead [']", "lead", Some("'")),
+            ("lead '", "lead '", None),
+            ("lead_min", "lead_min", None),
+            ("lead [min]", "lead", Some("min")),
+            ("pitch [nm]", "pitch", Some("nm")),
+            ("pitch [1/1000 mm]", "pitch", Some("1/1000 mm")),
+            ("pitch [furlong long]", "pitch", Some("furlong long")),
+            ("pitch [㎛]", "pitch", Some("㎛")),
+            ("pitch []", "pitch", None),
+            ("Ｍ（ｍｍ）", "M", Some("mm")),
+            ("pitch [mm", "pitch", Some("mm")),
+            ("pitch (micron)", "pitch", Some("micron")),
+            ("pitch (Ist)", "pitch (Ist)", None),
+            ("pitch (k=2)", "pitch (k=2)", None),
+            ("pitch (rack)", "pitch (rack)", None),
+            ("pitch (max.)", "pitch (max.)", None),
+            ("pitch (rack) (um)", "pitch (rack)", Some("um")),
+            ("pitch (um) rack", "pitch rack", Some("um")),
+            ("pitch (Ist) [mm]", "pitch (Ist)", Some("mm")),
+            ("over roller(s)", "over roller(s)", None),
+            ("over roller(s) (mm)", "over roller(s)", Some("mm")),
+            ("pitch (measured by Zeiss)", "pitch (measured by Zeiss)", None),
+            ("Temp. [°C]", "Temp.", Some("°C")),
+            ("Temp. °C", "Temp.", Some("°C")),
+            ("Kraft (N)", "Kraft", Some("N")),
+            ("Kraft/N", "Kraft", Some("N")),
+            ("Steifigkeit N/mm", "Steifigkeit", Some("N/mm")),
+            ("Härte HRC", "Härte", Some("HRC")),
+            ("P/N", "P/N", None),
+            ("S/N", "S/N", None),
+            ("N° dent", "N° dent", None),
+            ("N°", "N°", None),
+            ("M", "M", None),
+            ("mm", "mm", None),
+            ("Soll/Ist", "Soll/Ist", None),
+            ("", "", None),
+        ] {
+            assert_eq!(split_unit(text), (name.to_owned(), unit.map(str::to_owned)), "{text}");
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Numbers as people and machines write them: decimal commas and points, thousands marks, units, odd minus signs,
+//! full-width digits. Called for every cell that is no plain number; it knows nothing of columns, and hands what it
+//! understands to [`crate::quantity`], which reads it.
+//!
+//! A comma and a point are each other's opposite: where one is the decimal mark, the other groups thousands and does
+//! nothing else. A blank, a thin space or an apostrophe groups thousands with both.
+
+use std::borrow::Cow;
+
+/// Which character separates the decimals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum DecimalMark {
+    /// `25.013`
+    Point,
+    /// `25,013`
+    Comma,
+}
+
+impl DecimalMark {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
+
+    /// `decimal point` or `decimal comma`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Point => "decimal point",
+            Self::Comma => "decimal comma",
+        }
+    }
+
+    /// The character.
+    pub(crate) const fn character(self) -> char {
+        match self {
+            Self::Point => '.',
+            Self::Comma => ',',
+        }
+    }
+
+    /// The character, as the byte that it is in every code of text.
+    pub(crate) const fn byte(self) -> u8 {
+        match self {
+            Self::Point => b'.',
+            Self::Comma => b',',
+        }
+    }
+}
+
+/// Blanks that spreadsheets and typesetters put between groups of digits.
+const GROUP_BLANKS: [char; 5] = [' ', '\u{a0}', '\u{2009}', '\u{202f}', '\u{2007}'];
+
+fn is_minus(c: char) -> bool {
+    matches!(c, '-' | '\u{2212}' | '\u{2013}' | '\u{fe63}' | '\u{ff0d}')
+}
+
+/// What stands in a cell that has no value, besides dashes and dots.
+const MISSING: [&str; 24] = [
+    "n/a", "na", "n.a.", "n.a", "nan", "k.a.", "k. a.", "#n/a", "#nv", "none", "null", "nil", "#div/0!", "#value!",
+    "#wert!", "#ref!", "#bezug!", "#name?", "#num!", "#zahl!", "#null!", "n.d.", "n.m.", "missing",
+];
+
+/// Whether a cell says that there is no value.
+pub(crate) fn is_missing(cell: &str) -> bool {
+    let cell = cell.trim();
+    cell.chars().all(|c| is_minus(c) || matches!(c, '\u{2014}' | '.' | '\u{2026}' | '/' | '\u{30fc}'))
+        || MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word))
+}
+
+/// The text with full-width digits, signs and marks as plain ones.
+fn half_width(text: &str) -> Cow<'_, str> {
+    let is_wide = |c: char| ('\u{ff01}'..='\u{ff5e}').contains(&c);
+    if text.is_ascii() || !text.contains(is_wide) {
+        return text.into();
+    }
+    text.chars()
+        .map(|c| if is_wide(c) { char::from_u32(u32::from(c) - 0xfee0).unwrap_or(c) } else { c })
+        .collect::<String>()
+        .into()
+}
+
+/// The cell with every number in it as `Length` and `Angle` read it: a decimal point, no thousands marks, a plain
+/// minus. `None` if the text does not start with a number or is none with this decimal mark.
+pub(crate) fn normalise(cell: &str, mark: DecimalMark) -> Option<String> {
+    let mut out = String::new();
+    let cell = half_width(cell);
+    let mut rest = cell.trim();
+    let mut first = true;
+    while !rest.is_empty() {
+        let signs = rest.len() - rest.trim_start_matches(|c| c == '+' || is_minus(c)).len();
+        let sign = &rest[..signs];
+        let after = rest[signs..].trim_start_matches(GROUP_BLANKS);
+        let starts = after.starts_with(|c: char| c.is_ascii_digit())
+            || after.starts_with(['.', ',']) && after[1..].starts_with(|c: char| c.is_ascii_digit());
+        // two numbers with nothing between them are none
+        if starts && sign.chars().count() <= 1 && !out.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
+            let (number, length) = number(after, mark)?;
+            if sign.chars().any(is_minus) {
+                out.push('-');
+            }
+            out.push_str(&number);
+            rest = &after[length..];
+        } else if first {
+            return None;
+        } else {
+            let length = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
+            // a sign belongs to the number after it
+            let text = &rest[..length];
+            let text = text.trim_end_matches(|c| c == '+' || is_minus(c));
+            if text.trim_matches(GROUP_BLANKS).is_empty() && !rest[text.len()..].is_empty() {
+                return None;
+            }
+            out.extend(text.chars().map(|c| if GROUP_BLANKS.contains(&c) { ' ' } else { c }));
+            rest = &rest[text.len()..];
+        }
+        first = false;
+    }
+    (!first).then_some(out)
+}
+
+/// The number at the start of `text` with a decimal point, and how many bytes it takes.
+fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
+    let decimal = mark.character();
+    let mut groups: Vec<&str> = Vec::new();
+    let mut group_mark = None;
+    let mut at = 0;
+    let mut fraction = None;
+    let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+    loop {
+        let count = digits(at);
+        groups.push(&text[at..at + count]);
+        at += count;
+        let Some(next) = text[at..].chars().next() else { break };
+        let after = at + next.len_utf8();
+        let count = digits(after);
+        if next == decimal {
+            fraction = Some(&text[after..after + count]);
+            at = after + count;
+            break;
+        }
+        let groups_digits =
+            GROUP_BLANKS.contains(&next) || matches!(next, '\'' | '\u{2019}') || matches!(next, '.' | ',');
+        // 12' 30" is an angle, and `12 500 um` a number: only a group of three continues a number
+        if !groups_digits || count == 0 || (count != 3 && !matches!(next, '.' | ',')) {
+            break;
+        }
+        if count != 3 || group_mark.is_some_and(|mark| mark != next) {
+            return None;
+        }
+        group_mark = Some(next);
+        at = after;
+    }
+    if groups.len() > 1 && !(1..=3).contains(&groups[0].len()) || groups.len() > 1 && groups[0].starts_with('0') {
+        return None;
+    }
+    let mut number = groups.concat();
+    if number.is_empty() && fraction.is_none_or(str::is_empty) {
+        return None;
+    }
+    if number.is_empty() {
+        number.push('0');
+    }
+    if let Some(fraction) = fraction.filter(|fraction| !fraction.is_empty()) {
+        number.push('.');
+        number.push_str(fraction);
+    }
+    // a second decimal mark, or a group after the decimals, makes it no number
+    if text[at..].starts_with(['.', ',']) {
+        return None;
+    }
+    let exponent = text[at..].strip_prefix(['e', 'E']).map(|rest| {
+        let sign = usize::from(rest.starts_with(['+', '-']));
+        (sign, rest[sign..].bytes().take_while(u8::is_ascii_digit).count())
+    });
+    if let Some((sign, count)) = exponent.filter(|(_, count)| *count > 0) {
+        let end = at + 1 + sign + count;
+        number.push_str(&text[at..end]);
+        at = end;
+    }
+    Some((number, at))
+}
+
+/// How a cell can be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Marks {
+    /// No number with either mark.
+    None,
+    /// The same with both.
+    Same,
+    /// With one of them only.
+    Only(DecimalMark),
+    /// A different number with each.
+    Differ,
+}
+
+/// The same for what most cells are: digits, with one mark or none and not three digits behind it.
+fn plain_marks(cell: &[u8]) -> Option<Marks> {
+    const LONGEST: usize = 18;
+    let digits = cell.strip_prefix(b"-").unwrap_or(cell);
+    let is_number = |digits: &[u8]| !digits.is_empty() && digits.iter().all(u8::is_ascii_digit);
+    let Some(mark) = digits.iter().position(|byte| matches!(byte, b'.' | b',')) else {
+        return (digits.len() <= LONGEST && is_number(digits)).then_some(Marks::Same);
+    };
+    let (whole, decimals) = (&digits[..mark], &digits[mark + 1..]);
+    let is_plain = digits.len() <= LONGEST && is_number(whole) && is_number(decimals) && decimals.len() != 3;
+    is_plain.then_some(Marks::Only(if digits[mark] == b'.' { DecimalMark::Point } else { DecimalMark::Comma }))
+}
+
+/// How a cell can be read.
+pub(crate) fn marks(cell: &str) -> Marks {
+    if let Some(plain) = plain_marks(cell.as_bytes()) {
+        return plain;
+    }
+    match DecimalMark::ALL.map(|mark| normalise(cell, mark)) {
+        [None, None] => Marks::None,
+        [Some(point), Some(comma)] if point == comma => Marks::Same,
+        [Some(_), Some(_)] => Marks::Differ,
+        [Some(_), None] => Marks::Only(DecimalMark::Point),
+        [None, Some(_)] => Marks::Only(DecimalMark::Comma),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_both_marks() {
+        for (cell, point, comma) in [
+            ("25.013", Some("25.013"), Some("25013")),
+            ("25,013", Some("25013"), Some("25.013")),
+            ("0,4", None, Some("0.4")),
+            ("0.125", Some("0.125"), None),
+            ("1.000,92", None, Some("1000.92")),
+            ("1,000.92", Some("1000.92"), None),
+            ("1 000,92", None, Some("1000.92")),
+            ("1\u{202f}000,92 µm", None, Some("1000.92 µm")),
+            ("1'000.5", Some("1000.5"), None),
+            ("1.234.567", None, Some("1234567")),
+            ("1,234,567", Some("1234567"), None),
+            ("\u{2212}3 µm", Some("-3 µm"), Some("-3 µm")),
+            ("\u{2013}3,5", None, Some("-3.5")),
+            ("- 3", Some("-3"), Some("-3")),
+            ("12° 30'", Some("12° 30'"), Some("12° 30'")),
+            ("12° 30,5'", None, Some("12° 30.5'")),
+            (",5", None, Some("0.5")),
+            ("1e-3", Some("1e-3"), Some("1e-3")),
+            ("1,5e-3", None, Some("1.5e-3")),
+            ("12.5.3", None, None),
+            ("1,2.3,4", None, None),
+            ("0,123,456", None, None),
+            ("abc", None, None),
+            ("--3", None, None),
+            ("", None, None),
+            ("1234,567", None, Some("1234.567")),
+            ("5,", None, Some("5")),
+            ("1 2.5", None, None),
+            ("25.01 31", None, None),
+            // what stands behind a number is left to the reader of quantities, for whom this is no unit
+            ("1_000", Some("1_000"), Some("1_000")),
+            ("2_5.01", Some("2_5.01"), None),
+            ("\u{ff12}\u{ff15}\u{ff0e}\u{ff10}\u{ff11}\u{ff13}\u{ff11}", Some("25.0131"), None),
+        ] {
+            assert_eq!(normalise(cell, DecimalMark::Point).as_deref(), point, "{cell} with a point");
+            assert_eq!(normalise(cell, DecimalMark::Comma).as_deref(), comma, "{cell} with a comma");
+        }
+        assert_eq!(marks("1,234"), Marks::Differ);
+        assert_eq!(marks("17"), Marks::Same);
+        for missing in [" -- ", "n/a", "", "---", "#DIV/0!", "#NV", "\u{2014}"] {
+            assert!(is_missing(missing), "{missing}");
+        }
+        assert!(!is_missing("-3"));
+    }
+}

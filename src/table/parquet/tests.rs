@@ -1,0 +1,411 @@
+use ::parquet::basic::{BrotliLevel, GzipLevel, LogicalType, Repetition, TimeUnit, Type as Physical, ZstdLevel};
+use ::parquet::column::writer::ColumnWriter;
+use ::parquet::data_type::Int96;
+use ::parquet::file::properties::WriterProperties;
+use ::parquet::file::writer::SerializedFileWriter;
+use ::parquet::schema::parser::parse_message_type;
+use ::parquet::schema::types::Type;
+
+use super::*;
+
+/// The values of a column in a group, and where they stand: 1 for a value, 0 for none; nothing if each row has one.
+enum Stored<'v> {
+    Doubles(&'v [f64], &'v [i16]),
+    Floats(&'v [f32]),
+    Ints(&'v [i32], &'v [i16]),
+    Longs(&'v [i64]),
+    Texts(&'v [&'v str], &'v [i16]),
+    Bytes(&'v [&'v [u8]]),
+    Fixed(&'v [&'v [u8]]),
+    Bools(&'v [bool]),
+    Old(&'v [u32]),
+}
+
+fn file(schema: Type, compression: Compression, groups: &[Vec<Stored<'_>>]) -> Vec<u8> {
+    let properties = WriterProperties::builder().set_compression(compression).build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties)).unwrap();
+    for columns in groups {
+        let mut group = writer.next_row_group().unwrap();
+        for column in columns {
+            let mut open = group.next_column().unwrap().unwrap();
+            write(open.untyped(), column);
+            open.close().unwrap();
+        }
+        group.close().unwrap();
+    }
+    writer.into_inner().unwrap()
+}
+
+fn write(writer: &mut ColumnWriter<'_>, column: &Stored<'_>) {
+    let some = |levels: &'_ [i16]| (!levels.is_empty()).then(|| levels.to_vec());
+    let written = match (writer, column) {
+        (ColumnWriter::DoubleColumnWriter(writer), Stored::Doubles(values, levels)) => {
+            writer.write_batch(values, some(levels).as_deref(), None)
+        }
+        (ColumnWriter::FloatColumnWriter(writer), Stored::Floats(values)) => writer.write_batch(values, None, None),
+        (ColumnWriter::Int32ColumnWriter(writer), Stored::Ints(values, levels)) => {
+            writer.write_batch(values, some(levels).as_deref(), None)
+        }
+        (ColumnWriter::Int64ColumnWriter(writer), Stored::Longs(values)) => writer.write_batch(values, None, None),
+        (ColumnWriter::BoolColumnWriter(writer), Stored::Bools(values)) => writer.write_batch(values, None, None),
+        (ColumnWriter::ByteArrayColumnWriter(writer), Stored::Texts(values, levels)) => {
+            let values: Vec<ByteArray> = values.iter().map(|text| ByteArray::from(*text)).collect();
+            writer.write_batch(&values, some(levels).as_deref(), None)
+        }
+        (ColumnWriter::ByteArrayColumnWriter(writer), Stored::Bytes(values)) => {
+            let values: Vec<ByteArray> = values.iter().map(|bytes| ByteArray::from(*bytes)).collect();
+            writer.write_batch(&values, None, None)
+        }
+        (ColumnWriter::FixedLenByteArrayColumnWriter(writer), Stored::Fixed(values)) => {
+            let values: Vec<FixedLenByteArray> = values.iter().map(|bytes| bytes.to_vec().into()).collect();
+            writer.write_batch(&values, None, None)
+        }
+        (ColumnWriter::Int96ColumnWriter(writer), Stored::Old(values)) => {
+            let mut moment = Int96::new();
+            moment.set_data(values[0], values[1], values[2]);
+            writer.write_batch(&[moment], None, None)
+        }
+        _ => panic!("the schema says otherwise"),
+    };
+    written.unwrap();
+}
+
+fn message(text: &str) -> Type {
+    parse_message_type(text).unwrap()
+}
+
+fn decimal(text: &str) -> Number {
+    Number::Finite(Decimal::parse(text).unwrap())
+}
+
+fn read_all(bytes: &[u8], wanted: &[usize]) -> Result<Vec<ColumnValues>, String> {
+    let table = ParquetTable::of_bytes("lot.parquet", bytes.to_vec()).map_err(|error| error.to_string())?;
+    let mut all: Vec<ColumnValues> = Vec::new();
+    for batch in table.read(wanted).map_err(|error| error.to_string())? {
+        let batch = batch.map_err(|error| error.to_string())?;
+        if all.is_empty() {
+            all = batch.columns;
+            continue;
+        }
+        for (all, more) in all.iter_mut().zip(batch.columns) {
+            match (all, more) {
+                (ColumnValues::Numbers(all), ColumnValues::Numbers(more)) => all.extend(more),
+                (ColumnValues::Texts(all), ColumnValues::Texts(more))
+                | (ColumnValues::Others(all), ColumnValues::Others(more)) => all.extend(more),
+                _ => panic!("a column changes its kind"),
+            }
+        }
+    }
+    Ok(all)
+}
+
+#[test]
+fn numbers_are_what_the_file_holds() {
+    let schema = message(
+        "message parts { optional double a; required float b; required int32 c (INTEGER(8, true)); \
+         required int32 d (INTEGER(32, false)); required int64 e (INTEGER(64, false)); required int64 f; \
+         required int32 g (DECIMAL(9, 4)); required int64 h (DECIMAL(18, 6)); \
+         required fixed_len_byte_array(5) i (DECIMAL(10, 3)); required binary j (DECIMAL(38, 2)); }",
+    );
+    let fixed: [&[u8]; 3] = [&[0xff, 0xff, 0xff, 0xff, 0xfe], &[0, 0, 0, 0x61, 0xa8], &[0, 0, 0, 0, 0]];
+    let beyond = [1; 17];
+    let long: [&[u8]; 3] = [&[0x80], &[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7], &beyond];
+    let group = vec![
+        Stored::Doubles(&[25.0131, f64::NAN], &[1, 0, 1]),
+        Stored::Floats(&[25.0131, -0.1, f32::INFINITY]),
+        Stored::Ints(&[-128, 0, 127], &[]),
+        Stored::Ints(&[-1, 0, i32::MIN], &[]),
+        Stored::Longs(&[-1, 0, 1]),
+        Stored::Longs(&[i64::MIN, i64::MAX, 12]),
+        Stored::Ints(&[250_131, -5, 0], &[]),
+        Stored::Longs(&[25_013_100, -1, 999_999_999_999_999_999]),
+        Stored::Fixed(&fixed),
+        Stored::Bytes(&long),
+    ];
+    let bytes = file(schema, Compression::UNCOMPRESSED, &[group]);
+    let table = ParquetTable::of_bytes("lot.parquet", bytes.clone()).unwrap();
+    assert!(table.columns().iter().all(|column| column.kind == ColumnKind::Number));
+    let expected: [[Number; 3]; 10] = [
+        [decimal("25.0131"), Number::Missing, Number::NotFinite],
+        [decimal("25.0131"), decimal("-0.1"), Number::NotFinite],
+        ["-128", "0", "127"].map(decimal),
+        ["4294967295", "0", "2147483648"].map(decimal),
+        [Number::Finite(Decimal { negative: false, digits: u64::MAX, exponent: 0 }), decimal("0"), decimal("1")],
+        ["-9223372036854775808", "9223372036854775807", "12"].map(decimal),
+        ["25.0131", "-0.0005", "0.0000"].map(decimal),
+        ["25.013100", "-0.000001", "999999999999.999999"].map(decimal),
+        ["-0.002", "25.000", "0.000"].map(decimal),
+        [decimal("-1.28"), decimal("0.07"), Number::NotFinite],
+    ];
+    let all: Vec<usize> = (0..expected.len()).collect();
+    let read = read_all(&bytes, &all).unwrap();
+    assert_eq!(read, expected.map(|column| ColumnValues::Numbers(column.to_vec())));
+}
+
+#[test]
+fn texts_dates_and_what_is_no_measurement() {
+    let nanoseconds = Type::primitive_type_builder("at", Physical::INT64)
+        .with_repetition(Repetition::REQUIRED)
+        .with_logical_type(Some(LogicalType::timestamp(true, TimeUnit::NANOS)))
+        .build()
+        .unwrap();
+    let fields = message(
+        "message parts { optional binary id (STRING); required binary plain; required boolean ok; \
+         required int32 day (DATE); required int96 old; required fixed_len_byte_array(2) half (FLOAT16); \
+         required group list (LIST) { repeated group list { required double element; } } \
+         repeated double several; optional int32 none (UNKNOWN); }",
+    );
+    let mut fields = fields.get_fields().to_vec();
+    fields.insert(5, Arc::new(nanoseconds));
+    let schema = Type::group_type_builder("parts").with_fields(fields).build().unwrap();
+    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::default()).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let half: [&[u8]; 1] = [&[0, 0x3c]];
+    for column in [
+        Stored::Texts(&["Prüfling\n1"], &[1]),
+        Stored::Texts(&["x"], &[]),
+        Stored::Bools(&[true]),
+        Stored::Ints(&[20_453], &[]),
+        Stored::Old(&[0, 0, 2_440_589]),
+        Stored::Longs(&[1_500_000_000]),
+        Stored::Fixed(&half),
+    ] {
+        let mut open = group.next_column().unwrap().unwrap();
+        write(open.untyped(), &column);
+        open.close().unwrap();
+    }
+    for _ in 0..2 {
+        let mut open = group.next_column().unwrap().unwrap();
+        let ColumnWriter::DoubleColumnWriter(several) = open.untyped() else { panic!("doubles") };
+        several.write_batch(&[1.0, 2.0], Some(&[1, 1]), Some(&[0, 1])).unwrap();
+        open.close().unwrap();
+    }
+    let mut open = group.next_column().unwrap().unwrap();
+    write(open.untyped(), &Stored::Ints(&[], &[0]));
+    open.close().unwrap();
+    group.close().unwrap();
+    let bytes = writer.into_inner().unwrap();
+
+    let table = ParquetTable::of_bytes("lot.parquet", bytes.clone()).unwrap();
+    let kinds: Vec<_> = table.columns().iter().map(|column| (column.name.as_str(), column.kind)).collect();
+    let expected = [
+        ("id", ColumnKind::Text),
+        ("plain", ColumnKind::Text),
+        ("ok", ColumnKind::Other),
+        ("day", ColumnKind::Other),
+        ("old", ColumnKind::Other),
+        ("at", ColumnKind::Other),
+        ("half", ColumnKind::Unread),
+        ("list", ColumnKind::Nested),
+        ("several", ColumnKind::Nested),
+        ("none", ColumnKind::Number),
+    ];
+    assert_eq!(kinds, expected);
+    let other = |text: &str| ColumnValues::Others(vec![Some(text.to_owned())]);
+    let text = |text: &str| ColumnValues::Texts(vec![Some(text.to_owned())]);
+    let read = read_all(&bytes, &[9, 0, 1, 2, 3, 4, 5]).unwrap();
+    let expected = [
+        ColumnValues::Numbers(vec![Number::Missing]),
+        text("Prüfling\n1"),
+        text("x"),
+        other("true"),
+        other("2025-12-31"),
+        other("1970-01-02 00:00:00"),
+        other("1970-01-01 00:00:01"),
+    ];
+    assert_eq!(read, expected);
+    let refused = read_all(&bytes, &[0, 6]).unwrap_err();
+    assert!(refused.contains("lot.parquet, column `half` cannot be read: it holds values of a type"), "{refused}");
+}
+
+#[test]
+fn rows_come_in_batches_whatever_their_groups() {
+    let schema =
+        message("message parts { required binary id (STRING); required int32 skipped; optional double value; }");
+    let counts = [1, BATCH_ROWS, 0, 2 * BATCH_ROWS + 5];
+    let values: Vec<f64> = (0..3 * BATCH_ROWS + 6).map(|row| f64::from(u32::try_from(row).unwrap()) / 8.0).collect();
+    let ids = ["a", "b", "c"];
+    for compression in
+        [Compression::UNCOMPRESSED, Compression::SNAPPY, Compression::LZ4_RAW, Compression::GZIP(GzipLevel::default())]
+    {
+        let mut groups = Vec::new();
+        let texts: Vec<&str> = (0..values.len()).map(|row| ids[row % 3]).collect();
+        let (ints, levels) = (vec![7; values.len()], vec![1; values.len()]);
+        let mut start = 0;
+        for count in counts {
+            let rows = start..start + count;
+            groups.push(vec![
+                Stored::Texts(&texts[rows.clone()], &[]),
+                Stored::Ints(&ints[rows.clone()], &[]),
+                Stored::Doubles(&values[rows.clone()], &levels[rows]),
+            ]);
+            start += count;
+        }
+        let bytes = file(schema.clone(), compression, &groups);
+        let table = ParquetTable::of_bytes("lot.parquet", bytes.clone()).unwrap();
+        let sizes: Vec<_> =
+            table.read(&[2]).unwrap().map(|batch| batch.unwrap()).map(|batch| (batch.first_row, batch.rows)).collect();
+        let full = BATCH_ROWS as u64;
+        let expected = [(1, 1), (2, BATCH_ROWS), (full + 2, BATCH_ROWS), (2 * full + 2, BATCH_ROWS), (3 * full + 2, 5)];
+        assert_eq!(sizes, expected);
+        let numbers = values.iter().map(|value| finite(Decimal::of_f64(*value))).collect();
+        let texts = texts.iter().map(|text| Some((*text).to_owned())).collect();
+        let read = read_all(&bytes, &[2, 0]).unwrap();
+        assert_eq!(read, [ColumnValues::Numbers(numbers), ColumnValues::Texts(texts)], "{compression}");
+    }
+}
+
+#[test]
+fn only_the_wanted_columns_are_unpacked() {
+    let schema = message("message parts { required double a; required double b; }");
+    let first: Vec<f64> = (0..100).map(f64::from).collect();
+    let group = vec![Stored::Doubles(&first, &[]), Stored::Doubles(&first, &[])];
+    let mut bytes = file(schema, Compression::UNCOMPRESSED, &[group]);
+    // the first column's page
+    bytes[4..40].fill(0xff);
+    assert!(read_all(&bytes, &[0]).unwrap_err().contains("cannot read lot.parquet: "));
+    assert!(read_all(&bytes, &[1]).is_ok());
+    assert_eq!(read_all(&bytes, &[]), Ok(Vec::new()));
+}
+
+#[test]
+fn a_file_on_disk_is_read_like_one_in_memory() {
+    let schema = message("message parts { required double a; required double b; }");
+    let group = vec![Stored::Doubles(&[1.0, 2.0], &[]), Stored::Doubles(&[3.0, 4.0], &[])];
+    let bytes = file(schema, Compression::SNAPPY, &[group]);
+    let path = std::env::temp_dir().join(format!("rackmesh-table-{}.parquet", std::process::id()));
+    std::fs::write(&path, &bytes).unwrap();
+    let table = ParquetTable::of_file("lot.parquet", File::open(&path).unwrap()).unwrap();
+    let batches: Vec<Batch> = table.read(&[1, 0]).unwrap().map(Result::unwrap).collect();
+    std::fs::remove_file(&path).unwrap();
+    let numbers = |texts: [&str; 2]| ColumnValues::Numbers(texts.map(decimal).to_vec());
+    assert_eq!(batches, [Batch { first_row: 1, rows: 2, columns: vec![numbers(["3", "4"]), numbers(["1", "2"])] }]);
+}
+
+#[test]
+fn what_cannot_be_read_says_why() {
+    let schema = || message("message parts { required double a; }");
+    let group = || vec![Stored::Doubles(&[1.0, 2.0, 3.0], &[])];
+    let bytes = file(schema(), Compression::SNAPPY, &[group()]);
+    let problem = |bytes: &[u8]| read_all(bytes, &[0]).unwrap_err();
+    let mut encrypted = bytes.clone();
+    let end = encrypted.len() - 4;
+    encrypted[end..].copy_from_slice(b"PARE");
+    assert_eq!(problem(&encrypted), "error[file-access]: cannot read lot.parquet: it is encrypted");
+    assert_eq!(problem(b"a;b\n1;2\n"), "error[file-access]: cannot read lot.parquet: it is no Parquet file");
+    assert_eq!(problem(b""), "error[file-access]: cannot read lot.parquet: it is no Parquet file");
+    assert!(problem(&bytes[..end]).contains("it is a Parquet file whose end is missing"));
+    assert!(problem(b"PAR1").contains("cannot read lot.parquet: "));
+}
+
+#[test]
+fn a_codec_that_is_not_read_is_named() {
+    let schema = message("message parts { required double a; }");
+    let bytes = file(schema, Compression::SNAPPY, &[vec![Stored::Doubles(&[1.0], &[])]]);
+    let table = ParquetTable::of_bytes("lot.parquet", bytes).unwrap();
+    let problem = |compression| table.refused("a", compression).map(|problem| problem.to_string());
+    for (compression, name) in [
+        (Compression::ZSTD(ZstdLevel::default()), "ZSTD"),
+        (Compression::BROTLI(BrotliLevel::default()), "BROTLI"),
+        (Compression::LZO, "LZO"),
+    ] {
+        let expected = format!("error[file-access]: cannot read lot.parquet: column `a` is compressed with {name}");
+        assert_eq!(problem(compression), Some(expected));
+    }
+    assert_eq!(problem(Compression::LZ4), None);
+}
+
+#[test]
+fn bytes_that_are_changed_are_refused_or_read() {
+    let schema = message(
+        "message parts { optional binary id (STRING); required double a; required int32 b (DECIMAL(9, 4)); \
+         required fixed_len_byte_array(3) c (DECIMAL(6, 2)); required boolean d; required int64 e; }",
+    );
+    let fixed: [&[u8]; 4] = [&[1, 2, 3]; 4];
+    let group = vec![
+        Stored::Texts(&["P1", "P2", "P1"], &[1, 1, 0, 1]),
+        Stored::Doubles(&[1.0, 2.0, 3.0, 4.5], &[]),
+        Stored::Ints(&[1, 2, 3, 4], &[]),
+        Stored::Fixed(&fixed),
+        Stored::Bools(&[true, false, true, true]),
+        Stored::Longs(&[5, 6, 7, 8]),
+    ];
+    let bytes = file(schema, Compression::SNAPPY, &[group]);
+    let all = [0, 1, 2, 3, 4, 5];
+    assert!(read_all(&bytes, &all).is_ok());
+    for at in 0..bytes.len() {
+        for change in [0x01, 0x80, 0xff] {
+            let mut changed = bytes.clone();
+            changed[at] ^= change;
+            let _ = read_all(&changed, &all);
+        }
+    }
+}
+
+/// Each row of a file as a table: the part, and its value or why there is none.
+fn parts(bytes: &[u8]) -> Vec<String> {
+    use crate::table::{Container, Source, Want};
+    let want = Want::default();
+    let table = Container::open("lot.csv", Source::bytes(bytes.to_vec()), &want).unwrap();
+    let table = table.table("lot.csv", &want).unwrap();
+    assert_eq!(table.reading.format, "Parquet");
+    let mut parts = Vec::new();
+    for block in table.blocks().unwrap() {
+        for row in 0..block.rows() {
+            let name = block.name(row).unwrap_or_default();
+            let fault = block.faults().iter().find(|fault| fault.row == row);
+            parts.push(match fault {
+                Some(fault) if fault.is_missing => format!("{name}: missing"),
+                Some(fault) => format!("{name}: {}", fault.message),
+                None => format!("{name}: {}", block.values(0)[row]),
+            });
+        }
+    }
+    parts
+}
+
+#[test]
+fn a_file_as_a_table() {
+    let ids = Stored::Texts(&["P1", "P2", "P3", "P4"], &[]);
+    let schema = |column: &str| message(&format!("message parts {{ required binary part_id (STRING); {column} }}"));
+    for (column, values, expected) in [
+        // the shortest decimal of a double, and that of a float, not of the double that it becomes
+        (
+            "required double rack_pitch_um;",
+            Stored::Doubles(&[12.3, 0.1 + 0.2, -1e-3, f64::NAN], &[]),
+            ["P1: 0.0123 mm", "P2: 0.0003 mm", "P3: -0.000001 mm", "P4: `no finite number` is not a number"],
+        ),
+        (
+            "required float rack_pitch;",
+            Stored::Floats(&[0.0131, -0.1, 1e5, f32::INFINITY]),
+            ["P1: 0.0131 mm", "P2: -0.1 mm", "P3: 100000 mm", "P4: `no finite number` is not a number"],
+        ),
+        (
+            "required int32 rack_pitch (DECIMAL(9, 4));",
+            Stored::Ints(&[131, -5, 0, 250_131], &[]),
+            ["P1: 0.0131 mm", "P2: -0.0005 mm", "P3: 0 mm", "P4: 25.0131 mm"],
+        ),
+        (
+            "optional int32 rack_pitch_um;",
+            Stored::Ints(&[13, -5, 7], &[1, 1, 0, 1]),
+            ["P1: 0.013 mm", "P2: -0.005 mm", "P3: missing", "P4: 0.007 mm"],
+        ),
+        (
+            "optional double rack_pitch;",
+            Stored::Doubles(&[0.5], &[0, 0, 1, 0]),
+            ["P1: missing", "P2: missing", "P3: 0.5 mm", "P4: missing"],
+        ),
+        (
+            "required binary rack_pitch_um (STRING);",
+            Stored::Texts(&["12", "13 µm", "n.a.", "x"], &[]),
+            ["P1: 0.012 mm", "P2: 0.013 mm", "P3: missing", "P4: `x` is not a number with a decimal point"],
+        ),
+    ] {
+        let ids = match &ids {
+            Stored::Texts(texts, levels) => Stored::Texts(texts, levels),
+            _ => panic!("texts"),
+        };
+        let bytes = file(schema(column), Compression::SNAPPY, &[vec![ids, values]]);
+        assert_eq!(parts(&bytes), expected, "{column}");
+    }
+}

@@ -1,0 +1,173 @@
+//! What workers take of a table, one after the other: chunks of text, or rows that were read already. Made by the readers
+//! of files; asked by the run of a batch.
+
+use std::io;
+
+use super::block::Block;
+use super::chunk::{Chunker, Holds};
+use super::rows::{Rows, Setup, Wanted};
+use super::split::next_record;
+
+/// What the number of a row's place counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Place {
+    /// Lines of a text.
+    #[default]
+    Line,
+    /// Rows of a sheet.
+    SheetRow,
+    /// Records of a file without lines.
+    Record,
+}
+
+impl Place {
+    /// The place in words, where it is not a line.
+    pub(crate) fn in_words(self, number: u64) -> Option<String> {
+        match self {
+            Self::Line => None,
+            Self::SheetRow => Some(format!("row {number}")),
+            Self::Record => Some(format!("record {number}")),
+        }
+    }
+}
+
+type Blocks = Box<dyn Iterator<Item = io::Result<Block>> + Send>;
+type MakeBlocks = Box<dyn FnOnce(&Rows) -> Blocks + Send>;
+
+/// The rows of a table, not yet read.
+pub(crate) enum Pieces {
+    /// Text, in chunks.
+    Stream { setup: Setup, chunks: Chunker, lines: u64 },
+    /// Rows that are made when it is known what is wanted of them.
+    Later { setup: Setup, make: MakeBlocks },
+    /// Rows that are there.
+    Blocks(Vec<Block>),
+}
+
+/// What a worker takes: bytes to be read, or a block.
+#[derive(Default)]
+pub(crate) struct Piece {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) holds: Option<Holds>,
+    pub(crate) block: Block,
+    /// Records before it.
+    pub(crate) records_before: u64,
+}
+
+/// The rows of a table, ready to be read.
+pub(crate) struct Queue {
+    source: Source,
+    /// Records so far; counted where parts have no name.
+    records: u64,
+    counts_records: bool,
+    /// Lines before the first row.
+    pub(crate) lines: u64,
+}
+
+enum Source {
+    Chunks(Chunker),
+    Blocks(Blocks),
+}
+
+impl Pieces {
+    pub(crate) fn stream(setup: Setup, chunks: Chunker, lines: u64) -> Self {
+        Self::Stream { setup, chunks, lines }
+    }
+
+    pub(crate) fn blocks(blocks: Vec<Block>) -> Self {
+        Self::Blocks(blocks)
+    }
+
+    pub(crate) fn later(setup: Setup, make: impl FnOnce(&Rows) -> Vec<Block> + Send + 'static) -> Self {
+        let make = move |rows: &Rows| -> Blocks { Box::new(make(rows).into_iter().map(Ok)) };
+        Self::Later { setup, make: Box::new(make) }
+    }
+
+    pub(crate) fn streamed_later(setup: Setup, make: impl FnOnce(&Rows) -> Blocks + Send + 'static) -> Self {
+        Self::Later { setup, make: Box::new(make) }
+    }
+
+    /// The reader of rows that workers share, and what they take.
+    pub(crate) fn open(self, wanted: Wanted) -> (Option<Rows>, Queue) {
+        let queue = |source, rows: Option<&Rows>, lines| Queue {
+            source,
+            records: 0,
+            counts_records: rows.is_some_and(|rows| !rows.has_id()),
+            lines,
+        };
+        match self {
+            Self::Stream { setup, chunks, lines } => {
+                let rows = Rows::new(setup, wanted);
+                let queue = queue(Source::Chunks(chunks), Some(&rows), lines);
+                (Some(rows), queue)
+            }
+            Self::Later { setup, make } => {
+                let rows = Rows::new(setup, wanted);
+                let blocks = make(&rows);
+                (Some(rows), queue(Source::Blocks(blocks), None, 0))
+            }
+            Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), None, 0)),
+        }
+    }
+}
+
+impl Queue {
+    /// Bytes read so far, after unpacking.
+    pub(crate) fn bytes_read(&self) -> u64 {
+        match &self.source {
+            Source::Chunks(chunks) => chunks.bytes_read(),
+            Source::Blocks(_) => 0,
+        }
+    }
+
+    /// Whether lines count from the start of a piece, and not of the file.
+    pub(crate) fn is_relative(&self) -> bool {
+        matches!(self.source, Source::Chunks(_))
+    }
+
+    /// The next piece; `false` at the end.
+    pub(crate) fn next(&mut self, rows: Option<&Rows>, piece: &mut Piece) -> io::Result<bool> {
+        piece.records_before = self.records;
+        match &mut self.source {
+            Source::Chunks(chunks) => {
+                piece.holds = chunks.next(&mut piece.bytes)?;
+                let Some(holds) = piece.holds else { return Ok(false) };
+                if let (true, Some(rows)) = (self.counts_records, rows) {
+                    self.records += records_in(&piece.bytes, holds, rows.separator());
+                }
+                Ok(true)
+            }
+            Source::Blocks(blocks) => match blocks.next() {
+                Some(block) => {
+                    piece.block = block?;
+                    piece.holds = None;
+                    self.records += piece.block.record_count;
+                    Ok(true)
+                }
+                None => Ok(false),
+            },
+        }
+    }
+}
+
+impl Piece {
+    /// Reads the piece, if that is not done yet.
+    pub(crate) fn read(&mut self, rows: Option<&Rows>) {
+        if let (Some(holds), Some(rows)) = (self.holds, rows) {
+            rows.chunk(&mut self.bytes, holds, &mut self.block);
+        }
+    }
+}
+
+/// How many records there are in a chunk.
+fn records_in(bytes: &[u8], holds: Holds, separator: u8) -> u64 {
+    if let Holds::Piece { first, .. } = holds {
+        return u64::from(first);
+    }
+    let (mut fields, mut at, mut lines, mut count) = (Vec::new(), 0, 0, 0);
+    while let Some(record) = next_record(bytes, at, separator, &mut fields, &mut lines) {
+        at = record.next;
+        count += 1;
+    }
+    count
+}

@@ -1,0 +1,221 @@
+//! The values of a Q-DAS file as a table with a row per measured part. Made by [`Qdas::table`]; keeps no value, and
+//! makes each row when it is asked for.
+
+use super::super::names::Field;
+use super::{Characteristic, Qdas};
+use crate::deviation::ErrorKind;
+use crate::quantity::{Angle, Decimal, Length, Unit};
+use crate::table::cell::{Cell, Content, Record};
+use crate::table::number::DecimalMark;
+
+/// What a file says of a characteristic besides its values.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Facts {
+    /// K2001
+    pub(crate) number: String,
+    /// K2002
+    pub(crate) name: String,
+    /// K2142: the unit of the values and of what follows.
+    pub(crate) unit: Option<String>,
+    /// K2101
+    pub(crate) nominal: Option<Decimal>,
+    /// K2110, or K2112 added to the nominal value.
+    pub(crate) lower: Option<Decimal>,
+    /// K2111, or K2113 added to the nominal value.
+    pub(crate) upper: Option<Decimal>,
+    /// K2106
+    pub(crate) uncertainty: Option<Decimal>,
+}
+
+impl Facts {
+    /// How far its limits are from its nominal value, mm or degrees; `None` if it has none.
+    pub(crate) fn widest(&self, unit: Unit) -> Option<f64> {
+        let base = |number: Decimal| match unit {
+            Unit::Length(unit) => Length::of_number(number, unit).ok().map(Length::mm),
+            Unit::Angle(unit) => Angle::of_number(number, unit).ok().map(Angle::degrees),
+        };
+        let nominal = self.nominal.and_then(base).unwrap_or(0.0);
+        let ends = [self.lower, self.upper].into_iter().flatten().filter_map(base);
+        ends.map(|end| (end - nominal).abs()).reduce(f64::max)
+    }
+}
+
+impl From<&Characteristic> for Facts {
+    fn from(of: &Characteristic) -> Self {
+        let number = |text: &Option<String>| text.as_deref().and_then(|text| Decimal::parse(text).ok());
+        Self {
+            number: of.number.clone(),
+            name: of.name.clone(),
+            unit: of.unit.clone(),
+            nominal: number(&of.nominal),
+            lower: number(&of.lower),
+            upper: number(&of.upper),
+            uncertainty: number(&of.uncertainty),
+        }
+    }
+}
+
+impl Qdas {
+    /// The values as a table: a row per measured part, a column per characteristic with its unit. Columns of errors
+    /// have the error's name.
+    #[must_use]
+    pub fn table(self, own: &[(String, Field)]) -> QdasTable {
+        let mut columns = vec!["part_id".to_owned()];
+        // the same characteristic of several parts is one column
+        let mut indices: Vec<Vec<usize>> = Vec::new();
+        for (index, characteristic) in self.characteristics.iter().enumerate() {
+            let title = title(characteristic, own);
+            let known = columns.iter().skip(1).zip(&mut indices).find(|(column, indices)| {
+                **column == title
+                    && indices.iter().all(|other| self.characteristics[*other].part != characteristic.part)
+            });
+            if let Some((_, indices)) = known {
+                indices.push(index);
+            } else {
+                columns.push(title);
+                indices.push(vec![index]);
+            }
+        }
+        let mut rows: Vec<(usize, u32)> = Vec::new();
+        for characteristic in &self.characteristics {
+            rows.extend(characteristic.values.iter().map(|value| (characteristic.part, value.sample)));
+        }
+        rows.sort_unstable();
+        rows.dedup();
+        QdasTable { columns, indices, rows, qdas: self }
+    }
+}
+
+/// The values of a file as a table.
+#[derive(Debug, Clone)]
+pub struct QdasTable {
+    /// The names of the columns; the first is `part_id`.
+    pub columns: Vec<String>,
+    /// The characteristics of each other column, one per part of the file.
+    indices: Vec<Vec<usize>>,
+    /// Part and sample.
+    rows: Vec<(usize, u32)>,
+    qdas: Qdas,
+}
+
+impl QdasTable {
+    /// How many rows it has.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether it has no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// What the file says.
+    #[must_use]
+    pub fn qdas(&self) -> &Qdas {
+        &self.qdas
+    }
+
+    /// The decimal mark of the values; `None` if none has decimals.
+    ///
+    /// # Errors
+    /// If they have points and commas: the first value with the other mark.
+    pub(crate) fn mark(&self) -> Result<Option<DecimalMark>, String> {
+        let mut known: Option<DecimalMark> = None;
+        for text in self.rows.iter().flat_map(|(part, sample)| self.values(*part, *sample)).flatten() {
+            for mark in DecimalMark::ALL.into_iter().filter(|mark| text.contains(mark.character())) {
+                if *known.get_or_insert(mark) != mark {
+                    return Err(text.to_owned());
+                }
+            }
+        }
+        Ok(known)
+    }
+
+    fn characteristics(&self, part: usize) -> impl Iterator<Item = Option<&Characteristic>> {
+        self.indices.iter().map(move |indices| {
+            indices.iter().map(|index| &self.qdas.characteristics[*index]).find(|found| found.part == part)
+        })
+    }
+
+    /// The values of a row, a place for each column but the first.
+    fn values(&self, part: usize, sample: u32) -> impl Iterator<Item = Option<&str>> {
+        self.characteristics(part).map(move |found| found.and_then(|found| self.qdas.text(found, sample)))
+    }
+
+    /// What the row's part is called: as the file names it (K0014), or else by a number.
+    fn part_name(&self, row: usize, part: usize, sample: u32) -> String {
+        let values = self.characteristics(part).filter_map(|found| found?.sample(sample));
+        let number = &self.qdas.parts[part].number;
+        match values.map(|value| value.part_name).max().unwrap_or(0) {
+            0 if self.qdas.parts.len() == 1 => (row + 1).to_string(),
+            0 => format!("{number} {}", sample + 1),
+            named => self.qdas.part_names[named as usize - 1].clone(),
+        }
+    }
+
+    /// The names of the columns as the file writes them, with their units: `part_id` first. Of a characteristic's number
+    /// and name it is what the spec or an error is called, if either is.
+    pub(crate) fn header(&self, own: &[(String, Field)]) -> Record {
+        let first =
+            |indices: &Vec<usize>| indices.first().map(|index| heading(&self.qdas.characteristics[*index], own));
+        let names = self.indices.iter().map(|indices| first(indices).unwrap_or_default());
+        let cells = std::iter::once("part_id".to_owned()).chain(names).map(|name| Content::of_text(&name).into());
+        Record::new(cells.collect(), 1)
+    }
+
+    /// What the file says of the characteristics of a column: one for each of the file's parts that has it, none of
+    /// the first column.
+    pub(crate) fn facts(&self, column: usize) -> Vec<Facts> {
+        let indices = column.checked_sub(1).and_then(|column| self.indices.get(column));
+        indices.into_iter().flatten().map(|index| Facts::from(&self.qdas.characteristics[*index])).collect()
+    }
+
+    /// A row: the part's name and the values, nothing where there is none or it does not count; `None` beyond the last.
+    pub(crate) fn record(&self, row: usize) -> Option<Record> {
+        let (part, sample) = self.rows.get(row).copied()?;
+        let name = Content::of_text(&self.part_name(row, part, sample));
+        let values =
+            self.values(part, sample).map(|text| text.and_then(number).map_or(Content::Empty, Content::Number));
+        let cells: Vec<Cell> = std::iter::once(name).chain(values).map(Cell::from).collect();
+        Some(Record::new(cells, u64::from(self.line(row))))
+    }
+
+    /// The line of the file where a row stands.
+    #[must_use]
+    pub fn line(&self, row: usize) -> u32 {
+        let Some((part, sample)) = self.rows.get(row).copied() else { return 0 };
+        self.characteristics(part).flatten().find_map(|found| found.sample(sample)).map_or(0, |value| value.line)
+    }
+}
+
+/// What a column is called in the reader of tables: as the spec calls it, or by the name of the error that it is.
+fn title(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
+    match Qdas::error_of(characteristic, own) {
+        Some(kind) if characteristic.own_name(own).is_none() => characteristic.with_unit(kind.key()),
+        _ => heading(characteristic, own),
+    }
+}
+
+/// What a column is called: as the spec calls it, by the error whose name its number or name is, or by its name.
+fn heading(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
+    if let Some((name, _)) = characteristic.own_name(own) {
+        let has_unit = characteristic.unit.as_ref().is_some_and(|unit| name.trim().ends_with(&format!("[{unit}]")));
+        return if has_unit { name.trim().to_owned() } else { characteristic.with_unit(name.trim()) };
+    }
+    let names = [&characteristic.number, &characteristic.name];
+    let key = names.into_iter().find(|name| ErrorKind::ALL.iter().any(|kind| kind.key().eq_ignore_ascii_case(name)));
+    let [number, name] = names;
+    let named = key.unwrap_or(if name.is_empty() { number } else { name });
+    characteristic.with_unit(named)
+}
+
+/// A value with a decimal point or comma, as it stands there.
+fn number(text: &str) -> Option<Decimal> {
+    let mark = if text.contains(',') { b',' } else { b'.' };
+    match Decimal::plain(text.as_bytes(), 0, mark) {
+        Some((number, end)) if end == text.len() => Some(number),
+        _ => Decimal::parse(&text.replace(',', ".")).ok(),
+    }
+}

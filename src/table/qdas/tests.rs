@@ -1,0 +1,186 @@
+use super::table::Facts;
+use super::*;
+use crate::quantity::Decimal;
+use crate::table::cell::{Cell, Content, Record};
+
+/// The names of the columns and the cells of each row.
+fn rows(text: &str) -> Vec<String> {
+    let table = read(&[("lot.dfq", text)]).unwrap_or_else(|error| panic!("{error}")).table(&[]);
+    std::iter::once(table.columns.join("|")).chain(records(&table)).collect()
+}
+
+fn records(table: &QdasTable) -> Vec<String> {
+    let cells = |record: Record| record.cells.iter().map(Cell::text).collect::<Vec<_>>().join("|");
+    (0..table.len()).filter_map(|row| table.record(row)).map(cells).collect()
+}
+
+const HEAD: &str = "K0100 2\r\nK1001/1 4711\r\nK1002/1 Zahnstange\r\nK2001/1 rack_over_roller\r\nK2002/1 Rollenmaß\r\n\
+                    K2101/1 25,000\r\nK2112/1 -0,02\r\nK2113/1 0,03\r\nK2142/1 mm\r\nK2106/1 0,002\r\nK2001/2 2\r\n\
+                    K2002/2 Teilungsabweichung Zahnstange\r\nK2142/2 µm\r\n";
+
+#[test]
+fn values_under_keys() {
+    let text = format!(
+        "{HEAD}K0001/1 25,013\r\nK0002/1 0\r\nK0004/1 01.01.2026/15:18:31\r\nK0014/1 P1\r\nK0001/2 12\r\n\
+         K0001/1 25.02\r\nK0001/2 99\r\nK0002/2 255\r\nK0014/0 P2\r\n"
+    );
+    assert_eq!(rows(&text), ["part_id|rack_over_roller [mm]|rack_pitch [µm]", "P1|25.013|12", "P2|25.02|"]);
+    let qdas = read(&[("lot.dfq", &text)]).unwrap();
+    let first = &qdas.characteristics[0];
+    assert_eq!(qdas.parts, [PartDefinition { number: "4711".to_owned(), name: "Zahnstange".to_owned() }]);
+    let limits =
+        (first.nominal.as_deref(), first.lower.as_deref(), first.upper.as_deref(), first.uncertainty.as_deref());
+    assert_eq!(limits, (Some("25.000"), Some("24.98"), Some("25.03"), Some("0.002")));
+}
+
+#[test]
+fn values_on_binary_lines_in_a_file_of_their_own() {
+    let definitions = HEAD.to_owned();
+    let values = "25,013\u{14}0\u{14}1.1.2026/15:18:31\u{f}12\u{14}0\r\nK0014/0 P1\r\n25,02\u{f}99\u{14}255\r\n25,03\r\n\u{f}7\u{f}\r\n";
+    let qdas = read(&[("lot.dfd", &definitions), ("lot.dfx", values)]).unwrap();
+    let table = qdas.table(&[]);
+    assert_eq!(records(&table), ["P1|25.013|12", "2|25.02|", "3|25.03|", "4||7"]);
+    assert_eq!(table.line(2), 4);
+}
+
+#[test]
+fn several_parts_with_the_same_characteristics() {
+    let text = "K0100 3\nK1001/1 A\nK2002/1 rack_pitch\nK0001/1 0.01\nK0001/1 0.02\nK1001/2 B\nK2002/2 rack_pitch\nK2002/3 Härte\n\
+                K0001/2 0.03\nK0001/3 58\n";
+    assert_eq!(rows(text), ["part_id|rack_pitch|Härte", "A 1|0.01|", "A 2|0.02|", "B 1|0.03|58"]);
+}
+
+#[test]
+fn limits_that_are_switched_off_are_none() {
+    let text = "K0100 1\nK2002/1 rack_pitch\nK2110/1 0\nK2111/1 0.02\nK2120/1 0\nK2121/1 1\n0.01\n";
+    let qdas = read(&[("lot.dfq", text)]).unwrap();
+    assert_eq!(qdas.characteristics[0].lower, None);
+    assert_eq!(qdas.characteristics[0].upper.as_deref(), Some("0.02"));
+}
+
+#[test]
+fn what_is_wrong_is_said_with_line_and_key() {
+    for (text, expected) in [
+        ("K0100 x\n", "lot.dfq:1:7: error[bad-table]: K0100: `x` is not a number of characteristics"),
+        ("K0100 1\nK2101/1 abc\n", "lot.dfq:2:9: error[bad-table]: K2101/1: `abc` is not a number"),
+        ("K0100 1\nK2002/2 a\n", "lot.dfq:2:9: error[bad-table]: K2002/2: the file has 1 characteristics (K0100)"),
+        ("K0100 1\nK2002/a b\n", "lot.dfq:2:1: error[bad-table]: K2002: `/a` is not a number of a"),
+        ("K0100 1\n1.0\u{f}2.0\n", "lot.dfq:2:1: error[bad-table]: the line has more values than"),
+        ("K0100 1\nK2002/1 a\n1.0\u{14}0\nabc\n", "lot.dfq:4:1: error[bad-table]: K0001: `abc` is not a number"),
+        ("part;1\n", "lot.dfq:1:1: error[bad-table]: the file does not start with K0100"),
+        ("K0100 1\nK2002/1 a\n", "error[bad-table]: lot.dfq has no measured values"),
+        ("", "error[bad-table]: lot.dfq has no measured values"),
+        ("K2002/99999999999999999999999 a\n", "lot.dfq:1:1: error[bad-table]: K2002: `/99999999999999999999999` is"),
+        ("K2002/4000000000 a\n", "lot.dfq:1:18: error[bad-table]: K2002/4000000000: there is no"),
+    ] {
+        let error = read(&[("lot.dfq", text)]).unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let columns = [
+        Column {
+            number: "delta_cd_mm".to_owned(),
+            name: "ΔCD".to_owned(),
+            unit: "mm".to_owned(),
+            upper: Some(0.05),
+            ..Column::default()
+        },
+        Column {
+            number: "rack_pitch".to_owned(),
+            name: "Teilung".to_owned(),
+            unit: "µm".to_owned(),
+            ..Column::default()
+        },
+    ];
+    let part = PartDefinition { number: "4711".to_owned(), name: "Maß\nband".to_owned() };
+    let written =
+        write(&part, &columns, [("P1", vec![Some(0.1 + 0.2), Some(-1e-9)]), ("P2", vec![None, Some(f64::NAN)])]);
+    let text = crate::table::decode(&written);
+    let qdas = read(&[("back.dfq", &text)]).unwrap();
+    assert_eq!(qdas.parts[0].name, "Maß band");
+    assert_eq!(qdas.characteristics[0].name, "?CD");
+    assert_eq!(qdas.characteristics[0].upper.as_deref(), Some("0.05"));
+    assert_eq!(qdas.characteristics[0].lower, None);
+    let value = |characteristic: usize, row| qdas.text(&qdas.characteristics[characteristic], row);
+    assert_eq!(value(0, 0).unwrap().parse::<f64>().unwrap(), 0.1 + 0.2);
+    assert_eq!(value(1, 0).unwrap().parse::<f64>().unwrap(), -1e-9);
+    assert_eq!((value(0, 1), value(1, 1)), (None, None));
+    assert_eq!(qdas.table(&[]).record(1).unwrap().cells[0].text(), "P2");
+}
+
+#[test]
+fn only_attribute_0_makes_a_value() {
+    let code = |code: &str, count, first_line| LeftOut { code: code.to_owned(), count, first_line };
+    let keyed = "K0100 2\nK2002/1 rack_pitch\nK2002/2 rack_lead\nK0001/1 1\nK0002/1 0\nK0001/2 2\nK0002/2 290\nK0001/1 3\n\
+                 K0001/2 4\nK0002/0 256\nK0001/1 5\nK0002/1 00\nK0001/2 6\nK0002/2 128\n";
+    assert_eq!(rows(keyed), ["part_id|rack_pitch|rack_lead", "1|1|", "2||", "3|5|"]);
+    let left_out = read(&[("lot.dfq", keyed)]).unwrap().left_out;
+    assert_eq!(left_out, [code("290", 1, 7), code("256", 2, 10), code("128", 1, 14)]);
+    assert_eq!(
+        left_out.iter().map(LeftOut::meaning).collect::<Vec<_>>(),
+        [Some("not plausible"), Some("deleted"), None]
+    );
+    let binary = "K0100 2\nK2002/1 rack_pitch\nK2002/2 rack_lead\n1\u{14}129\u{14}1.1.2026\u{f}2\u{14}0\n\
+                  3\u{14}\u{f}4\u{14} x \n5\u{f}\u{14}255\n7\u{14}129\u{f}8\u{14}129\n";
+    assert_eq!(rows(binary), ["part_id|rack_pitch|rack_lead", "1||2", "2|3|", "3|5|", "4||"]);
+    let left_out = read(&[("lot.dfq", binary)]).unwrap().left_out;
+    assert_eq!(left_out, [code("129", 3, 4), code("x", 1, 5), code("255", 1, 6)]);
+}
+
+#[test]
+fn a_name_in_the_spec_finds_its_characteristic() {
+    let text = "K0100 3\nK2001/1 17\nK2002/1  MYROLL \nK2142/1 mm\nK2002/2 rack_over_roller\nK2142/2 mm\nK2001/3 ß1\n\
+                K2002/3 Teilung Zahnstange\n25.1\u{f}24\u{f}0.1\n";
+    let own = |name: &str, kind| (name.to_owned(), Field::Error(kind));
+    let columns = |own: &[(String, Field)]| read(&[("lot.dfq", text)]).unwrap().table(own).columns[1..].to_vec();
+    for name in ["MyRoll", " myroll", "MyRoll [mm]", "17"] {
+        let own = [own(name, ErrorKind::RackOverRoller)];
+        let titled = if name.ends_with(']') { name.to_owned() } else { format!("{} [mm]", name.trim()) };
+        assert_eq!(columns(&own), [titled.as_str(), "rack_over_roller [mm]", "rack_pitch"]);
+        let qdas = read(&[("lot.dfq", text)]).unwrap();
+        let errors = qdas.characteristics.iter().map(|characteristic| Qdas::error_of(characteristic, &own));
+        let expected = [Some(ErrorKind::RackOverRoller), None, Some(ErrorKind::RackPitch)];
+        assert_eq!(errors.collect::<Vec<_>>(), expected, "{name}");
+    }
+    assert_eq!(columns(&[own("ẞ1", ErrorKind::RackPitch)]), ["MYROLL [mm]", "rack_over_roller [mm]", "ẞ1"]);
+}
+
+#[test]
+fn values_as_records() {
+    let text = format!("{HEAD}25,013\u{f}+1.25e1\u{14}129\r\nK0014/0 P1\r\n\u{f}-,5\r\n");
+    let table = read(&[("lot.dfq", &text)]).unwrap().table(&[]);
+    let number = |digits, exponent| Content::Number(Decimal { negative: false, digits, exponent });
+    let record = |cells: Vec<Content>, line| Record::new(cells.into_iter().map(Cell::from).collect(), line);
+    let text = |text: &str| Content::Text(text.to_owned());
+    let header = ["part_id", "rack_over_roller [mm]", "Teilungsabweichung Zahnstange [µm]"];
+    assert_eq!(table.header(&[]), record(header.map(text).to_vec(), 1));
+    assert_eq!(table.record(0), Some(record(vec![text("P1"), number(25_013, -3), Content::Empty], 14)));
+    let half = Content::Number(Decimal { negative: true, digits: 5, exponent: -1 });
+    assert_eq!(table.record(1), Some(record(vec![text("2"), Content::Empty, half], 16)));
+    assert_eq!(table.record(2), None);
+    assert!(table.facts(0).is_empty() && table.facts(9).is_empty());
+    let decimal = |text: &str| Decimal::parse(text).ok();
+    let facts = Facts {
+        number: "rack_over_roller".to_owned(),
+        name: "Rollenmaß".to_owned(),
+        unit: Some("mm".to_owned()),
+        nominal: decimal("25.000"),
+        lower: decimal("24.98"),
+        upper: decimal("25.03"),
+        uncertainty: decimal("0.002"),
+    };
+    assert_eq!(table.facts(1), [facts]);
+}
+
+#[test]
+fn each_part_of_a_file_has_its_facts() {
+    let text = "K0100 2\nK1001/1 A\nK2002/1 rack_over_roller\nK2101/1 25\nK1001/2 B\nK2002/2 rack_over_roller\nK2101/2 26\n\
+                K0001/1 25.1\nK0001/2 26.1\n";
+    let table = read(&[("lot.dfq", text)]).unwrap().table(&[]);
+    let nominals: Vec<_> =
+        table.facts(1).into_iter().map(|facts| facts.nominal.map(|nominal| nominal.digits)).collect();
+    assert_eq!(nominals, [Some(25), Some(26)]);
+}

@@ -1,0 +1,173 @@
+//! How a table was read: what a user must know to trust the result. Filled by the reader; shown on a terminal, in JSON, on
+//! the page and in JUnit by the reports.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::number::DecimalMark;
+use super::want::Orientation;
+
+/// How one table was read.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Reading {
+    /// The file, and the sheet of a workbook.
+    pub file: String,
+    /// What kind of file it is: `text`, `workbook`, `Q-DAS`, `Parquet`.
+    pub format: &'static str,
+    /// What stands between cells, in words.
+    pub separator: Option<String>,
+    /// The encoding, where it is not UTF-8.
+    pub encoding: Option<String>,
+    /// `point` or `comma`; `None` if no number has decimals, or none is text.
+    pub decimal_mark: Option<&'static str>,
+    /// What settled the decimal mark.
+    pub settled_by: Option<String>,
+    /// Whether parts are `rows` or `columns`.
+    pub parts_in: &'static str,
+    /// What a row or column is: `part`, `space`, `tooth`.
+    pub unit_counted: &'static str,
+    /// Line of the header.
+    pub header_line: Option<u64>,
+    /// Each column that is used.
+    pub columns: Vec<ColumnReading>,
+    /// Columns and lines that are not used: what they are called, and why.
+    pub not_used: Vec<NotUsed>,
+    /// Lines that are no part of the table.
+    pub asides: Vec<AsideReading>,
+    /// What was assumed, and what is worth a look.
+    pub notes: Vec<String>,
+}
+
+/// How one column was read.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct ColumnReading {
+    /// As the table calls it.
+    pub title: String,
+    /// What it is: `rack_pitch`, `part_id`.
+    pub role: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// Whether the unit is assumed, because nothing says it.
+    pub unit_is_assumed: bool,
+    /// `measured` or `deviation`.
+    pub holds: Option<&'static str>,
+    /// The nominal value, in words.
+    pub nominal: Option<String>,
+}
+
+/// A column or line that is not used.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NotUsed {
+    /// As the table calls it.
+    pub title: String,
+    /// Why: `context`, `ignored by the user`, `others are ignored`.
+    pub why: &'static str,
+}
+
+/// A line that is no part of the table.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct AsideReading {
+    /// Its number.
+    pub line: u64,
+    /// What stands there.
+    pub text: String,
+}
+
+impl Reading {
+    pub(crate) fn set_mark(&mut self, mark: Option<DecimalMark>) {
+        self.decimal_mark = mark.map(|mark| match mark {
+            DecimalMark::Point => "point",
+            DecimalMark::Comma => "comma",
+        });
+    }
+
+    pub(crate) fn set_orientation(&mut self, orientation: Orientation) {
+        self.parts_in = match orientation {
+            Orientation::Rows => "rows",
+            Orientation::Columns => "columns",
+        };
+    }
+
+    /// The sentences that say what was assumed or left out; the others say what was used.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let mut all = self.notes.clone();
+        let assumed: Vec<_> = self.columns.iter().filter(|column| column.unit_is_assumed).collect();
+        if !assumed.is_empty() {
+            let each: Vec<_> = assumed
+                .iter()
+                .map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()))
+                .collect();
+            all.push(format!("{}: units assumed, because nothing tells them: {}", self.file, each.join(", ")));
+        }
+        if !self.asides.is_empty() {
+            const SHOWN: usize = 10;
+            let each: Vec<_> = self
+                .asides
+                .iter()
+                .take(SHOWN)
+                .map(|aside| format!("{} \"{}\"", aside.line, short(&aside.text)))
+                .collect();
+            let more = if self.asides.len() > SHOWN { " and more" } else { "" };
+            let lines = if self.asides.len() == 1 { "line" } else { "lines" };
+            all.push(format!("{}: no part of the table: {lines} {}{more}", self.file, each.join(", ")));
+        }
+        if !self.not_used.is_empty() {
+            let each: Vec<_> = self.not_used.iter().map(|unused| format!("`{}`", unused.title)).collect();
+            all.push(format!("{}: not used: {}", self.file, each.join(", ")));
+        }
+        all
+    }
+}
+
+impl fmt::Display for ColumnReading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.title.is_empty() && !self.title.starts_with(&self.role) {
+            write!(f, "\"{}\" = ", self.title)?;
+        }
+        f.write_str(&self.role)?;
+        if let Some(unit) = &self.unit {
+            write!(f, " [{unit}{}]", if self.unit_is_assumed { ", assumed" } else { "" })?;
+        }
+        if let Some(holds) = self.holds {
+            write!(f, " {holds}")?;
+        }
+        match &self.nominal {
+            Some(nominal) => write!(f, ", nominal {nominal}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What was left out is among the remarks.
+impl fmt::Display for Reading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.separator {
+            Some(separator) => write!(f, "{}: read as {separator}", self.file)?,
+            None => write!(f, "{}: read as {}", self.file, self.format)?,
+        }
+        if let Some(encoding) = &self.encoding {
+            write!(f, ", {encoding}")?;
+        }
+        match (self.decimal_mark, &self.settled_by) {
+            (None, _) => {}
+            (Some(mark), None) => write!(f, ", decimal {mark}")?,
+            (Some(mark), Some(by)) => write!(f, ", decimal {mark} ({by})")?,
+        }
+        if let Some(line) = self.header_line {
+            write!(f, ", names in line {line}")?;
+        }
+        let columns: Vec<_> = self.columns.iter().map(ToString::to_string).collect();
+        let across = if self.parts_in == "columns" { "across" } else { "a row" };
+        write!(f, ", a {} {across}: {}", self.unit_counted, columns.join(", "))
+    }
+}
+
+fn short(text: &str) -> String {
+    const LONGEST: usize = 32;
+    if text.chars().count() <= LONGEST {
+        return text.to_owned();
+    }
+    text.chars().take(LONGEST - 1).chain(['…']).collect()
+}

@@ -1,0 +1,550 @@
+//! Rows to columns: each record of a table with a row per part, space or tooth becomes a row of a [`Block`]. A line of
+//! plain numbers is read in one pass over its bytes; every other record is cut into cells first. Made once per table;
+//! workers share it.
+
+use super::block::{Block, Span, as_line, span_end};
+use super::cell::{Cell, Content, Record};
+use super::chunk::{Holds, LONGEST_RECORD};
+use super::column::{Beside, Column, Companion, Plain, Problem};
+use super::encoding::text;
+use super::grid::{bare_unit, is_unit};
+use super::names::{Role, role};
+use super::reading::AsideReading;
+use super::split::{Field, next_record};
+use crate::deviation::ErrorValue;
+use crate::quantity::{Decimal, Length, Unit, shown};
+
+/// What a field of a line of plain numbers is.
+#[derive(Debug, Clone, Copy)]
+enum PlainField {
+    Skipped,
+    Id,
+    /// A value of the column with that number.
+    Value {
+        column: usize,
+        plain: Plain,
+    },
+}
+
+/// How a line of plain numbers is read.
+#[derive(Debug, Clone)]
+struct PlainRow {
+    fields: Vec<PlainField>,
+    /// The decimal mark; while it is open, none, so that a number with decimals is looked at twice.
+    mark: u8,
+}
+
+/// Reads rows.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows {
+    columns: Vec<Column>,
+    /// Which columns are needed.
+    needed: Vec<bool>,
+    /// The names of all columns of the file.
+    titles: Vec<String>,
+    id: Option<usize>,
+    index: Option<usize>,
+    /// The fields that are copied.
+    copied: Vec<usize>,
+    /// The fields that hold no numbers as far as the table was looked at, and would be measurements if they did.
+    watched: Vec<usize>,
+    separator: u8,
+    /// Whether a row has as many cells as the header, as in a text with separators.
+    is_even: bool,
+    /// Whether rows are kept as they stand.
+    keeps_raw: bool,
+    /// `None` where a line of plain numbers does not say all.
+    plain: Option<PlainRow>,
+}
+
+/// How a table's rows are read.
+pub(crate) struct Setup {
+    pub(crate) columns: Vec<Column>,
+    pub(crate) titles: Vec<String>,
+    pub(crate) id: Option<usize>,
+    pub(crate) index: Option<usize>,
+    pub(crate) separator: u8,
+    pub(crate) is_even: bool,
+    /// The fields that hold no numbers so far, and would be measurements if they did.
+    pub(crate) watched: Vec<usize>,
+}
+
+/// What is wanted of rows besides their values.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Wanted {
+    /// Which columns are needed.
+    pub(crate) needed: Vec<bool>,
+    /// The fields that are copied.
+    pub(crate) copied: Vec<usize>,
+    /// Whether rows are kept as they stand.
+    pub(crate) keeps_raw: bool,
+}
+
+impl PlainRow {
+    /// `None` if a column has more to say than a plain number.
+    fn of(columns: &[Column], needed: &[bool], fields: usize, id: Option<usize>) -> Option<Self> {
+        let mark = columns.first().filter(|column| !column.mark_is_open).map_or(0, |column| column.mark.byte());
+        let mut row = Self { fields: vec![PlainField::Skipped; fields], mark };
+        for (number, column) in columns.iter().enumerate().filter(|(number, _)| needed[*number]) {
+            *row.fields.get_mut(column.place)? = PlainField::Value { column: number, plain: column.plain()? };
+        }
+        if let Some(id) = id {
+            *row.fields.get_mut(id)? = PlainField::Id;
+        }
+        (fields > 0).then_some(row)
+    }
+}
+
+impl Rows {
+    pub(crate) fn new(setup: Setup, wanted: Wanted) -> Self {
+        let Setup { columns, titles, id, index, separator, is_even, watched } = setup;
+        let Wanted { needed, copied, keeps_raw } = wanted;
+        let is_whole = is_even && index.is_none() && copied.is_empty() && watched.is_empty();
+        let plain = PlainRow::of(&columns, &needed, titles.len(), id).filter(|_| is_whole);
+        Self { columns, needed, titles, id, index, copied, watched, separator, is_even, keeps_raw, plain }
+    }
+
+    /// Whether parts have names.
+    pub(crate) fn has_id(&self) -> bool {
+        self.id.is_some()
+    }
+
+    pub(crate) fn separator(&self) -> u8 {
+        self.separator
+    }
+
+    /// The rows of a chunk of text; the chunk's bytes become the block's text.
+    pub(crate) fn chunk(&self, chunk: &mut Vec<u8>, holds: Holds, block: &mut Block) {
+        block.clear(self.columns.len());
+        std::mem::swap(&mut block.text, chunk);
+        match holds {
+            Holds::Records { plain } => self.records(plain, block),
+            Holds::Piece { first, last } => self.piece(first, last, block),
+        }
+    }
+
+    fn records(&self, plain: bool, block: &mut Block) {
+        // the text is read while the block grows, and what is added to it stands behind
+        let bytes = std::mem::take(&mut block.text);
+        let mut added = Vec::new();
+        let mut fields = Vec::new();
+        let mut at = 0;
+        let plain = self.plain.as_ref().filter(|_| plain);
+        while at < bytes.len() && block.contradiction.is_none() {
+            if let Some(plain) = plain
+                && let Some(next) = self.plain_row(plain, &bytes, at, block)
+            {
+                (block.record_count, block.line_count) = (block.record_count + 1, block.line_count + 1);
+                block.records.push(block.record_count);
+                block.lines.push(block.line_count);
+                if self.keeps_raw {
+                    block.raw.push(Span { start: span_end(at), end: span_end(next) });
+                }
+                at = next;
+                continue;
+            }
+            let mut blank = 0;
+            let found = next_record(&bytes, at, self.separator, &mut fields, &mut blank);
+            block.blank_lines += blank;
+            let Some(found) = found else {
+                block.line_count += blank;
+                break;
+            };
+            let line = block.line_count + found.lines_before + 1;
+            block.record_count += 1;
+            let raw = Span { start: span_end(found.start), end: span_end(found.next) };
+            if found.open {
+                self.refuse(line, raw, block, "a quote is not closed, so the rest of the table is in one field");
+            } else {
+                let record = Record::new(cells(&bytes, &fields), line);
+                let before = block.rows();
+                self.row(&record, raw, block, &mut added, bytes.len());
+                if block.rows() > before {
+                    self.copy(&record, block, &mut added, bytes.len());
+                }
+            }
+            block.line_count += found.lines;
+            at = found.next;
+        }
+        block.text = bytes;
+        block.text.append(&mut added);
+    }
+
+    /// Reads the line at `at` if it is made of as many fields as the header, with plain numbers where values are read;
+    /// the place behind it. Nothing is left in the block if it is not.
+    #[inline]
+    fn plain_row(&self, row: &PlainRow, bytes: &[u8], at: usize, block: &mut Block) -> Option<usize> {
+        // a line without a character is no record
+        if matches!(bytes[at], b'\n' | b'\r') {
+            return None;
+        }
+        let start = block.rows();
+        let next = self.plain_fields(row, bytes, at, block);
+        if next.is_none() {
+            for values in &mut block.values {
+                values.truncate(start);
+            }
+            block.names.truncate(start);
+        }
+        next
+    }
+
+    #[inline]
+    fn plain_fields(&self, row: &PlainRow, bytes: &[u8], at: usize, block: &mut Block) -> Option<usize> {
+        let last = row.fields.len() - 1;
+        let mut at = at;
+        for (index, field) in row.fields.iter().enumerate() {
+            if let PlainField::Value { column, plain } = field {
+                let (number, end) = Decimal::plain(bytes, at, row.mark)?;
+                block.values[*column].push(plain.deviation(number)?);
+                at = end;
+            } else {
+                let start = at;
+                while let Some(&byte) = bytes.get(at) {
+                    if byte == self.separator || byte == b'\n' || byte == b'\r' {
+                        break;
+                    }
+                    at += 1;
+                }
+                if matches!(field, PlainField::Id) {
+                    if may_be_statistic(&bytes[start..at]) {
+                        return None;
+                    }
+                    block.names.push(Span { start: span_end(start), end: span_end(at) });
+                }
+            }
+            if index < last {
+                if bytes.get(at) != Some(&self.separator) {
+                    return None;
+                }
+                at += 1;
+            }
+        }
+        match bytes.get(at) {
+            Some(b'\n') => Some(at + 1),
+            Some(b'\r') if bytes.get(at + 1) == Some(&b'\n') => Some(at + 2),
+            None => Some(at),
+            Some(_) => None,
+        }
+    }
+
+    /// A record of a file that has cells of its own, or of a short text; `raw` is the record as it stands there.
+    pub(crate) fn record(&self, record: &Record, raw: Option<&[u8]>, block: &mut Block) {
+        block.values.resize_with(self.columns.len(), Vec::new);
+        block.record_count += 1;
+        let raw = match raw {
+            Some(raw) if self.keeps_raw => block.append(raw),
+            None if self.keeps_raw => block.append(&as_line(record)),
+            _ => Span::default(),
+        };
+        let mut added = Vec::new();
+        let (base, before) = (block.text.len(), block.rows());
+        self.row(record, raw, block, &mut added, base);
+        if block.rows() > before {
+            self.copy(record, block, &mut added, base);
+        }
+        block.text.append(&mut added);
+    }
+
+    /// Copies the cells that are written as they are.
+    fn copy(&self, record: &Record, block: &mut Block, added: &mut Vec<u8>, base: usize) {
+        for place in &self.copied {
+            let text = record.cells.get(*place).map(Cell::text).unwrap_or_default();
+            block.copied.push(appended(added, base, &text));
+        }
+    }
+
+    /// A record with its cells found: a part, or why it is none.
+    fn row(&self, record: &Record, raw: Span, block: &mut Block, added: &mut Vec<u8>, base: usize) {
+        if record.cells.iter().all(Cell::is_empty) {
+            block.blank_lines += 1;
+            return;
+        }
+        if is_units(record) && !self.repeats_units(record) {
+            block.contradiction.get_or_insert(super::block::Contradiction {
+                line: record.line,
+                column: self.columns.first().map_or_else(String::new, |column| column.title.clone()),
+                message: format!("the units change: {}", record.in_words()),
+                help: "write every table with one unit by itself",
+            });
+            return;
+        }
+        if let Some(watched) = self.watched.iter().find(|place| record.cells.get(**place).is_some_and(Cell::is_number))
+        {
+            block.contradiction.get_or_insert(super::block::Contradiction {
+                line: record.line,
+                column: self.titles.get(*watched).cloned().unwrap_or_default(),
+                message: "it holds a number here, and nothing tells what it measures".to_owned(),
+                help: "say in the spec what it is, under [batch.columns], or leave it out with --ignore",
+            });
+            return;
+        }
+        if record.is_drawn() || self.is_aside(record) {
+            block.asides.push(AsideReading { line: record.line, text: record.in_words() });
+            return;
+        }
+        if let Some(line) = swallowed(record, self.separator) {
+            let message = format!("a cell holds a line break and then `{line}`: a quote may be missing");
+            return self.refuse_text(record, raw, block, message);
+        }
+        let width = self.titles.len();
+        // beside a sheet's table, words are remarks and numbers are values
+        let is_beyond = |cell: &Cell| if self.is_even { !cell.is_empty() } else { cell.is_number() };
+        let beyond = record.cells.iter().skip(width).any(is_beyond);
+        if beyond || self.is_even && record.cells.len() < width {
+            let message = format!("the row has {} fields and the header has {width}", record.cells.len());
+            return self.refuse_text(record, raw, block, message);
+        }
+        start(record.line, raw, block);
+        if let Some(id) = self.id {
+            let name = record.cells.get(id).map(Cell::text).unwrap_or_default();
+            block.names.push(appended(added, base, &name));
+        }
+        for (number, column) in self.columns.iter().enumerate().filter(|(number, _)| self.needed[*number]) {
+            let cell = record.cells.get(column.place).cloned().unwrap_or_default();
+            let value = column.read(&cell, beside(column, record));
+            put(block, number, column, &cell, value);
+        }
+        if let Some(index) = self.index {
+            take_index(block, record.cells.get(index));
+        }
+    }
+
+    /// Whether a row of units says of every column what is known of it.
+    fn repeats_units(&self, record: &Record) -> bool {
+        let is_that_of = |cell: &Cell, column: &Column| {
+            let text = cell.text();
+            let unit = match column.unit {
+                Unit::Length(_) => Unit::of_length(bare_unit(&text)),
+                Unit::Angle(_) => Unit::of_angle(bare_unit(&text)),
+            };
+            unit == Some(column.unit)
+        };
+        if record.cells.len() < self.titles.len() && !self.is_even {
+            // between blanks, a unit has no place but its order
+            let cells = record.cells.iter().filter(|cell| !cell.is_missing());
+            let mut columns: Vec<&Column> = self.columns.iter().collect();
+            columns.sort_by_key(|column| column.place);
+            return cells.clone().count() == columns.len()
+                && cells.zip(columns).all(|(cell, column)| is_that_of(cell, column));
+        }
+        self.columns.iter().all(|column| {
+            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
+            cell.is_none_or(|cell| is_that_of(cell, column))
+        })
+    }
+
+    /// Whether a record is the header again, or a mean below the parts.
+    fn is_aside(&self, record: &Record) -> bool {
+        let is_header = || {
+            let same = |(cell, title): (&Cell, &String)| cell.text().trim() == title.trim();
+            record.cells.len() == self.titles.len() && record.cells.iter().zip(&self.titles).all(same)
+        };
+        let name = self.id.or(self.index).and_then(|place| record.cells.get(place)).map(Cell::text);
+        let has_numbers = record.numbers() > 0;
+        let is_words = !self.is_even && !has_numbers && record.cells.len() != self.titles.len();
+        name.is_some_and(|name| is_statistic(&name)) || is_words || (!has_numbers && (is_header() || is_units(record)))
+    }
+
+    /// A record that is no row of values at all.
+    fn refuse_text(&self, record: &Record, raw: Span, block: &mut Block, message: String) {
+        self.hold_place(record.line, raw, block);
+        block.fault(None, false, &shown(&record.in_words()), message);
+    }
+
+    fn refuse(&self, line: u64, raw: Span, block: &mut Block, message: &str) {
+        self.hold_place(line, raw, block);
+        block.fault(None, false, "", message.to_owned());
+    }
+
+    /// A row without values, so that columns stay as long as each other.
+    fn hold_place(&self, line: u64, raw: Span, block: &mut Block) {
+        start(line, raw, block);
+        if self.id.is_some() {
+            block.names.push(Span::default());
+        }
+        block.copied.extend(std::iter::repeat_n(Span::default(), self.copied.len()));
+        for (number, _) in self.columns.iter().enumerate().filter(|(number, _)| self.needed[*number]) {
+            block.values[number].push(ErrorValue::Length(Length::ZERO));
+        }
+        if self.index.is_some() {
+            block.index.push(None);
+        }
+    }
+
+    /// A piece of a record that is too long: one refused row, however many pieces.
+    fn piece(&self, first: bool, last: bool, block: &mut Block) {
+        let raw = Span { start: 0, end: span_end(block.text.len()) };
+        block.line_count = memchr::memchr_iter(b'\n', &block.text).count() as u64;
+        (block.is_rest, block.goes_on) = (!first, !last);
+        if !first {
+            if self.keeps_raw {
+                block.raw.push(raw);
+            }
+            return;
+        }
+        block.record_count = 1;
+        let start = shown(&text(&block.text[..block.text.len().min(200)]));
+        self.hold_place(1, raw, block);
+        let limit = LONGEST_RECORD >> 10;
+        let message = format!("the row is longer than {limit} KiB: a quote may not be closed, or a line end missing");
+        block.fault(None, false, &start, message);
+    }
+}
+
+/// What stands beside the value of a column.
+fn beside<'r>(column: &Column, record: &'r Record) -> Beside<'r> {
+    let cell = |of: Option<Companion>| of.and_then(|companion| record.cells.get(companion.place));
+    let places = column.beside;
+    Beside {
+        deviation: cell(places.deviation),
+        nominal: cell(places.nominal),
+        upper: cell(places.upper),
+        lower: cell(places.lower),
+        length: cell(places.length),
+    }
+}
+
+/// Begins a row.
+fn start(line: u64, raw: Span, block: &mut Block) {
+    block.lines.push(line);
+    block.records.push(block.record_count);
+    block.raw.push(raw);
+}
+
+/// Puts what a cell means into the block's last row.
+pub(crate) fn put(
+    block: &mut Block,
+    number: usize,
+    column: &Column,
+    cell: &Cell,
+    value: Result<Option<ErrorValue>, Problem>,
+) {
+    let (value, fault) = match value {
+        Ok(Some(value)) => (value, None),
+        Ok(None) => (ErrorValue::Length(Length::ZERO), Some((true, missing(column, cell)))),
+        Err(Problem::Bad(message) | Problem::TooLarge(message)) => {
+            (ErrorValue::Length(Length::ZERO), Some((false, message)))
+        }
+        Err(Problem::OtherMark(message)) => {
+            let line = block.lines.last().copied().unwrap_or(0);
+            block.contradiction.get_or_insert(super::block::Contradiction {
+                line,
+                column: column.title.clone(),
+                message: message.clone(),
+                help: "say which mark counts: --decimal comma or --decimal point",
+            });
+            (ErrorValue::Length(Length::ZERO), Some((false, message)))
+        }
+    };
+    block.values[number].push(value);
+    if let Some((is_missing, message)) = fault {
+        block.fault(Some(number), is_missing, &shown(&cell.text()), message);
+    }
+}
+
+fn missing(column: &Column, cell: &Cell) -> String {
+    let name = column.kind.map_or(column.field.key(), |kind| kind.name());
+    let text = cell.text();
+    let written = if text.is_empty() { String::new() } else { format!(" (`{}`)", shown(&text)) };
+    format!("there is no value for {name}{written}: a part is judged by all its values")
+}
+
+/// The number of a space or tooth in the last row.
+pub(crate) fn take_index(block: &mut Block, cell: Option<&Cell>) {
+    let text = cell.map(Cell::text).unwrap_or_default();
+    let number = text.trim().parse().ok();
+    block.index.push(number);
+    if number.is_none() {
+        let message =
+            if text.is_empty() { "the cell is empty".to_owned() } else { "it is not a whole number".to_owned() };
+        block.fault(None, false, &shown(&text), message);
+    }
+}
+
+fn appended(added: &mut Vec<u8>, base: usize, text: &str) -> Span {
+    let start = span_end(base + added.len());
+    added.extend_from_slice(text.as_bytes());
+    Span { start, end: span_end(base + added.len()) }
+}
+
+/// The cells of a record, as [`grid`](super::grid) cuts them.
+fn cells(bytes: &[u8], fields: &[Field]) -> Vec<Cell> {
+    let mut scratch = Vec::new();
+    let cell = |field: &Field| Cell::of_text(text(field.content(bytes, &mut scratch)).trim(), 0..0);
+    fields.iter().map(cell).collect()
+}
+
+/// A line with separators inside a cell, as a quote too many leaves it there.
+fn swallowed(record: &Record, separator: u8) -> Option<String> {
+    let cell = record.cells.iter().find(|cell| matches!(&cell.content, Content::Text(text) if text.contains('\n')))?;
+    let text = cell.text();
+    let line = text.lines().skip(1).find(|line| line.contains(char::from(separator)))?;
+    Some(shown(line))
+}
+
+/// Whether a record repeats the units below a heading.
+fn is_units(record: &Record) -> bool {
+    let mut cells = record.cells.iter().filter(|cell| !cell.is_missing()).peekable();
+    cells.peek().is_some() && cells.all(|cell| is_unit(&cell.text()))
+}
+
+/// What rows below the parts are called that are made of them.
+const STATISTICS: [&str; 35] = [
+    "mittelwert",
+    "mittel",
+    "mean",
+    "average",
+    "avg",
+    "moyenne",
+    "平均",
+    "平均値",
+    "min",
+    "minimum",
+    "max",
+    "maximum",
+    "最小",
+    "最大",
+    "最小値",
+    "最大値",
+    "std",
+    "stdev",
+    "std dev",
+    "stddev",
+    "standardabw",
+    "standardabweichung",
+    "standard deviation",
+    "écart-type",
+    "標準偏差",
+    "sigma",
+    "range",
+    "spannweite",
+    "étendue",
+    "summe",
+    "sum",
+    "total",
+    "anzahl",
+    "count",
+    "cpk",
+];
+
+/// Whether a name is that of a statistic of parts, and not of a part.
+fn is_statistic(name: &str) -> bool {
+    may_be_statistic(name.as_bytes()) && {
+        let plain = name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase();
+        let is_bound = || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower));
+        STATISTICS.contains(&plain.as_str()) || is_bound()
+    }
+}
+
+/// A quick look: such names end in no digit and begin with one of a few letters.
+#[inline]
+fn may_be_statistic(name: &[u8]) -> bool {
+    let Some((first, last)) = name.first().zip(name.last()) else { return false };
+    name.len() > 1
+        && !last.is_ascii_digit()
+        && matches!(
+            first.to_ascii_lowercase(),
+            b'm' | b'a' | b's' | b'r' | b't' | b'c' | b'u' | b'l' | b'o' | b'n' | b'd' | b' ' | 0x80..
+        )
+}

@@ -1,0 +1,417 @@
+//! Rows that are spaces of a rack or teeth of a pinion, put together to parts. Called by `batch --teeth`, `paste` and
+//! whoever reads the tables that a spec names; makes quantities, and no deviations of them.
+
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+use super::block::{Block, Fault};
+use super::column::Column;
+use super::names::{Field, Holds};
+use super::{Container, Source, Table, Want};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::{Angle, Length};
+
+/// A value as a table gives it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Measured {
+    /// What was measured; its deviation follows with the nominal value.
+    Absolute(Length),
+    /// Measured minus nominal.
+    Deviation(Length),
+}
+
+/// One space of a rack, between the teeth `space` and `space + 1`.
+#[derive(Debug, Clone)]
+pub struct RackSpace {
+    /// The space's number.
+    pub space: i64,
+    /// Measure over the pin.
+    pub over_pin: Option<Measured>,
+    /// Position of the pin along the rack.
+    pub position: Option<Measured>,
+    /// Helix angle deviation.
+    pub lead: Option<Angle>,
+    /// The line of the row.
+    pub line: u64,
+}
+
+/// A rack's spaces.
+#[derive(Debug, Clone, Default)]
+pub struct RackSpaces {
+    /// The table.
+    pub name: String,
+    /// One per row.
+    pub rows: Vec<RackSpace>,
+}
+
+impl RackSpaces {
+    /// The spaces of which everything was measured that the table has a column for.
+    #[must_use]
+    pub fn measured_spaces(&self) -> BTreeSet<i64> {
+        let has = |of: fn(&RackSpace) -> bool| self.rows.iter().any(of);
+        let over_pin = has(|row| row.over_pin.is_some());
+        let position = has(|row| row.position.is_some());
+        let lead = has(|row| row.lead.is_some());
+        let is_whole = |row: &&RackSpace| {
+            (!over_pin || row.over_pin.is_some())
+                && (!position || row.position.is_some())
+                && (!lead || row.lead.is_some())
+        };
+        self.rows.iter().filter(is_whole).map(|row| row.space).collect()
+    }
+}
+
+/// One tooth of a pinion and the space after it.
+#[derive(Debug, Clone)]
+pub struct PinionTooth {
+    /// The tooth's number.
+    pub tooth: i64,
+    /// Radial deviation of the space after it.
+    pub radial: Option<Length>,
+    /// Position of the pin in that space less its nominal one, along the reference circle.
+    pub position: Option<Length>,
+    /// Single pitch deviation of its left flank.
+    pub left_pitch: Option<Length>,
+    /// Single pitch deviation of its right flank.
+    pub right_pitch: Option<Length>,
+    /// Helix angle deviation of its flanks.
+    pub lead: Option<Angle>,
+    /// The line of the row.
+    pub line: u64,
+}
+
+/// A pinion's teeth.
+#[derive(Debug, Clone, Default)]
+pub struct PinionTeeth {
+    /// The table.
+    pub name: String,
+    /// One per row.
+    pub rows: Vec<PinionTooth>,
+}
+
+impl PinionTeeth {
+    /// The first of so many teeth of which something was not measured that the table has a column for.
+    #[must_use]
+    pub fn unmeasured(&self, teeth: i64) -> Option<i64> {
+        let has = |of: fn(&PinionTooth) -> bool| self.rows.iter().any(of);
+        let (radial, position) = (has(|row| row.radial.is_some()), has(|row| row.position.is_some()));
+        let (left, right) = (has(|row| row.left_pitch.is_some()), has(|row| row.right_pitch.is_some()));
+        let lead = has(|row| row.lead.is_some());
+        let is_whole = |row: &PinionTooth| {
+            (!radial || row.radial.is_some())
+                && (!position || row.position.is_some())
+                && (!left || row.left_pitch.is_some())
+                && (!right || row.right_pitch.is_some())
+                && (!lead || row.lead.is_some())
+        };
+        (0..teeth).find(|tooth| !self.rows.iter().any(|row| row.tooth == *tooth && is_whole(row)))
+    }
+}
+
+/// A rack's spaces or a pinion's teeth.
+#[derive(Debug, Clone)]
+pub enum Teeth {
+    /// The spaces of a rack.
+    Rack(RackSpaces),
+    /// The teeth of a pinion.
+    Pinion(PinionTeeth),
+}
+
+/// The rows of one part.
+#[derive(Debug, Clone)]
+pub(crate) struct ToothedPart {
+    /// Its name; empty if the table names no parts.
+    pub(crate) name: String,
+    /// The line of its first row, and that row's record.
+    pub(crate) line: u64,
+    pub(crate) record: u64,
+    pub(crate) teeth: Teeth,
+    /// The rows as they stand in the file.
+    pub(crate) raw: Vec<u8>,
+    /// What is wrong with a row, and on which line.
+    pub(crate) fault: Option<LineFault>,
+    /// Whether its rows stand apart in the table.
+    pub(crate) is_scattered: bool,
+}
+
+/// What is wrong with a row.
+#[derive(Debug, Clone)]
+pub(crate) struct LineFault {
+    pub(crate) line: u64,
+    pub(crate) message: String,
+}
+
+/// Whether columns of teeth or spaces are those of a rack.
+pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
+    let has = |fields: &[Field]| columns.iter().any(|column| fields.contains(&column.field));
+    let is_pinion = index == Some(Field::Tooth)
+        || has(&[Field::LeftPitch, Field::RightPitch, Field::Radial, Field::Error(ErrorKind::PinionRadial)]);
+    !is_pinion
+}
+
+/// Which column holds which value of a tooth or space.
+#[derive(Debug, Default)]
+struct Layout {
+    is_rack: bool,
+    over_pin: Option<usize>,
+    over_pin_deviates: bool,
+    position: Option<usize>,
+    position_deviates: bool,
+    radial: Option<usize>,
+    left_pitch: Option<usize>,
+    right_pitch: Option<usize>,
+    lead: Option<usize>,
+}
+
+/// Puts the rows of a table together to parts.
+pub(crate) struct Gatherer {
+    name: Arc<str>,
+    layout: Layout,
+    titles: Vec<String>,
+    /// Whether a column numbers the spaces or teeth; else they count from 0.
+    is_numbered: bool,
+    parts: Vec<ToothedPart>,
+    known: HashMap<String, usize>,
+    last: Option<usize>,
+    records: u64,
+}
+
+impl Gatherer {
+    /// For the rows of a table.
+    ///
+    /// # Errors
+    /// If its columns are not those of a rack or a pinion, or leave open which they are.
+    pub(crate) fn new(table: &Table) -> Result<Self, Diagnostic> {
+        let layout = Layout::new(table)?;
+        Ok(Self {
+            name: Arc::clone(&table.name),
+            layout,
+            titles: table.columns.iter().map(|column| column.title.clone()).collect(),
+            is_numbered: table.index_field.is_some(),
+            parts: Vec::new(),
+            known: HashMap::new(),
+            last: None,
+            records: 0,
+        })
+    }
+
+    /// Whether the rows are spaces of a rack.
+    pub(crate) fn is_rack(&self) -> bool {
+        self.layout.is_rack
+    }
+
+    /// Takes the rows of a block, whose lines count from the start of the table.
+    pub(crate) fn take(&mut self, block: &Block, keeps_raw: bool) {
+        let mut faults = block.faults.iter().peekable();
+        for row in 0..block.rows() {
+            let line = block.lines[row];
+            let name = block.name(row).map_or_else(|| "1".to_owned(), std::borrow::Cow::into_owned);
+            let number = self.part(&name, line, self.records + block.records[row]);
+            if keeps_raw {
+                let raw = block.raw.get(row).map_or(&b""[..], |span| block.bytes(*span));
+                self.parts[number].raw.extend_from_slice(raw);
+            }
+            let mut present = vec![true; self.titles.len()];
+            while let Some(fault) = faults.next_if(|fault| fault.row == row) {
+                match (fault.is_missing, fault.column) {
+                    (true, Some(column)) => present[column] = false,
+                    _ => self.refuse(number, line, fault),
+                }
+            }
+            let value = |column: Option<usize>| {
+                let column = column.filter(|column| present[*column])?;
+                block.values[column].get(row).copied()
+            };
+            let index = block.index.get(row).copied().flatten();
+            self.row(number, line, index, &value);
+        }
+        self.records += block.record_count;
+    }
+
+    fn part(&mut self, name: &str, line: u64, record: u64) -> usize {
+        let number = self.known.get(name).copied().unwrap_or_else(|| {
+            let teeth = if self.layout.is_rack {
+                Teeth::Rack(RackSpaces { name: self.name.to_string(), rows: Vec::new() })
+            } else {
+                Teeth::Pinion(PinionTeeth { name: self.name.to_string(), rows: Vec::new() })
+            };
+            let name = name.to_owned();
+            self.known.insert(name.clone(), self.parts.len());
+            self.parts.push(ToothedPart {
+                name,
+                line,
+                record,
+                teeth,
+                raw: Vec::new(),
+                fault: None,
+                is_scattered: false,
+            });
+            self.parts.len() - 1
+        });
+        if self.last.is_some_and(|last| last != number) && self.parts[number].line != line {
+            self.parts[number].is_scattered = true;
+        }
+        self.last = Some(number);
+        number
+    }
+
+    fn refuse(&mut self, part: usize, line: u64, fault: &Fault) {
+        let column = fault.column.and_then(|column| self.titles.get(column));
+        let message = match column {
+            Some(title) => format!("column `{title}`: {}", fault.message),
+            None if fault.text.is_empty() => fault.message.clone(),
+            None => format!("{}: `{}`", fault.message, fault.text),
+        };
+        self.parts[part].fault.get_or_insert(LineFault { line, message });
+    }
+
+    fn row(&mut self, part: usize, line: u64, index: Option<i64>, value: &dyn Fn(Option<usize>) -> Option<ErrorValue>) {
+        let layout = &self.layout;
+        let length = |column| {
+            value(column).and_then(|value| if let ErrorValue::Length(length) = value { Some(length) } else { None })
+        };
+        let angle = |column| value(column).and_then(as_angle);
+        let measured = |column, deviates: bool| {
+            length(column).map(|length| if deviates { Measured::Deviation(length) } else { Measured::Absolute(length) })
+        };
+        let counted = |rows: usize| i64::try_from(rows).unwrap_or(i64::MAX);
+        let part = &mut self.parts[part];
+        let (number, is_twice) = match &mut part.teeth {
+            Teeth::Rack(rack) => {
+                let space = if self.is_numbered { index } else { Some(counted(rack.rows.len())) };
+                let Some(space) = space else { return };
+                let is_twice = rack.rows.iter().any(|row| row.space == space);
+                rack.rows.push(RackSpace {
+                    space,
+                    over_pin: measured(layout.over_pin, layout.over_pin_deviates),
+                    position: measured(layout.position, layout.position_deviates),
+                    lead: angle(layout.lead),
+                    line,
+                });
+                (space, is_twice)
+            }
+            Teeth::Pinion(pinion) => {
+                let tooth = if self.is_numbered { index } else { Some(counted(pinion.rows.len())) };
+                let Some(tooth) = tooth else { return };
+                let is_twice = pinion.rows.iter().any(|row| row.tooth == tooth);
+                pinion.rows.push(PinionTooth {
+                    tooth,
+                    radial: length(layout.radial),
+                    position: length(layout.position),
+                    left_pitch: length(layout.left_pitch),
+                    right_pitch: length(layout.right_pitch),
+                    lead: angle(layout.lead),
+                    line,
+                });
+                (tooth, is_twice)
+            }
+        };
+        if is_twice {
+            let what = if layout.is_rack { "space" } else { "tooth" };
+            part.fault.get_or_insert(LineFault { line, message: format!("{what} {number} has two rows") });
+        }
+    }
+
+    /// The parts in the order of their first rows.
+    pub(crate) fn finish(self) -> Vec<ToothedPart> {
+        self.parts
+    }
+}
+
+fn as_angle(value: ErrorValue) -> Option<Angle> {
+    match value {
+        ErrorValue::Angle(angle) => Some(angle),
+        slope @ ErrorValue::Slope(_) => Angle::from_degrees(slope.base()).ok(),
+        ErrorValue::Length(_) => None,
+    }
+}
+
+impl Layout {
+    fn new(table: &Table) -> Result<Self, Diagnostic> {
+        let columns = &table.columns;
+        let find = |fields: &[Field]| columns.iter().position(|column| fields.contains(&column.field));
+        let deviates =
+            |column: Option<usize>| column.is_some_and(|column| columns[column].holds == Some(Holds::Deviation));
+        let is_rack = is_rack(columns, table.index_field);
+        let pitch = find(&[Field::Error(ErrorKind::PinionPitch), Field::Error(ErrorKind::RackPitch)]);
+        if let Some(pitch) = pitch {
+            let title = &columns[pitch].title;
+            let message = format!("{}: `{title}` of a tooth could be that of its left or its right flank", table.name);
+            return Err(Diagnostic::error(Code::AmbiguousBlock, message)
+                .help("name it left_pitch or right_pitch; of a rack's spaces, give positions"));
+        }
+        let of_rack = [Field::OverPin, Field::Error(ErrorKind::RackOverRoller), Field::Space];
+        let mixes = !is_rack && (find(&of_rack).is_some() || table.index_field == Some(Field::Space));
+        if mixes {
+            let message = format!("{} mixes spaces of a rack with teeth of a pinion", table.name);
+            return Err(Diagnostic::error(Code::BadTable, message).help("give them one after the other"));
+        }
+        if columns.is_empty() {
+            let message = format!("{} has no column of a rack's spaces or a pinion's teeth", table.name);
+            return Err(Diagnostic::error(Code::BadTable, message).help(
+                "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
+                 tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
+            ));
+        }
+        let radial = find(&[Field::Radial, Field::Error(ErrorKind::PinionRadial)]);
+        if let Some(radial) = radial.filter(|radial| columns[*radial].holds == Some(Holds::Measured)) {
+            let message = format!(
+                "{}: `{}` holds measured radii; their deviations are needed",
+                table.name, columns[radial].title
+            );
+            return Err(Diagnostic::error(Code::BadTable, message).help("give the column of radial deviations"));
+        }
+        let over_pin = find(&of_rack);
+        let position = find(&[Field::Position]);
+        Ok(Self {
+            is_rack,
+            over_pin,
+            over_pin_deviates: deviates(over_pin),
+            position,
+            position_deviates: deviates(position),
+            radial,
+            left_pitch: find(&[Field::LeftPitch]),
+            right_pitch: find(&[Field::RightPitch]),
+            lead: find(&[Field::Lead, Field::Error(ErrorKind::RackLead)]),
+        })
+    }
+}
+
+/// Reads a table of the teeth or spaces of one part, as a spec names it.
+///
+/// # Errors
+/// If it cannot be read, holds what is not understood, or its rows are wrong.
+pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<Teeth, Diagnostics> {
+    let want = Want { teeth: Some(true), ..want.clone() };
+    let table = Container::open(name, source, &want)?.table(name, &want)?;
+    if let Some(refused) = super::refusal(&table.strangers, &table.still_missing) {
+        return Err(refused.into());
+    }
+    let gatherer = Gatherer::new(&table)?;
+    let bad = |message: String| Diagnostic::error(Code::BadTable, message);
+    let blocks = table.blocks().map_err(|error| super::text::unreadable(name, &error))?;
+    let mut parts = gather(gatherer, &blocks)?.into_iter();
+    let Some(part) = parts.next() else { return Err(bad(format!("{name} has no rows")).into()) };
+    if parts.next().is_some() {
+        return Err(bad(format!("{name} has rows of several parts")).help("give a table of one part").into());
+    }
+    match part.fault {
+        Some(LineFault { line, message }) => Err(bad(format!("{name}, line {line}: {message}")).into()),
+        None => Ok(part.teeth),
+    }
+}
+
+/// Puts the rows of blocks together to parts.
+pub(crate) fn gather(mut gatherer: Gatherer, blocks: &[Block]) -> Result<Vec<ToothedPart>, Diagnostic> {
+    for block in blocks {
+        if let Some(contradiction) = &block.contradiction {
+            let message = format!("{}, line {}: {}", gatherer.name, contradiction.line, contradiction.message);
+            return Err(Diagnostic::error(Code::BadTable, message)
+                .help("say which mark counts: --decimal comma or --decimal point"));
+        }
+        gatherer.take(block, false);
+    }
+    Ok(gatherer.finish())
+}

@@ -1,0 +1,248 @@
+//! A table that is text. A short one is read as a whole, whatever its shape; a long one with a row per part is understood
+//! from its start, and its rows are streamed. Called by [`Container::table`](super::Container::table).
+
+use std::io::{self, Read};
+use std::sync::Arc;
+
+use super::Table;
+use super::block::Block;
+use super::chunk::Chunker;
+use super::encoding::{Encoding, recoded, text};
+use super::gathered::gathered;
+use super::grid::{Separator, records};
+use super::pieces::{Pieces, Place};
+use super::rows::{Rows, Setup};
+use super::split::next_record;
+use super::understand::{Understood, understand};
+use super::want::{Orientation, Want};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+
+/// Bytes from which a long table is understood.
+const START: usize = 1 << 16;
+/// Bytes that are read as a whole at most, where parts are no rows.
+const LARGEST_WHOLE: usize = 16 << 20;
+
+/// A text before it is understood.
+pub(crate) struct Text {
+    name: String,
+    chunks: Chunker,
+    encoding: Encoding,
+    /// The separator in a line of its own at the start, as spreadsheets write it.
+    stated: Option<u8>,
+    /// Lines that were taken away.
+    lines: u64,
+}
+
+impl Text {
+    pub(crate) fn open(name: &str, bytes: Box<dyn Read + Send>, told: Option<Encoding>) -> Result<Self, Diagnostic> {
+        let (bytes, encoding) = recoded(bytes, told).map_err(|error| unreadable(name, &error))?;
+        let mut chunks = Chunker::new(bytes);
+        let start = chunks.start(START).map_err(|error| unreadable(name, &error))?;
+        if start.contains(&0) {
+            let message = format!("{name} is no text: it holds bytes that no table has");
+            return Err(Diagnostic::error(Code::BadTable, message)
+                .help("tables are text, Excel workbooks (.xlsx), Q-DAS files or Parquet"));
+        }
+        let stated = stated_separator(start);
+        if let Some((_, length)) = stated {
+            chunks.skip(length);
+        }
+        let lines = u64::from(stated.is_some());
+        Ok(Self { name: name.to_owned(), chunks, encoding, stated: stated.map(|(separator, _)| separator), lines })
+    }
+
+    /// The first bytes, and whether that is all.
+    fn start(&mut self, count: usize) -> Result<(Vec<u8>, bool), Diagnostic> {
+        let name = self.name.clone();
+        let start = self.chunks.start(count).map_err(|error| unreadable(&name, &error))?.to_vec();
+        let is_all = start.len() < count;
+        Ok((start, is_all))
+    }
+
+    /// Whether it starts like a Q-DAS file.
+    pub(crate) fn is_qdas(&mut self) -> Result<bool, Diagnostic> {
+        let (start, _) = self.start(START)?;
+        let line = start.split(|byte| matches!(byte, b'\n' | b'\r')).find(|line| !line.trim_ascii().is_empty());
+        Ok(line.is_some_and(|line| {
+            let key = |digits: &[u8]| digits.len() == 4 && digits.iter().all(u8::is_ascii_digit);
+            matches!(line, [b'K' | b'k', rest @ ..] if rest.get(..4).is_some_and(key) && matches!(rest.get(4), Some(b' ' | b'/' | b'\t')))
+        }))
+    }
+
+    /// All of it, for files that are read as a whole.
+    pub(crate) fn whole(mut self, most: usize) -> Result<String, Diagnostic> {
+        let (bytes, is_all) = self.start(most + 1)?;
+        if !is_all {
+            return Err(unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
+        }
+        Ok(text(&bytes).into_owned())
+    }
+
+    pub(crate) fn table(mut self, want: &Want) -> Result<Table, Diagnostics> {
+        let mut want = want.clone();
+        want.separator = want.separator.or(self.stated);
+        let (start, is_all) = self.start(START)?;
+        let source = self.source(&start, is_all);
+        let understood = understand(&source, &want);
+        if is_all {
+            return Ok(self.whole_table(&source, understood?, &want));
+        }
+        match understood {
+            Ok(understood) if can_stream(&understood) => self.streamed(&source, understood, &want),
+            problem => {
+                let (whole, is_all) = self.start(LARGEST_WHOLE)?;
+                if !is_all {
+                    return Err(problem.err().unwrap_or_else(|| {
+                        let message = format!(
+                            "{} is larger than {} MiB, and its parts are not in rows",
+                            self.name,
+                            LARGEST_WHOLE >> 20
+                        );
+                        Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into()
+                    }));
+                }
+                let source = self.source(&whole, true);
+                let understood = understand(&source, &want)?;
+                Ok(self.whole_table(&source, understood, &want))
+            }
+        }
+    }
+
+    /// The text as messages point into it: whole lines, line ends of one kind where it is all there.
+    fn source(&self, bytes: &[u8], is_all: bool) -> Arc<Source> {
+        let end = if is_all { bytes.len() } else { memchr::memrchr(b'\n', bytes).map_or(bytes.len(), |end| end + 1) };
+        // a zero-width blank, as some mail programs insert, is no blank for Unicode
+        let mut text = text(&bytes[..end]).replace(['\u{200b}', '\u{feff}'], "");
+        if !text.contains('\n') {
+            text = text.replace('\r', "\n");
+        }
+        // lines that were taken away keep their number
+        text.insert_str(0, &"\n".repeat(usize::try_from(self.lines).unwrap_or(0)));
+        Arc::new(Source { name: self.name.clone(), text })
+    }
+
+    /// A table that is all there.
+    fn whole_table(self, source: &Arc<Source>, understood: Understood, want: &Want) -> Table {
+        let mut table = Table::new(&self.name, "text", &understood, want);
+        table.place = Place::Line;
+        table.encoding = self.encoding;
+        table.reading.encoding = self.encoding_name();
+        let in_rows = understood.shape.orientation == Orientation::Rows && !understood.shape.header.is_empty();
+        let (Some(separator), true) = (understood.separator, in_rows) else {
+            table.pieces = Pieces::blocks(vec![gathered(&understood)]);
+            return table;
+        };
+        let all = records(&source.text, separator);
+        let range = understood.shape.data.clone();
+        table.header_raw = line_at(
+            &source.text,
+            all[..range.start].iter().rev().find(|record| Some(record.line) == understood.shape.header_line),
+        );
+        let is_even = matches!(separator, Separator::Character(_));
+        let setup = setup(understood, separator_byte(separator), is_even, want);
+        let source = Arc::clone(source);
+        table.pieces = Pieces::later(setup, move |rows: &Rows| {
+            let mut block = Block::default();
+            for record in &all[range.clone()] {
+                rows.record(record, Some(&line_at(&source.text, Some(record))), &mut block);
+            }
+            vec![block]
+        });
+        table
+    }
+
+    /// A table of any length, with a row per part.
+    fn streamed(mut self, source: &Arc<Source>, understood: Understood, want: &Want) -> Result<Table, Diagnostics> {
+        let mut table = Table::new(&self.name, "text", &understood, want);
+        table.encoding = self.encoding;
+        table.reading.encoding = self.encoding_name();
+        table.place = Place::Line;
+        let Some(separator) = understood.separator.map(separator_byte) else {
+            return Err(Diagnostic::error(Code::BadTable, format!("{} has no separator", source.name)).into());
+        };
+        let (start, _) = self.start(START)?;
+        let (mut fields, mut at, mut blank) = (Vec::new(), 0, 0);
+        for index in 0..understood.shape.data.start {
+            let Some(record) = next_record(&start, at, separator, &mut fields, &mut blank) else { break };
+            self.lines += record.lines;
+            at = record.next;
+            if index + 1 == understood.shape.data.start || Some(self.lines) == understood.shape.header_line {
+                table.header_raw = start[record.start..record.next].to_vec();
+            }
+        }
+        self.chunks.skip(at);
+        self.chunks.set_separator(separator);
+        table.pieces = Pieces::stream(setup(understood, separator, true, want), self.chunks, self.lines);
+        Ok(table)
+    }
+
+    fn encoding_name(&self) -> Option<String> {
+        let name = self.encoding.name();
+        (name != "UTF-8").then(|| name.to_owned())
+    }
+}
+
+/// Whether the rows of a table can be read one after the other: between a character, or in a single column whose name
+/// is all that stands before them.
+fn can_stream(understood: &Understood) -> bool {
+    let is_cut = match understood.separator {
+        Some(Separator::Character(_)) => true,
+        Some(Separator::Lines) => understood.shape.data.start == 1,
+        _ => false,
+    };
+    is_cut && understood.shape.orientation == Orientation::Rows && !understood.shape.header.is_empty()
+}
+
+fn separator_byte(separator: Separator) -> u8 {
+    match separator {
+        Separator::Character(byte) => byte,
+        Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => b'\t',
+    }
+}
+
+/// How the rows of an understood table are read.
+pub(crate) fn setup(understood: Understood, separator: u8, is_even: bool, want: &Want) -> Setup {
+    let Understood { shape, columns, mark, .. } = understood;
+    let is_open = mark.is_none();
+    Setup {
+        columns: columns.into_iter().map(|column| column.with_open_mark(is_open)).collect(),
+        titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
+        id: shape.ids.as_ref().map(|ids| ids.place),
+        index: shape.index.as_ref().map(|index| index.place),
+        separator,
+        is_even,
+        watched: shape.watched(want),
+    }
+}
+
+/// The line of a text on which a record stands, with its end.
+fn line_at(text: &str, record: Option<&super::cell::Record>) -> Vec<u8> {
+    let Some(record) = record else { return Vec::new() };
+    let span = record.span();
+    let start = text[..span.start].rfind('\n').map_or(0, |end| end + 1);
+    let end = text[span.end..].find('\n').map_or(text.len(), |length| span.end + length + 1);
+    let mut line = text.as_bytes()[start..end].to_vec();
+    if !line.ends_with(b"\n") {
+        line.push(b'\n');
+    }
+    line
+}
+
+/// `sep=;` on a line of its own, as spreadsheets write it: the separator, and the line's length.
+fn stated_separator(start: &[u8]) -> Option<(u8, usize)> {
+    let rest = start.strip_prefix(b"sep=")?;
+    match rest {
+        [separator, b'\r', b'\n', ..] => Some((*separator, 7)),
+        [separator, b'\n' | b'\r', ..] => Some((*separator, 6)),
+        _ => None,
+    }
+}
+
+pub(crate) fn unreadable(name: &str, problem: &dyn std::fmt::Display) -> Diagnostic {
+    Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
+}
+
+/// An error of reading, as one that is raised later.
+pub(crate) fn as_io(problem: &Diagnostic) -> io::Error {
+    io::Error::other(problem.message.clone())
+}

@@ -1,0 +1,565 @@
+//! From a text to a table: every separator that it may have, and both decimal marks, are tried. If all readings that are
+//! possible give the same values, that is the table; if they do not, and neither another cell nor a nominal value settles
+//! it, the text is refused with the readings shown. The computer's locale is never asked. Called for the whole of a short
+//! text, and for the start of a long one.
+
+use std::sync::Arc;
+
+use super::cell::{Cell, Content, Record};
+use super::column::{Beside, Column, Problem};
+use super::grid::{Separator, cut, separators};
+use super::names::Field;
+use super::number::{DecimalMark, Marks};
+use super::shape::{Measurement, NoShape, Series, Shape, shape};
+use super::want::{Orientation, Want};
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::quantity::LengthUnit;
+
+/// A table whose columns are found.
+#[derive(Debug, Clone)]
+pub(crate) struct Understood {
+    /// What stands between cells; `None` where the file has cells of its own.
+    pub(crate) separator: Option<Separator>,
+    pub(crate) shape: Arc<Shape>,
+    /// The decimal mark; `None` if no number has decimals.
+    pub(crate) mark: Option<DecimalMark>,
+    pub(crate) settled_by: Option<String>,
+    /// One per measurement of the shape.
+    pub(crate) columns: Vec<Column>,
+    /// Whether each row is a tooth or a space.
+    pub(crate) is_teeth: bool,
+    /// Values in words: what two readings are compared by, and shown as.
+    values: Vec<String>,
+    /// Why it cannot be meant, if it cannot.
+    doubt: Option<String>,
+    /// Why its decimal mark cannot be meant: no number of a column whose value depends on the mark makes sense.
+    ruled_out: Option<String>,
+}
+
+/// A decimal mark, and what speaks for it.
+struct Choice {
+    mark: DecimalMark,
+    settled_by: Option<String>,
+}
+
+/// Reads a text, or its start.
+pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood, Diagnostics> {
+    let text = source.text.as_str();
+    let mut candidates: Vec<Understood> = Vec::new();
+    // the reading that came furthest says best what is wrong
+    let mut failure: Option<(u8, Diagnostics)> = None;
+    let mut fail = |rank: u8, problem: Diagnostics| {
+        if failure.as_ref().is_none_or(|(known, _)| *known < rank) {
+            failure = Some((rank, problem));
+        }
+    };
+    let told = want.separator.map(|byte| vec![Separator::Character(byte)]);
+    let mut possible = told.unwrap_or_else(|| separators(text));
+    if possible.contains(&Separator::COMMA)
+        && possible.contains(&Separator::AlignedBlanks)
+        && stands_aligned(text, want)
+    {
+        possible.retain(|separator| *separator != Separator::COMMA);
+    }
+    for separator in possible {
+        let cut = cut(text, separator);
+        let is_strong = matches!(separator, Separator::Character(byte) if byte != b',' || want.separator.is_some());
+        let shape = match cut.open_quote {
+            Some(line) => Err(NoShape::OpenQuote { line }),
+            None => shape(&cut.records, separator, want),
+        };
+        match shape {
+            Ok(shape) if separator == Separator::COMMA && !is_strong && !commas_separate(&shape) => {}
+            Ok(shape) => {
+                let named = shape.header_line.is_some() && shape.width() > 1;
+                let sure = is_strong && (shape.width() > 1 || shape.lines.len() > 1 && shape.header.is_empty())
+                    || named && separator == Separator::COMMA
+                    || separator == Separator::AlignedBlanks && is_even(&cut.records, &shape);
+                match readings(source, Some(separator), &Arc::new(shape), want) {
+                    Ok(read) => candidates.extend(read),
+                    Err(problem) if sure => return Err(problem),
+                    Err(problem) => fail(2, problem),
+                }
+                // no other separator can do better
+                if sure {
+                    break;
+                }
+            }
+            Err(problem) => {
+                let definite = !matches!(problem, NoShape::NoNumbers | NoShape::Count { .. });
+                let diagnostic = explain(source, problem, want);
+                if definite && is_strong {
+                    return Err(diagnostic.into());
+                }
+                fail(u8::from(definite), diagnostic.into());
+            }
+        }
+    }
+    // a reading that finds no column says less than one that finds a column and what is wrong with it
+    if failure.as_ref().is_some_and(|(rank, _)| *rank == 2) {
+        candidates.retain(|candidate| !candidate.columns.is_empty());
+    }
+    let failed = || failure.map_or_else(|| explain(source, NoShape::NoNumbers, want).into(), |(_, problem)| problem);
+    settle(source, candidates).unwrap_or_else(|| Err(failed()))
+}
+
+/// Reads records whose file has cells of its own.
+pub(crate) fn understand_records(
+    source: &Arc<Source>,
+    records: &[Record],
+    want: &Want,
+) -> Result<Understood, Diagnostics> {
+    let shape = shape(records, Separator::TAB, want).map_err(|problem| explain(source, problem, want))?;
+    let candidates = readings(source, None, &Arc::new(shape), want)?;
+    settle(source, candidates).unwrap_or_else(|| Err(explain(source, NoShape::NoNumbers, want).into()))
+}
+
+/// The one reading of several; `None` if there is none.
+fn settle(source: &Arc<Source>, mut candidates: Vec<Understood>) -> Option<Result<Understood, Diagnostics>> {
+    if candidates.len() < 2 {
+        return candidates.pop().map(Ok);
+    }
+    candidates.iter_mut().for_each(Understood::examine);
+    if candidates.iter().any(|candidate| !candidate.values.is_empty()) {
+        candidates.retain(|candidate| !candidate.values.is_empty());
+    }
+    if candidates.iter().any(|candidate| candidate.doubt.is_none()) {
+        candidates.retain(|candidate| candidate.doubt.is_none());
+    }
+    let mut distinct: Vec<Understood> = Vec::new();
+    for candidate in candidates {
+        if distinct.iter().all(|other| other.values != candidate.values) {
+            distinct.push(candidate);
+        }
+    }
+    match distinct.len() {
+        0 => None,
+        1 => distinct.pop().map(Ok),
+        _ => Some(Err(two_readings(source, &distinct).into())),
+    }
+}
+
+/// Whether the columns of a text stand below each other, so that its commas are decimal marks; where cells end in commas,
+/// the blanks are only there for the eye.
+fn stands_aligned(text: &str, want: &Want) -> bool {
+    let records = cut(text, Separator::AlignedBlanks).records;
+    let ends_in_comma = |record: &Record| record.cells.iter().any(|cell| cell.text().ends_with(','));
+    !records.iter().any(ends_in_comma)
+        && shape(&records, Separator::AlignedBlanks, want).is_ok_and(|shape| is_even(&records, &shape))
+}
+
+/// Whether every row of numbers has as many cells as the others and the header: blanks that stand between cells by chance
+/// leave no such table.
+fn is_even(records: &[Record], shape: &Shape) -> bool {
+    let is_row = |record: &&Record| match shape.header_line {
+        Some(line) => record.line == line || record.numbers() > 0,
+        None => record.cells.len() > 1,
+    };
+    let mut widths = records.iter().filter(is_row).map(|record| record.cells.len());
+    let first = widths.next().unwrap_or(0);
+    let mut others = widths.peekable();
+    first > 1 && others.peek().is_some() && others.all(|width| width == first)
+}
+
+/// Whether commas may stand between these cells: not if the text after one would begin with a zero that no number begins
+/// with, if a counter would be a part's name, or if there is none between the names.
+fn commas_separate(shape: &Shape) -> bool {
+    let values = || shape.measurements.iter().flat_map(|measurement| &measurement.value.cells);
+    let is_fraction = |cell: &Cell| {
+        let text = cell.text();
+        let digits = text.trim_start_matches(['+', '-']);
+        digits.starts_with('0') && digits[1..].starts_with(|c: char| c.is_ascii_digit())
+    };
+    // 1,234 is no part 1 with the value 234
+    let counted = shape.orientation == Orientation::Rows
+        && shape.header_line.is_none()
+        && shape.ids.as_ref().is_some_and(|ids| ids.cells.iter().any(Cell::is_number));
+    let is_label = shape.orientation == Orientation::Columns && shape.header_line.is_none();
+    let is_wide = is_label || shape.width() + shape.lines.len() > 2;
+    is_wide && shape.header.len() != 1 && !counted && !values().any(is_fraction)
+}
+
+impl Shape {
+    /// How many columns are known.
+    fn width(&self) -> usize {
+        let beside = self.ids.iter().chain(&self.index).chain(&self.lengths).count();
+        self.header.len().max(self.measurements.len() + beside)
+    }
+
+    /// The cells in which a number tells the decimal mark.
+    fn number_cells(&self) -> impl Iterator<Item = &Cell> {
+        let measured = self.measurements.iter().flat_map(|measurement| {
+            let beside = [
+                &measurement.deviation,
+                &measurement.nominal,
+                &measurement.upper,
+                &measurement.lower,
+                &measurement.uncertainty,
+            ];
+            std::iter::once(&measurement.value).chain(beside.into_iter().flatten())
+        });
+        measured.chain(&self.lengths).flat_map(|series| &series.cells).chain(&self.beside)
+    }
+}
+
+/// The readings of a shape: one, or one for each decimal mark.
+fn readings(
+    source: &Arc<Source>,
+    separator: Option<Separator>,
+    shape: &Arc<Shape>,
+    want: &Want,
+) -> Result<Vec<Understood>, Diagnostics> {
+    let choices = choices(source, separator, shape, want)?;
+    let several = choices.len() > 1;
+    let has_mark = |cell: &Cell| matches!(&cell.content, Content::Text(text) if text.contains(['.', ',']));
+    let has_decimals = shape.number_cells().any(has_mark);
+    let mut candidates = Vec::new();
+    let mut failure = None;
+    for Choice { mark, settled_by } in choices {
+        match read(shape, mark, want) {
+            Ok(read) => {
+                let mark = (has_decimals || want.decimal.is_some()).then_some(mark);
+                candidates.push(Understood { separator, mark, settled_by, ..read });
+            }
+            Err(problem) => failure = Some(problem),
+        }
+    }
+    if several {
+        candidates.iter_mut().for_each(Understood::examine);
+        settle_mark(&mut candidates);
+    }
+    match failure {
+        Some(failure) if candidates.is_empty() => Err(failure),
+        _ => Ok(candidates),
+    }
+}
+
+/// What the numbers of a table say about their decimal mark.
+#[derive(Default)]
+struct Evidence<'s> {
+    /// The first cell that is a number with a decimal point only.
+    point: Option<&'s Cell>,
+    comma: Option<&'s Cell>,
+    /// Whether a cell is a different number with each.
+    is_open: bool,
+}
+
+impl<'s> Evidence<'s> {
+    fn of(cells: impl Iterator<Item = &'s Cell>) -> Self {
+        let mut evidence = Self::default();
+        for cell in cells {
+            match cell.marks() {
+                Marks::None | Marks::Same => {}
+                _ if !cell.is_measure() => {}
+                Marks::Differ => evidence.is_open = true,
+                Marks::Only(DecimalMark::Point) => evidence.point = evidence.point.or(Some(cell)),
+                Marks::Only(DecimalMark::Comma) => evidence.comma = evidence.comma.or(Some(cell)),
+            }
+        }
+        evidence
+    }
+}
+
+/// Of the readings with either mark, leaves those that can be meant: what rules out one mark settles the other.
+fn settle_mark(candidates: &mut Vec<Understood>) {
+    let reasons: [fn(&Understood) -> Option<&String>; 2] =
+        [|candidate| candidate.ruled_out.as_ref(), |candidate| candidate.doubt.as_ref()];
+    for why in reasons {
+        let Some(reason) = candidates.iter().find_map(why).cloned() else { continue };
+        if candidates.iter().any(|candidate| why(candidate).is_none()) {
+            candidates.retain(|candidate| why(candidate).is_none());
+            for candidate in candidates {
+                candidate.settled_by = Some(format!("otherwise {reason}"));
+            }
+            return;
+        }
+    }
+}
+
+/// The decimal marks that a table may have.
+fn choices(
+    source: &Arc<Source>,
+    separator: Option<Separator>,
+    shape: &Shape,
+    want: &Want,
+) -> Result<Vec<Choice>, Diagnostic> {
+    let mut evidence = Evidence::of(shape.number_cells());
+    if evidence.is_open && evidence.point.is_none() && evidence.comma.is_none() {
+        // what is no measurement tells the mark as well
+        let others = Evidence::of(shape.unknown.iter().flat_map(|unknown| &unknown.cells));
+        if others.point.is_none() || others.comma.is_none() {
+            (evidence.point, evidence.comma) = (others.point, others.comma);
+        }
+    }
+    let open = evidence.is_open;
+    let by = |cell: &Cell| format!("settled by `{}`", cell.text());
+    let one = |mark, settled_by| Ok(vec![Choice { mark, settled_by }]);
+    match (want.decimal, evidence.point, evidence.comma) {
+        (Some(mark), ..) => one(mark, Some("as told by --decimal".to_owned())),
+        (None, Some(point), Some(comma)) => {
+            let message = format!("the table has decimal points and commas: `{}` and `{}`", point.text(), comma.text());
+            let diagnostic = Diagnostic::error(Code::BadTable, message)
+                .help("write every number in the same way, or say which mark counts: --decimal comma");
+            Err(located(diagnostic, source, comma.span.clone(), ""))
+        }
+        (None, Some(cell), None) => one(DecimalMark::Point, open.then(|| by(cell))),
+        (None, None, Some(cell)) => one(DecimalMark::Comma, open.then(|| by(cell))),
+        (None, None, None) if !open => one(DecimalMark::Point, None),
+        (None, None, None) if separator == Some(Separator::COMMA) => {
+            one(DecimalMark::Point, Some("commas separate".to_owned()))
+        }
+        (None, None, None) => Ok(DecimalMark::ALL.map(|mark| Choice { mark, settled_by: None }).into()),
+    }
+}
+
+/// Points into the source, where there is text to point at.
+fn located(diagnostic: Diagnostic, source: &Arc<Source>, span: std::ops::Range<usize>, label: &str) -> Diagnostic {
+    if span.is_empty() || source.text.len() < span.end {
+        diagnostic
+    } else {
+        diagnostic.at(source, span, label.to_owned())
+    }
+}
+
+/// Reads the values of a shape with a decimal mark.
+fn read(shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> Result<Understood, Diagnostics> {
+    let is_teeth = want.teeth.unwrap_or_else(|| is_teeth(shape));
+    let mut columns = Vec::with_capacity(shape.measurements.len());
+    let mut problems = Vec::new();
+    for measurement in &shape.measurements {
+        let kind = if is_teeth { None } else { kind_of(measurement.field) };
+        if !is_teeth && kind.is_none() {
+            problems.push(
+                Diagnostic::error(
+                    Code::BadTable,
+                    format!(
+                        "`{}` is {} of a tooth or space, and each row of this table is a part",
+                        measurement.value.title,
+                        measurement.field.key()
+                    ),
+                )
+                .help("tables with a row per tooth or space are read by `rackmesh batch --teeth` and `rackmesh paste`"),
+            );
+            continue;
+        }
+        match Column::new(measurement, kind, shape.lengths.as_ref(), want, mark) {
+            Ok(column) => columns.push(column),
+            Err(diagnostics) => problems.extend(diagnostics.0),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(Diagnostics(problems));
+    }
+    Ok(Understood {
+        separator: None,
+        shape: Arc::clone(shape),
+        mark: Some(mark),
+        settled_by: None,
+        columns,
+        is_teeth,
+        values: Vec::new(),
+        doubt: None,
+        ruled_out: None,
+    })
+}
+
+impl Understood {
+    /// Reads every value: only asked where there is more than one reading to choose from.
+    fn examine(&mut self) {
+        (self.values, self.doubt, self.ruled_out) = (Vec::new(), None, None);
+        let (shape, columns) = (Arc::clone(&self.shape), std::mem::take(&mut self.columns));
+        for (measurement, column) in shape.measurements.iter().zip(&columns) {
+            self.take(measurement, column);
+        }
+        self.columns = columns;
+    }
+
+    /// Takes what the cells of a column mean.
+    fn take(&mut self, measurement: &Measurement, column: &Column) {
+        let key = measurement.field.key();
+        let (mut is_possible, mut impossible) = (false, None);
+        for (row, cell) in measurement.value.cells.iter().enumerate() {
+            let is_open = || cell.marks() == Marks::Differ;
+            let value = match column.read(cell, beside(measurement, self.shape.lengths.as_ref(), row)) {
+                Ok(None) => continue,
+                Ok(Some(value)) => in_words(value),
+                // how large a deviation may be settles nothing
+                Err(Problem::TooLarge(_)) => "too large".to_owned(),
+                Err(Problem::Bad(message) | Problem::OtherMark(message)) => {
+                    if impossible.is_none() && is_open() {
+                        impossible = Some(message.clone());
+                    }
+                    self.doubt.get_or_insert(message);
+                    continue;
+                }
+            };
+            is_possible = is_possible || is_open();
+            self.values.push(format!("{key} {value}"));
+        }
+        if !is_possible {
+            self.ruled_out = self.ruled_out.take().or(impossible);
+        }
+    }
+}
+
+/// What stands beside the value of a row.
+pub(crate) fn beside<'a>(measurement: &'a Measurement, lengths: Option<&'a Series>, row: usize) -> Beside<'a> {
+    let cell = |series: Option<&'a Series>| series.and_then(|series| series.cells.get(row));
+    Beside {
+        deviation: cell(measurement.deviation.as_ref()),
+        nominal: cell(measurement.nominal.as_ref()),
+        upper: cell(measurement.upper.as_ref()),
+        lower: cell(measurement.lower.as_ref()),
+        length: cell(lengths),
+    }
+}
+
+/// The error that a field is, in a table with a row per part.
+pub(crate) fn kind_of(field: Field) -> Option<ErrorKind> {
+    match field {
+        Field::Error(kind) => Some(kind),
+        Field::OverPin => Some(ErrorKind::RackOverRoller),
+        Field::Lead => Some(ErrorKind::RackLead),
+        Field::Radial => Some(ErrorKind::PinionRadial),
+        Field::PartId | Field::Space | Field::Position | Field::Tooth | Field::LeftPitch | Field::RightPitch => None,
+    }
+}
+
+/// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part.
+fn is_teeth(shape: &Shape) -> bool {
+    let has = |fields: &[Field]| shape.measurements.iter().any(|measurement| fields.contains(&measurement.field));
+    let is_error = |measurement: &Measurement| matches!(measurement.field, Field::Error(_));
+    shape.index.is_some()
+        || has(&[Field::Position, Field::LeftPitch, Field::RightPitch, Field::Radial])
+        || (has(&[Field::OverPin, Field::Lead]) && shape.ids.is_none() && !shape.measurements.iter().any(is_error))
+}
+
+/// The refusal of a text that can be read in more than one way.
+fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
+    const SHOWN: usize = 4;
+    let marks_only = candidates
+        .windows(2)
+        .all(|pair| pair[0].separator == pair[1].separator && pair[0].shape.orientation == pair[1].shape.orientation);
+    let readings: Vec<_> = candidates
+        .iter()
+        .map(|candidate| {
+            let how = match (marks_only, candidate.mark, candidate.separator) {
+                (true, Some(mark), _) => mark.name().to_owned(),
+                (_, mark, separator) => {
+                    let mark = mark.map_or_else(String::new, |mark| format!(", {}", mark.name()));
+                    format!("{}{mark}", separator.map_or_else(String::new, Separator::name))
+                }
+            };
+            let values: Vec<_> = candidate.values.iter().take(SHOWN).map(String::as_str).collect();
+            let more = if candidate.values.len() > SHOWN { ", …" } else { "" };
+            format!("with {how}: {}{more}", values.join(", "))
+        })
+        .collect();
+    let is_open = |cell: &&Cell| cell.marks() == Marks::Differ;
+    let open = candidates.iter().find_map(|candidate| candidate.shape.number_cells().find(is_open));
+    let such = open.map_or_else(String::new, |cell| format!(", because of `{}`", cell.text()));
+    let ways = if candidates.len() == 2 { "two" } else { "several" };
+    let message = format!("{}: the table can be read in {ways} ways{such}", source.name);
+    let diagnostic = Diagnostic::error(Code::AmbiguousBlock, message).help(format!(
+        "{}; say which it is: --decimal comma or --decimal point{}",
+        readings.join("; or "),
+        if marks_only { "" } else { ", or put semicolons between the values" }
+    ));
+    match open {
+        Some(cell) => {
+            let text = cell.text();
+            let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+            let label = format!("{} or {}?", number.replace(',', "."), number.replace([',', '.'], ""));
+            located(diagnostic, source, cell.span.clone(), &label)
+        }
+        None => diagnostic,
+    }
+}
+
+/// Why a text is no table, for people.
+fn explain(source: &Arc<Source>, problem: NoShape, want: &Want) -> Diagnostic {
+    let error = |message: String| Diagnostic::error(Code::BadTable, message);
+    match problem {
+        NoShape::NoNumbers => error(format!("{} holds no table of numbers", source.name))
+            .help("a table has a header row and rows of numbers; numbers without names take --as rack_over_roller"),
+        NoShape::OpenQuote { line } => error(format!(
+            "{}, line {line}: a quote is not closed, or lines later, so rows of the table are in one cell",
+            source.name
+        ))
+        .help("close it, or write it twice where it is meant"),
+        NoShape::NoRows { names } => {
+            error(format!("{} has names ({names}) and no row of numbers below them", source.name))
+                .help("no part was measured, so none can pass")
+        }
+        NoShape::TwoMeanings { heading, fields } => {
+            let title = heading.text();
+            let each: Vec<_> = fields.iter().map(|field| field.key()).collect();
+            let diagnostic =
+                Diagnostic::error(Code::AmbiguousBlock, format!("`{title}` could be {}", each.join(" or ")));
+            located(diagnostic, source, heading.span.clone(), "").help(format!(
+                "say which it is: [batch.columns] {} = {{ name = \"{title}\" }}, or name it `{}`",
+                each[0], each[0]
+            ))
+        }
+        NoShape::Ragged { record, expected } => {
+            let count = record.filled().len();
+            let plural = if count == 1 { "" } else { "s" };
+            let message =
+                format!("line {}: the row has {count} cell{plural}, and the table has {expected}", record.line);
+            located(error(message), source, record.span(), "")
+                .help("a number with a blank or comma inside may have been cut in two; put semicolons between cells")
+        }
+        NoShape::Units { record } => {
+            let message = format!("line {}: the unit is another than in the rows of the same name", record.line);
+            located(error(message), source, record.span(), "").help("write the same unit in all of them")
+        }
+        NoShape::Twice { heading, field } => {
+            let message = format!("`{}` names {} a second time", heading.text(), field.key());
+            located(error(message), source, heading.span, "")
+                .help(format!("say which of them counts: [batch.columns] {} = {{ name = \"…\" }}", field.key()))
+        }
+        NoShape::NoPart { heading } => {
+            let message = format!("`{}` is no part's value, and nothing tells which column is", heading.text());
+            located(error(message), source, heading.span, "")
+                .help("name the column of values: actual, measured, Ist; or the columns of parts")
+        }
+        NoShape::TwoColumns { first, second } => {
+            let message = format!("`{}` and `{}` hold the same of each characteristic", first.text(), second.text());
+            located(error(message), source, second.span, "").help("leave one of the columns out of the table")
+        }
+        NoShape::Square => Diagnostic::error(
+            Code::AmbiguousBlock,
+            "the numbers have no names, and there are as many rows as columns: a part may be a row or a column",
+        )
+        .help("say which: --parts rows or --parts columns"),
+        NoShape::Count { columns, rows, span } => located(count_does_not_fit(columns, rows, want), source, span, "")
+            .help("say what the columns hold: --as rack_over_roller,rack_pitch, or give the header row too"),
+    }
+}
+/// Numbers without names of which nobody knows what they are.
+fn count_does_not_fit(columns: usize, rows: usize, want: &Want) -> Diagnostic {
+    let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let (who, names) = if want.fields.is_empty() {
+        let names: Vec<_> = want.expected.iter().map(|kind| kind.key()).collect();
+        ("the spec's errors", if names.is_empty() { "it names none".to_owned() } else { names.join(", ") })
+    } else {
+        ("--as", want.fields.iter().map(|field| field.key()).collect::<Vec<_>>().join(", "))
+    };
+    let message = format!(
+        "the numbers have no names: {} by {}, which do not fit {who} ({names})",
+        many(rows, "row"),
+        many(columns, "column"),
+    );
+    Diagnostic::error(Code::BadTable, message)
+}
+
+/// A value for people: small lengths in µm.
+pub(crate) fn in_words(value: ErrorValue) -> String {
+    match value {
+        ErrorValue::Length(length) if !length.is_zero() && length.abs().mm() < 0.1 => {
+            format!("{} µm", length.in_unit(LengthUnit::Micrometre))
+        }
+        value => value.to_string(),
+    }
+}

@@ -1,0 +1,134 @@
+//! What is known about a table before it is read: what the spec says of its columns, and what the user says of the file.
+//! Filled by the spec and the command line; asked by every step of the reading.
+
+use super::encoding::Encoding;
+use super::names::{Field, Holds};
+use super::number::DecimalMark;
+use super::workbook::CellRange;
+use crate::deviation::{ErrorKind, ErrorValue};
+use crate::diagnostic::Diagnostics;
+use crate::quantity::{Length, Unit};
+
+/// How parts stand in a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Orientation {
+    /// A part, space or tooth in each row.
+    Rows,
+    /// A part, space or tooth in each column.
+    Columns,
+}
+
+/// What the spec says of the column of an error.
+#[derive(Debug, Clone)]
+pub struct Given {
+    /// The error.
+    pub kind: ErrorKind,
+    /// The unit of its numbers.
+    pub unit: Option<Unit>,
+    /// Whether it holds measured values or deviations.
+    pub holds: Option<Holds>,
+    /// The nominal value, or what is missing to compute it.
+    pub nominal: Option<Result<ErrorValue, Diagnostics>>,
+    /// The evaluation length of f_Hβ.
+    pub length: Option<Length>,
+}
+
+/// What is known about a table before it is read.
+#[derive(Debug, Clone, Default)]
+pub struct Want {
+    /// What its columns hold, in order; empty to find out from its header or the spec's order.
+    pub fields: Vec<Field>,
+    /// The errors that the spec speaks of, in its order.
+    pub expected: Vec<ErrorKind>,
+    /// Names that the spec gives to columns.
+    pub own: Vec<(String, Field)>,
+    /// What the spec says of columns.
+    pub given: Vec<Given>,
+    /// The normal module: a measured value that is further from its nominal one is not meant.
+    pub module: Option<Length>,
+    /// The rack's face width, over which f_Hβ is evaluated where nothing else is said.
+    pub face_width: Option<Length>,
+    /// Patterns of columns and lines that the user leaves out.
+    pub ignored: Vec<String>,
+    /// Whether what is not understood is left out once every error of the spec is found.
+    pub others_ignored: bool,
+    /// The separator, if it is given.
+    pub separator: Option<u8>,
+    /// The decimal mark, if it is given.
+    pub decimal: Option<DecimalMark>,
+    /// The orientation, if it is given.
+    pub orientation: Option<Orientation>,
+    /// The encoding, if it is given.
+    pub encoding: Option<Encoding>,
+    /// The sheet of a workbook, if it is given.
+    pub sheet: Option<String>,
+    /// The cells of a sheet.
+    pub range: CellRange,
+    /// Whether each row is a tooth or a space; found from the names unless given.
+    pub teeth: Option<bool>,
+}
+
+impl Want {
+    /// What the spec says of the column of an error.
+    pub(crate) fn given(&self, kind: ErrorKind) -> Option<&Given> {
+        self.given.iter().find(|given| given.kind == kind)
+    }
+
+    /// Whether the user leaves out what is called so, with or without its unit.
+    pub(crate) fn ignores(&self, title: &str) -> bool {
+        let (name, _) = super::names::split_unit(title);
+        self.ignored.iter().any(|pattern| matches(pattern, title) || matches(pattern, &name))
+    }
+
+    /// Whether a title is a name that the spec gives, which needs no unit: it has that of the spec or the key.
+    pub(crate) fn is_own(&self, title: &str) -> bool {
+        let (name, _) = super::names::split_unit(title);
+        let is_so =
+            |own: &str| own.trim().eq_ignore_ascii_case(title.trim()) || own.trim().eq_ignore_ascii_case(name.trim());
+        self.own.iter().any(|(own, _)| is_so(own))
+    }
+}
+
+/// Whether a text fits a pattern in which `*` stands for any characters; case and outer blanks do not count.
+fn matches(pattern: &str, text: &str) -> bool {
+    let (pattern, text) = (pattern.trim().to_lowercase(), text.trim().to_lowercase());
+    let mut pieces = pattern.split('*');
+    let first = pieces.next().unwrap_or_default();
+    let Some(mut rest) = text.strip_prefix(first) else { return false };
+    let mut pieces = pieces.peekable();
+    if pieces.peek().is_none() {
+        return rest.is_empty();
+    }
+    while let Some(piece) = pieces.next() {
+        if pieces.peek().is_none() {
+            return rest.ends_with(piece);
+        }
+        match rest.find(piece) {
+            Some(at) => rest = &rest[at + piece.len()..],
+            None => return false,
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns() {
+        for (pattern, text, fits) in [
+            ("Temp*", "Temperatur [°C]", true),
+            ("temp", "Temperatur", false),
+            ("*wert", "Mittelwert", true),
+            ("M*w*t", "Mittelwert", true),
+            ("*", "", true),
+            ("a*b", "ab", true),
+            ("a*b", "a", false),
+            ("Bemerkung", " bemerkung ", true),
+        ] {
+            assert_eq!(matches(pattern, text), fits, "{pattern} {text}");
+        }
+    }
+}

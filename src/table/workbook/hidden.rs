@@ -1,0 +1,219 @@
+//! Which rows and columns of a sheet hold values that nobody sees. Found in the XML of the sheets while they are
+//! unpacked to be counted; nothing here opens a file.
+
+use std::collections::{BTreeSet, HashMap};
+use std::io::{self, Write};
+
+use super::range::{CellRange, corner};
+
+/// The hidden rows and columns of a sheet that hold values, from 0.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Hidden {
+    rows: BTreeSet<u32>,
+    columns: BTreeSet<u32>,
+}
+
+impl Hidden {
+    /// How many of its rows are in a range.
+    pub(super) fn rows_in(&self, range: CellRange) -> usize {
+        self.rows.iter().filter(|row| range.has_row(**row)).count()
+    }
+
+    /// How many of its columns are in a range.
+    pub(super) fn columns_in(&self, range: CellRange) -> usize {
+        self.columns.iter().filter(|column| range.has_column(**column)).count()
+    }
+}
+
+/// The tags of XML that comes in pieces.
+#[derive(Default)]
+struct Tags {
+    /// What follows a `<`, without its `>`.
+    open: Option<Vec<u8>>,
+}
+
+impl Tags {
+    /// Calls `take` with each tag that ends in `piece`, without its angle brackets.
+    fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str)) {
+        /// A longer one is none that is looked for.
+        const LONGEST: usize = 4096;
+        while !piece.is_empty() {
+            let Some(open) = &mut self.open else {
+                let Some(start) = memchr::memchr(b'<', piece) else { return };
+                self.open = Some(Vec::new());
+                piece = &piece[start + 1..];
+                continue;
+            };
+            let end = memchr::memchr(b'>', piece);
+            let more = &piece[..end.unwrap_or(piece.len())];
+            open.extend_from_slice(&more[..more.len().min(LONGEST.saturating_sub(open.len()))]);
+            let Some(end) = end else { return };
+            if let Ok(tag) = std::str::from_utf8(open) {
+                take(tag);
+            }
+            self.open = None;
+            piece = &piece[end + 1..];
+        }
+    }
+}
+
+/// The name of a tag, without its prefix.
+fn name(tag: &str) -> &str {
+    let end = tag.find(|c: char| c.is_ascii_whitespace() || c == '/').unwrap_or(tag.len());
+    without_prefix(&tag[..end])
+}
+
+fn without_prefix(name: &str) -> &str {
+    name.rsplit_once(':').map_or(name, |(_, name)| name)
+}
+
+/// The value of an attribute of a tag, as it is written; a prefix of its name does not matter.
+fn attribute<'t>(tag: &'t str, wanted: &str) -> Option<&'t str> {
+    let (_, mut rest) = tag.split_once(|c: char| c.is_ascii_whitespace())?;
+    loop {
+        let (name, value) = rest.split_once('=')?;
+        let value = value.trim_start();
+        let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
+        let (value, next) = value[1..].split_once(quote)?;
+        if without_prefix(name.trim()) == wanted {
+            return Some(value);
+        }
+        rest = next;
+    }
+}
+
+fn is_hidden(tag: &str) -> bool {
+    matches!(attribute(tag, "hidden"), Some("1" | "true"))
+}
+
+/// Takes the XML of a sheet, in pieces.
+#[derive(Default)]
+pub(super) struct SheetXml {
+    tags: Tags,
+    place: Place,
+}
+
+/// Where in a sheet its XML has come to, and what is hidden so far.
+#[derive(Default)]
+struct Place {
+    hidden: Hidden,
+    /// First and last, from 0, of neighbours that are hidden.
+    hidden_columns: Vec<(u32, u32)>,
+    /// From 1.
+    row: u32,
+    row_is_hidden: bool,
+    /// From 1.
+    column: u32,
+}
+
+impl SheetXml {
+    /// What is hidden.
+    pub(super) fn hidden(self) -> Hidden {
+        self.place.hidden
+    }
+}
+
+impl Write for SheetXml {
+    fn write(&mut self, piece: &[u8]) -> io::Result<usize> {
+        self.tags.each(piece, &mut |tag| self.place.take(tag));
+        Ok(piece.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Place {
+    fn take(&mut self, tag: &str) {
+        match name(tag) {
+            "col" if is_hidden(tag) => {
+                let number = |key| attribute(tag, key).and_then(|text| text.parse::<u32>().ok()?.checked_sub(1));
+                if let (Some(first), Some(last)) = (number("min"), number("max")) {
+                    self.hidden_columns.push((first, last));
+                }
+            }
+            "row" => {
+                let written = attribute(tag, "r").and_then(|text| text.parse().ok());
+                self.row = written.unwrap_or(self.row.saturating_add(1));
+                self.row_is_hidden = is_hidden(tag);
+                self.column = 0;
+            }
+            "c" if !self.hidden_columns.is_empty() => {
+                let written = attribute(tag, "r").and_then(corner).and_then(|(column, _)| column);
+                self.column = written.unwrap_or(self.column) + 1;
+            }
+            // what a cell holds
+            "v" | "is" if !tag.ends_with('/') => {
+                if self.row_is_hidden {
+                    self.hidden.rows.insert(self.row.saturating_sub(1));
+                }
+                let column = self.column.saturating_sub(1);
+                if self.hidden_columns.iter().any(|(first, last)| (*first..=*last).contains(&column)) {
+                    self.hidden.columns.insert(column);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The parts of a workbook that hold its sheets, in the sheets' order: small letters, `xl/worksheets/sheet1.xml`.
+/// `workbook` is the XML that lists the sheets, `relations` that which says where they are.
+pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<String> {
+    let mut targets: HashMap<String, String> = HashMap::new();
+    Tags::default().each(relations, &mut |tag| {
+        if name(tag) == "Relationship"
+            && let (Some(id), Some(target)) = (attribute(tag, "Id"), attribute(tag, "Target"))
+        {
+            let part = target.strip_prefix('/').map_or_else(|| format!("xl/{target}"), str::to_owned);
+            targets.insert(id.to_owned(), part.to_ascii_lowercase());
+        }
+    });
+    let mut parts = Vec::new();
+    Tags::default().each(workbook, &mut |tag| {
+        if name(tag) == "sheet" {
+            let part = attribute(tag, "id").and_then(|id| targets.get(id));
+            parts.push(part.cloned().unwrap_or_default());
+        }
+    });
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHEET: &str = "<?xml version=\"1.0\"?><worksheet><cols><col min=\"2\" max=\"3\" hidden=\"1\"/><col min=\"9\" \
+                         max=\"16384\" hidden='true' /></cols><sheetData><row r=\"1\"><c r=\"A1\"><v>1</v></c>\
+                         <c r=\"B1\" t=\"inlineStr\"><is><t>a &lt; b</t></is></c></row><x:row r=\"4\" spans=\"1:3\" \
+                         hidden=\"true\"><x:c r=\"A4\"><x:v>2</x:v></x:c></x:row><row hidden=\"1\"><c><f>A1</f><v/>\
+                         </c></row><row hidden=\"1\"><c r=\"C6\" s=\"3\"/></row><row hidden=\"1\"><c><v>7</v></c>\
+                         </row></sheetData></worksheet>";
+
+    #[test]
+    fn only_what_holds_values_counts() {
+        let range = |text: &str| text.parse().unwrap_or_else(|_| CellRange::default());
+        for length in [1, 7, SHEET.len()] {
+            let mut xml = SheetXml::default();
+            for piece in SHEET.as_bytes().chunks(length) {
+                xml.write_all(piece).unwrap();
+            }
+            let hidden = xml.hidden();
+            let expected = Hidden { rows: [3, 6].into(), columns: [1].into() };
+            assert_eq!(hidden, expected, "in pieces of {length}");
+            assert_eq!((hidden.rows_in(range("")), hidden.columns_in(range(""))), (2, 1));
+            assert_eq!((hidden.rows_in(range("A1:A4")), hidden.columns_in(range("A1:A4"))), (1, 0));
+        }
+    }
+
+    #[test]
+    fn sheets_stand_in_the_workbooks_order() {
+        let workbook = b"<workbook><sheets><sheet name=\"B &amp; C\" sheetId=\"2\" r:id=\"rId7\"/>\
+                         <sheet name=\"A\" sheetId=\"1\" r:id='rId1'/><sheet name=\"?\"/></sheets></workbook>";
+        let relations = b"<Relationships><Relationship Id=\"rId1\" Target=\"/xl/worksheets/Sheet1.xml\"/>\
+                          <Relationship Target=\"worksheets/sheet2.xml\" Id=\"rId7\"/></Relationships>";
+        let expected = ["xl/worksheets/sheet2.xml", "xl/worksheets/sheet1.xml", ""];
+        assert_eq!(sheet_parts(workbook, relations), expected);
+    }
+}

@@ -1,0 +1,259 @@
+//! Excel workbooks (`.xlsx`).
+//!
+//! The command line reads the file and calls [`Workbook::open`]; `head` shows how a sheet starts, so that
+//! one is chosen, and `records` streams it. Cells come out as they are held: a number as the shortest
+//! decimal that is the same double, which is what was typed in, and neither a date nor an error is ever a number.
+//! A workbook is unpacked once to count its bytes before anything is parsed, so that a small file that unpacks to a
+//! huge one is refused.
+
+mod hidden;
+mod range;
+
+pub use range::CellRange;
+
+use std::collections::HashMap;
+use std::io::{self, Cursor, Read as _};
+use std::sync::mpsc;
+
+use calamine::{DataRef, ExcelDateTime, Reader as _, Xlsx, XlsxError};
+
+use super::cell::{Cell, Content, Record};
+use crate::diagnostic::{Code, Diagnostic};
+use hidden::{Hidden, SheetXml, sheet_parts};
+
+/// Bytes of a sheet at most: a full one, a million rows of twenty columns.
+const LARGEST_SHEET: u64 = 768 << 20;
+/// Bytes at most of what is kept in memory as a whole: texts, styles, names.
+const LARGEST_OTHER: u64 = 96 << 20;
+
+type Book = Xlsx<Cursor<Vec<u8>>>;
+
+/// A workbook that was checked and opened.
+pub struct Workbook {
+    name: String,
+    book: Book,
+    /// What each sheet hides, in their order; none where that cannot be known.
+    hidden: Vec<Option<Hidden>>,
+}
+
+/// The rows of a sheet as they stand.
+pub(crate) struct SheetRecords {
+    /// File and sheet, for messages.
+    pub(crate) name: String,
+    /// What is hidden in the range and holds values all the same; `None` if that cannot be known.
+    pub(crate) hidden: Option<HiddenCount>,
+    /// Each row that is not empty, the first one first; a row ends with its last cell that is not empty.
+    pub(crate) records: Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>,
+}
+
+/// How many hidden rows and columns are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct HiddenCount {
+    /// Rows.
+    pub(crate) rows: usize,
+    /// Columns.
+    pub(crate) columns: usize,
+}
+
+impl Workbook {
+    /// Opens a workbook from its bytes; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// If it is no workbook, or unpacks to more than any sheet holds.
+    pub fn open(name: &str, bytes: Vec<u8>) -> Result<Self, Diagnostic> {
+        let hidden = check(name, &bytes)?;
+        let book = Xlsx::new(Cursor::new(bytes)).map_err(|error| no_workbook(name, &error))?;
+        Ok(Self { name: name.to_owned(), book, hidden })
+    }
+
+    /// The names of its sheets.
+    #[must_use]
+    pub fn sheets(&self) -> Vec<String> {
+        self.book.sheet_names()
+    }
+
+    /// The sheets to look at: all of them, or the one that is named.
+    ///
+    /// # Errors
+    /// If there is none of that name.
+    pub(crate) fn candidates(&self, wanted: Option<&str>) -> Result<Vec<String>, Diagnostic> {
+        let sheets = self.sheets();
+        match wanted {
+            None => Ok(sheets),
+            Some(wanted) if sheets.iter().any(|name| name == wanted) => Ok(vec![wanted.to_owned()]),
+            Some(wanted) => {
+                let message = format!("{} has no sheet `{wanted}`", self.name);
+                Err(Diagnostic::error(Code::BadTable, message).help(format!("its sheets are {}", listed(&sheets))))
+            }
+        }
+    }
+
+    /// The first rows of a sheet that are not empty, `most` of them.
+    ///
+    /// # Errors
+    /// If the sheet cannot be read.
+    pub(crate) fn head(&mut self, sheet: &str, range: CellRange, most: usize) -> Result<Vec<Record>, Diagnostic> {
+        let mut head = Vec::new();
+        each_row(&mut self.book, sheet, range, &mut |record| {
+            head.push(record);
+            head.len() < most
+        })
+        .map_err(|problem| unreadable(&named(&self.name, sheet), &problem))?;
+        Ok(head)
+    }
+
+    /// All rows of a sheet that are not empty.
+    ///
+    /// They are read on a thread of its own, a few rows ahead: the workbook's reader cannot be kept beside the workbook.
+    pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
+        const AHEAD: usize = 64;
+        let name = named(&self.name, sheet);
+        let hidden = self.hidden_count(sheet, range);
+        let (sender, receiver) = mpsc::sync_channel(AHEAD);
+        let (sheet, place) = (sheet.to_owned(), name.clone());
+        std::thread::spawn(move || {
+            // the other end hangs up when it has seen enough
+            let read = each_row(&mut self.book, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
+            if let Err(problem) = read {
+                let _ = sender.send(Err(unreadable(&place, &problem)));
+            }
+        });
+        SheetRecords { name, hidden, records: Box::new(receiver.into_iter()) }
+    }
+
+    fn hidden_count(&self, sheet: &str, range: CellRange) -> Option<HiddenCount> {
+        let index = self.sheets().iter().position(|name| name == sheet)?;
+        let hidden = self.hidden.get(index)?.as_ref()?;
+        Some(HiddenCount { rows: hidden.rows_in(range), columns: hidden.columns_in(range) })
+    }
+}
+
+fn named(file: &str, sheet: &str) -> String {
+    format!("{file}, sheet `{sheet}`")
+}
+
+fn listed(sheets: &[String]) -> String {
+    sheets.iter().map(|sheet| format!("`{sheet}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// Calls `take` with each row that is not empty, until it returns false.
+fn each_row(
+    book: &mut Book,
+    sheet: &str,
+    range: CellRange,
+    take: &mut dyn FnMut(Record) -> bool,
+) -> Result<(), String> {
+    let mut reader = book.worksheet_cells_reader(sheet).map_err(|error| error.to_string())?;
+    let mut record = Record::default();
+    loop {
+        let cell = match reader.next_cell() {
+            Ok(Some(cell)) => cell,
+            Ok(None) => break,
+            // an error that has no name in the first versions of the format is no value either
+            Err(XlsxError::CellError(_)) => continue,
+            Err(error) => return Err(error.to_string()),
+        };
+        let (row, column) = cell.get_position();
+        let line = u64::from(row) + 1;
+        if line != record.line {
+            let before = std::mem::replace(&mut record, Record::new(Vec::new(), line));
+            if !before.cells.is_empty() && !take(before) {
+                return Ok(());
+            }
+        }
+        if row > range.rows.1 {
+            break;
+        }
+        let content =
+            if range.has_row(row) && range.has_column(column) { content(cell.get_value()) } else { Content::Empty };
+        if content != Content::Empty {
+            let index = (column - range.columns.0) as usize;
+            if record.cells.len() <= index {
+                record.cells.resize(index + 1, Cell::default());
+            }
+            record.cells[index] = content.into();
+        }
+    }
+    if !record.cells.is_empty() {
+        take(record);
+    }
+    Ok(())
+}
+
+fn content(value: &DataRef<'_>) -> Content {
+    match value {
+        DataRef::Empty => Content::Empty,
+        DataRef::Int(number) => Content::Number(crate::quantity::Decimal::of_i128(i128::from(*number), 0)),
+        DataRef::Float(number) => Content::of_f64(*number),
+        DataRef::String(text) => Content::of_text(text),
+        DataRef::SharedString(text) => Content::of_text(text),
+        DataRef::Error(error) => Content::Text(error.to_string()),
+        DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => Content::Other(text.clone()),
+        DataRef::Bool(value) => Content::Other(value.to_string()),
+        DataRef::DateTime(date) => Content::Other(shown_date(date)),
+    }
+}
+
+/// A date, a time or a duration as a message shows it.
+fn shown_date(date: &ExcelDateTime) -> String {
+    if date.is_duration() {
+        return format!("{} h", date.as_f64() * 24.0);
+    }
+    let (year, month, day, hour, minute, second, _) = date.to_ymd_hms_milli();
+    let days = date.as_f64();
+    let time = format!("{hour:02}:{minute:02}:{second:02}");
+    match () {
+        // a time of no day
+        () if days < 1.0 => time,
+        () if days.fract() == 0.0 => format!("{year}-{month:02}-{day:02}"),
+        () => format!("{year}-{month:02}-{day:02} {time}"),
+    }
+}
+
+fn unreadable(name: &str, problem: &str) -> Diagnostic {
+    Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
+}
+
+fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
+    unreadable(name, &format!("it is no Excel workbook ({error})"))
+}
+
+/// Unpacks every part that will be read, counting bytes and keeping hardly any: only what the sheets hide, in their
+/// order.
+fn check(name: &str, bytes: &[u8]) -> Result<Vec<Option<Hidden>>, Diagnostic> {
+    let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
+    let (mut workbook, mut relations) = (Vec::new(), Vec::new());
+    let mut hidden: HashMap<String, Hidden> = HashMap::new();
+    let mut other = 0;
+    for index in 0..archive.len() {
+        let file = archive.by_index(index).map_err(|error| broken(&error))?;
+        let part = file.name().map_err(|error| broken(&error))?.to_ascii_lowercase();
+        let is_read = |suffix: &str| part.strip_suffix(suffix).is_some();
+        if !is_read(".xml") && !is_read(".rels") {
+            continue;
+        }
+        let is_sheet = part.starts_with("xl/worksheets/");
+        let most = if is_sheet { LARGEST_SHEET } else { LARGEST_OTHER - other };
+        let mut sheet = SheetXml::default();
+        let into: &mut dyn io::Write = match part.as_str() {
+            "xl/workbook.xml" => &mut workbook,
+            "xl/_rels/workbook.xml.rels" => &mut relations,
+            _ if is_sheet => &mut sheet,
+            _ => &mut io::sink(),
+        };
+        let size = io::copy(&mut file.take(most + 1), into).map_err(|error| broken(&error))?;
+        if size > most {
+            return Err(unreadable(name, &format!("its part {part} unpacks to more than {} MiB", most >> 20)));
+        }
+        if is_sheet {
+            hidden.insert(part, sheet.hidden());
+        } else {
+            other += size;
+        }
+    }
+    Ok(sheet_parts(&workbook, &relations).iter().map(|part| hidden.get(part).cloned()).collect())
+}
+
+#[cfg(test)]
+mod tests;

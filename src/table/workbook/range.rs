@@ -1,0 +1,75 @@
+//! The part of a sheet that a user names: `A1:F200`. Given to the reader of workbooks.
+
+/// Columns of a sheet, as Excel has them.
+const MOST_COLUMNS: u32 = 16_384;
+
+/// A part of a sheet: `A1:F200`, `B:F`, `3:90`; counted from 0, ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellRange {
+    pub(super) columns: (u32, u32),
+    pub(super) rows: (u32, u32),
+}
+
+impl Default for CellRange {
+    fn default() -> Self {
+        Self { columns: (0, MOST_COLUMNS - 1), rows: (0, u32::MAX) }
+    }
+}
+
+impl CellRange {
+    pub(super) fn has_row(&self, row: u32) -> bool {
+        (self.rows.0..=self.rows.1).contains(&row)
+    }
+
+    pub(super) fn has_column(&self, column: u32) -> bool {
+        (self.columns.0..=self.columns.1).contains(&column)
+    }
+}
+
+impl std::str::FromStr for CellRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let bad = || format!("`{text}` is not a range of cells: write A1:F200, B:F or 3:90");
+        let (from, to) = text.split_once(':').unwrap_or((text, text));
+        let whole = Self::default();
+        let (from, to) = (corner(from).ok_or_else(bad)?, corner(to).ok_or_else(bad)?);
+        if from.0.is_some() != to.0.is_some() || from.1.is_some() != to.1.is_some() {
+            return Err(bad());
+        }
+        let ordered = |a: Option<u32>, b: Option<u32>, whole: (u32, u32)| match (a, b) {
+            (Some(a), Some(b)) => (a.min(b), a.max(b)),
+            _ => whole,
+        };
+        Ok(Self { columns: ordered(from.0, to.0, whole.columns), rows: ordered(from.1, to.1, whole.rows) })
+    }
+}
+
+/// Column and row of `B12`, `$B$12`, `B` or `12`, from 0.
+pub(super) fn corner(text: &str) -> Option<(Option<u32>, Option<u32>)> {
+    let text = text.trim().replace('$', "").to_ascii_uppercase();
+    let letters = text.bytes().take_while(u8::is_ascii_uppercase).count();
+    let (column, row) = text.split_at(letters);
+    if text.is_empty() || column.len() > 3 || row.len() > 7 {
+        return None;
+    }
+    let number = column.bytes().fold(0, |number, letter| number * 26 + u32::from(letter - b'A') + 1);
+    let column = (!column.is_empty()).then_some(number.saturating_sub(1).min(MOST_COLUMNS - 1));
+    let row = if row.is_empty() { None } else { Some(row.parse::<u32>().ok()?.checked_sub(1)?) };
+    Some((column, row))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges() {
+        assert_eq!("b2:c9".parse(), Ok(CellRange { columns: (1, 2), rows: (1, 8) }));
+        assert_eq!("AA:Z".parse(), Ok(CellRange { columns: (25, 26), rows: (0, u32::MAX) }));
+        assert_eq!("9:3".parse(), Ok(CellRange { columns: (0, MOST_COLUMNS - 1), rows: (2, 8) }));
+        for text in ["", "A0:B2", "A1:B", "1A", "ABCD1", "A1:B2:C3", "A99999999"] {
+            assert!(text.parse::<CellRange>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,184 @@
+use super::*;
+use crate::diagnostic::Diagnostics;
+use crate::table::{Container, Source, Want};
+
+/// The names of the columns, and the row, name and values of each part, or the problem with its help.
+fn rows(bytes: &[u8], sheet: Option<&str>, range: &str) -> Result<Vec<String>, String> {
+    let range = if range.is_empty() { CellRange::default() } else { range.parse()? };
+    let want = Want { sheet: sheet.map(str::to_owned), range, ..Want::default() };
+    let in_words = |Diagnostics(problems): Diagnostics| {
+        let problem = &problems[0];
+        format!("{problem} | {}", problem.help.clone().unwrap_or_default())
+    };
+    let source = Source::bytes(bytes.to_vec());
+    let container = Container::open("lot.xlsx", source, &want).map_err(in_words)?;
+    let table = container.table("lot.xlsx", &want).map_err(in_words)?;
+    let mut all = vec![format!("{}: {}", table.name, table.titles.join("|"))];
+    for block in table.blocks().unwrap() {
+        for row in 0..block.rows() {
+            let is_there =
+                |column: &usize| block.faults().iter().all(|fault| (fault.row, fault.column) != (row, Some(*column)));
+            let value = |column| if is_there(&column) { block.values(column)[row].to_string() } else { String::new() };
+            let values: Vec<_> = (0..block.values.len()).map(value).collect();
+            let name = block.name(row).unwrap_or_default();
+            all.push(format!("{}: {name}|{}", block.lines[row], values.join("|")));
+        }
+    }
+    Ok(all)
+}
+
+fn workbook() -> Vec<u8> {
+    let mut book = rust_xlsxwriter::Workbook::new();
+    let cover = book.add_worksheet();
+    cover.set_name("Deckblatt").expect("a name").write_string(0, 0, "Auftrag").expect("a cell");
+    let lot = book.add_worksheet();
+    lot.set_name("Lot 7").expect("a name");
+    lot.write_string(1, 0, "gemessen am 3.4.").expect("a cell");
+    for (column, name) in ["Teil", "rack_over_roller [mm]", "rack_pitch [um]"].iter().enumerate() {
+        lot.write_string(3, u16::try_from(column).expect("few"), *name).expect("a cell");
+    }
+    for (row, (name, over_roller)) in [(4, ("a1", 25.0131)), (6, ("a2", 0.1 + 0.2))] {
+        lot.write_string(row, 0, name).expect("a cell").write_number(row, 1, over_roller).expect("a cell");
+    }
+    lot.write_number(6, 2, 12).expect("a cell");
+    book.save_to_buffer().expect("a workbook")
+}
+
+#[test]
+fn the_first_sheet_with_the_columns() {
+    let book = workbook();
+    let expected = [
+        "lot.xlsx, sheet `Lot 7`: Teil|rack_over_roller [mm]|rack_pitch [um]",
+        "5: a1|25.0131 mm|",
+        "7: a2|0.3 mm|0.012 mm",
+    ];
+    assert_eq!(rows(&book, None, "").unwrap(), expected);
+    assert_eq!(rows(&book, Some("Lot 7"), "").unwrap(), expected);
+    let part = ["lot.xlsx, sheet `Lot 7`: rack_over_roller [mm]", "5: |25.0131 mm"];
+    assert_eq!(rows(&book, None, "$B$4:B5").unwrap(), part);
+    let cover = rows(&book, Some("Deckblatt"), "A:A").unwrap_err();
+    assert!(cover.contains("lot.xlsx, sheet `Deckblatt` holds no table of numbers"), "{cover}");
+    let none = rows(&book, Some("Lot 8"), "").unwrap_err();
+    assert!(none.contains("no sheet `Lot 8` | its sheets are `Deckblatt`, `Lot 7`"), "{none}");
+    assert!(rows(&book, None, "C1:C3").unwrap_err().contains("no sheet of the workbook has a column that is known"));
+}
+
+#[test]
+fn what_is_no_workbook_or_unpacks_to_too_much_is_refused() {
+    assert!(rows(b"PK\x03\x04", None, "").unwrap_err().contains("cannot read lot.xlsx: it is no Excel workbook"));
+    assert!(rows(b"", None, "").is_err());
+    let book = workbook();
+    for cut in [10, book.len() / 2, book.len() - 30] {
+        assert!(rows(&book[..cut], None, "").is_err());
+    }
+    let mut bomb = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+    bomb.start_file("xl/sharedStrings.xml", options).expect("a part");
+    for _ in 0..97 {
+        std::io::Write::write_all(&mut bomb, &vec![b' '; 1 << 20]).expect("written");
+    }
+    let bomb = bomb.finish().expect("an archive").into_inner();
+    assert!(bomb.len() < 200_000);
+    let refused = rows(&bomb, None, "").unwrap_err();
+    assert!(refused.contains("unpacks to more than 96 MiB"), "{refused}");
+}
+
+/// A sheet with every kind of cell, and hidden rows and columns.
+fn kinds() -> Vec<u8> {
+    use rust_xlsxwriter::{Format, Formula};
+    let mut book = rust_xlsxwriter::Workbook::new();
+    book.add_worksheet().set_name("A & B").unwrap();
+    let sheet = book.add_worksheet();
+    let date = Format::new().set_num_format("dd.mm.yyyy");
+    let moment = Format::new().set_num_format("yyyy-mm-dd hh:mm");
+    let time = Format::new().set_num_format("hh:mm:ss");
+    let duration = Format::new().set_num_format("[hh]:mm");
+    sheet.write_string(0, 0, "a").unwrap().write_number(0, 1, 25.0131).unwrap();
+    sheet.write_boolean(0, 2, true).unwrap().write_number_with_format(0, 3, 45_943, &date).unwrap();
+    sheet.write_number_with_format(0, 4, 45_943.5, &moment).unwrap();
+    sheet.write_number_with_format(0, 5, 0.25, &time).unwrap();
+    sheet.write_number_with_format(0, 6, 1.5, &duration).unwrap();
+    sheet.write_formula(2, 0, Formula::new("=1/0").set_result("#DIV/0!")).unwrap();
+    sheet.write_formula(2, 1, Formula::new("=SORT(A1:A9)").set_result("#SPILL!")).unwrap();
+    sheet.write_string(2, 2, "  ").unwrap().write_string(2, 3, " 1,5 mm ").unwrap();
+    sheet.write_number(5, 1, -12).unwrap().write_number(6, 1, 1e-7).unwrap();
+    sheet.set_row_hidden(2).unwrap().set_row_hidden(5).unwrap().set_row_hidden(9).unwrap();
+    sheet.set_column_hidden(1).unwrap().set_column_hidden(12).unwrap();
+    book.save_to_buffer().unwrap()
+}
+
+fn shown(records: impl IntoIterator<Item = Record>) -> Vec<String> {
+    let cell = |cell: &Cell| match &cell.content {
+        Content::Empty => String::new(),
+        Content::Text(text) => format!("t:{text}"),
+        number @ Content::Number(_) => format!("n:{number}"),
+        Content::Other(text) => format!("o:{text}"),
+    };
+    let line =
+        |record: Record| format!("{}: {}", record.line, record.cells.iter().map(cell).collect::<Vec<_>>().join("|"));
+    records.into_iter().map(line).collect()
+}
+
+#[test]
+fn cells_are_what_the_sheet_holds() {
+    let mut book = Workbook::open("lot.xlsx", kinds()).unwrap();
+    assert_eq!(book.sheets(), ["A & B", "Sheet2"]);
+    let all = CellRange::default();
+    let expected = [
+        "1: t:a|n:25.0131|o:true|o:2025-10-13|o:2025-10-13 12:00:00|o:06:00:00|o:36 h",
+        "3: t:#DIV/0!|t:#SPILL!||t:1,5 mm",
+        "6: |n:-12",
+        "7: |n:0.0000001",
+    ];
+    assert_eq!(shown(book.head("Sheet2", all, 2).unwrap()), expected[..2]);
+    assert!(book.head("A & B", all, 2).unwrap().is_empty());
+    let sheet = book.records("Sheet2", all);
+    assert_eq!(sheet.name, "lot.xlsx, sheet `Sheet2`");
+    assert_eq!(shown(sheet.records.map(Result::unwrap)), expected);
+}
+
+#[test]
+fn hidden_rows_and_columns_are_read_and_counted() {
+    for (sheet, range, rows, columns) in
+        [("Sheet2", "A:XFD", 2, 1), ("Sheet2", "A1:A5", 1, 0), ("Sheet2", "C:F", 2, 0), ("A & B", "A:XFD", 0, 0)]
+    {
+        let book = Workbook::open("lot.xlsx", kinds()).unwrap();
+        let records = book.records(sheet, range.parse().unwrap());
+        assert_eq!(records.hidden, Some(HiddenCount { rows, columns }), "{sheet} {range}");
+    }
+}
+
+/// The workbook with another XML of its second sheet.
+fn with_sheet(change: impl Fn(String) -> String) -> Vec<u8> {
+    let mut archive = zip::ZipArchive::new(Cursor::new(kinds())).unwrap();
+    let mut changed = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for index in 0..archive.len() {
+        let mut part = archive.by_index(index).unwrap();
+        let name = part.name().unwrap().to_string();
+        let mut xml = String::new();
+        part.read_to_string(&mut xml).unwrap();
+        if name.ends_with("sheet2.xml") {
+            xml = change(xml);
+        }
+        changed.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut changed, xml.as_bytes()).unwrap();
+    }
+    changed.finish().unwrap().into_inner()
+}
+
+#[test]
+fn an_error_without_a_name_is_no_value() {
+    let bytes = with_sheet(|xml| xml.replace("#DIV/0!", "#BUSY!"));
+    let mut book = Workbook::open("lot.xlsx", bytes).unwrap();
+    let head = book.head("Sheet2", CellRange::default(), 2).unwrap();
+    assert_eq!(shown(head)[1], "3: |t:#SPILL!||t:1,5 mm");
+}
+
+#[test]
+fn a_sheet_that_ends_in_the_middle_is_said() {
+    let bytes = with_sheet(|xml| xml[..xml.len() - 200].to_owned());
+    let book = Workbook::open("lot.xlsx", bytes).unwrap();
+    let last = book.records("Sheet2", CellRange::default()).records.last().unwrap();
+    let problem = last.unwrap_err().to_string();
+    assert!(problem.contains("cannot read lot.xlsx, sheet `Sheet2`: "), "{problem}");
+}
