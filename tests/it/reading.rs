@@ -1,0 +1,323 @@
+//! Nothing that looks like a measured value vanishes: each of these tables was once read in part and passed, or read in two
+//! ways by two commands.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+/// examples/batch.toml without its `[batch.columns]`.
+fn spec(folder: &Folder) -> String {
+    let example = std::fs::read_to_string("examples/batch.toml").unwrap();
+    let (before, _) = example.split_once("[batch.columns]").unwrap();
+    folder.file("bn.toml", before.as_bytes())
+}
+
+/// A folder of its own for one test, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("reading").join(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn file(&self, name: &str, bytes: &[u8]) -> String {
+        std::fs::write(self.0.join(name), bytes).unwrap();
+        self.path(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn run(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    let input = input.to_vec();
+    let feeder = std::thread::spawn(move || drop(stdin.write_all(&input)));
+    let output = child.wait_with_output().unwrap();
+    feeder.join().unwrap();
+    output
+}
+
+fn said(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// The exit status, and what was said.
+fn status(arguments: &[&str], input: &[u8]) -> (Option<i32>, String) {
+    let output = run(arguments, input);
+    (output.status.code(), said(&output))
+}
+
+#[test]
+fn a_column_that_is_not_understood_ends_the_run() {
+    let folder = Folder::new("columns");
+    let spec = spec(&folder);
+    for column in ["rack_pich [um]", "pitch [um]", "erreur de pas [um]", "Teilung [µm]", "xyz [um]"] {
+        let table = format!("part_id,rack_over_roller,pinion_radial,{column}\nP1,25.001,8.501,200\n");
+        let file = folder.file("lot.csv", table.as_bytes());
+        let page = folder.path("page.html");
+        for arguments in [
+            vec!["batch", &spec, &file],
+            vec!["paste", &spec, &file],
+            vec!["report", &spec, &file, "-o", &page],
+            vec!["read", &file, &spec],
+        ] {
+            let (code, said) = status(&arguments, b"");
+            let (name, _) = column.split_once(' ').unwrap();
+            assert_eq!(code, Some(2), "{arguments:?} {column}: {said}");
+            assert!(said.contains(name), "{arguments:?} {column}: {said}");
+        }
+    }
+    // all of them at once, with both remedies
+    let table = "part_id,rack_over_roller,pinion_radial,rack_pich [um],gap width [mm]\nP1,25.001,8.501,200,3.1\n";
+    let (code, said) = status(&["batch", &spec], table.as_bytes());
+    assert_eq!(code, Some(2), "{said}");
+    for words in
+        ["rack_pich [um]", "gap width [mm]", "200", "near rack_pitch", "[batch.columns]", "ignore = [", "--ignore"]
+    {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let (code, said) = status(&["batch", &spec, "--ignore", "gap*", "--ignore", "rack_pich"], table.as_bytes());
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("not used: `rack_pich [um]`, `gap width [mm]`"), "{said}");
+}
+
+#[test]
+fn a_characteristic_that_is_not_understood_ends_the_run() {
+    let folder = Folder::new("characteristics");
+    let spec = spec(&folder);
+    let lot = "K0100 3\nK2002/1 rack_over_roller\nK2142/1 mm\nK2002/2 pinion_radial\nK2142/2 mm\n\
+               K2002/3 fp Zahnstange links\nK2142/3 um\n25.001\u{f}8.501\u{f}200\n";
+    let file = folder.file("lot.dfq", lot.as_bytes());
+    let (code, said) = status(&["batch", &spec, &file], b"");
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("fp Zahnstange links"), "{said}");
+    // a name in the spec finds its characteristic, and only values that count are judged
+    let spec = folder.file(
+        "my.toml",
+        b"[errors]\nrack_over_roller = { nominal = 25 }\n[limits]\ncenter_distance = { lower = -0.1, upper = 0.1 }\n[batch.columns]\n\
+          rack_over_roller = { name = \"MyRoll\" }\n",
+    );
+    for (attribute, code) in [("0", 0), ("129", 2), ("255", 2), ("256", 2), ("290", 2), ("77", 2)] {
+        let lot = format!("K0100 1\nK2002/1 MyRoll\nK2142/1 mm\n25.001\u{14}0\n25.002\u{14}{attribute}\n");
+        let file = folder.file("lot.dfq", lot.as_bytes());
+        let (found, said) = status(&["batch", &spec, &file], b"");
+        assert_eq!(found, Some(code), "{attribute}: {said}");
+        assert_eq!(code == 0, !said.contains(&format!("attribute {attribute}")), "{attribute}: {said}");
+    }
+}
+
+#[test]
+fn one_cell_is_one_number_in_every_command() {
+    let folder = Folder::new("numbers");
+    let spec = folder
+        .file("spec.toml", b"[pair]\nnormal_pressure_angle = 45\n[limits]\nrack_pitch = { lower = -10, upper = 10 }\n");
+    // 1012 µm / (2 tan 45°), where another cell proves the comma
+    let table = "part_id;rack_pitch [um]\nP1;1.012\nP2;0,5\n";
+    let file = folder.file("lot.csv", table.as_bytes());
+    for arguments in [vec!["batch", &spec, &file], vec!["paste", &spec, &file, "--format", "csv"]] {
+        let (code, said) = status(&arguments, b"");
+        assert_eq!(code, Some(0), "{said}");
+        assert!(said.contains("P1,0.506") && said.contains("P2,0.00025"), "{said}");
+    }
+    // and refused where nothing does, unless the user says which it is
+    let file = folder.file("lot.csv", b"part_id;rack_pitch [um]\nP1;1.012\nP2;2.117\n");
+    for command in ["batch", "paste"] {
+        let (code, said) = status(&[command, &spec, &file], b"");
+        assert!(code == Some(2) && said.contains("`1.012`") && said.contains("--decimal comma"), "{said}");
+        let (code, said) = status(&[command, &spec, &file, "--decimal", "point"], b"");
+        assert_eq!(code, Some(0), "{said}");
+    }
+    let file = folder.file("lot.csv", b"part_id;rack_pitch [um]\nP1;2_5.01\nP2;2.17\n");
+    for command in ["batch", "paste"] {
+        let (code, said) = status(&[command, &spec, &file], b"");
+        assert!(code == Some(2) && said.contains("2_5.01"), "{said}");
+    }
+}
+
+#[test]
+fn a_later_contradiction_ends_the_run() {
+    let folder = Folder::new("contradiction");
+    let spec = folder
+        .file("spec.toml", b"[pair]\nnormal_pressure_angle = 45\n[limits]\nrack_pitch = { lower = -10, upper = 10 }\n");
+    let mut table = "part_id;rack_pitch [um]\n".to_owned();
+    for part in 0..20_000 {
+        table.push_str(&format!("P{part};1.5\n"));
+    }
+    table.push_str("Q;2,5\n");
+    let file = folder.file("lot.csv", table.as_bytes());
+    let partial = folder.path("rows.csv");
+    let (code, said) = status(&["batch", &spec, &file, "-o", &partial], b"");
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("line 20002") && said.contains("`2,5`"), "{said}");
+    assert!(!PathBuf::from(&partial).exists() && said.contains("rows.csv.partial"), "{said}");
+}
+
+#[test]
+fn lines_of_a_pasted_block_are_not_dropped() {
+    let folder = Folder::new("lines");
+    let spec = folder.file(
+        "spec.toml",
+        b"[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.7\n[errors]\nrack_over_roller = { nominal = 25 }\n\
+          [limits]\ncenter_distance = { lower = -0.03, upper = 0.05 }\n",
+    );
+    for line in ["Teilungsabw. Zahnstange fp 0,1200", "fHβ [µm] 80", "003 Pitch error of rack 0.2100 mm"] {
+        let block = format!("Rollenmaß 25,016 mm\n{line}\n");
+        let (code, said) = status(&["paste", &spec], block.as_bytes());
+        assert!(code != Some(0), "{line}: {said}");
+    }
+    for unit in ["[nm]", "[cm]", "(micron)", "[1/1000 mm]", "/µm", "[㎛]"] {
+        let block = format!("Rollenmaß [mm]\tTeilung Zahnstange {unit}\n25,0161\t12\n");
+        let (code, said) = status(&["paste", &spec, "--format", "json"], block.as_bytes());
+        let expected = match unit {
+            "[nm]" => 0.000_012,
+            "[cm]" => 120.0,
+            _ => 0.012,
+        };
+        assert!(said.contains(&format!("\"deviation_mm\": {expected}")) || code == Some(2), "{unit}: {said}");
+    }
+    // nominal values and tolerances are no parts, and a deviation that contradicts is refused
+    let block = "Merkmal\tSoll\tOG\tUG\tTeil 1\tTeil 2\nRollenmaß [mm]\t25,000\t0,03\t-0,03\t25,016\t25,0131\n";
+    let (code, said) = status(&["paste", &spec, "--format", "csv"], block.as_bytes());
+    assert!(code == Some(0) && said.contains("Teil 1,0.016") && said.contains("Teil 2,0.0131"), "{said}");
+    assert_eq!(said.matches("pass").count(), 2, "{said}");
+    let block = "Merkmal\tNennmaß\tIstmaß\tAbweichung\tEinheit\nRollenmaß\t25,000\t25,016\t0,061\tmm\n";
+    for command in ["paste", "batch"] {
+        let (code, said) = status(&[command, &spec], block.as_bytes());
+        assert!(code == Some(2) && said.contains("0.061"), "{said}");
+    }
+}
+
+#[test]
+fn no_parts_are_no_pass() {
+    let folder = Folder::new("none");
+    let spec = spec(&folder);
+    for table in ["part_id,rack_over_roller,pinion_radial\n", ""] {
+        for command in ["batch", "paste"] {
+            let (code, said) = status(&[command, &spec], table.as_bytes());
+            assert_eq!(code, Some(2), "{command} {table:?}: {said}");
+        }
+    }
+}
+
+#[test]
+fn outputs_destroy_nothing() {
+    let folder = Folder::new("outputs");
+    let spec = spec(&folder);
+    let table = b"part_id,rack_over_roller,pinion_radial\nP1,25.001,8.501\n";
+    let file = folder.file("lot.csv", table);
+    for option in ["-o", "--rejects", "--junit"] {
+        for target in [&file, &spec] {
+            let before = std::fs::read(target).unwrap();
+            let (code, said) = status(&["batch", &spec, &file, option, target, "--format", "csv"], b"");
+            assert!(code == Some(2) && std::fs::read(target).unwrap() == before, "{option} {target}: {said}");
+        }
+    }
+    let (code, said) = status(&["batch", &spec, &file, "-o", &folder.path("x.pdf")], b"");
+    assert!(code == Some(2) && said.contains(".parquet"), "{said}");
+    let both = folder.path("both.csv");
+    let (code, said) = status(&["batch", &spec, &file, "-o", &both, "--rejects", &both], b"");
+    assert_eq!(code, Some(2), "{said}");
+    let parquet = folder.path("x.parquet");
+    let bad = folder.file("bad.csv", b"part_id,rack_over_roller,pinion_radial,pitch [um]\nP1,25.001,8.501,3\n");
+    let (code, _) = status(&["batch", &spec, &bad, "-o", &parquet], b"");
+    assert!(code == Some(2) && !PathBuf::from(&parquet).exists());
+    let (code, said) = status(&["batch", &spec, &file, "-o", &parquet], b"");
+    assert_eq!(code, Some(0), "{said}");
+    // a Parquet file is read as one
+    let spec = folder.file("read.toml", b"[errors]\nrack_over_roller = { nominal = 25 }\n[batch.columns]\nrack_over_roller = { name = \"delta_cd_rack_over_roller_mm\", kind = \"deviation\" }\n[limits]\ncenter_distance = { lower = -1, upper = 1 }\n");
+    let (code, said) =
+        status(&["batch", &spec, &parquet, "--ignore", "r*", "--ignore", "worst*", "--ignore", "delta_cd_p*"], b"");
+    assert!(said.contains("Parquet"), "{code:?} {said}");
+}
+
+#[test]
+fn what_was_assumed_reaches_every_output() {
+    let folder = Folder::new("notes");
+    let spec = spec(&folder);
+    let table = b"part_id,rack_over_roller,pinion_radial,Operator\nP1,25.001,8.501,Kim\nP1,25.002,8.502,Kim\n";
+    let file = folder.file("lot.csv", table);
+    let (page, junit) = (folder.path("page.html"), folder.path("junit.xml"));
+    let summary = run(&["batch", &spec, &file, "--summary", "--format", "json", "--junit", &junit], b"");
+    assert_eq!(status(&["report", &spec, &file, "-o", &page], b"").0, Some(0));
+    let pasted = run(&["paste", &spec, &file, "--format", "json"], b"");
+    let written = [page, junit].map(|path| std::fs::read_to_string(path).unwrap());
+    let [page, junit] = written;
+    let (summary, pasted) = (String::from_utf8(summary.stdout).unwrap(), String::from_utf8(pasted.stdout).unwrap());
+    for (what, text) in [("JSON", &summary), ("JUnit", &junit), ("page", &page), ("paste", &pasted)] {
+        assert!(text.contains("assumed") && text.contains("Operator"), "{what}: {text}");
+    }
+    for (what, text) in [("JSON", &summary), ("JUnit", &junit), ("page", &page)] {
+        assert!(text.contains("two parts have the name"), "{what}: {text}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(json["reading"][0]["columns"][1]["role"], "rack_over_roller");
+}
+
+#[test]
+fn what_the_spec_asks_for_and_the_table_lacks_leaves_the_sum_open() {
+    let folder = Folder::new("lacking");
+    let text = "[errors]\nrack_over_roller = { nominal = 25 }\npinion_radial = \"4 um\"\n[limits]\ncenter_distance = { lower = -0.1, upper = 0.1 }\n";
+    let spec = folder.file("spec.toml", text.as_bytes());
+    let table = b"part_id,rack_over_roller\nP1,25.001\n";
+    for command in ["batch", "paste"] {
+        let (code, said) = status(&[command, &spec], table);
+        assert!(code == Some(2) && said.contains("pinion_radial"), "{said}");
+        let (code, said) = status(&[command, &spec, "--partial"], table);
+        assert!(code == Some(0) && said.contains("--partial"), "{said}");
+    }
+    let every = text.replace("\"4 um\"", "{ value = \"4 um\", every_part = true }");
+    let spec = folder.file("every.toml", every.as_bytes());
+    let (code, said) = status(&["batch", &spec], table);
+    assert!(code == Some(0) && said.contains("P1,0.001000,0.004000,0.005000"), "{said}");
+    let (code, said) = status(&["paste", &spec, "--format", "json"], table);
+    assert!(code == Some(0) && said.contains("\"pinion_radial\""), "{said}");
+}
+
+#[test]
+fn measured_teeth_replace_the_deviations_of_the_spec() {
+    let folder = Folder::new("teeth");
+    let mesh = std::fs::read_to_string("examples/mesh.toml").unwrap();
+    let spec = folder.file("mesh.toml", mesh.as_bytes());
+    let row = |part: &str, space: i64| format!("{part},{space},{}\n", 10 + space);
+    let rows = |parts: &[&str]| -> String {
+        let head = "part_id,space,over_pin_deviation [um]\n".to_owned();
+        parts.iter().fold(head, |table, part| (0..12).fold(table, |table, space| table + &row(part, space)))
+    };
+    let (code, apart) = status(&["batch", &spec, "--teeth"], rows(&["A", "B"]).as_bytes());
+    assert!(code.is_some() && apart.contains("2 parts"), "{apart}");
+    // the rows of a part may stand anywhere
+    let mut lines: Vec<String> = rows(&["A", "B"]).lines().map(str::to_owned).collect();
+    let head = lines.remove(0);
+    lines.sort_by_key(|line| line.split(',').nth(1).unwrap().parse::<i64>().unwrap());
+    let mixed = format!("{head}\n{}\n", lines.join("\n"));
+    let (_, mixed) = status(&["batch", &spec, "--teeth"], mixed.as_bytes());
+    let results = |said: &str| -> Vec<String> {
+        said.lines().filter(|line| line.starts_with("A,") || line.starts_with("B,")).map(str::to_owned).collect()
+    };
+    assert_eq!(results(&apart), results(&mixed));
+    // the spec's own deviations are not added, and only strokes are covered whose contacts were measured
+    let (before, after) = mesh.split_once("[[rack.deviation]]").unwrap();
+    let bare = format!("{before}{}", &after[after.find("[limits]").unwrap()..]);
+    let bare = folder.file("bare.toml", bare.as_bytes());
+    let (_, without) = status(&["batch", &bare, "--teeth"], rows(&["A", "B"]).as_bytes());
+    assert_eq!(results(&apart), results(&without));
+    assert!(apart.contains("strokes whose contacts were measured"), "{apart}");
+}
