@@ -5,12 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
-use rackmesh::batch::{Batch, Decimals, Dialect, Input, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
+use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
 use rackmesh::decision::uncertainty::{Linear, Part, propagate};
 use rackmesh::decision::{LimitTarget, Rule, Stack, Verdict, evaluate};
 use rackmesh::formula::Model;
 use rackmesh::quantity::Length;
 use rackmesh::spec::Spec;
+use rackmesh::table::{Container, Source};
 
 const COLUMNS: [&str; 5] = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch"];
 
@@ -30,14 +31,15 @@ fn run(spec: &str, table: &str, request: Request) -> (Vec<String>, Outcome) {
 
 fn run_with_header(spec: &str, table: &str, request: Request) -> (Vec<String>, Outcome) {
     let spec = Arc::new(Spec::parse("spec.toml", spec).expect("the spec is valid"));
-    let bytes = std::io::Cursor::new(table.as_bytes().to_vec());
-    let input = Input::open("parts.csv", Box::new(bytes), Dialect::default()).expect("there is a header");
-    let plan = Plan::new(&spec, &input.header, request).expect("the plan fits");
-    let layout = Layout::new(&plan, &input.header).expect("the columns are there");
+    let want = spec.want();
+    let container = Container::open("parts.csv", Source::bytes(table.into()), &want).expect("it is text");
+    let table = container.table("parts.csv", &want).expect("there is a header");
+    let plan = Plan::new(&spec, &table, request).expect("the plan fits");
+    let layout = Layout::new(&plan, &table).expect("the columns are there");
     let mut rows = Vec::new();
     let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
     let mut batch = Batch::new(&plan, sinks, Some(2));
-    batch.run(input, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
+    batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
     let (outcome, _) = batch.finish();
     let rows = String::from_utf8(rows).expect("CSV is text");
     (rows.lines().map(str::to_owned).collect(), outcome)
@@ -158,22 +160,34 @@ fn usual_parts() {
 
 /// A number with so many decimals.
 fn number(most: i64, places: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = String> {
-    (-most..=most, places).prop_map(|(value, places)| {
-        let one = 10i64.pow(u32::try_from(places).unwrap());
-        let sign = if value < 0 { "-" } else { "" };
-        if places == 0 {
-            return format!("{value}");
-        }
-        format!("{sign}{}.{:0places$}", value.abs() / one, value.abs() % one)
+    (-most..=most, places).prop_map(|(value, places)| decimal(value, places))
+}
+
+/// A measured value with so many decimals, no more than a tenth from its nominal value: what is further is not meant.
+fn measured(nominal_um: i64, places: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = String> {
+    let (least, most) = (nominal_um * 9 / 10, nominal_um * 11 / 10);
+    (least..=most, 0..1000i64, places).prop_map(|(um, below, places)| {
+        let digits = format!("{um}{below:03}000000");
+        let (whole, decimals) = digits.split_at(digits.len() - 12);
+        format!("{whole}.{}", &decimals[..places])
     })
+}
+
+fn decimal(value: i64, places: usize) -> String {
+    let one = 10i64.pow(u32::try_from(places).unwrap());
+    let sign = if value < 0 { "-" } else { "" };
+    if places == 0 {
+        return format!("{value}");
+    }
+    format!("{sign}{}.{:0places$}", value.abs() / one, value.abs() % one)
 }
 
 fn part() -> impl Strategy<Value = [String; 5]> {
     (
-        number(30_000_000, 4..=9),
+        measured(25_000, 4..=9),
         number(30_000, 0..=3),
         number(40_000_000, 7..=16),
-        number(9_000_000, 5..=8),
+        measured(8_500, 5..=8),
         number(30_000, 4..=12),
     )
         .prop_map(|(a, b, c, d, e)| [a, b, c, d, e])
@@ -313,9 +327,9 @@ fn uncertainties_cost_nothing_where_nobody_asks() {
     let columns = |names: &[&str]| Some(names.iter().map(|name| (*name).to_owned()).collect());
     let plan = |request: Request, spec: &str| {
         let spec = Arc::new(Spec::parse("spec.toml", spec).expect("the spec is valid"));
-        let bytes = std::io::Cursor::new(table.as_bytes().to_vec());
-        let input = Input::open("parts.csv", Box::new(bytes), Dialect::default()).expect("there is a header");
-        Plan::new(&spec, &input.header, request)
+        let container = Container::open("parts.csv", Source::bytes(table.into()), &spec.want()).expect("it is text");
+        let table = container.table("parts.csv", &spec.want()).expect("there is a header");
+        Plan::new(&spec, &table, request)
     };
     let some = Request { columns: columns(&["part_id", "verdict"]), ..Request::default() };
     assert!(!plan(some.clone(), spec).expect("it fits").is_uncertain());
@@ -356,13 +370,15 @@ fn who_watches_is_told_how_far_it_is() {
         Arc::new(Spec::parse("spec.toml", "[errors]\nrack_over_roller = { nominal = 25 }\n").expect("it is valid"));
     for workers in [1, 2] {
         let bytes = std::io::Cursor::new(b"rack_over_roller\n".to_vec()).chain(Slow { chunks: 150, at: 0 });
-        let input = Input::open("parts.csv", Box::new(bytes), Dialect::default()).expect("there is a header");
-        let plan = Plan::new(&spec, &input.header, Request::default()).expect("the plan fits");
-        let layout = Layout::new(&plan, &input.header).expect("the columns are there");
+        let container =
+            Container::open("parts.csv", Source::Stream(Box::new(bytes)), &spec.want()).expect("it is text");
+        let table = container.table("parts.csv", &spec.want()).expect("there is a header");
+        let plan = Plan::new(&spec, &table, Request::default()).expect("the plan fits");
+        let layout = Layout::new(&plan, &table).expect("the columns are there");
         let mut batch = Batch::new(&plan, Sinks::default(), Some(workers));
         let mut told = Vec::new();
         batch
-            .run(input, &layout, &AtomicBool::new(false), &mut |progress| told.push(progress.rows))
+            .run(table, &layout, &AtomicBool::new(false), &mut |progress| told.push(progress.rows))
             .expect("it is read");
         assert!(told.len() >= 2 && told.is_sorted(), "{workers}: {told:?}");
         let rows = batch.finish().0.counts.rows;

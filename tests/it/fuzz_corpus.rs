@@ -20,11 +20,6 @@ fn replay(target: &str, check: fn(&[u8])) {
 }
 
 #[test]
-fn batches() {
-    replay("batch", fuzz::batch::check);
-}
-
-#[test]
 fn specs() {
     replay("spec", fuzz::spec::check);
 }
@@ -35,16 +30,6 @@ fn meshes() {
 }
 
 #[test]
-fn pasted_blocks() {
-    replay("paste", fuzz::paste::check);
-}
-
-#[test]
-fn statistics_files() {
-    replay("qdas", fuzz::qdas::check);
-}
-
-#[test]
-fn workbooks() {
-    replay("xlsx", fuzz::xlsx::check);
+fn tables() {
+    replay("table", fuzz::table::check);
 }

@@ -179,7 +179,7 @@ fn spec_of_the_tests(name: &str) -> Subject {
     for command in ["mesh --to 10", "measure", "budget", "class --obtained"] {
         runs.push(format!("{command} {spec} --format json"));
     }
-    runs.push(format!("batch {spec} tests/pasted/teile.csv --decimal-comma --summary --format json"));
+    runs.push(format!("batch {spec} tests/pasted/teile.csv --decimal comma --summary --format json"));
     runs.push(format!("report {spec} --to 10"));
     (format!("spec-{name}"), runs)
 }
@@ -519,7 +519,7 @@ fn lot(inputs: &Inputs, index: usize) -> Subject {
     let uncertain = write_lot(inputs, &name, index % 4, 5000);
     let (stack, model) = (["range", "worst", "rss"][index % 3], ["exact", "paper"][index / 3 % 2]);
     let rule = if uncertain { " --rule iso14253" } else { ["", " --rule guard=5um"][index % 2] };
-    let comma = if index % 4 == 3 { " --decimal-comma" } else { "" };
+    let comma = if index % 4 == 3 { " --decimal comma" } else { "" };
     let how = format!("--stack {stack} --model {model}{rule}{comma}");
     let runs = [
         format!("batch {name}.toml {name}.csv {how}"),

@@ -230,13 +230,18 @@ fn a_report_is_one_page_with_everything() {
         "part_id,rack_over_roller,rack_pitch [um]\nP1,25.01,3\nP<2>,25.09,1\nP3,x,2\n",
     )
     .expect("the table can be written");
-    let output = with_input(&["report", "examples/steering.toml", &folder.path("lot.csv"), "-o", &page], b"");
+    let lot = folder.path("lot.csv");
+    let arguments = ["report", "examples/steering.toml", &lot, "--partial"];
+    let output = with_input(&[&arguments[..], &["-o", &page]].concat(), b"");
     assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("`rack_over_roller`"), "{}", text(&output.stderr));
     let html = std::fs::read_to_string(&page).expect("the page is there");
     for part in [
         "<h1>steering gear, part 0417</h1>",
         "class=\"verdict fail\"",
+        "; judged without rack lead",
+        "How the tables were read",
+        "mm (assumed)",
         "Histogram",
         "Run chart",
         "P&lt;2&gt;",
@@ -250,8 +255,12 @@ fn a_report_is_one_page_with_everything() {
     }
     assert_eq!(html.matches("<table>").count(), html.matches("<caption>").count());
     // the same page again, byte for byte
-    let again = with_input(&["report", "examples/steering.toml", &folder.path("lot.csv")], b"");
-    assert_eq!(again.stdout, html.as_bytes());
+    assert_eq!(with_input(&arguments, b"").stdout, html.as_bytes());
+    // an error that the table lacks leaves the verdict open, and the page says so above everything else
+    let open = with_input(&arguments[..3], b"");
+    assert_eq!(open.status.code(), Some(2));
+    let headline = "<p class=\"verdict open\"><b>NO VERDICT</b>the batch: the limit on centre distance is not judged";
+    assert!(text(&open.stdout).contains(headline), "{}", text(&open.stdout));
 }
 
 #[test]
@@ -271,10 +280,150 @@ fn a_workbook_and_statistics_software_get_the_results_of_a_batch() {
 #[test]
 fn a_typed_block_and_a_piped_one() {
     let output =
-        with_input(&["paste", "examples/steering.toml", "--as", "rack_over_roller", "--format", "csv"], b"25,013\n");
+        with_input(&["paste", "examples/minimal.toml", "--as", "rack_over_roller", "--format", "csv"], b"25,013\n");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("0.013"), "{}", text(&output.stdout));
     // Latin-1, as a clipboard of an old program has it
     let output = with_input(&["paste", "examples/steering.toml", "--format", "csv"], b"dp [\xb5m]\n12,5\n");
     assert!(text(&output.stdout).contains("0.0125"), "{}", text(&output.stdout));
+}
+
+#[cfg(unix)]
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
+    assert!(status.success());
+}
+
+#[cfg(unix)]
+fn pause() {
+    std::thread::sleep(std::time::Duration::from_millis(500));
+}
+
+#[test]
+#[cfg(unix)]
+fn racks_that_a_signal_ends_are_shown_and_said_to_be_some() {
+    let run = |signal: &str, format: &str| {
+        let arguments = ["monte-carlo", "examples/scatter.toml", "--racks", "300000", "--format", format];
+        let child = rackmesh(&arguments).spawn().expect("the program starts");
+        pause();
+        send(signal, &child);
+        child.wait_with_output().expect("the program ends")
+    };
+    for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
+        let output = run(signal, "json");
+        assert_eq!(output.status.code(), Some(status), "{signal}: {}", text(&output.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the output is JSON");
+        assert_eq!((&json["interrupted"], &json["verdict"]), (&true.into(), &serde_json::Value::Null));
+        assert!(json["racks"].as_u64().is_some_and(|racks| 0 < racks && racks < 300_000), "{}", json["racks"]);
+    }
+    let table = run("-INT", "table");
+    assert!(text(&table.stdout).contains("of the 300000 racks asked for"), "{}", text(&table.stdout));
+    assert!(!text(&table.stdout).contains("PASS"), "{}", text(&table.stdout));
+    let csv = run("-INT", "csv");
+    assert!(text(&csv.stderr).contains("of 300000 racks"), "{}", text(&csv.stderr));
+}
+
+#[test]
+#[cfg(unix)]
+fn strokes_that_a_signal_ends_are_whole_json_and_said_to_be_some() {
+    let strokes = ["mesh", "examples/mesh.toml", "--points", "100000000", "--format", "json"];
+    let mut child = rackmesh(&strokes).spawn().expect("the program starts");
+    let mut json = vec![0; 100];
+    let mut stdout = child.stdout.take().expect("stdout is piped");
+    stdout.read_exact(&mut json).expect("there are points");
+    send("-TERM", &child);
+    stdout.read_to_end(&mut json).expect("stdout is read");
+    assert_eq!(child.wait().expect("the program ends").code(), Some(143));
+    let json: serde_json::Value = serde_json::from_slice(&json).expect("the output is JSON");
+    assert_eq!(json["interrupted"], true);
+    assert!(json["points"].as_array().is_some_and(|points| !points.is_empty()));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_simulation_that_a_signal_ends_is_shown_up_to_there() {
+    let arguments = ["simulate", "examples/mesh.toml", "--spacing", "0.0001", "--format", "json"];
+    let mut child = rackmesh(&arguments).spawn().expect("the program starts");
+    pause();
+    send("-INT", &child);
+    let mut stdout = Vec::new();
+    child.stdout.take().expect("stdout is piped").read_to_end(&mut stdout).expect("stdout is read");
+    assert_eq!(child.wait().expect("the program ends").code(), Some(130));
+    let json: serde_json::Value = serde_json::from_slice(&stdout).expect("the output is JSON");
+    assert_eq!(json["end"], "interrupted");
+}
+
+/// A program that waits for its reader does not see the first signal; the second ends it all the same.
+#[test]
+#[cfg(unix)]
+fn a_second_signal_ends_at_once() {
+    for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
+        let strokes = ["mesh", "examples/mesh.toml", "--points", "100000000", "--format", "csv"];
+        let mut child = rackmesh(&strokes).spawn().expect("the program starts");
+        pause();
+        send("-INT", &child);
+        pause();
+        assert_eq!(child.try_wait().expect("the program is known"), None);
+        send(signal, &child);
+        assert_eq!(child.wait().expect("the program ends").code(), Some(status));
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_picture_of_a_run_that_did_not_end_has_a_name_of_its_own() {
+    let folder = Folder::new("partial");
+    let picture = folder.path("run.svg");
+    std::fs::write(&picture, "old").expect("the file can be written");
+    let arguments = ["simulate", "examples/mesh.toml", "--spacing", "0.0001", "--plot", &picture];
+    let child = rackmesh(&arguments).spawn().expect("the program starts");
+    pause();
+    send("-INT", &child);
+    let output = child.wait_with_output().expect("the program ends");
+    assert_eq!(output.status.code(), Some(130));
+    let messages = text(&output.stderr);
+    assert!(messages.contains("run.svg.partial shows what was computed"), "{messages}");
+    assert_eq!(std::fs::read_to_string(&picture).expect("the old picture is there"), "old");
+    let partial = std::fs::read_to_string(folder.path("run.svg.partial")).expect("the other one is there, too");
+    assert!(partial.starts_with("<svg"), "{partial}");
+}
+
+#[test]
+fn what_is_read_is_not_written_over() {
+    let folder = Folder::new("over");
+    let spec = folder.path("spec.svg");
+    std::fs::copy("examples/mesh.toml", &spec).expect("the spec can be copied");
+    let before = std::fs::read(&spec).expect("the spec is there");
+    for command in ["mesh", "simulate", "budget"] {
+        let output = with_input(&[command, &spec, "--plot", &folder.path("./spec.svg")], b"");
+        assert_eq!(output.status.code(), Some(2), "{command}");
+        assert!(text(&output.stderr).contains("would be written over"), "{command}: {}", text(&output.stderr));
+        assert!(output.stdout.is_empty(), "{command}");
+    }
+    assert_eq!(std::fs::read(&spec).expect("the spec is there"), before);
+    // an ending that nothing is written for is said before anything is computed
+    let output = with_input(&["simulate", "examples/mesh.toml", "--plot", &folder.path("run.pdf")], b"");
+    assert!(text(&output.stderr).contains("it ends in .svg or .png"), "{}", text(&output.stderr));
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+#[cfg(unix)]
+fn pipes_and_standard_output_are_written_as_they_are() {
+    let folder = Folder::new("pipes");
+    let paste = ["paste", "examples/minimal.toml", "--as", "rack_over_roller", "-o"];
+    let output = with_input(&[&paste[..], &["/dev/stdout"]].concat(), b"25.013\n");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stdout).matches("rack over-roller").count(), 2, "{}", text(&output.stdout));
+
+    let pipe = folder.path("rows.csv");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there").success());
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || std::fs::read_to_string(pipe).expect("the pipe is read")
+    });
+    let output = with_input(&[&paste[..], &[&pipe]].concat(), b"25.013\n");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(reader.join().expect("the pipe is read").starts_with("kind,name"));
+    assert!(!std::fs::metadata(&pipe).expect("the pipe is there").is_file());
 }

@@ -48,6 +48,16 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[errors]\nrack_pitch = { measured = 3 }",
         "[errors]\nrack_pitch = { measured = 3, roller = 2 }",
         "[errors]\nrack_lead = { f_h_beta = 3 }",
+        "[errors]\nrack_pitch = { class = 7, every_part = true }",
+        "[errors]\nrack_pitch = { nominal = 6.28, every_part = true }",
+        "[errors]\nrack_pitch = { value = 1, every_part = \"yes\" }",
+        "[batch]\nignore = \"Temperature\"",
+        "[batch]\nignore = [1]",
+        "[batch]\nothers = \"use\"",
+        "[batch.columns]\nrack_pitch = { unit = \"deg\" }",
+        "[batch.columns]\nrack_pitch = { unit = \"um\", length = 18 }",
+        "[batch.columns]\nrack_lead = { unit = \"grad\" }",
+        "[batch.columns]\nrack_lead = { length = 0 }",
         "[limits]\ncenter_distance = 0.05",
         "[limits]\ncenter_distance = {}",
         "[limits]\ncenter_distance = \"0.05\"",
@@ -66,6 +76,23 @@ fn the_schema_and_the_reader_refuse_the_same() {
     ] {
         assert!(!valid(text), "the schema accepts {text}");
         assert!(Spec::parse("test", text).is_err(), "the reader accepts {text}");
+    }
+}
+
+#[test]
+fn the_schema_and_the_reader_accept_the_same() {
+    for text in [
+        "[rack]\nface_width = \"1.97 cm\"",
+        "[rack]\nface_width = \"0.5″\"",
+        "[limits]\ncenter_distance = \"±5 thou\"",
+        "[errors]\nrack_pitch = { value = \"12 microns\", every_part = true }",
+        "[errors]\nrack_lead = { f_h_beta = 0.008, length = 18, u = 0.001, every_part = false }",
+        "[batch]\nignore = [\"Temperature*\", \"remark\"]\nothers = \"ignore\"",
+        "[batch.columns]\nrack_pitch = { unit = \"micron\" }\nrack_lead = { unit = \"um\", length = \"18 mm\" }",
+        "[batch.columns]\nrack_lead = { unit = \"gon\" }",
+    ] {
+        assert!(valid(text), "the schema refuses {text}");
+        assert!(Spec::parse("test", text).is_ok(), "the reader refuses {text}");
     }
 }
 
