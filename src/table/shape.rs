@@ -323,7 +323,10 @@ pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Re
         return without_names(&without_margin(records, separator), want);
     }
     let characteristics = find_characteristics(records, want);
-    let inner: Vec<Record> = without_margin(records, separator).iter().map(uncounted).collect();
+    let mut inner = without_margin(records, separator);
+    if inner.iter().any(is_counted) {
+        inner = inner.iter().map(uncounted).collect();
+    }
     let labels = find_labels(&inner, want);
     let named = header.as_ref().map_or(0, |header| header.known);
     if let Some(found) = characteristics.filter(|found| found.known >= named) {
@@ -482,17 +485,21 @@ fn grouped(record: &Record, wanted: usize, want: &Want) -> Option<Vec<Cell>> {
     (cells.len() == wanted).then_some(cells)
 }
 
-/// A line `003 Pitch error 0.21` with its number in the name; any other record as it is.
-pub(crate) fn uncounted(record: &Record) -> Record {
-    let is_word = |cell: &&Cell| !cell.is_number() && !cell.is_missing();
-    let words = record.cells.iter().skip(1).take_while(is_word).count();
+/// Whether its first cell counts lines: `003`, `10.`, `1/2`.
+fn is_counted(record: &Record) -> bool {
     let counts = |text: &str| {
         let digits = text.trim_end_matches(['.', ')', ':']);
         text.starts_with(|c: char| c.is_ascii_digit()) && digits.chars().all(|c| c.is_ascii_digit() || c == '/')
     };
-    let is_counted = record.cells.first().is_some_and(|cell| counts(&cell.text()));
+    record.cells.first().is_some_and(|cell| counts(&cell.text()))
+}
+
+/// A line `003 Pitch error 0.21` with its number in the name; any other record as it is.
+pub(crate) fn uncounted(record: &Record) -> Record {
+    let is_word = |cell: &&Cell| !cell.is_number() && !cell.is_missing();
+    let words = record.cells.iter().skip(1).take_while(is_word).count();
     let has_value = || record.cells[words + 1..].iter().any(Cell::is_number);
-    if !is_counted || words == 0 || !has_value() {
+    if !is_counted(record) || words == 0 || !has_value() {
         return record.clone();
     }
     let texts: Vec<_> = record.cells[..=words].iter().map(Cell::text).collect();
