@@ -217,9 +217,10 @@ fn a_field_of_100_mb_is_refused_in_little_memory() {
     assert!(text(&output.stderr).contains("the row is longer than 256 KiB"), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("5 rows: 3 pass, 1 fail, 1 rejected"), "{}", text(&output.stderr));
     assert!(text(&output.stdout).ends_with("P5,0.000000,0.000000,0.000000,0.000000,0.000000,0.000000,pass\n"));
-    if let Some(peak) = status.lines().find_map(|line| line.strip_prefix("VmHWM:")) {
-        let kib: u64 = peak.trim().trim_end_matches(" kB").parse().expect("a number");
-        assert!(kib < 16 << 10, "{kib} KiB");
+    // what the program holds in the middle of the field; the pages of its own file are larger in a test build
+    if let Some(held) = status.lines().find_map(|line| line.strip_prefix("RssAnon:")) {
+        let kib: u64 = held.trim().trim_end_matches(" kB").parse().expect("a number");
+        assert!(kib < 8 << 10, "{kib} KiB");
     }
 }
 
