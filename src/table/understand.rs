@@ -243,6 +243,8 @@ struct Evidence<'s> {
     comma: Option<&'s Cell>,
     /// Whether a cell is a different number with each.
     is_open: bool,
+    /// Whether such a cell has a comma: between commas, it is in quotes.
+    has_open_comma: bool,
 }
 
 impl<'s> Evidence<'s> {
@@ -252,7 +254,10 @@ impl<'s> Evidence<'s> {
             match cell.marks() {
                 Marks::None | Marks::Same => {}
                 _ if !cell.is_measure() => {}
-                Marks::Differ => evidence.is_open = true,
+                Marks::Differ => {
+                    evidence.is_open = true;
+                    evidence.has_open_comma |= cell.text().contains(',');
+                }
                 Marks::Only(DecimalMark::Point) => evidence.point = evidence.point.or(Some(cell)),
                 Marks::Only(DecimalMark::Comma) => evidence.comma = evidence.comma.or(Some(cell)),
             }
@@ -306,7 +311,7 @@ fn choices(
         (None, Some(cell), None) => one(DecimalMark::Point, open.then(|| by(cell))),
         (None, None, Some(cell)) => one(DecimalMark::Comma, open.then(|| by(cell))),
         (None, None, None) if !open => one(DecimalMark::Point, None),
-        (None, None, None) if separator == Some(Separator::COMMA) => {
+        (None, None, None) if separator == Some(Separator::COMMA) && !evidence.has_open_comma => {
             one(DecimalMark::Point, Some("commas separate".to_owned()))
         }
         (None, None, None) => Ok(DecimalMark::ALL.map(|mark| Choice { mark, settled_by: None }).into()),
