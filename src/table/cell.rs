@@ -167,11 +167,10 @@ impl Record {
         texts.join(" ")
     }
 
-    /// Whether it has something to read: not only a line drawn below a heading.
-    pub(crate) fn is_drawn(&self) -> bool {
+    /// Whether there is nothing to read: no cell is filled, or only with a line drawn below a heading.
+    pub(crate) fn says_nothing(&self) -> bool {
         let is_line = |text: &str| text.len() > 1 && text.chars().all(|c| matches!(c, '-' | ':' | '=' | '_' | '+'));
-        let mut cells = self.cells.iter().filter(|cell| !cell.is_empty()).peekable();
-        cells.peek().is_some() && cells.all(|cell| is_line(&cell.text()))
+        self.cells.iter().filter(|cell| !cell.is_empty()).all(|cell| is_line(&cell.text()))
     }
 }
 

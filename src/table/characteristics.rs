@@ -8,7 +8,9 @@ use std::collections::hash_map::Entry;
 use super::cell::{Cell, Record};
 use super::grid::bare_unit;
 use super::names::{Aspect, Field, Holds, Role, heading, is_context, role, split_unit};
-use super::shape::{Headings, Measurement, Named, NoShape, Series, Shape, Unknown, aside, headings, names_value};
+use super::shape::{
+    Headings, Measurement, Named, NoShape, Series, Shape, Unknown, aside, has_digit, headings, names_value,
+};
 use super::understand::kind_of;
 use super::want::{Orientation, Want};
 
@@ -87,11 +89,6 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     })
 }
 
-/// Whether a name counts: `Teil 1`.
-fn has_digit(text: &str) -> bool {
-    text.contains(|c: char| c.is_ascii_digit())
-}
-
 /// Reads the characteristics.
 pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, want: &Want) -> Result<Shape, NoShape> {
     let header = &records[found.header];
@@ -133,7 +130,7 @@ pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, wan
     shape.lines = reading.lines;
     shape.beside = found.rows.iter().flat_map(|row| records[*row].cells.iter().cloned()).collect();
     let strangers = (0..records.len()).filter(|index| *index != found.header && !found.rows.contains(index));
-    shape.asides = strangers.map(|index| &records[index]).filter(|record| !record.is_drawn()).map(aside).collect();
+    shape.asides = strangers.map(|index| &records[index]).filter(|record| !record.says_nothing()).map(aside).collect();
     Ok(shape)
 }
 

@@ -279,7 +279,7 @@ impl Rows {
             });
             return;
         }
-        if record.is_drawn() || self.is_aside(record) {
+        if record.says_nothing() || self.is_aside(record) {
             block.asides.push(AsideReading { line: record.line, text: record.in_words() });
             return;
         }

@@ -419,7 +419,8 @@ fn header(record: usize, rows: usize, cells: Vec<Cell>, want: &Want) -> Option<H
 /// A heading that goes on in the record below it.
 fn two_rows(records: &[Record], index: usize, cells: &[Cell], want: &Want) -> Option<Header> {
     let below = records.get(index + 1)?;
-    let goes_on = below.numbers() == 0 && below.cells.len() == cells.len() && !below.is_drawn() && !is_unit_row(below);
+    let goes_on =
+        below.numbers() == 0 && below.cells.len() == cells.len() && !below.says_nothing() && !is_unit_row(below);
     if !goes_on || known(&below.cells, want) > 1 {
         return None;
     }
@@ -447,7 +448,7 @@ fn header_of_strangers(records: &[Record]) -> Option<Header> {
     let record = records.iter().zip(records.get(1..)?).position(|(_, below)| below.numbers() > 0)?;
     let (names, below) = (&records[record], &records[record + 1]);
     let is_header = names.numbers() == 0
-        && !names.is_drawn()
+        && !names.says_nothing()
         && names.filled().len() == below.filled().len()
         && names.line + 1 == below.line;
     is_header.then(|| Header { record, rows: 1, cells: names.cells.clone(), known: 0 })
@@ -603,13 +604,13 @@ fn by_header(records: &[Record], header: &Header, separator: Separator, want: &W
     let mut shape = Shape::new(Orientation::Rows);
     (shape.header_line, shape.commas) = (Some(records[header.record].line), commas);
     shape.header.clone_from(&header.cells);
-    shape.asides = records[..header.record].iter().filter(|record| !record.is_drawn()).map(aside).collect();
+    shape.asides = records[..header.record].iter().filter(|record| !record.says_nothing()).map(aside).collect();
     let below = header.record + header.rows;
-    let units = records[below..].iter().position(|record| !record.is_drawn()).map(|offset| below + offset);
+    let units = records[below..].iter().position(|record| !record.says_nothing()).map(|offset| below + offset);
     let units = units.filter(|index| is_unit_row(&records[*index]));
     let first = units.map_or(below, |units| units + 1);
     let end = first + end_of_rows(&records[first..], width, separator);
-    let rows: Vec<&Record> = records[first..end].iter().filter(|record| !record.is_drawn()).collect();
+    let rows: Vec<&Record> = records[first..end].iter().filter(|record| !record.says_nothing()).collect();
     if rows.is_empty() {
         let ragged = records[first..].iter().find(|record| record.numbers() > 0);
         return Err(ragged.map_or_else(
@@ -637,7 +638,7 @@ fn by_header(records: &[Record], header: &Header, separator: Separator, want: &W
     }
     shape.take_units_beside();
     shape.lines = rows.iter().map(|row| row.line).collect();
-    shape.asides.extend(records[end..].iter().filter(|record| !record.is_drawn()).map(aside));
+    shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
     Ok(shape)
 }
@@ -676,7 +677,7 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
     let fits = |record: &Record| {
         let count = record.cells.len();
         let is_missing = |cell: &Cell| !cell.is_empty() && cell.is_missing();
-        let says_missing = || count == width && !record.is_drawn() && record.cells.iter().any(is_missing);
+        let says_missing = || count == width && !record.says_nothing() && record.cells.iter().any(is_missing);
         (count > 1 || width == 1) && (count == width || !words) && (record.numbers() > 0 || says_missing())
     };
     let end = below.iter().rposition(fits).map_or(0, |index| index + 1);
@@ -685,7 +686,7 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
         let first = record.cells.first().map(Cell::text).unwrap_or_default();
         let is_name = has_digit(&first) && !first.contains(':');
         record.cells.len() == width
-            && !record.is_drawn()
+            && !record.says_nothing()
             && !is_unit_row(record)
             && (record.filled().len() > 1 || is_name)
     };
@@ -697,7 +698,8 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
     end + right_below.count()
 }
 
-fn has_digit(text: &str) -> bool {
+/// Whether a text holds a digit: `Teil 1`, or a value that cannot be read.
+pub(crate) fn has_digit(text: &str) -> bool {
     text.contains(|c: char| c.is_ascii_digit())
 }
 
@@ -735,7 +737,7 @@ fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Result<Shape, 
         return Err(NoShape::Ragged { record: records[*index].clone(), expected: count + 1 });
     }
     for (index, record) in records.iter().enumerate().filter(|(index, _)| !labels.contains(index)) {
-        if record.is_drawn() {
+        if record.says_nothing() {
             continue;
         }
         let title = record.cells[0].text();
@@ -786,7 +788,8 @@ fn value_is_missing(record: &Record, want: &Want) -> Option<(Field, String)> {
         let is_label = names_value(&Cell::of_text(title, 0..0), want);
         is_label.then(|| (title.to_owned(), vec![Cell::of_text(word, 0..0)]))
     };
-    let by_cells = || (record.cells[0].text().trim().to_owned(), record.filled()[1..].to_vec());
+    let by_cells =
+        || (record.cells[0].text().trim().to_owned(), record.filled().into_iter().skip(1).cloned().collect());
     let (title, values) = if record.numbers() == 0 { by_words().unwrap_or_else(by_cells) } else { by_cells() };
     let title = title.as_str();
     let name = Cell::of_text(title, record.cells[0].span.clone());
@@ -904,7 +907,7 @@ fn without_names(records: &[Record], want: &Want) -> Result<Shape, NoShape> {
         shape.take(bare(Field::PartId, rows.iter().map(|row| row.cells[0].clone()).collect()))?;
     }
     shape.lines = if in_rows { rows.iter().map(|row| row.line).collect() } else { vec![first.line; width] };
-    for record in records.iter().filter(|record| !numeric(record) && !record.is_drawn()) {
+    for record in records.iter().filter(|record| !numeric(record) && !record.says_nothing()) {
         if record.numbers() > 0 {
             shape.unknown.push(unknown_line(record, true));
         } else {
