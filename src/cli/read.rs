@@ -9,7 +9,7 @@ use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
 use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};
 use crate::spec::Spec;
-use crate::table::{Reading, Stranger, refusal};
+use crate::table::{Reading, Stranger, Want, refusal};
 
 pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping to paste into a spec";
 
@@ -44,10 +44,11 @@ impl Args {
             None => Spec::parse("no spec", "")?,
         });
         let interruption = long::interrupted();
+        let shown = |want| Want { only_shown: true, ..want };
         let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut notes, mut mapping) = (Vec::new(), Vec::new());
         for path in self.files.iter().filter(|path| !is_spec(path)) {
-            match self.reading.open(path, &spec, Model::Exact, interruption.stop(), &|want| want) {
+            match self.reading.open(path, &spec, Model::Exact, interruption.stop(), &shown) {
                 Ok(opened) => {
                     mapping.extend(part_id(&opened.table.reading));
                     mapping.extend(opened.table.mapping());

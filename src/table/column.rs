@@ -1,6 +1,7 @@
 //! One column of values: from what a cell holds to a deviation. Made once per table; asked for every cell.
 
 use super::cell::{Cell, Content};
+use super::companions::Companions;
 use super::names::{Field, Holds};
 use super::number::{DecimalMark, Marks, marks, normalise};
 use super::shape::{Measurement, Series};
@@ -68,7 +69,7 @@ pub(crate) struct Column {
     /// Whether the decimal mark is still open: no number so far has decimals.
     pub(crate) mark_is_open: bool,
     /// The companions of its values.
-    pub(crate) beside: Companions,
+    pub(crate) beside: Companions<Companion>,
 }
 
 /// What stands beside a value in every record.
@@ -78,26 +79,6 @@ pub(crate) struct Companion {
     pub(crate) place: usize,
     /// The unit of its numbers: that of its heading, or else the value's.
     unit: Unit,
-}
-
-/// The companions of the values of a column.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Companions {
-    pub(crate) deviation: Option<Companion>,
-    pub(crate) nominal: Option<Companion>,
-    pub(crate) upper: Option<Companion>,
-    pub(crate) lower: Option<Companion>,
-    pub(crate) length: Option<Companion>,
-}
-
-/// The companions of one value.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Beside<'a> {
-    pub(crate) deviation: Option<&'a Cell>,
-    pub(crate) nominal: Option<&'a Cell>,
-    pub(crate) upper: Option<&'a Cell>,
-    pub(crate) lower: Option<&'a Cell>,
-    pub(crate) length: Option<&'a Cell>,
 }
 
 /// All that is asked of a plain number: what makes a deviation of it, and how large that may be.
@@ -131,12 +112,25 @@ impl Plain {
 /// Why a cell has no value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Problem {
-    /// It is no value, or one that cannot be meant.
+    /// It is no value, or one that contradicts what stands beside it.
     Bad(String),
+    /// It is far from its nominal value.
+    Far(String),
     /// It is larger than any deviation.
     TooLarge(String),
     /// It has the other decimal mark than the cells before it.
     OtherMark(String),
+}
+
+impl Problem {
+    /// What is wrong, and what to do.
+    pub(crate) fn message(&self) -> String {
+        match self {
+            Self::Bad(what) | Self::OtherMark(what) => what.clone(),
+            Self::Far(what) => format!("{what}: check the unit and the decimal mark, or whether it is a deviation"),
+            Self::TooLarge(what) => format!("{what}: check the unit, or give the nominal value if it is a measure"),
+        }
+    }
 }
 
 impl Column {
@@ -144,7 +138,6 @@ impl Column {
     pub(crate) fn new(
         measurement: &Measurement,
         kind: Option<ErrorKind>,
-        lengths: Option<&Series>,
         want: &Want,
         mark: DecimalMark,
     ) -> Result<Self, Diagnostics> {
@@ -171,16 +164,21 @@ impl Column {
             beside: Companions::default(),
         };
         if is_angle && matches!(unit, Unit::Length(_)) {
-            column.evaluated = evaluated(lengths, given.and_then(|given| given.length), want, &value.title)?;
-            column.beside.length = companion(lengths, Unit::Length(LengthUnit::Millimetre))?;
+            let length = measurement.beside.length.as_ref();
+            column.evaluated = match length {
+                Some(_) => Evaluated::Beside,
+                None => evaluated(given.and_then(|given| given.length), want, &value.title)?,
+            };
+            column.beside.length = companion(length, Unit::Length(LengthUnit::Millimetre))?;
             return Ok(column);
         }
+        let beside = &measurement.beside;
         column.beside = Companions {
-            deviation: companion(measurement.deviation.as_ref(), unit)?,
-            nominal: companion(measurement.nominal.as_ref(), unit)?,
-            upper: companion(measurement.upper.as_ref(), unit)?,
-            lower: companion(measurement.lower.as_ref(), unit)?,
-            length: None,
+            deviation: companion(beside.deviation.as_ref(), unit)?,
+            nominal: companion(beside.nominal.as_ref(), unit)?,
+            upper: companion(beside.upper.as_ref(), unit)?,
+            lower: companion(beside.lower.as_ref(), unit)?,
+            ..Companions::default()
         };
         if let Some(kind) = kind {
             column.take_nominal(kind, measurement, want)?;
@@ -195,12 +193,12 @@ impl Column {
             return Ok(());
         }
         let in_spec = want.given(kind).and_then(|given| given.nominal.clone());
-        if measurement.nominal.is_some() {
+        if measurement.beside.nominal.is_some() {
             self.nominal = Nominal::Beside;
             self.stated = in_spec.and_then(Result::ok);
         } else if let Some(nominal) = in_spec {
             self.nominal = Nominal::Fixed(nominal?);
-        } else if self.holds == Some(Holds::Measured) {
+        } else if self.holds == Some(Holds::Measured) && !want.only_shown {
             let message =
                 format!("`{}` holds measured values, and nothing tells the nominal value of {kind}", self.title);
             return Err(Diagnostic::error(Code::MissingKey, message)
@@ -225,11 +223,7 @@ impl Column {
 
     /// Whether a plain number is all that a row needs to say.
     pub(crate) fn is_plain(&self) -> bool {
-        let Companions { deviation, nominal, upper, lower, .. } = self.beside;
-        self.tolerance.is_none()
-            && self.nominal != Nominal::Beside
-            && self.evaluated != Evaluated::Beside
-            && [deviation, nominal, upper, lower].iter().all(Option::is_none)
+        self.tolerance.is_none() && self.beside.iter().next().is_none()
     }
 
     /// What a plain number of this column is; `None` if a row has more to say.
@@ -253,7 +247,7 @@ impl Column {
     }
 
     /// The deviation that a cell means; `None` if it says that there is none.
-    pub(crate) fn read(&self, cell: &Cell, beside: Beside<'_>) -> Result<Option<ErrorValue>, Problem> {
+    pub(crate) fn read(&self, cell: &Cell, beside: Companions<&Cell>) -> Result<Option<ErrorValue>, Problem> {
         if cell.is_missing() {
             return Ok(None);
         }
@@ -270,21 +264,17 @@ impl Column {
         if farthest(nominal, None).is_some()
             && (self.is_far(deviation) || is_farther(deviation, farthest(nominal, None)))
         {
-            return Err(Problem::Bad(format!(
-                "{value} is far from the nominal value {nominal}: check the unit and the decimal mark, or whether it is a deviation"
-            )));
+            return Err(Problem::Far(format!("{value} is far from the nominal value {nominal}")));
         }
         self.check(cell, deviation, &beside)?;
         Ok(Some(deviation))
     }
 
     /// A deviation that stands for itself.
-    fn deviation(&self, cell: &Cell, value: ErrorValue, beside: &Beside<'_>) -> Result<ErrorValue, Problem> {
+    fn deviation(&self, cell: &Cell, value: ErrorValue, beside: &Companions<&Cell>) -> Result<ErrorValue, Problem> {
         if self.is_far(value) {
             let module = self.farthest.map_or_else(String::new, |farthest| format!(" (the module is {farthest})"));
-            return Err(Problem::TooLarge(format!(
-                "{value} is too much for a deviation{module}: check the unit, or give the nominal value if it is a measure"
-            )));
+            return Err(Problem::TooLarge(format!("{value} is too much for a deviation{module}")));
         }
         self.check(cell, value, beside)?;
         Ok(value)
@@ -361,7 +351,7 @@ impl Column {
         let mut largest: f64 = 0.0;
         let mut widest: f64 = 0.0;
         for (row, cell) in measurement.value.cells.iter().enumerate() {
-            let beside = super::understand::beside(measurement, None, row);
+            let beside = measurement.beside_row(row);
             if let Ok(Some(value)) = self.read(cell, beside) {
                 largest = largest.max(value.base().abs());
             }
@@ -371,7 +361,7 @@ impl Column {
     }
 
     /// The widest tolerance beside a value, mm or degrees: a limit of size, or an allowance from nominal.
-    fn widest(&self, beside: &Beside<'_>) -> Result<f64, Problem> {
+    fn widest(&self, beside: &Companions<&Cell>) -> Result<f64, Problem> {
         let of = self.beside;
         let nominal = self.quantity_beside(beside.nominal, of.nominal)?.map_or(0.0, ErrorValue::base);
         let upper = self.quantity_beside(beside.upper, of.upper)?;
@@ -416,7 +406,7 @@ impl Column {
     }
 
     /// Holds a deviation against what stands beside the value: the deviation, and the tolerances.
-    fn check(&self, cell: &Cell, deviation: ErrorValue, beside: &Beside<'_>) -> Result<(), Problem> {
+    fn check(&self, cell: &Cell, deviation: ErrorValue, beside: &Companions<&Cell>) -> Result<(), Problem> {
         /// Values this much beyond a tolerance have another unit.
         const TIMES: f64 = 100.0;
         let of = self.beside;
@@ -440,7 +430,7 @@ impl Column {
 
     /// By how much a deviation may differ from measured less nominal, because each is rounded to its last digit, mm or
     /// degrees. What has far fewer digits than the others has lost its zeros, and is no rounder than they.
-    fn rounding(&self, cell: &Cell, beside: &Beside<'_>) -> f64 {
+    fn rounding(&self, cell: &Cell, beside: &Companions<&Cell>) -> f64 {
         /// A tenth of a micrometre is no contradiction.
         const LEAST: f64 = 1e-4;
         /// Finer digits of a deviation are those of a computation.
@@ -554,7 +544,8 @@ fn unit(measurement: &Measurement, kind: Option<ErrorKind>, want: &Want) -> Resu
     let in_cells =
         || numbers.clone().next().and_then(|cell| unit_in(&cell.text())).and_then(|symbol| dimension(&symbol));
     let of_slope = in_cells().filter(|unit| is_angle && matches!(unit, Unit::Length(_)));
-    if numbers.clone().next().is_some() && numbers.clone().all(carries) {
+    // a cell that is no measure says nothing of the unit
+    if numbers.clone().any(carries) && numbers.clone().all(|cell| carries(cell) || !cell.is_measure()) {
         return Ok((of_slope.unwrap_or(default), UnitFrom::Table));
     }
     let is_of_tooth = kind.is_none() && is_key(&value.title, of_tooth(measurement.field));
@@ -565,14 +556,11 @@ fn unit(measurement: &Measurement, kind: Option<ErrorKind>, want: &Want) -> Resu
     }
     let message =
         format!("`{}` is {}, and nothing tells the unit of its numbers", value.title, measurement.field.key());
-    let wanted = if is_angle { "deg" } else { "um" };
-    let help = format!("write the unit behind the name: `{} [{wanted}]`", value.title);
+    let (one, other) = if is_angle { ("deg", "arcmin") } else { ("mm", "um") };
+    let help = format!("write the unit behind the name: `{title} [{one}]` or `{title} [{other}]`", title = value.title);
     let in_spec = kind.map(|kind| {
-        format!(
-            "; or say it in the spec: [batch.columns] {} = {{ name = \"{}\", unit = \"{wanted}\" }}",
-            kind.key(),
-            value.title
-        )
+        let column = format!("{} = {{ name = \"{}\", unit = \"{one}\" }}", kind.key(), value.title);
+        format!("; or say it in the spec: [batch.columns] {column}, or \"{other}\"")
     });
     Err(Diagnostic::error(Code::BadTable, message).help(help + &in_spec.unwrap_or_default()))
 }
@@ -600,16 +588,8 @@ fn unknown_unit(title: &str, symbol: &str, is_angle: bool) -> Diagnostic {
     Diagnostic::error(Code::BadTable, message).help(format!("write {units}"))
 }
 
-/// Over what f_Hβ is evaluated: a column, the spec's length, or the face width.
-fn evaluated(
-    lengths: Option<&Series>,
-    given: Option<Length>,
-    want: &Want,
-    title: &str,
-) -> Result<Evaluated, Diagnostic> {
-    if lengths.is_some() {
-        return Ok(Evaluated::Beside);
-    }
+/// Over what f_Hβ is evaluated without a column of lengths: the spec's length, or the face width.
+fn evaluated(given: Option<Length>, want: &Want, title: &str) -> Result<Evaluated, Diagnostic> {
     given.or(want.face_width).map(Evaluated::Over).ok_or_else(|| {
         let message = format!("`{title}` is f_Hβ in a unit of length, and nothing tells its evaluation length");
         Diagnostic::error(Code::MissingKey, message).help(

@@ -2,7 +2,7 @@
 
 use super::block::{Block, Span};
 use super::rows::{put, take_index};
-use super::understand::{Understood, beside};
+use super::understand::Understood;
 
 /// The parts of an understood table.
 pub(crate) fn gathered(understood: &Understood) -> Block {
@@ -22,7 +22,7 @@ pub(crate) fn gathered(understood: &Understood) -> Block {
         }
         for (number, (measurement, column)) in shape.measurements.iter().zip(columns).enumerate() {
             let cell = measurement.value.cells.get(row).cloned().unwrap_or_default();
-            let value = column.read(&cell, beside(measurement, shape.lengths.as_ref(), row));
+            let value = column.read(&cell, measurement.beside_row(row));
             put(&mut block, number, column, &cell, value);
             raw.push(cell.text().into_owned());
         }

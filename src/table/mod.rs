@@ -17,8 +17,8 @@
 //! | `encoding`, `chunk`, `split`, `grid` | bytes to text, text to records, records to cells |
 //! | `workbook`, `qdas`, `parquet` | files whose cells are typed |
 //! | `names` | what headings mean, in four languages |
-//! | `shape`, `characteristics` | where the names stand, which cells belong to them |
-//! | `number`, `column` | what a cell means |
+//! | `shape` | where the names stand, which cells belong to them |
+//! | `number`, `column`, `companions` | what a cell means |
 //! | `understand` | separator and decimal mark: one reading, or a refusal |
 //! | `strangers` | what names nothing known, and may be a measurement |
 //! | `rows`, `gathered`, `pieces`, `block` | rows to columns |
@@ -43,9 +43,9 @@
 
 mod block;
 mod cell;
-mod characteristics;
 mod chunk;
 mod column;
+mod companions;
 mod container;
 mod encoding;
 mod gathered;
@@ -148,14 +148,13 @@ impl Table {
             reading.notes.extend(doubts(name, measurement, column));
             reading.columns.push(column_reading(column));
             reading.columns.extend(companions(measurement));
-            if let Some(uncertainty) = &measurement.uncertainty {
+            if let Some(uncertainty) = &measurement.beside.uncertainty {
                 reading.notes.push(format!(
                     "{name}: `{}` is an uncertainty, and is not used: uncertainties stand in the spec",
                     uncertainty.title
                 ));
             }
         }
-        reading.columns.extend(shape.lengths.as_ref().map(|lengths| named_only(&lengths.title, "evaluation_length")));
         if understood.is_teeth {
             reading.unit_counted =
                 if teeth::is_rack(&understood.columns, shape.index_field) { "space" } else { "tooth" };
@@ -191,7 +190,7 @@ impl Table {
         let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
         let line = |column: &Column| {
             let unit = column.unit.symbol();
-            let kind = if column.nominal == Nominal::None { ", kind = \"deviation\"" } else { "" };
+            let kind = if column.holds == Some(Holds::Deviation) { ", kind = \"deviation\"" } else { "" };
             let (name, _) = names::split_unit(&column.title);
             Some(format!("{} = {{ name = {}, unit = \"{unit}\"{kind} }}", column.kind?.key(), quoted(name.trim())))
         };
@@ -285,13 +284,17 @@ fn column_reading(column: &Column) -> ColumnReading {
 fn companions(measurement: &Measurement) -> impl Iterator<Item = ColumnReading> + '_ {
     let key = measurement.field.key();
     let beside = [
-        (&measurement.deviation, "deviation, checked"),
-        (&measurement.nominal, "nominal"),
-        (&measurement.upper, "upper tolerance, checked"),
-        (&measurement.lower, "lower tolerance, checked"),
+        (&measurement.beside.deviation, "deviation, checked"),
+        (&measurement.beside.nominal, "nominal"),
+        (&measurement.beside.upper, "upper tolerance, checked"),
+        (&measurement.beside.lower, "lower tolerance, checked"),
+        (&measurement.beside.length, "evaluation length"),
     ];
     let own = move |series: &shape::Series| series.title != measurement.value.title;
     let found =
         beside.into_iter().filter_map(move |(series, what)| series.as_ref().filter(|s| own(s)).map(|s| (s, what)));
     found.map(move |(series, what)| named_only(&series.title, &format!("{what} of {key}")))
 }
+
+#[cfg(test)]
+mod tests;

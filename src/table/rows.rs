@@ -5,7 +5,7 @@
 use super::block::{Block, Span, as_line, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{Holds, LONGEST_RECORD};
-use super::column::{Beside, Column, Companion, Plain, Problem};
+use super::column::{Column, Plain, Problem};
 use super::encoding::text;
 use super::grid::{bare_unit, is_unit};
 use super::names::{Role, role};
@@ -302,7 +302,7 @@ impl Rows {
         }
         for (number, column) in self.columns.iter().enumerate().filter(|(number, _)| self.needed[*number]) {
             let cell = record.cells.get(column.place).cloned().unwrap_or_default();
-            let value = column.read(&cell, beside(column, record));
+            let value = column.read(&cell, column.beside.map(|companion| record.cells.get(companion.place)));
             put(block, number, column, &cell, value);
         }
         if let Some(index) = self.index {
@@ -392,19 +392,6 @@ impl Rows {
     }
 }
 
-/// What stands beside the value of a column.
-fn beside<'r>(column: &Column, record: &'r Record) -> Beside<'r> {
-    let cell = |of: Option<Companion>| of.and_then(|companion| record.cells.get(companion.place));
-    let places = column.beside;
-    Beside {
-        deviation: cell(places.deviation),
-        nominal: cell(places.nominal),
-        upper: cell(places.upper),
-        lower: cell(places.lower),
-        length: cell(places.length),
-    }
-}
-
 /// Begins a row.
 fn start(line: u64, raw: Span, block: &mut Block) {
     block.lines.push(line);
@@ -423,8 +410,8 @@ pub(crate) fn put(
     let (value, fault) = match value {
         Ok(Some(value)) => (value, None),
         Ok(None) => (ErrorValue::Length(Length::ZERO), Some((true, missing(column, cell)))),
-        Err(Problem::Bad(message) | Problem::TooLarge(message)) => {
-            (ErrorValue::Length(Length::ZERO), Some((false, message)))
+        Err(problem @ (Problem::Bad(_) | Problem::Far(_) | Problem::TooLarge(_))) => {
+            (ErrorValue::Length(Length::ZERO), Some((false, problem.message())))
         }
         Err(Problem::OtherMark(message)) => {
             let line = block.lines.last().copied().unwrap_or(0);

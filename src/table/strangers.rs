@@ -3,7 +3,7 @@
 
 use super::cell::Cell;
 use super::grid::{Separator, records};
-use super::names::{Field, Role, heading, is_context, near, role, split_unit};
+use super::names::{Field, Role, heading, is_context, is_evaluation_length, near, role, split_unit};
 use super::reading::NotUsed;
 use super::shape::{Aside, Shape, Unknown, uncounted};
 use super::want::Want;
@@ -100,7 +100,9 @@ pub(crate) fn could_be_measured(unknown: &Unknown) -> bool {
     let (_, in_title) = split_unit(title);
     let unit = in_title.as_deref().or(unknown.unit.as_deref());
     let mut values = unknown.cells.iter().filter(|cell| cell.is_number() || is_bounded(&cell.text())).peekable();
-    if values.peek().is_none() || is_context(title) || unit.is_some_and(is_foreign_unit) {
+    // the evaluation length of a lead that was not measured says nothing
+    let is_other = is_context(title) || is_evaluation_length(title) || unit.is_some_and(is_foreign_unit);
+    if values.peek().is_none() || is_other {
         return false;
     }
     let measures = |symbol: &str| Unit::from_symbol(symbol).is_some();

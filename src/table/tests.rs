@@ -248,8 +248,8 @@ fn what_is_wrong_is_said_with_its_place() {
         ("hello", "error[bad-table]: block holds no table of numbers"),
         ("", "error[bad-table]: block holds no table of numbers"),
         ("rack_pitch;rack_over_roller\n", "error[bad-table]: block has names (rack_pitch rack_over_roller) and no row"),
-        ("rack_pitch;rack_pitch\n1;2", "error[bad-table]: `rack_pitch` names rack_pitch a second time"),
-        ("dp [um];Δp [um]\n1;2", "error[bad-table]: `Δp [um]` names rack_pitch a second time"),
+        ("rack_pitch;rack_pitch\n1;2", "error[bad-table]: block: `rack_pitch` names rack_pitch a second time"),
+        ("dp [um];Δp [um]\n1;2", "error[bad-table]: block: `Δp [um]` names rack_pitch a second time"),
         (
             "rack_over_roller\t1\t2\nrack_pitch\t1\n",
             "block:2:1: error[bad-table]: line 2: the row has 2 cells, and the table has 3",
@@ -257,7 +257,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ("1;2;3;4", "block:1:1: error[bad-table]: the numbers have no names: 1 row by 4 columns"),
         (
             "rack pitch (Ist) [mm]\n1,5",
-            "error[missing-key]: `rack pitch (Ist) [mm]` holds measured values, and nothing tells",
+            "error[missing-key]: block: `rack pitch (Ist) [mm]` holds measured values, and nothing tells",
         ),
         ("rack_pitch;\"note\n1;2\n", "error[bad-table]: block, line 1: a quote is not closed"),
     ] {
@@ -304,10 +304,8 @@ fn how_it_was_read_as_text() {
     let text = "Hallo,\nTeil;Rollenmaß [mm];Härte;dp [µm]\n1;25,013;58;12\nGruß\n";
     assert_eq!(
         reading(text, &want()).to_string(),
-        "block: read as semicolons, decimal comma (otherwise 25013 mm is far from the nominal value 25 mm: check the unit and \
-         the decimal mark, or whether it is a deviation), names in line 2, a part a row: \"Teil\" = part_id, \"Rollenmaß [mm]\" = \
-         rack_over_roller [mm] measured, nominal 25 mm, \"dp [µm]\" = rack_pitch [µm] deviation; not used: Härte; no part of \
-         the table: lines 1 \"Hallo,\", 4 \"Gruß\""
+        "block: read as semicolons, decimal comma (otherwise 25013 mm is far from the nominal value 25 mm), names in line 2, a part a row: \"Teil\" = part_id, \"Rollenmaß [mm]\" = \
+         rack_over_roller [mm] measured, nominal 25 mm, \"dp [µm]\" = rack_pitch [µm] deviation"
     );
     let assumed = reading("rack_over_roller;rack_pitch;Temp [°C]\n25.5;1.5;20\n", &want());
     let remarks = [

@@ -6,11 +6,12 @@
 use std::sync::Arc;
 
 use super::cell::{Cell, Content, Record};
-use super::column::{Beside, Column, Problem};
+use super::column::{Column, Problem};
+use super::companions::Companions;
 use super::grid::{Separator, cut, separators};
 use super::names::Field;
 use super::number::{DecimalMark, Marks};
-use super::shape::{Measurement, NoShape, Series, Shape, shape};
+use super::shape::{Measurement, NoShape, Shape, located, shape};
 use super::want::{Orientation, Want};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -88,7 +89,7 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
             }
             Err(problem) => {
                 let definite = !matches!(problem, NoShape::NoNumbers | NoShape::Count { .. });
-                let diagnostic = explain(source, problem, want);
+                let diagnostic = problem.explain(source, want);
                 if definite && is_strong {
                     return Err(diagnostic.into());
                 }
@@ -100,7 +101,7 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
     if failure.as_ref().is_some_and(|(rank, _)| *rank == 2) {
         candidates.retain(|candidate| !candidate.columns.is_empty());
     }
-    let failed = || failure.map_or_else(|| explain(source, NoShape::NoNumbers, want).into(), |(_, problem)| problem);
+    let failed = || failure.map_or_else(|| NoShape::NoNumbers.explain(source, want).into(), |(_, problem)| problem);
     settle(source, candidates).unwrap_or_else(|| Err(failed()))
 }
 
@@ -110,9 +111,9 @@ pub(crate) fn understand_records(
     records: &[Record],
     want: &Want,
 ) -> Result<Understood, Diagnostics> {
-    let shape = shape(records, Separator::TAB, want).map_err(|problem| explain(source, problem, want))?;
+    let shape = shape(records, Separator::TAB, want).map_err(|problem| problem.explain(source, want))?;
     let candidates = readings(source, None, &Arc::new(shape), want)?;
-    settle(source, candidates).unwrap_or_else(|| Err(explain(source, NoShape::NoNumbers, want).into()))
+    settle(source, candidates).unwrap_or_else(|| Err(NoShape::NoNumbers.explain(source, want).into()))
 }
 
 /// The one reading of several; `None` if there is none.
@@ -183,23 +184,16 @@ fn commas_separate(shape: &Shape) -> bool {
 impl Shape {
     /// How many columns are known.
     fn width(&self) -> usize {
-        let beside = self.ids.iter().chain(&self.index).chain(&self.lengths).count();
+        let beside = self.ids.iter().chain(&self.index).count();
         self.header.len().max(self.measurements.len() + beside)
     }
 
     /// The cells in which a number tells the decimal mark.
     fn number_cells(&self) -> impl Iterator<Item = &Cell> {
-        let measured = self.measurements.iter().flat_map(|measurement| {
-            let beside = [
-                &measurement.deviation,
-                &measurement.nominal,
-                &measurement.upper,
-                &measurement.lower,
-                &measurement.uncertainty,
-            ];
-            std::iter::once(&measurement.value).chain(beside.into_iter().flatten())
-        });
-        measured.chain(&self.lengths).flat_map(|series| &series.cells).chain(&self.beside)
+        let measured = self.measurements.iter();
+        let measured =
+            measured.flat_map(|measurement| std::iter::once(&measurement.value).chain(measurement.beside.iter()));
+        measured.flat_map(|series| &series.cells).chain(&self.beside)
     }
 }
 
@@ -217,7 +211,7 @@ fn readings(
     let mut candidates = Vec::new();
     let mut failure = None;
     for Choice { mark, settled_by } in choices {
-        match read(shape, mark, want) {
+        match read(source, shape, mark, want) {
             Ok(read) => {
                 let mark = (has_decimals || want.decimal.is_some()).then_some(mark);
                 candidates.push(Understood { separator, mark, settled_by, ..read });
@@ -318,17 +312,8 @@ fn choices(
     }
 }
 
-/// Points into the source, where there is text to point at.
-fn located(diagnostic: Diagnostic, source: &Arc<Source>, span: std::ops::Range<usize>, label: &str) -> Diagnostic {
-    if span.is_empty() || source.text.len() < span.end {
-        diagnostic
-    } else {
-        diagnostic.at(source, span, label.to_owned())
-    }
-}
-
 /// Reads the values of a shape with a decimal mark.
-fn read(shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> Result<Understood, Diagnostics> {
+fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> Result<Understood, Diagnostics> {
     let is_teeth = want.teeth.unwrap_or_else(|| is_teeth(shape));
     let mut columns = Vec::with_capacity(shape.measurements.len());
     let mut problems = Vec::new();
@@ -348,13 +333,15 @@ fn read(shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> Result<Understood
             );
             continue;
         }
-        match Column::new(measurement, kind, shape.lengths.as_ref(), want, mark) {
+        match Column::new(measurement, kind, want, mark) {
             Ok(column) => columns.push(column),
             Err(diagnostics) => problems.extend(diagnostics.0),
         }
     }
     if !problems.is_empty() {
-        return Err(Diagnostics(problems));
+        let in_file =
+            |problem: Diagnostic| Diagnostic { message: format!("{}: {}", source.name, problem.message), ..problem };
+        return Err(Diagnostics(problems.into_iter().map(in_file).collect()));
     }
     Ok(Understood {
         separator: None,
@@ -386,16 +373,16 @@ impl Understood {
         let (mut is_possible, mut impossible) = (false, None);
         for (row, cell) in measurement.value.cells.iter().enumerate() {
             let is_open = || cell.marks() == Marks::Differ;
-            let value = match column.read(cell, beside(measurement, self.shape.lengths.as_ref(), row)) {
+            let value = match column.read(cell, measurement.beside_row(row)) {
                 Ok(None) => continue,
                 Ok(Some(value)) => in_words(value),
                 // how large a deviation may be settles nothing
                 Err(Problem::TooLarge(_)) => "too large".to_owned(),
-                Err(Problem::Bad(message) | Problem::OtherMark(message)) => {
+                Err(Problem::Bad(what) | Problem::Far(what) | Problem::OtherMark(what)) => {
                     if impossible.is_none() && is_open() {
-                        impossible = Some(message.clone());
+                        impossible = Some(what.clone());
                     }
-                    self.doubt.get_or_insert(message);
+                    self.doubt.get_or_insert(what);
                     continue;
                 }
             };
@@ -408,15 +395,10 @@ impl Understood {
     }
 }
 
-/// What stands beside the value of a row.
-pub(crate) fn beside<'a>(measurement: &'a Measurement, lengths: Option<&'a Series>, row: usize) -> Beside<'a> {
-    let cell = |series: Option<&'a Series>| series.and_then(|series| series.cells.get(row));
-    Beside {
-        deviation: cell(measurement.deviation.as_ref()),
-        nominal: cell(measurement.nominal.as_ref()),
-        upper: cell(measurement.upper.as_ref()),
-        lower: cell(measurement.lower.as_ref()),
-        length: cell(lengths),
+impl Measurement {
+    /// What stands beside the value of a row.
+    pub(crate) fn beside_row(&self, row: usize) -> Companions<&Cell> {
+        self.beside.map(|series| series.cells.get(row))
     }
 }
 
@@ -465,98 +447,17 @@ fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
     let open = candidates.iter().find_map(|candidate| candidate.shape.number_cells().find(is_open));
     let such = open.map_or_else(String::new, |cell| format!(", because of `{}`", cell.text()));
     let ways = if candidates.len() == 2 { "two" } else { "several" };
-    let message = format!("{}: the table can be read in {ways} ways{such}", source.name);
+    let message = format!("the table can be read in {ways} ways{such}");
     let diagnostic = Diagnostic::error(Code::AmbiguousBlock, message).help(format!(
         "{}; say which it is: --decimal comma or --decimal point{}",
         readings.join("; or "),
         if marks_only { "" } else { ", or put semicolons between the values" }
     ));
-    match open {
-        Some(cell) => {
-            let text = cell.text();
-            let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-            let label = format!("{} or {}?", number.replace(',', "."), number.replace([',', '.'], ""));
-            located(diagnostic, source, cell.span.clone(), &label)
-        }
-        None => diagnostic,
-    }
-}
-
-/// Why a text is no table, for people.
-fn explain(source: &Arc<Source>, problem: NoShape, want: &Want) -> Diagnostic {
-    let error = |message: String| Diagnostic::error(Code::BadTable, message);
-    match problem {
-        NoShape::NoNumbers => error(format!("{} holds no table of numbers", source.name))
-            .help("a table has a header row and rows of numbers; numbers without names take --as rack_over_roller"),
-        NoShape::OpenQuote { line } => error(format!(
-            "{}, line {line}: a quote is not closed, or lines later, so rows of the table are in one cell",
-            source.name
-        ))
-        .help("close it, or write it twice where it is meant"),
-        NoShape::NoRows { names } => {
-            error(format!("{} has names ({names}) and no row of numbers below them", source.name))
-                .help("no part was measured, so none can pass")
-        }
-        NoShape::TwoMeanings { heading, fields } => {
-            let title = heading.text();
-            let each: Vec<_> = fields.iter().map(|field| field.key()).collect();
-            let diagnostic =
-                Diagnostic::error(Code::AmbiguousBlock, format!("`{title}` could be {}", each.join(" or ")));
-            located(diagnostic, source, heading.span.clone(), "").help(format!(
-                "say which it is: [batch.columns] {} = {{ name = \"{title}\" }}, or name it `{}`",
-                each[0], each[0]
-            ))
-        }
-        NoShape::Ragged { record, expected } => {
-            let count = record.filled().len();
-            let plural = if count == 1 { "" } else { "s" };
-            let message =
-                format!("line {}: the row has {count} cell{plural}, and the table has {expected}", record.line);
-            located(error(message), source, record.span(), "")
-                .help("a number with a blank or comma inside may have been cut in two; put semicolons between cells")
-        }
-        NoShape::Units { record } => {
-            let message = format!("line {}: the unit is another than in the rows of the same name", record.line);
-            located(error(message), source, record.span(), "").help("write the same unit in all of them")
-        }
-        NoShape::Twice { heading, field } => {
-            let message = format!("`{}` names {} a second time", heading.text(), field.key());
-            located(error(message), source, heading.span, "")
-                .help(format!("say which of them counts: [batch.columns] {} = {{ name = \"…\" }}", field.key()))
-        }
-        NoShape::NoPart { heading } => {
-            let message = format!("`{}` is no part's value, and nothing tells which column is", heading.text());
-            located(error(message), source, heading.span, "")
-                .help("name the column of values: actual, measured, Ist; or the columns of parts")
-        }
-        NoShape::TwoColumns { first, second } => {
-            let message = format!("`{}` and `{}` hold the same of each characteristic", first.text(), second.text());
-            located(error(message), source, second.span, "").help("leave one of the columns out of the table")
-        }
-        NoShape::Square => Diagnostic::error(
-            Code::AmbiguousBlock,
-            "the numbers have no names, and there are as many rows as columns: a part may be a row or a column",
-        )
-        .help("say which: --parts rows or --parts columns"),
-        NoShape::Count { columns, rows, span } => located(count_does_not_fit(columns, rows, want), source, span, "")
-            .help("say what the columns hold: --as rack_over_roller,rack_pitch, or give the header row too"),
-    }
-}
-/// Numbers without names of which nobody knows what they are.
-fn count_does_not_fit(columns: usize, rows: usize, want: &Want) -> Diagnostic {
-    let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-    let (who, names) = if want.fields.is_empty() {
-        let names: Vec<_> = want.expected.iter().map(|kind| kind.key()).collect();
-        ("the spec's errors", if names.is_empty() { "it names none".to_owned() } else { names.join(", ") })
-    } else {
-        ("--as", want.fields.iter().map(|field| field.key()).collect::<Vec<_>>().join(", "))
-    };
-    let message = format!(
-        "the numbers have no names: {} by {}, which do not fit {who} ({names})",
-        many(rows, "row"),
-        many(columns, "column"),
-    );
-    Diagnostic::error(Code::BadTable, message)
+    let Some(cell) = open else { return located(diagnostic, source, 0..0, "") };
+    let text = cell.text();
+    let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let label = format!("{} or {}?", number.replace(',', "."), number.replace([',', '.'], ""));
+    located(diagnostic, source, cell.span.clone(), &label)
 }
 
 /// A value for people: small lengths in µm.

@@ -10,10 +10,11 @@ use crate::diagnostic::Diagnostics;
 use crate::quantity::{Length, Unit};
 
 /// How parts stand in a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Orientation {
     /// A part, space or tooth in each row.
+    #[default]
     Rows,
     /// A part, space or tooth in each column.
     Columns,
@@ -65,6 +66,8 @@ pub struct Want {
     pub sheet: Option<String>,
     /// The cells of a sheet.
     pub range: CellRange,
+    /// Whether nothing is judged, so that a nominal value need not be known.
+    pub only_shown: bool,
     /// Whether each row is a tooth or a space; found from the names unless given.
     pub teeth: Option<bool>,
 }

@@ -166,7 +166,7 @@ fn number(most: i64, places: std::ops::RangeInclusive<usize>) -> impl Strategy<V
 /// A measured value with so many decimals, no more than a tenth from its nominal value: what is further is not meant.
 fn measured(nominal_um: i64, places: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = String> {
     let (least, most) = (nominal_um * 9 / 10, nominal_um * 11 / 10);
-    (least..=most, 0..1000i64, places).prop_map(|(um, below, places)| {
+    (least..most, 0..1000i64, places).prop_map(|(um, below, places)| {
         let digits = format!("{um}{below:03}000000");
         let (whole, decimals) = digits.split_at(digits.len() - 12);
         format!("{whole}.{}", &decimals[..places])

@@ -13,6 +13,7 @@ mod domains;
 mod formula_accuracy;
 mod fuzz_corpus;
 mod goldens;
+mod house;
 mod mesh_brute_force;
 mod mesh_curve;
 mod mesh_degenerate;

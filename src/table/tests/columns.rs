@@ -57,7 +57,7 @@ fn a_unit_that_nothing_tells_or_that_is_none_is_refused() {
         ("rack pitch error", "`rack pitch error` is rack_pitch, and nothing tells the unit of its numbers"),
     ] {
         let found = value(title, "2", &want);
-        assert!(found.starts_with(&format!("error[bad-table]: {expected}")), "{title}: {found}");
+        assert!(found.starts_with(&format!("error[bad-table]: block: {expected}")), "{title}: {found}");
         assert!(found.contains("in the spec: [batch.columns] rack_"), "{title}: {found}");
     }
     // a column that is called by its key has the unit of a spec, and that is said
@@ -172,7 +172,7 @@ fn characteristics_that_contradict_themselves() {
         ),
         (
             "Merkmal;Ist;Einheit\nTeilung Zahnstange;3;\n",
-            "error[bad-table]: `Teilung Zahnstange` is rack_pitch, and nothing tells the unit",
+            "error[bad-table]: block: `Teilung Zahnstange` is rack_pitch, and nothing tells the unit",
         ),
         ("Merkmal;Soll;OG\nrack_pitch;3;4\n", "block:1:9: error[bad-table]: `Soll` is no part's value"),
         ("Merkmal;Ist;Soll\nrack_pitch;3;4;5\n", "block:2:1: error[bad-table]: line 2: the row has 4 cells"),

@@ -13,7 +13,7 @@ fn rows(start: &str, want: &Want) -> Rows {
     let source = Arc::new(Text { name: "block".to_owned(), text: start.to_owned() });
     let understood = understand(&source, want).unwrap();
     let needed = vec![true; understood.columns.len()];
-    Rows::new(setup(understood, b',', true), Wanted { needed, keeps_raw: true, ..Wanted::default() })
+    Rows::new(setup(understood, b',', true, want), Wanted { needed, keeps_raw: true, ..Wanted::default() })
 }
 
 /// Everything that a block says, as text.

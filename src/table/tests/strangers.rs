@@ -136,8 +136,9 @@ fn the_refusal_lists_all_of_them_with_both_remedies() {
     );
     assert_eq!(
         refused.help.unwrap(),
-        "say in the spec what it is: [batch.columns] rack_pitch = { name = \"rack_pich\", unit = \"um\" }; or leave it out: \
-         [batch] ignore = [\"rack_pich\", \"Taster \\\"3\\\"\"], or on the command line --ignore 'rack_pich'"
+        "say in the spec what it is, under [batch.columns]: rack_pitch = { name = \"rack_pich\", unit = \"um\" }; rack_pitch = \
+         { name = \"Taster \\\"3\\\"\", unit = \"mm\" }; or leave it out: [batch] ignore = [\"rack_pich\", \
+         \"Taster \\\"3\\\"\"], or on the command line --ignore 'rack_pich' --ignore 'Taster \"3\"'"
     );
     assert_eq!(refusal(&[], &[ErrorKind::RackPitch]), None);
 }

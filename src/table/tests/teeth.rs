@@ -22,12 +22,12 @@ fn pinion(text: &str) -> PinionTeeth {
     }
 }
 
-fn deviation(text: &str) -> Option<Measured> {
-    Some(Measured::Deviation(text.parse().unwrap()))
+fn deviation(text: &str) -> Measured {
+    Measured::Deviation(text.parse().unwrap())
 }
 
-fn absolute(text: &str) -> Option<Measured> {
-    Some(Measured::Absolute(text.parse().unwrap()))
+fn absolute(text: &str) -> Measured {
+    Measured::Absolute(text.parse().unwrap())
 }
 
 /// The parts of a table with rows of several.
@@ -40,7 +40,7 @@ fn gathered(text: &str) -> Vec<ToothedPart> {
 
 #[test]
 fn separators_units_and_decimal_marks() {
-    let expected = [deviation("0.0125"), deviation("-0.003")];
+    let expected = [Some(deviation("0.0125")), Some(deviation("-0.003"))];
     for text in [
         "space,over_pin_deviation [um],note\n0,12.5,a\n1,-3,b\n",
         "over_pin_deviation_mm;space\r\n0,0125;0\r\n-0,003;1",
@@ -58,7 +58,7 @@ fn separators_units_and_decimal_marks() {
 #[test]
 fn a_space_has_measures_and_a_tooth_deviations() {
     let spaces = rack("Lücke\tRollenmaß [mm]\tLage [mm]\tlead [min]\n4\t25,0131\t2,9845\t30\n5\t25,0\t8,95\t0\n");
-    assert_eq!((spaces.rows[1].position, spaces.rows[0].over_pin), (absolute("8.95"), absolute("25.0131")));
+    assert_eq!((spaces.rows[1].position, spaces.rows[0].over_pin), (Some(absolute("8.95")), Some(absolute("25.0131"))));
     assert_eq!(spaces.rows[0].lead, Some("0.5 deg".parse().unwrap()));
     assert_eq!((spaces.rows[1].line, spaces.rows[1].space), (3, 5));
     let holds: Vec<_> = reading("space;over_pin;lead\n1;25.5;1\n", &Want::default()).columns[1..]
@@ -77,10 +77,7 @@ fn a_space_has_measures_and_a_tooth_deviations() {
 #[test]
 fn what_is_ambiguous_or_wrong_is_refused_with_its_place() {
     for (text, expected) in [
-        (
-            "over_pin;space\n25,013;0\n",
-            "rack.csv:2:1: error[ambiguous-block]: rack.csv: the table can be read in two ways",
-        ),
+        ("over_pin;space\n25,013;0\n", "rack.csv:2:1: error[ambiguous-block]: the table can be read in two ways"),
         (
             "over_pin;space\n25,01;0\n25.01;1\n",
             "rack.csv:2:1: error[bad-table]: the table has decimal points and commas",
@@ -89,8 +86,11 @@ fn what_is_ambiguous_or_wrong_is_refused_with_its_place() {
         ("over_pin,space\n25.0,\n", "error[bad-table]: rack.csv, line 2: the cell is empty"),
         ("over_pin,space\n25.0,4\n25.1,4\n", "error[bad-table]: rack.csv, line 3: space 4 has two rows"),
         ("over_pin,space\n25.0x,4\n", "error[bad-table]: rack.csv, line 2: column `over_pin`: `x` is not a unit"),
-        ("over_pin [deg]\n25.0\n", "error[bad-table]: `over_pin [deg]`: `deg` is not a unit of a length"),
-        ("Lücke;Rollenmaß\n1;25.0\n", "error[bad-table]: `Rollenmaß` is rack_over_roller, and nothing tells the unit"),
+        ("over_pin [deg]\n25.0\n", "error[bad-table]: rack.csv: `over_pin [deg]`: `deg` is not a unit of a length"),
+        (
+            "Lücke;Rollenmaß\n1;25.0\n",
+            "error[bad-table]: rack.csv: `Rollenmaß` is rack_over_roller, and nothing tells the unit",
+        ),
         ("height\n1\n", "error[bad-table]: rack.csv has no column of a rack's spaces or a pinion's teeth"),
         ("space,over_pin,height [mm]\n1,2,3\n", "error[not-understood]: not understood, so nothing is judged"),
         ("tooth,over_pin\n1,25\n", "error[bad-table]: rack.csv mixes spaces of a rack with teeth of a pinion"),

@@ -79,7 +79,6 @@ fn texts_in_every_dialect() {
 }
 
 #[test]
-#[ignore = "open: a sheet with an empty first column and a line for each error is refused"]
 fn workbooks() {
     let tally = Tally::default();
     let texts = proptest::option::of(figures());

@@ -5,14 +5,14 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use super::cell::{Cell, Record};
-use super::grid::bare_unit;
-use super::names::{Aspect, Field, Holds, Role, heading, is_context, role, split_unit};
-use super::shape::{
-    Headings, Measurement, Named, NoShape, Series, Shape, Unknown, aside, has_digit, headings, names_value,
-};
-use super::understand::kind_of;
-use super::want::{Orientation, Want};
+use super::headings::{Headings, Named, headings, names_value};
+use super::{Measurement, NoShape, Series, Shape, Unknown, aside, has_digit};
+use crate::table::cell::{Cell, Record};
+use crate::table::companions::Companions;
+use crate::table::grid::bare_unit;
+use crate::table::names::{Aspect, Field, Holds, Role, heading, is_context, role, split_unit};
+use crate::table::understand::kind_of;
+use crate::table::want::{Orientation, Want};
 
 /// A table of characteristics, found but not read.
 pub(crate) struct Characteristics {
@@ -271,7 +271,8 @@ impl<'a> Reading<'a> {
             }
         };
         let field = if named.aspect == Aspect::Value { named.field } else { return Err(twice(named, title)) };
-        Ok(Measurement { field, holds, value, deviation, nominal, upper, lower, uncertainty })
+        let beside = Companions { deviation, nominal, upper, lower, uncertainty, length: None };
+        Ok(Measurement { field, holds, value, beside })
     }
 
     /// The unit in the column of units, which is the same for every row of a characteristic.

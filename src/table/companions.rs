@@ -1,0 +1,40 @@
+//! What stands beside a measured value, by what it says of it: columns of the table, then places of a record, then cells.
+
+/// One of each companion that a value may have.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Companions<T> {
+    /// The deviation beside a measured value.
+    pub(crate) deviation: Option<T>,
+    pub(crate) nominal: Option<T>,
+    pub(crate) upper: Option<T>,
+    pub(crate) lower: Option<T>,
+    pub(crate) uncertainty: Option<T>,
+    /// The evaluation length of f_Hβ.
+    pub(crate) length: Option<T>,
+}
+
+impl<T> Default for Companions<T> {
+    fn default() -> Self {
+        Self { deviation: None, nominal: None, upper: None, lower: None, uncertainty: None, length: None }
+    }
+}
+
+impl<T> Companions<T> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
+        let Self { deviation, nominal, upper, lower, uncertainty, length } = self;
+        [deviation, nominal, upper, lower, uncertainty, length].into_iter().flatten()
+    }
+
+    /// The same companions as something else; those of which nothing comes are left out.
+    pub(crate) fn map<'a, U>(&'a self, of: impl Fn(&'a T) -> Option<U>) -> Companions<U> {
+        let of = |companion: &'a Option<T>| companion.as_ref().and_then(&of);
+        Companions {
+            deviation: of(&self.deviation),
+            nominal: of(&self.nominal),
+            upper: of(&self.upper),
+            lower: of(&self.lower),
+            uncertainty: of(&self.uncertainty),
+            length: of(&self.length),
+        }
+    }
+}

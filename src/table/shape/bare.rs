@@ -1,0 +1,70 @@
+//! Numbers without names: what they are is asked for, or is the spec's order.
+
+use super::headings::Named;
+use super::{NoShape, Series, Shape, aside, unknown_line};
+use crate::table::cell::{Cell, Record};
+use crate::table::names::{Aspect, Field};
+use crate::table::want::{Orientation, Want};
+
+/// Numbers without names: what they are is asked for, or is the spec's order.
+pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, NoShape> {
+    let fields: Vec<Field> = if want.fields.is_empty() {
+        want.expected.iter().map(|kind| Field::Error(*kind)).collect()
+    } else {
+        want.fields.clone()
+    };
+    // lines of numbers, perhaps with a name in front
+    let numeric = |record: &Record| {
+        let is_text = |cell: &&Cell| !cell.is_number() && !cell.is_missing();
+        let texts = record.cells.iter().filter(is_text).count();
+        record.numbers() > 0 && (texts == 0 || (texts == 1 && !record.cells[0].is_number()))
+    };
+    let rows: Vec<&Record> = records.iter().filter(|record| numeric(record)).collect();
+    let Some(first) = rows.first() else { return Err(NoShape::NoNumbers) };
+    let labelled = rows.iter().any(|record| !record.cells[0].is_number());
+    let width = rows.iter().map(|record| record.filled().len()).max().unwrap_or(0);
+    let wanted = fields.len();
+    // a name in front of every row
+    let offset = usize::from(!fields.contains(&Field::PartId) && (labelled || width == wanted + 1));
+    let even = rows.iter().all(|record| record.filled().len() == width);
+    // 25,01 is no part's name
+    let is_name = |record: &&Record| !record.cells[0].is_number() || !record.cells[0].text().contains(['.', ',']);
+    let as_rows = even && width == wanted + offset && (offset == 0 || rows.iter().all(is_name));
+    let as_columns = even && !labelled && rows.len() == wanted;
+    if as_rows && as_columns && wanted > 1 && want.orientation.is_none() {
+        return Err(NoShape::Square);
+    }
+    let bare = |field: Field, cells: Vec<Cell>| Named {
+        field,
+        aspect: Aspect::Value,
+        holds: None,
+        series: Series { title: field.key().to_owned(), cells, ..Series::default() },
+    };
+    let in_rows = as_rows && want.orientation != Some(Orientation::Columns);
+    let in_columns = as_columns && want.orientation != Some(Orientation::Rows);
+    if !in_rows && !in_columns {
+        let span = first.span().start..rows.last().map_or(0, |record| record.span().end);
+        return Err(NoShape::Count { columns: width, rows: rows.len(), span });
+    }
+    let mut shape = Shape::new(if in_rows { Orientation::Rows } else { Orientation::Columns });
+    for (index, field) in fields.iter().enumerate() {
+        let cells = if in_rows {
+            rows.iter().map(|row| row.cells[index + offset].clone()).collect()
+        } else {
+            rows[index].filled().to_vec()
+        };
+        shape.take(bare(*field, cells))?;
+    }
+    if in_rows && offset == 1 {
+        shape.take(bare(Field::PartId, rows.iter().map(|row| row.cells[0].clone()).collect()))?;
+    }
+    shape.lines = if in_rows { rows.iter().map(|row| row.line).collect() } else { vec![first.line; width] };
+    for record in records.iter().filter(|record| !numeric(record) && !record.says_nothing()) {
+        if record.numbers() > 0 {
+            shape.unknown.push(unknown_line(record, true));
+        } else {
+            shape.asides.push(aside(record));
+        }
+    }
+    Ok(shape)
+}

@@ -1,0 +1,106 @@
+//! What the headings of a table mean: which of two meanings counts, which of two names of a part.
+
+use super::{NoShape, Series};
+use crate::deviation::ErrorKind;
+use crate::table::cell::Cell;
+use crate::table::names::{Aspect, Field, Heading, Holds, heading, is_evaluation_length};
+use crate::table::want::Want;
+
+/// A column with a known name.
+#[derive(Debug, Clone)]
+pub(crate) struct Named {
+    pub(crate) field: Field,
+    pub(crate) aspect: Aspect,
+    pub(crate) holds: Option<Holds>,
+    pub(crate) series: Series,
+}
+
+/// What the headings of a table are.
+pub(crate) struct Headings {
+    /// One per heading; `None` if it is not known.
+    pub(crate) named: Vec<Option<Named>>,
+    pub(crate) commas: bool,
+}
+
+/// What headings mean; `None` for those that are not known or that the user leaves out.
+pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape> {
+    let understood = |cell: &Cell| {
+        let text = cell.text();
+        if want.ignores(&text) { None } else { heading(&text, &want.own) }
+    };
+    let found: Vec<_> = cells.iter().map(understood).collect();
+    // in a table of a pinion's teeth, or in one that has values of one part only, `pitch` is that part's
+    let of = |kinds: &[ErrorKind]| {
+        let is_so =
+            |heading: &Heading| matches!(heading.fields.as_slice(), [Field::Error(kind)] if kinds.contains(kind));
+        found.iter().flatten().any(is_so)
+    };
+    let rack = of(&[ErrorKind::RackOverRoller, ErrorKind::RackLead]);
+    let pinion = of(&[ErrorKind::PinionRadial]);
+    let commas = found.iter().flatten().any(|heading| heading.commas);
+    let mut named: Vec<Option<Named>> = Vec::with_capacity(cells.len());
+    for (place, (cell, heading)) in cells.iter().zip(found).enumerate() {
+        let Some(mut heading) = heading else {
+            named.push(None);
+            continue;
+        };
+        if heading.fields.len() > 1 && rack != pinion && want.expected.is_empty() {
+            let wanted = if rack { ErrorKind::RackPitch } else { ErrorKind::PinionPitch };
+            heading.fields.retain(|field| *field == Field::Error(wanted));
+        }
+        let field = one_meaning(&heading.fields, want, cell)?;
+        let series = Series { title: cell.text().into_owned(), place, unit: heading.unit, cells: Vec::new() };
+        named.push(Some(Named { field, aspect: heading.aspect, holds: heading.holds, series }));
+    }
+    drop_second_part_names(&mut named, want);
+    Ok(Headings { named, commas })
+}
+
+pub(super) fn one_meaning(found: &[Field], want: &Want, title: &Cell) -> Result<Field, NoShape> {
+    if let [field] = found {
+        return Ok(*field);
+    }
+    let mut expected = found.iter().filter(|field| want.expected.iter().any(|kind| Field::Error(*kind) == **field));
+    match (expected.next(), expected.next()) {
+        (Some(field), None) => Ok(*field),
+        _ => Err(NoShape::TwoMeanings { heading: title.clone(), fields: found.to_vec() }),
+    }
+}
+
+/// Of several columns that may name the part, the one that the spec names, or else the first; a second one is no error.
+fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) {
+    let is_id = |found: &Option<Named>| found.as_ref().is_some_and(|found| found.field == Field::PartId);
+    let own = named
+        .iter()
+        .position(|found| is_id(found) && found.as_ref().is_some_and(|found| want.is_own(&found.series.title)));
+    let plain = || {
+        let is_key = |found: &Option<Named>| {
+            found.as_ref().is_some_and(|found| found.series.title.eq_ignore_ascii_case(Field::PartId.key()))
+        };
+        named.iter().position(is_key).or_else(|| named.iter().position(is_id))
+    };
+    let Some(kept) = own.or_else(plain) else { return };
+    for (index, found) in named.iter_mut().enumerate() {
+        if index != kept && is_id(found) {
+            *found = None;
+        }
+    }
+}
+
+pub(super) fn known(cells: &[Cell], want: &Want) -> usize {
+    cells.iter().filter(|cell| is_known(cell, want)).count()
+}
+
+fn is_known(cell: &Cell, want: &Want) -> bool {
+    let text = cell.text();
+    heading(&text, &want.own).is_some() || is_evaluation_length(&text)
+}
+
+/// Whether a cell names a value, and not only a part.
+pub(crate) fn names_value(cell: &Cell, want: &Want) -> bool {
+    heading(&cell.text(), &want.own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
+}
+
+pub(super) fn is_part_name(title: &str) -> bool {
+    heading(title, &[]).is_some_and(|heading| heading.fields == [Field::PartId])
+}

@@ -1,0 +1,193 @@
+//! Tables with a name in front of each line, and a value per part behind it.
+
+use super::headings::{Headings, Named, headings, is_part_name, names_value, one_meaning};
+use super::{NoShape, Series, Shape, Unknown, aside, has_digit, unknown_line};
+use crate::quantity::Unit;
+use crate::table::cell::{Cell, Record};
+use crate::table::grid::{bare_unit, is_unit};
+use crate::table::names::{Aspect, Field, Role, heading, role};
+use crate::table::strangers::unit_in;
+use crate::table::want::{Orientation, Want};
+
+/// The records whose first cell is a name with numbers after it.
+pub(super) fn find_labels(records: &[Record], want: &Want) -> Vec<usize> {
+    let known = |record: &Record| {
+        record.filled().len() > 1
+            && record.cells[1..].iter().any(Cell::is_number)
+            && !record.cells[0].is_measure()
+            && names_value(&record.cells[0], want)
+    };
+    (0..records.len()).filter(|index| known(&records[*index])).collect()
+}
+
+/// A line above labels that calls a column nominal or a tolerance: the values of such a column are no part's.
+pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option<NoShape> {
+    let above = &records[..*labels.first()?];
+    let is_none = |cell: &&Cell| {
+        matches!(
+            role(&cell.text()),
+            Some(Role::Nominal | Role::Upper | Role::Lower | Role::Deviation | Role::Uncertainty)
+        )
+    };
+    let heading = above.iter().flat_map(|record| &record.cells).find(is_none)?;
+    Some(NoShape::NoPart { heading: heading.clone() })
+}
+
+/// Whether its first cell counts lines: `003`, `10.`, `1/2`.
+pub(super) fn is_counted(record: &Record) -> bool {
+    let counts = |text: &str| {
+        let digits = text.trim_end_matches(['.', ')', ':']);
+        text.starts_with(|c: char| c.is_ascii_digit()) && digits.chars().all(|c| c.is_ascii_digit() || c == '/')
+    };
+    record.cells.first().is_some_and(|cell| counts(&cell.text()))
+}
+
+/// A line `003 Pitch error 0.21` with its number in the name; any other record as it is.
+pub(crate) fn uncounted(record: &Record) -> Record {
+    let is_word = |cell: &&Cell| !cell.is_number() && !cell.is_missing();
+    let words = record.cells.iter().skip(1).take_while(is_word).count();
+    let has_value = || record.cells[words + 1..].iter().any(Cell::is_number);
+    if !is_counted(record) || words == 0 || !has_value() {
+        return record.clone();
+    }
+    let texts: Vec<_> = record.cells[..=words].iter().map(Cell::text).collect();
+    let name = Cell::of_text(&texts.join(" "), record.cells[0].span.start..record.cells[words].span.end);
+    let cells = std::iter::once(name).chain(record.cells[words + 1..].iter().cloned());
+    Record { cells: cells.collect(), ..record.clone() }
+}
+
+/// One line per name, with a value per part behind it.
+pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Result<Shape, NoShape> {
+    let names: Vec<_> = labels.iter().map(|index| records[*index].cells[0].clone()).collect();
+    let Headings { named, commas } = headings(&names, want)?;
+    let mut shape = Shape::new(Orientation::Columns);
+    shape.commas = commas;
+    let (mut count, mut lines) = (0, Vec::new());
+    let has_units = labels.iter().zip(&named).any(|(index, named)| {
+        let is_angle = named.as_ref().is_some_and(|named| named.field.is_angle());
+        records[*index].cells.get(1).is_some_and(|cell| is_unit_of(&cell.text(), is_angle))
+    });
+    for (named, index) in named.into_iter().zip(labels) {
+        let Some(mut named) = named else { continue };
+        named.series.fill(behind_label(&records[*index], has_units), named.field.is_angle());
+        count = count.max(named.series.cells.len());
+        if named.aspect == Aspect::Value {
+            lines.push((named.series.cells.len(), *index));
+        }
+        shape.take(named)?;
+    }
+    if let Some((_, index)) = lines.iter().find(|(cells, _)| *cells != count) {
+        return Err(NoShape::Ragged { record: records[*index].clone(), expected: count + 1 });
+    }
+    for (index, record) in records.iter().enumerate().filter(|(index, _)| !labels.contains(index)) {
+        if record.says_nothing() {
+            continue;
+        }
+        let title = record.cells[0].text();
+        if let Some((field, title)) = value_is_missing(record, want)
+            && shape.measurements.iter().all(|measurement| measurement.field != field)
+        {
+            let series = Series { title, cells: vec![Cell::default(); count], ..Series::default() };
+            shape.take(Named { field, aspect: Aspect::Value, holds: None, series })?;
+            continue;
+        }
+        let cells = behind_label(record, has_units);
+        let names_parts = heading(&title, &want.own)
+            .filter(|heading| cells.len() == count && heading.fields.first().is_some_and(|field| field.is_index()));
+        match names_parts {
+            Some(heading) if index < labels[0] => {
+                let cells = cells.to_vec();
+                let series = Series { title: title.into_owned(), cells, ..Series::default() };
+                shape.take(Named { field: heading.fields[0], aspect: Aspect::Value, holds: None, series })?;
+            }
+            _ if record.numbers() > 0 && !record.cells[0].is_measure() && !is_part_name(&title) => {
+                let stands_among = labels.first().is_some_and(|first| *first < index)
+                    && labels.last().is_some_and(|last| index < *last);
+                shape.unknown.push(unknown_line(record, stands_among));
+            }
+            // a value whose name is not there
+            _ if record.cells.iter().all(|cell| unit_in(&cell.text()).is_some_and(|unit| is_unit(&unit))) => {
+                shape.unknown.push(Unknown::line("", record.line, record.cells.clone()).measured(true));
+            }
+            _ => shape.asides.push(aside(record)),
+        }
+    }
+    shape.lines = vec![records[labels[0]].line; count];
+    shape.drop_valueless();
+    Ok(shape)
+}
+
+/// The field that a line names without a value of it, and the name: `Rack pitch: n/a`.
+fn value_is_missing(record: &Record, want: &Want) -> Option<(Field, String)> {
+    let is_none = |cell: &Cell| !cell.is_number() && (cell.is_missing() || has_digit(&cell.text()));
+    let line = record.in_words();
+    // between blanks, the value is the last word of a line that has no number
+    let by_words = || {
+        let (title, word) = line.trim().rsplit_once([' ', ':', '='])?;
+        let is_label = names_value(&Cell::of_text(title, 0..0), want);
+        is_label.then(|| (title.to_owned(), vec![Cell::of_text(word, 0..0)]))
+    };
+    let by_cells = || (record.cells[0].text().trim().to_owned(), record.filled().iter().skip(1).cloned().collect());
+    let (title, values) = if record.numbers() == 0 { by_words().unwrap_or_else(by_cells) } else { by_cells() };
+    let title = title.as_str();
+    let name = Cell::of_text(title, record.cells[0].span.clone());
+    let is_so = !values.is_empty() && values.iter().all(is_none) && !want.ignores(title) && names_value(&name, want);
+    let fields = if is_so { heading(title, &want.own)?.fields } else { return None };
+    Some((one_meaning(&fields, want, &name).ok()?, title.to_owned()))
+}
+
+/// Whether a text is a unit: `min` behind the name of an angle is no time.
+fn is_unit_of(text: &str, is_angle: bool) -> bool {
+    is_unit(text) || (is_angle && Unit::of_angle(bare_unit(text)).is_some())
+}
+
+/// The cells behind a label, without that of a column of units which has none here.
+fn behind_label(record: &Record, has_units: bool) -> &[Cell] {
+    let behind = record.filled().get(1..).unwrap_or_default();
+    let has_none = |cell: &Cell| cell.is_missing() || role(&cell.text()) == Some(Role::Unit);
+    match behind.split_first() {
+        Some((first, values)) if has_units && has_none(first) => values,
+        _ => behind,
+    }
+}
+
+impl Series {
+    /// The values behind a name: a unit behind a value belongs to it, one before the first to all.
+    fn fill(&mut self, cells: &[Cell], is_angle: bool) {
+        for cell in cells {
+            let text = cell.text();
+            let is_unit = |text: &str| is_unit_of(text, is_angle);
+            match self.cells.last_mut() {
+                // 12,5 | µm
+                Some(last) if is_unit(&text) => {
+                    let united = format!("{} {}", last.text(), bare_unit(&text));
+                    *last = Cell::of_text(&united, last.span.start..cell.span.end);
+                }
+                None if is_unit(&text) && self.unit.is_none() => self.unit = Some(bare_unit(&text).to_owned()),
+                // what stands behind a number and is none belongs to it: nobody else says what it is
+                Some(last) if !cell.is_number() && !cell.is_missing() && last.is_number() => {
+                    let whole = format!("{} {text}", last.text());
+                    *last = Cell::of_text(&whole, last.span.start..cell.span.end);
+                }
+                // 0° 1' 15"
+                Some(last) if goes_on_with_angle(&last.text(), &text) => {
+                    let whole = format!("{} {text}", last.text());
+                    *last = Cell::of_text(&whole, last.span.start..cell.span.end);
+                }
+                _ => self.cells.push(cell.clone()),
+            }
+        }
+    }
+}
+
+/// Which part of an angle in degrees, minutes and seconds a text is, if it is one.
+fn angle_part(text: &str) -> Option<usize> {
+    let marks: [&[char]; 3] = [&['°'], &['\'', '\u{2032}'], &['"', '\u{2033}']];
+    marks.iter().position(|marks| text.trim_end().ends_with(*marks))
+}
+
+/// Whether a text goes on with an angle: minutes behind degrees, seconds behind minutes.
+fn goes_on_with_angle(before: &str, text: &str) -> bool {
+    let is_smaller = angle_part(before).zip(angle_part(text)).is_some_and(|(before, part)| before < part);
+    is_smaller && text.trim_start().starts_with(|c: char| c.is_ascii_digit())
+}

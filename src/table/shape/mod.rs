@@ -1,0 +1,318 @@
+//! From records to measurements: where the names stand, which cells belong to them, what is no part of the table. Called
+//! once for each separator that a text may have, and once for a sheet; reads no number beyond telling that it is one.
+//!
+//! | shape | where the names are |
+//! |---|---|
+//! | rows | a header; each row below it is a part, a space or a tooth |
+//! | labels | the first cell of each line, with a value per part behind it |
+//! | characteristics | one column; others hold the actual and nominal values, tolerances and units |
+//! | bare | nowhere: the order of the spec, or of `--as` |
+
+mod bare;
+mod characteristics;
+mod headings;
+mod labels;
+mod refusal;
+mod rows;
+
+pub(crate) use labels::uncounted;
+pub(crate) use refusal::{NoShape, located};
+
+use std::borrow::Cow;
+
+use super::cell::{Cell, Record};
+use super::companions::Companions;
+use super::grid::{Separator, bare_unit, is_unit};
+use super::names::{Aspect, Field, Holds, Role, role, split_unit};
+use super::strangers::could_be_measured;
+use super::want::{Orientation, Want};
+use bare::without_names;
+use characteristics::{by_characteristic, find_characteristics};
+use headings::{Named, known};
+use labels::{by_label, columns_of_no_part, find_labels, is_counted};
+use rows::{by_header, find_header, header_of_strangers};
+
+/// The cells of one name.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Series {
+    /// As the table calls it; empty without names.
+    pub(crate) title: String,
+    /// Its place in a record, where rows are parts.
+    pub(crate) place: usize,
+    /// The unit, as it is written.
+    pub(crate) unit: Option<String>,
+    /// One per part, space or tooth.
+    pub(crate) cells: Vec<Cell>,
+}
+
+/// Everything that a table says of one field.
+#[derive(Debug, Clone)]
+pub(crate) struct Measurement {
+    pub(crate) field: Field,
+    /// Whether the value is the measure or its deviation, if the table says so.
+    pub(crate) holds: Option<Holds>,
+    pub(crate) value: Series,
+    pub(crate) beside: Companions<Series>,
+}
+
+/// A column or line that names nothing known.
+#[derive(Debug, Clone)]
+pub(crate) struct Unknown {
+    pub(crate) title: String,
+    /// `column 4`, `line 7`.
+    pub(crate) place: String,
+    /// Its place in a record, if it is a column.
+    pub(crate) column: Option<usize>,
+    /// The unit that stands below its heading or beside it.
+    pub(crate) unit: Option<String>,
+    pub(crate) cells: Vec<Cell>,
+    /// Whether it is a measurement because of where it stands: a row of a table of characteristics.
+    pub(crate) is_measurement: bool,
+}
+
+impl Unknown {
+    pub(crate) fn column(title: &str, column: usize, cells: Vec<Cell>) -> Self {
+        let place = format!("column {}", column + 1);
+        Self { title: title.to_owned(), place, column: Some(column), unit: None, cells, is_measurement: false }
+    }
+
+    /// A line with a name in front of its cells.
+    pub(crate) fn line(title: &str, line: u64, cells: Vec<Cell>) -> Self {
+        let place = format!("line {line}");
+        Self { title: title.to_owned(), place, column: None, unit: None, cells, is_measurement: false }
+    }
+
+    pub(crate) fn measured(self, is_measurement: bool) -> Self {
+        Self { is_measurement, ..self }
+    }
+}
+
+/// A line that is no part of the table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Aside {
+    pub(crate) line: u64,
+    pub(crate) text: String,
+}
+
+/// A text as a table.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Shape {
+    pub(crate) orientation: Orientation,
+    /// Line of the names, if they stand in one.
+    pub(crate) header_line: Option<u64>,
+    /// The names of the columns, where rows are parts.
+    pub(crate) header: Vec<Cell>,
+    /// The records that are parts, where rows are.
+    pub(crate) data: std::ops::Range<usize>,
+    pub(crate) ids: Option<Series>,
+    /// The numbers of spaces or teeth.
+    pub(crate) index: Option<Series>,
+    pub(crate) index_field: Option<Field>,
+    pub(crate) measurements: Vec<Measurement>,
+    pub(crate) unknown: Vec<Unknown>,
+    pub(crate) asides: Vec<Aside>,
+    /// The line of each part, space or tooth.
+    pub(crate) lines: Vec<u64>,
+    /// Whether its language writes decimal commas.
+    pub(crate) commas: bool,
+    /// Numbers beside the values, which tell the decimal mark as well.
+    pub(crate) beside: Vec<Cell>,
+}
+
+impl Shape {
+    pub(crate) fn new(orientation: Orientation) -> Self {
+        Self { orientation, ..Self::default() }
+    }
+
+    /// Takes a column with a known name.
+    pub(crate) fn take(&mut self, named: Named) -> Result<(), NoShape> {
+        let Named { field, aspect, holds, series } = named;
+        if matches!(field, Field::PartId | Field::Space | Field::Tooth) {
+            let slot = if field == Field::PartId { &mut self.ids } else { &mut self.index };
+            if slot.is_some() {
+                return Err(twice(&series, field));
+            }
+            *slot = Some(series);
+            if field != Field::PartId {
+                self.index_field = Some(field);
+            }
+            return Ok(());
+        }
+        if let Some(measurement) = self.measurements.iter_mut().find(|measurement| measurement.field == field) {
+            return measurement.take(aspect, holds, series);
+        }
+        let mut measurement = Measurement::of(field);
+        measurement.take(aspect, holds, series)?;
+        self.measurements.push(measurement);
+        Ok(())
+    }
+
+    /// Takes a column that says of no field that it is nominal, a tolerance or a deviation: it belongs to the value before
+    /// it. Whether it was taken.
+    fn take_beside(&mut self, title: &str, place: usize, cells: &dyn Fn(usize) -> Vec<Cell>) -> bool {
+        let Some(measurement) = self.measurements.last_mut().filter(|found| !found.value.title.is_empty()) else {
+            return false;
+        };
+        let beside = &mut measurement.beside;
+        let slot = match role(title) {
+            Some(Role::Nominal) => &mut beside.nominal,
+            Some(Role::Deviation) => &mut beside.deviation,
+            Some(Role::Upper) => &mut beside.upper,
+            Some(Role::Lower) => &mut beside.lower,
+            Some(Role::Uncertainty) => &mut beside.uncertainty,
+            _ => return false,
+        };
+        if slot.is_some() {
+            return false;
+        }
+        let (_, unit) = split_unit(title);
+        *slot = Some(Series { title: title.to_owned(), place, unit, cells: cells(place) });
+        true
+    }
+
+    /// Leaves out what has companions but no value: its nominal value says nothing of a part.
+    pub(crate) fn drop_valueless(&mut self) {
+        let (kept, dropped) = std::mem::take(&mut self.measurements)
+            .into_iter()
+            .partition(|measurement| !measurement.value.title.is_empty() || !measurement.value.cells.is_empty());
+        self.measurements = kept;
+        for measurement in dropped {
+            for series in measurement.beside.iter() {
+                self.unknown.push(Unknown::column(&series.title, series.place, series.cells.clone()));
+            }
+        }
+    }
+
+    /// Takes a column that holds nothing but units as those of the unknown column before it.
+    fn take_units_beside(&mut self) {
+        let units = |unknown: &Unknown| -> Option<(usize, String)> {
+            let mut cells = unknown.cells.iter().filter(|cell| !cell.is_missing()).peekable();
+            let first = bare_unit(&cells.peek()?.text()).to_owned();
+            cells.all(|cell| is_unit(&cell.text())).then_some((unknown.column?, first))
+        };
+        for (place, unit) in self.unknown.iter().filter_map(units).collect::<Vec<_>>() {
+            let before = self.unknown.iter_mut().find(|unknown| unknown.column.is_some_and(|at| at + 1 == place));
+            if let Some(before) = before {
+                before.unit.get_or_insert(unit);
+            }
+        }
+    }
+
+    /// The columns that hold no numbers as far as the table was looked at, and would be measurements if they did.
+    pub(crate) fn watched(&self, want: &Want) -> Vec<usize> {
+        let would_be = |unknown: &&Unknown| {
+            let with_number = Unknown { cells: vec![Cell::of_text("0", 0..0)], ..(*unknown).clone() };
+            let has_numbers = unknown.cells.iter().any(Cell::is_number);
+            !has_numbers && !want.ignores(&unknown.title) && could_be_measured(&with_number)
+        };
+        self.unknown.iter().filter(would_be).filter_map(|unknown| unknown.column).collect()
+    }
+}
+
+fn twice(series: &Series, field: Field) -> NoShape {
+    NoShape::Twice { heading: Cell::of_text(&series.title, 0..0), field }
+}
+
+impl Measurement {
+    fn of(field: Field) -> Self {
+        Self { field, holds: None, value: Series::default(), beside: Companions::default() }
+    }
+
+    /// Takes one of the columns that belong to the field.
+    fn take(&mut self, aspect: Aspect, holds: Option<Holds>, series: Series) -> Result<(), NoShape> {
+        let has_value = !self.value.title.is_empty();
+        let slot = match aspect {
+            Aspect::Value if !has_value => {
+                (self.holds, self.value) = (holds, series);
+                return Ok(());
+            }
+            // a measured value counts, and the deviation beside it is held against it
+            Aspect::Value if holds == Some(Holds::Deviation) && self.holds != holds => {
+                self.holds = Some(Holds::Measured);
+                &mut self.beside.deviation
+            }
+            Aspect::Value if self.holds == Some(Holds::Deviation) && holds != self.holds => {
+                self.beside.deviation = Some(std::mem::replace(&mut self.value, series));
+                self.holds = holds.or(Some(Holds::Measured));
+                return Ok(());
+            }
+            Aspect::Value => return Err(twice(&series, self.field)),
+            Aspect::Nominal => &mut self.beside.nominal,
+            Aspect::Upper => &mut self.beside.upper,
+            Aspect::Lower => &mut self.beside.lower,
+            Aspect::Uncertainty => &mut self.beside.uncertainty,
+        };
+        if slot.is_some() {
+            return Err(twice(&series, self.field));
+        }
+        *slot = Some(series);
+        Ok(())
+    }
+}
+
+/// Reads records as a table.
+pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
+    let header = find_header(records, separator, want);
+    if records.iter().all(|record| record.numbers() == 0) {
+        return Err(match records.iter().find(|record| known(&record.cells, want) > 0) {
+            Some(names) => NoShape::NoRows { names: names.in_words() },
+            None => NoShape::NoNumbers,
+        });
+    }
+    if !want.fields.is_empty() {
+        return without_names(&without_margin(records, separator), want);
+    }
+    let characteristics = find_characteristics(records, want);
+    let mut inner = without_margin(records, separator);
+    if inner.iter().any(is_counted) {
+        inner = inner.iter().map(uncounted).collect();
+    }
+    let labels = find_labels(&inner, want);
+    let named = header.as_ref().map_or(0, |header| header.known);
+    if let Some(found) = characteristics.filter(|found| found.known >= named) {
+        return by_characteristic(records, &found, want);
+    }
+    if let Some(columns) = columns_of_no_part(&inner, &labels) {
+        return Err(columns);
+    }
+    if labels.len() > named || (labels.len() == 1 && named <= 1 && header.is_none()) {
+        return by_label(&inner, &labels, want);
+    }
+    if let Some(header) = header {
+        return by_header(records, &header, separator, want);
+    }
+    match header_of_strangers(records) {
+        Some(header) => by_header(records, &header, separator, want),
+        None => without_names(&inner, want),
+    }
+}
+
+/// The records of a table between bars, as Markdown draws it, or of a sheet, without the empty cells at its left side.
+fn without_margin(records: &[Record], separator: Separator) -> Cow<'_, [Record]> {
+    let blanks = |record: &Record| record.cells.iter().take_while(|cell| cell.is_empty()).count();
+    let of_table = |record: &&Record| record.filled().len() > 1;
+    let margin = records.iter().filter(of_table).map(blanks).min().unwrap_or(0);
+    if margin == 0 || !matches!(separator, Separator::Character(b'|') | Separator::TAB) {
+        return records.into();
+    }
+    let inner = |record: &Record| {
+        let cells = record.cells.get(margin..).filter(|cells| !cells.is_empty()).unwrap_or(&record.cells);
+        Record { cells: cells.to_vec(), ..record.clone() }
+    };
+    records.iter().map(inner).collect()
+}
+
+/// Whether a text holds a digit: `Teil 1`, or a value that cannot be read.
+pub(crate) fn has_digit(text: &str) -> bool {
+    text.contains(|c: char| c.is_ascii_digit())
+}
+
+pub(crate) fn aside(record: &Record) -> Aside {
+    Aside { line: record.line, text: record.in_words() }
+}
+
+/// A line with a name and numbers that is not known.
+pub(crate) fn unknown_line(record: &Record, is_measurement: bool) -> Unknown {
+    let title = record.cells.first().map(|cell| cell.text().into_owned()).unwrap_or_default();
+    Unknown::line(&title, record.line, record.cells.iter().skip(1).cloned().collect()).measured(is_measurement)
+}

@@ -1,0 +1,229 @@
+//! Tables with a header: each row below it is a part, a space or a tooth.
+
+use super::headings::{Headings, headings, known, names_value};
+use super::{NoShape, Series, Shape, Unknown, aside, has_digit};
+use crate::table::cell::{Cell, Record};
+use crate::table::grid::{Separator, bare_unit, is_unit};
+use crate::table::names::{heading, is_evaluation_length, split_unit};
+use crate::table::want::{Orientation, Want};
+
+pub(super) struct Header {
+    record: usize,
+    /// How many records it takes.
+    rows: usize,
+    cells: Vec<Cell>,
+    pub(super) known: usize,
+}
+
+impl Header {
+    /// How much of it is understood; a name that could be two things is half understood.
+    fn score(&self, want: &Want) -> usize {
+        let of = |cell: &Cell| match heading(&cell.text(), &want.own) {
+            Some(heading) if heading.fields.len() == 1 => 2,
+            Some(_) => 1,
+            None => usize::from(is_evaluation_length(&cell.text())),
+        };
+        self.cells.iter().map(of).sum()
+    }
+}
+
+/// The record that names the most columns and has numbers below it.
+pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want) -> Option<Header> {
+    /// Names stand at the top.
+    const LOOKED_AT: usize = 200;
+    let mut best: Option<Header> = None;
+    for (index, record) in records.iter().enumerate().take(LOOKED_AT) {
+        if record.numbers() > 0 {
+            continue;
+        }
+        // a unit row, or a line drawn below, may stand between
+        let Some(data) = records[index + 1..].iter().take(3).find(|record| record.numbers() > 0) else { continue };
+        let cells = match separator {
+            Separator::Blanks => grouped(record, data.cells.len(), want),
+            _ => Some(record.cells.clone()),
+        };
+        let Some(cells) = cells else { continue };
+        for header in [header(index, 1, cells.clone(), want), two_rows(records, index, &cells, want)] {
+            let Some(header) = header else { continue };
+            if best.as_ref().is_none_or(|best| header.score(want) > best.score(want)) {
+                best = Some(header);
+            }
+        }
+    }
+    best
+}
+
+/// Cells as a header, if they name a value.
+fn header(record: usize, rows: usize, cells: Vec<Cell>, want: &Want) -> Option<Header> {
+    let known = known(&cells, want);
+    cells.iter().any(|cell| names_value(cell, want)).then_some(Header { record, rows, cells, known })
+}
+
+/// A heading that goes on in the record below it.
+fn two_rows(records: &[Record], index: usize, cells: &[Cell], want: &Want) -> Option<Header> {
+    let below = records.get(index + 1)?;
+    let goes_on =
+        below.numbers() == 0 && below.cells.len() == cells.len() && !below.says_nothing() && !is_unit_row(below);
+    if !goes_on || known(&below.cells, want) > 1 {
+        return None;
+    }
+    let joined = cells.iter().zip(&below.cells).map(|(upper, lower)| {
+        let text = format!("{} {}", upper.text(), lower.text());
+        Cell::of_text(text.trim(), upper.span.clone())
+    });
+    header(index, 2, joined.collect(), want)
+}
+
+/// A line of names right above the first numbers, with as many cells, though none of the names is known.
+pub(super) fn header_of_strangers(records: &[Record]) -> Option<Header> {
+    let record = records.iter().zip(records.get(1..)?).position(|(_, below)| below.numbers() > 0)?;
+    let (names, below) = (&records[record], &records[record + 1]);
+    let is_header = names.numbers() == 0
+        && !names.says_nothing()
+        && names.filled().len() == below.filled().len()
+        && names.line + 1 == below.line;
+    is_header.then(|| Header { record, rows: 1, cells: names.cells.clone(), known: 0 })
+}
+
+/// Words of a heading line put together to as many cells as the rows below have.
+fn grouped(record: &Record, wanted: usize, want: &Want) -> Option<Vec<Cell>> {
+    const LONGEST_NAME: usize = 6;
+    let words = &record.cells;
+    if words.len() > 200 {
+        return None;
+    }
+    let merge = |from: usize, to: usize| {
+        let text = words[from..to].iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+        Cell::of_text(&text, words[from].span.start..words[to - 1].span.end)
+    };
+    let named = |from: usize, to: usize| heading(&merge(from, to).text(), &want.own);
+    let mut cells = Vec::new();
+    let mut at = 0;
+    while at < words.len() {
+        let most = (words.len() - at).min(LONGEST_NAME);
+        let length = (1..=most).rev().find(|length| {
+            let end = at + length;
+            // two names in one: the second begins with a word that names a part or a value by itself
+            named(at, end).is_some_and(|found| *length == 1 || found.fields.len() == 1 || found.unit.is_some())
+                && !(2..*length).any(|split| {
+                    named(at, at + split).is_some_and(|head| head.fields.len() == 1)
+                        && named(at + split, end).is_some_and(|tail| !tail.fields.is_empty())
+                })
+        });
+        let length = length.unwrap_or(1);
+        cells.push(merge(at, at + length));
+        at += length;
+    }
+    (cells.len() == wanted).then_some(cells)
+}
+
+pub(super) fn by_header(
+    records: &[Record],
+    header: &Header,
+    separator: Separator,
+    want: &Want,
+) -> Result<Shape, NoShape> {
+    let Headings { named, commas } = headings(&header.cells, want)?;
+    let width = header.cells.len();
+    let mut shape = Shape::new(Orientation::Rows);
+    (shape.header_line, shape.commas) = (Some(records[header.record].line), commas);
+    shape.header.clone_from(&header.cells);
+    shape.asides = records[..header.record].iter().filter(|record| !record.says_nothing()).map(aside).collect();
+    let below = header.record + header.rows;
+    let units = records[below..].iter().position(|record| !record.says_nothing()).map(|offset| below + offset);
+    let units = units.filter(|index| is_unit_row(&records[*index]));
+    let first = units.map_or(below, |units| units + 1);
+    let end = first + end_of_rows(&records[first..], width, separator);
+    let rows: Vec<&Record> = records[first..end].iter().filter(|record| !record.says_nothing()).collect();
+    if rows.is_empty() {
+        let ragged = records[first..].iter().find(|record| record.numbers() > 0);
+        return Err(ragged.map_or_else(
+            || NoShape::NoRows { names: records[header.record].in_words() },
+            |record| NoShape::Ragged { record: record.clone(), expected: width },
+        ));
+    }
+    shape.data = first..end;
+    let mut lengths = None;
+    let has_lead = named.iter().flatten().any(|named| named.field.is_angle());
+    let column = |place: usize| rows.iter().map(|row| row.cells.get(place).cloned().unwrap_or_default()).collect();
+    let unit_of = |place: usize| {
+        let unit = unit_below(&records[header.record], &records[units?], place)?;
+        Some(bare_unit(&unit.text()).to_owned())
+    };
+    for (place, (cell, named)) in header.cells.iter().zip(named).enumerate() {
+        if let Some(mut named) = named {
+            named.series.unit = named.series.unit.take().or_else(|| unit_of(place));
+            named.series.cells = column(place);
+            shape.take(named)?;
+        } else if has_lead && is_evaluation_length(&cell.text()) && !want.ignores(&cell.text()) {
+            let (_, unit) = split_unit(&cell.text());
+            lengths = Some(Series { title: cell.text().into_owned(), place, unit, cells: column(place) });
+        } else if !shape.take_beside(&cell.text(), place, &column) || want.ignores(&cell.text()) {
+            shape.unknown.push(Unknown { unit: unit_of(place), ..Unknown::column(&cell.text(), place, column(place)) });
+        }
+    }
+    for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
+        measurement.beside.length.clone_from(&lengths);
+    }
+    shape.take_units_beside();
+    shape.lines = rows.iter().map(|row| row.line).collect();
+    shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
+    shape.drop_valueless();
+    Ok(shape)
+}
+
+/// The cell of a row of units that stands below a heading: the one in its place, or, of fewer cells between blanks, the
+/// one that begins nearest to it.
+fn unit_below<'r>(header: &Record, units: &'r Record, place: usize) -> Option<&'r Cell> {
+    let has_places = units.cells.iter().all(|cell| cell.span.is_empty());
+    let found = if has_places || units.cells.len() == header.cells.len() {
+        units.cells.get(place)
+    } else {
+        let at = |record: &Record, cell: &Cell| cell.span.start.saturating_sub(record.start);
+        let nearest = |cell: &Cell| {
+            header.cells.iter().enumerate().min_by_key(|(_, heading)| at(header, heading).abs_diff(at(units, cell)))
+        };
+        units.cells.iter().find(|cell| nearest(cell).is_some_and(|(nearest, _)| nearest == place))
+    };
+    found.filter(|cell| !cell.is_missing())
+}
+
+/// Whether a record has a unit of length or angle, and nothing longer than one elsewhere.
+fn is_unit_row(record: &Record) -> bool {
+    const LONGEST: usize = 12;
+    let mut cells = record.cells.iter().filter(|cell| !cell.is_missing()).peekable();
+    record.numbers() == 0
+        && record.cells.iter().any(|cell| is_unit(&cell.text()))
+        && cells.all(|cell| {
+            let text = cell.text();
+            is_unit(&text) || text.chars().count() <= LONGEST && !text.trim().contains(' ')
+        })
+}
+
+/// How many records are rows: the table ends with the last line that has as many cells as it has columns and a number in
+/// one of them, and with those right below it that look like a part whose values cannot be read.
+fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
+    let words = matches!(separator, Separator::Blanks | Separator::Lines);
+    let fits = |record: &Record| {
+        let count = record.cells.len();
+        let is_missing = |cell: &Cell| !cell.is_empty() && cell.is_missing();
+        let says_missing = || count == width && !record.says_nothing() && record.cells.iter().any(is_missing);
+        (count > 1 || width == 1) && (count == width || !words) && (record.numbers() > 0 || says_missing())
+    };
+    let end = below.iter().rposition(fits).map_or(0, |index| index + 1);
+    let Some(last) = end.checked_sub(1) else { return end };
+    let is_part = |record: &&Record| {
+        let first = record.cells.first().map(Cell::text).unwrap_or_default();
+        let is_name = has_digit(&first) && !first.contains(':');
+        record.cells.len() == width
+            && !record.says_nothing()
+            && !is_unit_row(record)
+            && (record.filled().len() > 1 || is_name)
+    };
+    let follows = |(above, record): (&Record, &Record)| record.line == above.line + 1;
+    let right_below = below[end..]
+        .iter()
+        .enumerate()
+        .take_while(|(index, record)| follows((&below[last + index], record)) && is_part(record));
+    end + right_below.count()
+}
