@@ -33,6 +33,8 @@ pub(super) enum Output {
     /// Whether the simulation confirms the linear uncertainties of the combination.
     Validated,
     Verdict,
+    /// What the parts are judged without.
+    Without,
     /// The input's column of that name, as it is.
     Copied(String),
 }

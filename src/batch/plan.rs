@@ -44,6 +44,8 @@ pub struct Plan {
     pub(super) unjudged: Vec<LimitTarget>,
     /// The errors that the spec asks for and the table lacks.
     pub(super) lacking: Vec<ErrorKind>,
+    /// What the parts are judged without, as told by the user.
+    pub(super) without: String,
     has_id: bool,
     pub(super) decimals: Decimals,
     pub(super) format: RowFormat,
@@ -116,7 +118,16 @@ impl Plan {
         };
         let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
         let unjudged = unjudged.into_iter().map(|(on, _)| on).collect();
-        let outputs: Vec<_> = outputs.into_iter().filter_map(|asked| asked.output(&index, &judged)).collect();
+        let mut outputs: Vec<_> = outputs.into_iter().filter_map(|asked| asked.output(&index, &judged)).collect();
+        let mut without = Vec::new();
+        if request.partial {
+            without.extend(lacking.iter().map(|kind| kind.key().to_owned()));
+            let exact = in_table.iter().filter(|kind| request.rule.needs_uncertainty() && is_certain(kind));
+            without.extend(exact.map(|kind| format!("uncertainty of {}", kind.key())));
+        }
+        if !without.is_empty() {
+            outputs.push(Output::Without);
+        }
         let uncertain = is_uncertain
             && (request.statistics
                 || request.monte_carlo.is_some()
@@ -134,6 +145,7 @@ impl Plan {
             limits: judged,
             unjudged,
             lacking,
+            without: without.join("; "),
             has_id: table.has_id,
             decimals: request.decimals,
             format: request.format,
@@ -278,7 +290,7 @@ impl Plan {
     pub fn column_kinds(&self) -> Vec<super::parquet::ColumnKind> {
         use super::parquet::ColumnKind;
         let kind = |output: &Output| match output {
-            Output::Id | Output::Verdict | Output::Copied(_) => ColumnKind::Text,
+            Output::Id | Output::Verdict | Output::Without | Output::Copied(_) => ColumnKind::Text,
             Output::Linear | Output::Validated => ColumnKind::Flag,
             _ => ColumnKind::Number,
         };
@@ -300,6 +312,7 @@ impl Plan {
             Output::Validated => "linear_validated".to_owned(),
             Output::Conformance(limit) => conformance_name(self.limits[*limit].0),
             Output::Verdict => "verdict".to_owned(),
+            Output::Without => "judged_without".to_owned(),
             Output::Copied(name) => name.clone(),
         }
     }
@@ -360,7 +373,7 @@ impl Plan {
     /// Whether parts are judged by what the table has, though it lacks something.
     #[must_use]
     pub fn is_partial(&self) -> bool {
-        self.request.partial && !self.lacking.is_empty()
+        !self.without.is_empty()
     }
 }
 

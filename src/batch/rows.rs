@@ -24,7 +24,7 @@ impl Evaluator<'_> {
         for (index, output) in plan.outputs.iter().enumerate() {
             self.write_start(index);
             match output {
-                Output::Id | Output::Copied(_) | Output::Verdict => {
+                Output::Id | Output::Copied(_) | Output::Verdict | Output::Without => {
                     self.write_text(row, index, verdict);
                     self.out.room(40 * plan.outputs.len() + plan.names_length);
                 }
@@ -81,7 +81,7 @@ impl Evaluator<'_> {
         self.out.byte(b'\n');
     }
 
-    /// The part's name, a copied cell, or the verdict.
+    /// The part's name, a copied cell, the verdict, or what it is judged without.
     fn write_text(&mut self, row: Row<'_>, index: usize, verdict: Option<Verdict>) {
         let plan = self.plan;
         match &plan.outputs[index] {
@@ -94,6 +94,7 @@ impl Evaluator<'_> {
                 let number = plan.outputs[..index].iter().filter(is_copied).count();
                 write::text(&mut self.out, row.block.copied(row.index, number).unwrap_or_default(), plan.format);
             }
+            Output::Without => write::text(&mut self.out, plan.without.as_bytes(), plan.format),
             _ => match (plan.format, verdict.map(Verdict::name)) {
                 (RowFormat::JsonLines, None) => self.out.extend(b"null"),
                 (RowFormat::JsonLines, Some(name)) => {

@@ -96,7 +96,8 @@ impl ReadArgs {
         }
         want.ignored.extend(self.ignore.iter().cloned());
         want.fields.clone_from(&self.fields);
-        (want.decimal, want.separator, want.encoding) = (self.decimal, self.separator, self.encoding);
+        want.decimal = self.decimal.or(want.decimal);
+        (want.separator, want.encoding) = (self.separator, self.encoding);
         (want.orientation, want.sheet) = (self.parts, self.sheet.clone());
         if let Some(range) = &self.range {
             want.range =

@@ -1,7 +1,7 @@
 //! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
 //! the reader of pasted blocks; reads no table.
 
-use crate::table::{Field, Given, Holds, Want};
+use crate::table::{DecimalMark, Field, Given, Holds, Want};
 use std::ops::Range;
 
 use toml::de::DeValue;
@@ -25,6 +25,8 @@ pub struct BatchSection {
     pub columns: Vec<(ErrorKind, Located<BatchColumn>)>,
     /// The columns that are not to be used: patterns in which `*` stands for any characters, and case does not count.
     pub ignore: Vec<Located<String>>,
+    /// What stands before decimals, if the spec says so.
+    pub decimal: Option<DecimalMark>,
     /// Whether columns that are not understood are not used, once every error has its column.
     pub others_ignored: bool,
 }
@@ -63,6 +65,10 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
     });
     BatchSection {
         ignore: reader.texts("ignore"),
+        decimal: reader.word("decimal").map(|mark| match mark.value {
+            "comma" => DecimalMark::Comma,
+            _ => DecimalMark::Point,
+        }),
         others_ignored: reader.word("others").is_some(),
         ..columns.map(|columns| columns.value).unwrap_or_default()
     }
@@ -173,6 +179,7 @@ impl Spec {
             module: self.pair.normal_module.as_ref().map(|module| module.value),
             face_width: self.rack.face_width.as_ref().map(|width| width.value),
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
+            decimal: self.batch.decimal,
             others_ignored: self.batch.others_ignored,
             ..Want::default()
         }

@@ -471,6 +471,11 @@ pub(crate) const BATCH: Section = Section {
             "Names of columns that are not to be used: `*` stands for any characters, and case does not count.",
         ),
         key(
+            "decimal",
+            Kind::Word(&["comma", "point"]),
+            "What stands before decimals in tables, those of teeth included. Default: found from their numbers.",
+        ),
+        key(
             "others",
             Kind::Word(&["ignore"]),
             "Once every error has its column: columns that are not understood are listed and not used.",

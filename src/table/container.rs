@@ -281,7 +281,7 @@ fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics>
     head.extend((0..table.len().min(HEAD)).filter_map(|row| table.record(row)));
     let mut understood = understand_records(&source, &head, want).map_err(|Diagnostics(mut problems)| {
         let codes: Vec<_> =
-            left_out.iter().map(|left_out| format!("{} ({} values)", left_out.code, left_out.count)).collect();
+            left_out.iter().map(|left_out| format!("{} ({} times)", left_out.code, left_out.count)).collect();
         if let (Some(problem), false) = (problems.first_mut(), codes.is_empty()) {
             problem.message =
                 format!("{}; values with these attributes do not count: {}", problem.message, codes.join(", "));
@@ -295,11 +295,18 @@ fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics>
     }
     understood.mark = mark;
     let mut found = Table::new(name, "Q-DAS", &understood, want);
+    found.reading.header_line = None;
     for left_out in left_out {
         let meaning = left_out.meaning().map_or_else(String::new, |meaning| format!(" ({meaning})"));
         let note = format!(
-            "{name}: attribute {}{meaning}: {} values do not count, the first in line {}",
-            left_out.code, left_out.count, left_out.first_line
+            "{name}: attribute {}{meaning}: {}, the first in line {}",
+            left_out.code,
+            if left_out.count == 1 {
+                "1 value does not count".to_owned()
+            } else {
+                format!("{} values do not count", left_out.count)
+            },
+            left_out.first_line
         );
         found.reading.notes.push(note);
         found
@@ -371,6 +378,7 @@ fn parquet_table(name: &str, file: &ParquetTable, want: &Want) -> Result<Table, 
     let source = Arc::new(crate::diagnostic::Source { name: name.to_owned(), text: String::new() });
     let understood = understand_records(&source, &head, want)?;
     let mut table = Table::new(name, "Parquet", &understood, want);
+    table.reading.header_line = None;
     table.place = Place::Record;
     table.header_raw = super::block::line_of(table.titles.iter().map(String::as_str));
     for column in file.columns().iter().filter(|column| !is_read(column.kind)) {

@@ -419,7 +419,7 @@ pub(crate) fn put(
                 line,
                 column: column.title.clone(),
                 message: message.clone(),
-                help: "say which mark counts: --decimal comma or --decimal point",
+                help: "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
             });
             (ErrorValue::Length(Length::ZERO), Some((false, message)))
         }

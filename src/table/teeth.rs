@@ -408,8 +408,7 @@ pub(crate) fn gather(mut gatherer: Gatherer, blocks: &[Block]) -> Result<Vec<Too
     for block in blocks {
         if let Some(contradiction) = &block.contradiction {
             let message = format!("{}, line {}: {}", gatherer.name, contradiction.line, contradiction.message);
-            return Err(Diagnostic::error(Code::BadTable, message)
-                .help("say which mark counts: --decimal comma or --decimal point"));
+            return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help));
         }
         gatherer.take(block, false);
     }

@@ -222,8 +222,8 @@ fn what_settles_the_decimal_mark() {
         ("1.234 um;1.000,5 um", &two, "settled by `1.000,5 um`", "rack_pitch 1.234 mm pinion_pitch 1.0005 mm"),
         ("25.013;0,5 um", &known, "settled by `0,5 um`", "rack_pitch: 25013 mm is far"),
         ("25.013;1 um", &known, far, "rack_pitch 0.013 mm pinion_pitch 0.001 mm"),
-        ("1,234", &told(DecimalMark::Comma), "as told by --decimal", "rack_pitch 1.234 mm"),
-        ("1,234", &told(DecimalMark::Point), "as told by --decimal", "rack_pitch 1234 mm"),
+        ("1,234", &told(DecimalMark::Comma), "as told", "rack_pitch 1.234 mm"),
+        ("1,234", &told(DecimalMark::Point), "as told", "rack_pitch 1234 mm"),
         ("rack_over_roller\n25,013\n", &super::tests::want(), far, "rack_over_roller 0.013 mm"),
         // what is wrong whatever the mark settles nothing, and keeps nothing from being settled
         (

@@ -295,11 +295,11 @@ fn choices(
     let by = |cell: &Cell| format!("settled by `{}`", cell.text());
     let one = |mark, settled_by| Ok(vec![Choice { mark, settled_by }]);
     match (want.decimal, evidence.point, evidence.comma) {
-        (Some(mark), ..) => one(mark, Some("as told by --decimal".to_owned())),
+        (Some(mark), ..) => one(mark, Some("as told".to_owned())),
         (None, Some(point), Some(comma)) => {
             let message = format!("the table has decimal points and commas: `{}` and `{}`", point.text(), comma.text());
             let diagnostic = Diagnostic::error(Code::BadTable, message)
-                .help("write every number in the same way, or say which mark counts: --decimal comma");
+                .help("write every number in the same way, or say which mark counts: --decimal comma, or in the spec [batch] decimal = \"comma\"");
             Err(located(diagnostic, source, comma.span.clone(), ""))
         }
         (None, Some(cell), None) => one(DecimalMark::Point, open.then(|| by(cell))),
@@ -449,7 +449,7 @@ fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
     let ways = if candidates.len() == 2 { "two" } else { "several" };
     let message = format!("the table can be read in {ways} ways{such}");
     let diagnostic = Diagnostic::error(Code::AmbiguousBlock, message).help(format!(
-        "{}; say which it is: --decimal comma or --decimal point{}",
+        "{}; say which it is: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"{}",
         readings.join("; or "),
         if marks_only { "" } else { ", or put semicolons between the values" }
     ));

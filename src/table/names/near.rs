@@ -16,7 +16,7 @@ pub(crate) fn near(text: &str) -> Vec<Field> {
         return Vec::new();
     }
     if let Some(heading) = heading(text, &[]) {
-        return heading.fields.into_iter().filter(|field| *field != Field::PartId).collect();
+        return heading.fields.into_iter().filter(|field| !only_whole(*field)).collect();
     }
     let words = Words::of(&name_of(text));
     let mut fields = named(&words);

@@ -37,6 +37,11 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
     };
     let rack = of(&[ErrorKind::RackOverRoller, ErrorKind::RackLead]);
     let pinion = of(&[ErrorKind::PinionRadial]);
+    // beside errors of parts, `x` and `position` are where something was measured
+    let is_error = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Error(_)));
+    let counts = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));
+    let of_parts =
+        want.teeth != Some(true) && found.iter().flatten().any(is_error) && !found.iter().flatten().any(counts);
     let commas = found.iter().flatten().any(|heading| heading.commas);
     let mut named: Vec<Option<Named>> = Vec::with_capacity(cells.len());
     for (place, (cell, heading)) in cells.iter().zip(found).enumerate() {
@@ -49,6 +54,10 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
             heading.fields.retain(|field| *field == Field::Error(wanted));
         }
         let field = one_meaning(&heading.fields, want, cell)?;
+        if of_parts && field == Field::Position {
+            named.push(None);
+            continue;
+        }
         let series = Series { title: cell.text().into_owned(), place, unit: heading.unit, cells: Vec::new() };
         named.push(Some(Named { field, aspect: heading.aspect, holds: heading.holds, series }));
     }

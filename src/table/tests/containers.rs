@@ -134,7 +134,7 @@ fn a_qdas_file_by_any_name() {
     assert_eq!(found.parts[..2], PARTS);
     assert_eq!(found.parts[2], "3: rack_over_roller missing rack_pitch 0.001 mm");
     assert_eq!(found.reading.format, "Q-DAS");
-    let note = "lot.txt: attribute 256 (deleted): 1 values do not count, the first in line 11";
+    let note = "lot.txt: attribute 256 (deleted): 1 value does not count, the first in line 11";
     assert!(found.reading.notes.contains(&note.to_owned()), "{:?}", found.reading.notes);
     let (definitions, values) = text.split_at(text.find("25,0131").unwrap());
     let source = |text: &str| Source::bytes(text.into());
