@@ -30,7 +30,8 @@
 
 use super::Scene;
 use super::drive::Drive;
-use super::dynamics::{Flow, State, Step};
+use super::dynamics::{State, Step};
+use super::energy::Flow;
 use super::load::Work;
 use super::newton::{Balance, Limits, newton};
 use crate::linear::solve;
@@ -77,11 +78,6 @@ impl Following {
 }
 
 impl Scene {
-    /// Elastic energy and that of the closing force.
-    pub(super) fn potential(&self, state: &State) -> f64 {
-        state.contact.energy + self.closing_energy(state.q[1])
-    }
-
     /// The longest step that follows the fastest vibration of the bodies; 0 if one has no mass. The frequency is
     /// bounded as Gershgorin has it, in lengths.
     pub(super) fn following(&self, at: &State) -> f64 {
@@ -104,7 +100,8 @@ impl Scene {
         let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
         let scale = limits.scale;
         let travel = drive.at(end).0 - from.stroke;
-        let before = self.potential(from);
+        let potential = |state: &State| self.potential(&state.contact, state.q[1]);
+        let before = potential(from);
         let most = (0..n).map(|i| m[i] / (scale[i] * scale[i])).fold(0.0, f64::max);
         let least = most * (travel * travel + ROUNDING * ROUNDING);
         // M (v_1 − v_0)/h
@@ -128,7 +125,7 @@ impl Scene {
             let state = self.state(drive, end, q, v, work);
             let mean: [f64; 3] = std::array::from_fn(|i| 0.5 * (from.f[i] + state.f[i]));
             let along = 0.5 * (from.contact.generalized[3] + state.contact.generalized[3]) * travel;
-            let gained = self.potential(&state) - before + along + (0..n).map(|i| mean[i] * way[i]).sum::<f64>();
+            let gained = potential(&state) - before + along + (0..n).map(|i| mean[i] * way[i]).sum::<f64>();
             let size = least + (0..n).map(|i| m[i] * way[i] * way[i]).sum::<f64>();
             let lambda = -gained / size;
             // how λ changes is left out: its share is the change of the stiffness over the step's way
@@ -152,7 +149,8 @@ impl Scene {
         let mean = |of: fn(&State) -> f64| 0.5 * (of(from) + of(&state));
         let gained = Flow {
             driven: -mean(|state| state.contact.generalized[3]) * travel - lambda * least,
-            dissipated: 0.0,
+            damped: 0.0,
+            rubbed: 0.0,
             exchanged: mean(|state| state.contact.along) * travel,
             impulse: h * mean(|state| state.f[1]) + lambda * h * m[1] * (state.q[1] - from.q[1]),
         };

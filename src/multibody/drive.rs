@@ -17,6 +17,11 @@ impl Drive {
         Self { start_mm, speed, ramp_s: 2.0 * ramp_mm / speed }
     }
 
+    /// How long the rack takes to reach its speed.
+    pub(super) fn run_up_s(&self) -> f64 {
+        self.ramp_s
+    }
+
     /// Stroke and speed at a time since the start.
     pub(super) fn at(&self, time: f64) -> (f64, f64) {
         if time >= self.ramp_s {

@@ -11,7 +11,9 @@
 //! F(Q, V) + [M v + h Σ a_j F_j − M V]/(h d) = 0,   tangent K + D/(h d) + M/(h d)²,
 //! ```
 //!
-//! in which masses are never divided by: they may be 0. Steps are as long as the error of the positions allows.
+//! in which masses are never divided by: they may be 0. Steps are as long as the error of the positions allows. A stage
+//! takes the rack's speed from its positions in the same way: beside the drive's own the pinion's would lag in the run-up,
+//! and the contacts would seem to close at that difference and lose several times the energy that is driven in.
 //!
 //! # Contact events
 //! A sphere touches and leaves once for every passage of its tooth: with the default grid about a hundred thousand
@@ -42,6 +44,7 @@ use std::ops::ControlFlow;
 
 use super::conserving::Following;
 use super::drive::Drive;
+use super::energy::{Flow, Ledger};
 use super::load::Work;
 use super::newton::{Balance, Limits, newton};
 use super::outcome::{Energy, Outcome, RunEnd, Sample, Watch};
@@ -98,41 +101,27 @@ pub(super) struct State {
     pub(super) contact: Forces,
 }
 
+/// Where the rack is driven to, and how fast.
+#[derive(Debug, Clone, Copy)]
+struct Driven {
+    time: f64,
+    stroke: f64,
+    speed: f64,
+}
+
+impl Driven {
+    fn at(drive: &Drive, time: f64) -> Self {
+        let (stroke, speed) = drive.at(time);
+        Self { time, stroke, speed }
+    }
+}
+
 /// One step's outcome.
 pub(super) struct Step {
     pub(super) state: State,
     /// Largest error of a position, mm.
     pub(super) error: f64,
     pub(super) gained: Flow,
-}
-
-/// What flowed during a step.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Flow {
-    pub(super) driven: f64,
-    pub(super) dissipated: f64,
-    pub(super) exchanged: f64,
-    pub(super) impulse: f64,
-}
-
-impl Flow {
-    fn of(states: &[(&State, f64)]) -> Self {
-        let mut flow = Self::default();
-        for (state, weight) in states {
-            flow.driven -= weight * state.contact.generalized[3] * state.speed;
-            flow.dissipated += weight * state.contact.dissipation;
-            flow.exchanged += weight * state.contact.along * state.speed;
-            flow.impulse += weight * state.f[1];
-        }
-        flow
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.driven += other.driven;
-        self.dissipated += other.dissipated;
-        self.exchanged += other.exchanged;
-        self.impulse += other.impulse;
-    }
 }
 
 impl Scene {
@@ -162,15 +151,15 @@ impl Scene {
         let (q, _) = self.equilibrium(p.start_mm, None, &law, work)?;
         let mut here = self.state(&drive, 0.0, q, [0.0; 3], work);
         let start = here;
-        let mut flow = Flow::default();
-        let mut take = |state: &State, flow: &Flow, work: &Work| {
+        let mut ledger = Ledger::default();
+        let mut take = |state: &State, ledger: &Ledger, work: &Work| {
             let at = Coordinates::from_free(state.q, state.stroke);
             let sample = self.sample(state.time, &at, &state.contact, work);
             samples.push(sample);
-            *energy = Some(self.energy(&start, state, flow));
+            *energy = Some(self.energy(&start, state, ledger));
             watch(&sample)
         };
-        if take(&here, &flow, work) == ControlFlow::Break(()) {
+        if take(&here, &ledger, work) == ControlFlow::Break(()) {
             return Ok(RunEnd::Interrupted);
         }
         let last = self.intervals();
@@ -203,7 +192,7 @@ impl Scene {
                 };
                 let ratio = made.as_ref().map_or(f64::INFINITY, |made| made.error / p.tolerance_mm);
                 let (drift, spent) = match &made {
-                    Some(made) if conservative && !following.is_on() => self.drift(&start, &here, made, &flow, total),
+                    Some(made) if conservative && !following.is_on() => self.drift(&start, &here, made, &ledger, total),
                     _ => (0.0, false),
                 };
                 let floor = self.following(&here).max(FINE * total);
@@ -226,7 +215,7 @@ impl Scene {
                 work.counters.steps += 1;
                 following.count(h > WORTH * self.following(&made.state));
                 self.check(made.state.stroke, &made.state.q, &made.state.contact)?;
-                flow.add(&made.gained);
+                ledger.add(&made.gained, here.time < drive.run_up_s());
                 step = match p.integrator {
                     Integrator::Implicit => {
                         let most = if following.is_on() { STEADY } else { GROWTH };
@@ -238,7 +227,7 @@ impl Scene {
                 before = Some(here);
                 here = made.state;
             }
-            if take(&here, &flow, work) == ControlFlow::Break(()) && index < last {
+            if take(&here, &ledger, work) == ControlFlow::Break(()) && index < last {
                 return Ok(RunEnd::Interrupted);
             }
         }
@@ -246,19 +235,19 @@ impl Scene {
     }
 
     /// What a step adds to the drift of the energy over what it may add, and whether the run has none left to lose.
-    fn drift(&self, start: &State, from: &State, made: &Step, flow: &Flow, total: f64) -> (f64, bool) {
+    fn drift(&self, start: &State, from: &State, made: &Step, ledger: &Ledger, total: f64) -> (f64, bool) {
         let tolerance = self.parameters.energy_tolerance;
         let h = made.state.time - from.time;
-        let before = self.energy(start, from, flow).drift;
-        let mut sum = *flow;
-        sum.add(&made.gained);
-        let after = self.energy(start, &made.state, &sum).drift;
+        let before = self.energy(start, from, ledger).drift;
+        let mut with = *ledger;
+        with.add(&made.gained, false);
+        let after = self.energy(start, &made.state, &with).drift;
         // errors of the work are random: their squares add up to that of the allowed drift
         let mut allowed = DRIFT * tolerance * made.gained.exchanged * (total / h).sqrt();
         let mut spent = false;
         if after.abs() > before.abs() {
             // but what is damped is lost for good
-            let whole = LOST * tolerance * (flow.exchanged + made.gained.exchanged * (total - from.time) / h);
+            let whole = LOST * tolerance * (ledger.sum.exchanged + made.gained.exchanged * (total - from.time) / h);
             allowed *= (1.0 - before.abs() / whole).max(0.0);
             // without a mass there is nothing to follow
             spent = after.abs() > whole && self.following(from) > 0.0;
@@ -266,9 +255,14 @@ impl Scene {
         ((after - before).abs() / allowed.max(f64::MIN_POSITIVE), spent)
     }
 
-    /// The forces in a position at a velocity.
+    /// The forces in a position at a velocity, the rack at the drive's own.
     pub(super) fn state(&self, drive: &Drive, time: f64, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
-        let (stroke, speed) = drive.at(time);
+        self.state_at(Driven::at(drive, time), q, v, work)
+    }
+
+    /// The same with the rack where and as fast as a stage has it.
+    fn state_at(&self, driven: Driven, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
+        let Driven { time, stroke, speed } = driven;
         let rates = Coordinates::from_free(v, speed);
         let contact = self.contact(&self.law, &Coordinates::from_free(q, stroke), &rates, work);
         let [angle, height, roll, _] = contact.generalized;
@@ -287,8 +281,7 @@ impl Scene {
         let guess = std::array::from_fn(|i| from.q[i] + h * from.v[i] + bend[i]);
         let end = self.stage(drive, end, h, from, &[(from, W), (&two, W)], guess, work)?;
         let error = self.filtered(h, from, &two, &end);
-        let mut gained = Flow::of(&[(from, THIRD[0] * h), (&two, THIRD[1] * h), (&end, THIRD[2] * h)]);
-        gained.impulse = h * (W * from.f[1] + W * two.f[1] + D * end.f[1]);
+        let gained = Flow::of(&[(from, W * h), (&two, W * h), (&end, D * h)]);
         Some(Step { state: end, error, gained })
     }
 
@@ -341,11 +334,14 @@ impl Scene {
             }
         }
         let per = 1.0 / (D * h);
+        let mut driven = Driven::at(drive, time);
+        let covered: f64 = known.iter().map(|(state, weight)| h * weight * state.speed).sum();
+        driven.speed = (driven.stroke - from.stroke - covered) * per;
         let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
         let velocity = |q: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (q[i] - c[i]) * per) };
         let solution = newton(guess, &limits, |q: &[f64; 3]| {
             let v = velocity(q);
-            let state = self.state(drive, time, *q, v, work);
+            let state = self.state_at(driven, *q, v, work);
             let rate = self.closing(q[1]).1;
             let mut tangent = state.contact.stiffness;
             tangent[1][1] += rate;
@@ -404,20 +400,11 @@ impl Scene {
         }
     }
 
-    pub(super) fn energy(&self, start: &State, now: &State, flow: &Flow) -> Energy {
+    fn energy(&self, start: &State, now: &State, ledger: &Ledger) -> Energy {
         let stored = |state: &State| {
             let kinetic: f64 = (0..3).map(|i| 0.5 * self.inertia[i] * state.v[i] * state.v[i]).sum();
-            kinetic + self.potential(state)
+            kinetic + self.potential(&state.contact, state.q[1])
         };
-        let stored = stored(now) - stored(start);
-        Energy {
-            stored,
-            driven: flow.driven,
-            dissipated: flow.dissipated,
-            exchanged: flow.exchanged,
-            drift: stored - flow.driven + flow.dissipated,
-            impulse: flow.impulse,
-            momentum: self.inertia[1] * (now.v[1] - start.v[1]),
-        }
+        ledger.balance(stored(now) - stored(start), self.inertia[1] * (now.v[1] - start.v[1]))
     }
 }

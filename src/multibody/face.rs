@@ -78,7 +78,7 @@ pub(super) struct Face {
     /// Σ x (g_ψ, 1, g_φ) of what the rates make of the derivatives by ψ and φ, in place of x.
     turning: [[f64; 3]; 2],
     energy: f64,
-    dissipation: f64,
+    damped: f64,
     deepest: f64,
     contacts: u32,
 }
@@ -131,8 +131,8 @@ impl Face {
                 sums[1] += x;
                 sums[2] += x * on.by_roll;
             }
-            self.dissipation += (f - on.weight * force.elastic) * rate;
         }
+        self.damped += (f - on.weight * force.elastic) * rate;
         self.energy += on.weight * force.energy;
         self.deepest = self.deepest.max(depth);
         self.contacts += 1;
@@ -196,7 +196,7 @@ impl Face {
         }
         sum.along += self.by_stroke.abs() * self.force;
         sum.energy += self.energy;
-        sum.dissipation += self.dissipation;
+        sum.damped += self.damped;
         if self.right {
             sum.normal_right += self.force;
         } else {

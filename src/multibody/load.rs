@@ -176,7 +176,7 @@ impl Load<'_> {
         }
         sum.along += f * g[3].abs();
         sum.energy += weight * force.energy;
-        sum.dissipation += (f - weight * force.elastic) * rate;
+        sum.damped += (f - weight * force.elastic) * rate;
         if right {
             sum.normal_right += f;
         } else {
@@ -220,6 +220,6 @@ impl Load<'_> {
                 sum.damping[i][j] += per_force[i] * by_rate * dot3(&motion[j], normal);
             }
         }
-        sum.dissipation += mu * f * dot3(&tangent, &tangent) / speed;
+        sum.rubbed += mu * f * dot3(&tangent, &tangent) / speed;
     }
 }

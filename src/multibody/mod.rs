@@ -12,6 +12,7 @@ mod compare;
 mod conserving;
 mod drive;
 mod dynamics;
+mod energy;
 mod error;
 mod face;
 mod flank;

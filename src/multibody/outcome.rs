@@ -68,23 +68,36 @@ pub struct Steady {
     pub pitches: u32,
 }
 
-/// Where energy went during a dynamic run, N mm.
+/// Where energy went during a run, N mm: driven = stored + dissipated + settling + drift.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
     /// Kinetic, elastic and closing force's energy at the end less at the start.
     pub stored: f64,
-    /// Work that the rack's drive put in.
+    /// Work that the rack's drive put in: what the contact stored, lost and passed on to the bodies.
     pub driven: f64,
-    /// Lost to damping and friction in the contact.
+    /// Lost to damping and friction in the contact, the settling left out.
     pub dissipated: f64,
+    /// Lost to damping in the contact until the rack has reached its speed; 0 in a quasi-static run, where nothing settles.
+    pub settling: f64,
     /// Passed through the contact: the work of each side's normal forces along the rack, without sign.
     pub exchanged: f64,
-    /// stored − driven + dissipated: what the time steps made up or lost.
+    /// driven − stored − dissipated − settling: the work done on the bodies less the energy that they and the closing
+    /// force gained, so what the steps lost (positive) or made up.
     pub drift: f64,
     /// Impulse of all forces on the moving slider (with a yoke, on the rack) along Z since the start, N s.
     pub impulse: f64,
     /// Its momentum gained since the start, N s.
     pub momentum: f64,
+}
+
+impl Energy {
+    /// The drift as a share of the largest of driven, stored and lost; `None` where all of them are 0.
+    #[must_use]
+    pub fn drift_share(&self) -> Option<f64> {
+        let lost = self.dissipated + self.settling;
+        let largest = self.driven.abs().max(self.stored.abs()).max(lost.abs());
+        (largest > 0.0).then(|| self.drift.abs() / largest)
+    }
 }
 
 /// How much work a run was.
@@ -126,7 +139,7 @@ pub struct Outcome {
     pub nominal: Option<Steady>,
     /// The part with deviating teeth only in contact.
     pub deviating: Option<Steady>,
-    /// Energy; `None` without dynamics.
+    /// Energy; `None` if the run ended before its first position.
     pub energy: Option<Energy>,
     /// Work done.
     pub counters: Counters,

@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use super::energy::{Ledger, Rest};
 use super::law::Law;
 use super::load::Work;
 use super::newton::{Balance, Bend, Limits, Solution, System, newton};
@@ -64,6 +65,8 @@ impl Scene {
         let law = self.law.without_damping();
         let p = &self.parameters;
         let (mut known, mut before): (Option<[f64; 3]>, Option<[f64; 3]>) = (None, None);
+        let (mut start, mut here): (Option<Rest>, Option<Rest>) = (None, None);
+        let mut ledger = Ledger::default();
         let last = self.intervals();
         let mut samples = Vec::with_capacity(last as usize + 1);
         let mut end = RunEnd::Completed;
@@ -80,7 +83,13 @@ impl Scene {
                     before = known;
                     known = Some([free[0] - nominal, free[1], free[2]]);
                     let at = Coordinates::from_free(free, stroke);
-                    let sample = self.sample((stroke - p.start_mm) / p.speed_mm_per_s, &at, &forces, &work);
+                    let next = Rest { time: (stroke - p.start_mm) / p.speed_mm_per_s, free, stroke, contact: forces };
+                    if let Some(here) = here {
+                        ledger.add(&here.flow_to(&next, self), false);
+                    }
+                    start = start.or(Some(next));
+                    here = Some(next);
+                    let sample = self.sample(next.time, &at, &forces, &work);
                     samples.push(sample);
                     work.margin = NEAR * forces.penetration;
                     if watch(&sample) == ControlFlow::Break(()) && index < last {
@@ -94,7 +103,9 @@ impl Scene {
                 }
             }
         }
-        self.outcome(samples, None, work.counters, end)
+        let stored = |at: Rest| self.potential(&at.contact, at.free[1]);
+        let energy = start.zip(here).map(|(start, end)| ledger.balance(stored(end) - stored(start), 0.0));
+        self.outcome(samples, energy, work.counters, end)
     }
 
     /// Number of samples less 1.
@@ -295,7 +306,7 @@ impl Scene {
         counters: Counters,
         end: RunEnd,
     ) -> Outcome {
-        let after = if energy.is_some() { self.parameters.start_mm + 2.0 * self.parameters.ramp_mm } else { f64::MIN };
+        let after = if counters.steps > 0 { self.parameters.start_mm + 2.0 * self.parameters.ramp_mm } else { f64::MIN };
         // how far from the middle any tooth touches
         let pitch = self.shared.pitch;
         #[allow(clippy::cast_precision_loss)] // tooth numbers of a stroke

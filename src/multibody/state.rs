@@ -36,8 +36,10 @@ pub struct Forces {
     pub along: f64,
     /// Elastic energy, N mm.
     pub energy: f64,
-    /// Power lost to damping and friction, N mm/s.
-    pub dissipation: f64,
+    /// Power lost to damping, N mm/s.
+    pub damped: f64,
+    /// Power lost to friction, N mm/s.
+    pub rubbed: f64,
     /// Sum of normal forces on right rack flanks, N.
     pub normal_right: f64,
     /// Sum of normal forces on left rack flanks, N.
@@ -51,6 +53,12 @@ pub struct Forces {
 }
 
 impl Forces {
+    /// Power lost to damping and friction, N mm/s.
+    #[must_use]
+    pub const fn dissipation(&self) -> f64 {
+        self.damped + self.rubbed
+    }
+
     /// Remembers that a rack tooth touches.
     pub(super) fn note_tooth(&mut self, tooth: i64) {
         self.teeth = Some(self.teeth.map_or((tooth, tooth), |(low, high)| (low.min(tooth), high.max(tooth))));

@@ -278,8 +278,10 @@ impl Report for SimulationReport<'_> {
                 "stored": energy.stored,
                 "driven": energy.driven,
                 "dissipated": energy.dissipated,
+                "settling": energy.settling,
                 "exchanged": energy.exchanged,
                 "drift": energy.drift,
+                "drift_share": energy.drift_share(),
             })),
             "parameters": parameters,
             "work": {

@@ -132,16 +132,16 @@ fn it_opposes_the_sliding_and_fades_with_it() {
             // nothing at rest, to the last bit
             let (a, b, _) = forces(0.0);
             assert_eq!(a.generalized, b.generalized);
-            assert_eq!(a.dissipation, 0.0);
+            assert_eq!(a.dissipation(), 0.0);
             let power = |speed: f64| {
                 let (a, b, rates) = forces(speed);
                 let rates = [rates.pinion_angle, rates.center_distance, rates.roll, rates.stroke];
                 let done: f64 = (0..4).map(|k| (a.generalized[k] - b.generalized[k]) * rates[k]).sum();
                 // what the friction forces do is what is lost, and never gained
                 assert!(
-                    (done + a.dissipation).abs() < 1e-9 * a.dissipation.abs() && done < 0.0,
+                    (done + a.dissipation()).abs() < 1e-9 * a.dissipation().abs() && done < 0.0,
                     "{done} {}",
-                    a.dissipation
+                    a.dissipation()
                 );
                 // and no more than μ f |v|, the sliding speed being at most ω times the path of contact's length
                 assert!(-done <= 0.1 * (a.normal_right + a.normal_left) * speed.abs() * turn * 8.0);

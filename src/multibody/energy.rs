@@ -1,0 +1,112 @@
+//! Where the energy of a run goes, step by step. Called by both runs; knows forces and positions, not how they were found.
+//!
+//! The contact has no mass, so what the drive puts into it is stored in it, lost in it or passed on to the bodies. What
+//! is stored is the elastic energy itself and not an integral of the forces: some two hundred spheres touch and leave in
+//! a step, and the drive's force, the small difference of two flanks' large ones, read off at three instants of a step
+//! misses by as much as the drive puts in. What is lost and what is passed on are the scheme's own sums over the step.
+//!
+//! The bodies' side is counted apart: what they and the closing force gained, less the work that was passed on to them, is
+//! the drift of the steps.
+
+use super::Scene;
+use super::dynamics::State;
+use super::outcome::Energy;
+use super::state::Forces;
+
+/// What flowed during a step, N mm.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Flow {
+    pub(super) driven: f64,
+    /// To damping and to friction.
+    pub(super) damped: f64,
+    pub(super) rubbed: f64,
+    pub(super) exchanged: f64,
+    /// N s.
+    pub(super) impulse: f64,
+}
+
+impl Flow {
+    /// What flows from the first of these states to the last, each with its share of the time, s.
+    pub(super) fn of(states: &[(&State, f64)]) -> Self {
+        let [(first, _), .., (last, _)] = states else { return Self::default() };
+        let mut flow = Self { driven: last.contact.energy - first.contact.energy, ..Self::default() };
+        for (state, time) in states {
+            let contact = &state.contact;
+            let passed_on: f64 = contact.generalized.iter().zip(&state.v).map(|(force, speed)| force * speed).sum();
+            flow.driven += time * (passed_on + contact.dissipation());
+            flow.damped += time * contact.damped;
+            flow.rubbed += time * contact.rubbed;
+            flow.exchanged += time * contact.along * state.speed;
+            flow.impulse += time * state.f[1];
+        }
+        flow
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.driven += other.driven;
+        self.damped += other.damped;
+        self.rubbed += other.rubbed;
+        self.exchanged += other.exchanged;
+        self.impulse += other.impulse;
+    }
+}
+
+/// What has flowed since the start of a run.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Ledger {
+    pub(super) sum: Flow,
+    /// What damping took until the rack had its speed.
+    settling: f64,
+}
+
+impl Ledger {
+    /// Adds a step; `starting` while the rack has not reached its speed.
+    pub(super) fn add(&mut self, step: &Flow, starting: bool) {
+        self.sum.add(step);
+        if starting {
+            self.settling += step.damped;
+        }
+    }
+
+    /// The balance of a run that has gained this much energy, N mm, and momentum, N s.
+    pub(super) fn balance(&self, stored: f64, momentum: f64) -> Energy {
+        let Flow { driven, damped, rubbed, exchanged, impulse } = self.sum;
+        let dissipated = damped - self.settling + rubbed;
+        let drift = driven - stored - dissipated - self.settling;
+        Energy { stored, driven, dissipated, settling: self.settling, exchanged, drift, impulse, momentum }
+    }
+}
+
+/// A position of a quasi-static run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rest {
+    pub(super) time: f64,
+    pub(super) free: [f64; 3],
+    pub(super) stroke: f64,
+    pub(super) contact: Forces,
+}
+
+impl Rest {
+    /// What flows to the next position. In equilibrium the contact passes on what the closing force takes.
+    pub(super) fn flow_to(&self, next: &Self, scene: &Scene) -> Flow {
+        let mean = |of: fn(&Forces) -> f64| 0.5 * (of(&self.contact) + of(&next.contact));
+        let time = next.time - self.time;
+        let closing = |at: &Self| scene.closing(at.free[1]).0;
+        let passed_on = 0.5 * (closing(self) + closing(next)) * (next.free[1] - self.free[1]);
+        let unbalanced = |at: &Self| at.contact.generalized[1] - closing(at);
+        Flow {
+            driven: next.contact.energy - self.contact.energy + passed_on + time * mean(Forces::dissipation),
+            damped: time * mean(|contact| contact.damped),
+            rubbed: time * mean(|contact| contact.rubbed),
+            exchanged: mean(|contact| contact.along) * (next.stroke - self.stroke),
+            impulse: 0.5 * time * (unbalanced(self) + unbalanced(next)),
+        }
+    }
+}
+
+impl Scene {
+    /// Energy of the contact and of the closing force.
+    pub(super) fn potential(&self, contact: &Forces, center_distance: f64) -> f64 {
+        contact.energy + self.closing_energy(center_distance)
+    }
+}
