@@ -168,7 +168,7 @@ pub struct Parameters {
     /// Largest drift of the energy in a run without damping and friction, as a share of the energy exchanged; default
     /// 1e-6. The implicit scheme's steps are shortened, and vibrations that they would damp are followed, until it
     /// holds: most such runs take a second, one whose contacts ring through all the stroke ten to thirty. 1 leaves
-    /// it out.
+    /// it out, and with it the shortening of steps that lose energy in a run with damping or friction.
     pub energy_tolerance: f64,
     /// Most steps of a dynamic run, rejected ones included; default 1 000 000.
     pub max_steps: u64,

@@ -306,7 +306,8 @@ impl Scene {
         counters: Counters,
         end: RunEnd,
     ) -> Outcome {
-        let after = if counters.steps > 0 { self.parameters.start_mm + 2.0 * self.parameters.ramp_mm } else { f64::MIN };
+        let after =
+            if counters.steps > 0 { self.parameters.start_mm + 2.0 * self.parameters.ramp_mm } else { f64::MIN };
         // how far from the middle any tooth touches
         let pitch = self.shared.pitch;
         #[allow(clippy::cast_precision_loss)] // tooth numbers of a stroke

@@ -178,6 +178,15 @@ impl Scene {
         Ok(made)
     }
 
+    /// Counts the teeth from this one on as the rack's second part, whether they deviate or not.
+    #[must_use]
+    pub fn with_second_part(mut self, tooth: i64) -> Self {
+        for (index, deviating) in (self.first_tooth..).zip(&mut self.deviating) {
+            *deviating = index >= tooth;
+        }
+        self
+    }
+
     /// The parameters.
     #[must_use]
     pub const fn parameters(&self) -> &Parameters {

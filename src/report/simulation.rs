@@ -4,7 +4,9 @@ use serde_json::{Map, Value, json};
 
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
-use crate::multibody::{ContactModel, Integrator, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support};
+use crate::multibody::{
+    ContactModel, Energy, Integrator, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support,
+};
 
 /// A simulated stroke.
 #[derive(Debug)]
@@ -61,7 +63,37 @@ fn short(value: f64) -> String {
     if text.len() <= 9 { text } else { plain(format!("{value:.4e}").parse().unwrap_or(value)) }
 }
 
+/// A computed number for people, to three digits.
+fn three_digits(value: f64) -> String {
+    plain(format!("{value:.2e}").parse().unwrap_or(value))
+}
+
 impl SimulationReport<'_> {
+    /// Where the elastic part of ΔCD comes from.
+    fn elastic_part(&self) -> &'static str {
+        match self.parameters.contact {
+            ContactModel::Spheres(_) => "stiffness as given, not a material's: of one sphere",
+            ContactModel::Analytic(_) => "stiffness as given, not a material's: of 1 mm of contact line",
+        }
+    }
+
+    fn energy(&self, energy: &Energy) -> String {
+        let [driven, stored, lost, settling] =
+            [energy.driven, energy.stored, energy.dissipated, energy.settling].map(three_digits);
+        let losses = if self.quasi_static {
+            format!("{lost} N mm lost to friction")
+        } else {
+            format!(
+                "{lost} N mm lost to damping and friction, {settling} N mm to settling while the rack reaches its speed"
+            )
+        };
+        let balance = energy
+            .drift_share()
+            .map_or_else(String::new, |share| format!(", balance off by {:.1e} of the largest of these", share));
+        let missed = if self.missed(energy) { "; the tolerance is not met" } else { "" };
+        format!("energy: {driven} N mm driven in, {stored} N mm stored, {losses}{balance}{missed}")
+    }
+
     /// The steady value of each rack part with the exact mesh's over the same strokes.
     fn parts(&self) -> [(&'static str, Option<Steady>, Option<f64>); 2] {
         let [nominal, deviating] = self.exact_mm;
@@ -209,10 +241,11 @@ impl SimulationReport<'_> {
     }
 
     /// Whether a run without losses was to keep its energy and has not.
-    fn missed(&self, off: f64) -> bool {
+    fn missed(&self, energy: &Energy) -> bool {
         let p = self.parameters;
+        let off = energy.drift.abs() / energy.exchanged;
         let asked = p.damping == 0.0 && p.friction == 0.0 && p.energy_tolerance < 1.0;
-        asked && p.integrator == Integrator::Implicit && off > p.energy_tolerance
+        asked && !self.quasi_static && p.integrator == Integrator::Implicit && off > p.energy_tolerance
     }
 
     fn ending(&self) -> (&'static str, Option<String>) {
@@ -272,6 +305,7 @@ impl Report for SimulationReport<'_> {
             "nominal": steady(nominal, exact_nominal),
             "deviating": steady(deviating, exact_deviating),
             "difference_mm": self.outcome.difference_mm().map(tidy),
+            "elastic_part": self.elastic_part(),
             "rigid_difference_mm": self.outcome.rigid_difference_mm().map(tidy),
             "exact_difference_mm": self.exact_difference_mm().map(tidy),
             "energy_n_mm": self.outcome.energy.map(|energy| json!({
@@ -315,6 +349,7 @@ impl Report for SimulationReport<'_> {
         let table = self.steady_table();
         if !table.rows.is_empty() {
             blocks.push(Block::Table(table));
+            blocks.push(Block::Note(format!("elastic part: {}", self.elastic_part())));
         }
         if let Some(width) = self.screen.drawing_width() {
             let points: Vec<_> = self.outcome.samples.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();
@@ -328,19 +363,8 @@ impl Report for SimulationReport<'_> {
         blocks.push(Block::Note(format!("model: {}", self.how())));
         blocks.push(Block::Note(format!("parameters: {}", given.join(", "))));
         blocks.push(Block::Note(format!("work: {}", self.work())));
-        if let Some(energy) = self.outcome.energy.filter(|_| self.outcome.counters.steps > 0) {
-            let off = if energy.exchanged > 0.0 { energy.drift.abs() / energy.exchanged } else { 0.0 };
-            blocks.push(Block::Note(format!(
-                "energy: {:.1} N mm driven in, {:.1} N mm lost to damping and friction, balance off by {off:.1e} of what was \
-                 exchanged{}",
-                energy.driven,
-                energy.dissipated,
-                if self.missed(off) {
-                    "; the tolerance is not met"
-                } else {
-                    ""
-                }
-            )));
+        if let Some(energy) = self.outcome.energy.filter(|_| self.outcome.samples.len() > 1) {
+            blocks.push(Block::Note(self.energy(&energy)));
         }
         blocks.extend(self.notes.iter().map(|note| Block::Note(format!("note: {note}"))));
         blocks.extend(self.ending().1.map(Block::Note));
