@@ -89,7 +89,7 @@ impl SimulationReport<'_> {
         };
         let balance = energy
             .drift_share()
-            .map_or_else(String::new, |share| format!(", balance off by {:.1e} of the largest of these", share));
+            .map_or_else(String::new, |share| format!(", balance off by {share:.1e} of the largest of these"));
         let missed = if self.missed(energy) { "; the tolerance is not met" } else { "" };
         format!("energy: {driven} N mm driven in, {stored} N mm stored, {losses}{balance}{missed}")
     }

@@ -515,3 +515,29 @@ fn drift_falls_with_the_square_of_the_step() {
         assert!((two[0] / two[1]).log2() > 1.8, "{drifts:?}");
     }
 }
+
+/// Every example that can be simulated, in time and as equilibria: what is printed adds up to a hundredth.
+#[test]
+fn the_energy_of_every_example_adds_up() {
+    let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
+    let mut balanced = 0;
+    for file in std::fs::read_dir(examples).unwrap() {
+        let path = file.unwrap().path();
+        if path.extension().is_none_or(|ending| ending != "toml") {
+            continue;
+        }
+        for how in [&[][..], &["--quasi-static"][..]] {
+            let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+            let output = command.arg("simulate").arg(&path).args(how).args(["--format", "json"]).output().unwrap();
+            // a spec without a pair has nothing to simulate
+            let Ok(found) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else { continue };
+            let energy = |name: &str| found["energy_n_mm"][name].as_f64().unwrap();
+            let left =
+                ["stored", "dissipated", "settling", "drift"].iter().fold(energy("driven"), |e, name| e - energy(name));
+            assert!(left.abs() < 1e-12 * energy("exchanged"), "{}: {found}", path.display());
+            assert!(energy("drift_share") < 0.01, "{}: {}", path.display(), found["energy_n_mm"]);
+            balanced += 1;
+        }
+    }
+    assert!(balanced >= 12, "{balanced}");
+}
