@@ -89,12 +89,22 @@ const SIGNALS: [(i32, u8); 2] = [(SIGINT, 130), (SIGTERM, 143)];
 pub(super) struct Interruption {
     stop: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
+    /// Whether nothing is lost if the program ends at once.
+    waits: Arc<AtomicBool>,
 }
 
 impl Interruption {
     /// What a run looks at from time to time; set by the first signal.
     pub(super) fn stop(&self) -> &Arc<AtomicBool> {
         &self.stop
+    }
+
+    /// Runs what only waits for input and looks at it: a signal meanwhile ends the program at once.
+    pub(super) fn while_waiting<T>(&self, look: impl FnOnce() -> T) -> T {
+        self.waits.store(true, Ordering::Relaxed);
+        let found = look();
+        self.waits.store(false, Ordering::Relaxed);
+        found
     }
 
     /// How a command ends that a signal has stopped; `None` if none has come.
@@ -116,17 +126,20 @@ impl Deref for Interruption {
 
 /// From here on the first Ctrl-C or SIGTERM is for the run to see; the second ends the program at once.
 pub(super) fn interrupted() -> Interruption {
-    let (stop, signal) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicUsize::new(0)));
+    let (stop, waits) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+    let signal = Arc::new(AtomicUsize::new(0));
     for (number, code) in SIGNALS {
         // What comes first is asked first: at the first signal the flag is not set. Without a handler a signal ends the
         // program at once, which is no reason not to run.
-        let _ = flag::register_conditional_shutdown(number, i32::from(code), Arc::clone(&stop));
+        for ends_at_once in [&stop, &waits] {
+            let _ = flag::register_conditional_shutdown(number, i32::from(code), Arc::clone(ends_at_once));
+        }
         if let Ok(itself) = usize::try_from(number) {
             let _ = flag::register_usize(number, Arc::clone(&signal), itself);
         }
         let _ = flag::register(number, Arc::clone(&stop));
     }
-    Interruption { stop, signal }
+    Interruption { stop, signal, waits }
 }
 
 #[cfg(test)]

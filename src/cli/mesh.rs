@@ -143,9 +143,7 @@ pub(super) fn covered(
         }
         _ => {
             let message = "the measured spaces do not stand in one row, so that strokes between them are not covered";
-            Err(Diagnostic::error(Code::NoMesh, message)
-                .help("give each run of spaces by itself, or use `batch --teeth`")
-                .into())
+            Err(Diagnostic::error(Code::NoMesh, message).help("give each run of spaces by itself").into())
         }
     }
 }

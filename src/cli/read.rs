@@ -48,7 +48,8 @@ impl Args {
         let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut notes, mut mapping) = (Vec::new(), Vec::new());
         for path in self.files.iter().filter(|path| !is_spec(path)) {
-            match self.reading.open(path, &spec, Model::Exact, interruption.stop(), &shown) {
+            let open = || self.reading.open(path, &spec, Model::Exact, interruption.stop(), &shown);
+            match interruption.while_waiting(open) {
                 Ok(opened) => {
                     mapping.extend(part_id(&opened.table.reading));
                     mapping.extend(opened.table.mapping());

@@ -203,8 +203,9 @@ impl Args {
         let interruption = long::interrupted();
         let spec = Arc::new(spec.clone());
         let files: Vec<&str> = self.files.iter().map(String::as_str).collect();
-        let mut found =
-            self.reading.look(&files, &spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want))?;
+        let look =
+            || self.reading.look(&files, &spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want));
+        let mut found = interruption.while_waiting(look)?;
         if let Some(failed) = found.failed.pop() {
             return Err(failed.into());
         }

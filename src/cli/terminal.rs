@@ -23,7 +23,8 @@ pub(super) fn read_block(output: &mut Output, interruption: &Interruption, large
     let unread = |error: io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read the block: {error}"));
     if !io::stdin().is_terminal() {
         let mut bytes = Vec::new();
-        stdin.take(largest.saturating_add(1)).read_to_end(&mut bytes).map_err(unread)?;
+        let read = || stdin.take(largest.saturating_add(1)).read_to_end(&mut bytes);
+        interruption.while_waiting(read).map_err(unread)?;
         return if bytes.len() as u64 > largest { Err(too_large(largest)) } else { Ok(bytes) };
     }
     let end = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };

@@ -35,28 +35,6 @@ pub struct Summary {
 /// far below its accuracy (1e-9).
 const TIE_MM: f64 = 1e-11;
 
-impl Summary {
-    /// The summary of two stretches of stroke, of the lengths given, that do not overlap.
-    #[must_use]
-    pub fn joined(&self, length_mm: f64, other: &Self, other_length_mm: f64) -> Self {
-        let low = if other.min_mm < self.min_mm { other } else { self };
-        let high = if other.max_mm > self.max_mm { other } else { self };
-        let share = other_length_mm / (length_mm + other_length_mm);
-        Self {
-            mean_mm: self.mean_mm + share * (other.mean_mm - self.mean_mm),
-            min_mm: low.min_mm,
-            min_stroke_mm: low.min_stroke_mm,
-            max_mm: high.max_mm,
-            max_stroke_mm: high.max_stroke_mm,
-            peak_to_peak_mm: high.max_mm - low.min_mm,
-            tooth_to_tooth_mm: self.tooth_to_tooth_mm.max(other.tooth_to_tooth_mm),
-            largest_rate: self.largest_rate.max(other.largest_rate),
-            transmission_error_rad: self.transmission_error_rad.max(other.transmission_error_rad),
-            transmission_error_mm: self.transmission_error_mm.max(other.transmission_error_mm),
-        }
-    }
-}
-
 impl Curve {
     /// Summarises the curve; `None` if it has no points.
     #[must_use]

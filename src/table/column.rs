@@ -2,6 +2,7 @@
 
 use super::cell::{Cell, Content};
 use super::companions::Companions;
+use super::grid::bare_unit;
 use super::names::{Field, Holds};
 use super::number::{DecimalMark, Marks, marks, normalise};
 use super::shape::{Measurement, Series};
@@ -15,8 +16,10 @@ use crate::quantity::{Angle, AngleUnit, Decimal, Length, LengthUnit, QuantityErr
 /// Where the unit of a column is from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum UnitFrom {
-    /// The table: a heading, a row or a column of units, the cells.
+    /// The table: a heading, a row of units, the cells.
     Table,
+    /// A column of units beside the values.
+    Beside,
     /// The spec.
     Spec,
     /// A column that is called by its key has that of a spec.
@@ -170,6 +173,7 @@ impl Column {
                 None => evaluated(given.and_then(|given| given.length), want, &value.title)?,
             };
             column.beside.length = companion(length, Unit::Length(LengthUnit::Millimetre))?;
+            column.beside.unit = measurement.beside.unit.as_ref().map(|units| Companion { place: units.place, unit });
             return Ok(column);
         }
         let beside = &measurement.beside;
@@ -178,6 +182,7 @@ impl Column {
             nominal: companion(beside.nominal.as_ref(), unit)?,
             upper: companion(beside.upper.as_ref(), unit)?,
             lower: companion(beside.lower.as_ref(), unit)?,
+            unit: beside.unit.as_ref().map(|units| Companion { place: units.place, unit }),
             ..Companions::default()
         };
         if let Some(kind) = kind {
@@ -216,6 +221,16 @@ impl Column {
         Ok(())
     }
 
+    /// The nominal value that every part has; 0 of deviations.
+    pub(crate) fn nominal_of_every_part(&self) -> Option<ErrorValue> {
+        match (self.nominal, self.unit) {
+            (Nominal::Fixed(nominal), _) => Some(nominal),
+            (Nominal::None, Unit::Length(_)) => Some(ErrorValue::Length(Length::ZERO)),
+            (Nominal::None, Unit::Angle(_)) => Some(ErrorValue::Angle(Angle::ZERO)),
+            (Nominal::Beside, _) => None,
+        }
+    }
+
     /// The same column, whose decimal mark is still open if that is so.
     pub(crate) fn with_open_mark(self, mark_is_open: bool) -> Self {
         Self { mark_is_open, ..self }
@@ -228,12 +243,7 @@ impl Column {
 
     /// What a plain number of this column is; `None` if a row has more to say.
     pub(crate) fn plain(&self) -> Option<Plain> {
-        let nominal = match (self.nominal, self.unit) {
-            (Nominal::Fixed(nominal), _) => nominal,
-            (Nominal::None, Unit::Length(_)) => ErrorValue::Length(Length::ZERO),
-            (Nominal::None, Unit::Angle(_)) => ErrorValue::Angle(Angle::ZERO),
-            (Nominal::Beside, _) => return None,
-        };
+        let nominal = self.nominal_of_every_part()?;
         let farthest = match self.farthest {
             Some(ErrorValue::Length(farthest)) => farthest,
             _ => Length::LARGEST,
@@ -251,6 +261,7 @@ impl Column {
         if cell.is_missing() {
             return Ok(None);
         }
+        self.check_unit(beside.unit)?;
         let value = self.quantity(cell)?;
         if let Evaluated::Over(_) | Evaluated::Beside = self.evaluated {
             return self.slope(value, beside.length).map(Some);
@@ -268,6 +279,17 @@ impl Column {
         }
         self.check(cell, deviation, &beside)?;
         Ok(Some(deviation))
+    }
+
+    /// A column of units says the same of every value.
+    fn check_unit(&self, cell: Option<&Cell>) -> Result<(), Problem> {
+        let Some(cell) = cell else { return Ok(()) };
+        let unit = unit_of(&cell.text(), self.field.is_angle());
+        if unit == Some(self.unit) || cell.is_missing() && self.unit_from != UnitFrom::Beside {
+            return Ok(());
+        }
+        let known = self.unit.symbol();
+        Err(Problem::Bad(format!("the unit beside it is `{}`, and the column's is {known}", shown(&cell.text()))))
     }
 
     /// A deviation that stands for itself.
@@ -302,19 +324,20 @@ impl Column {
                 Unit::Length(unit) => Length::of_number(*number, unit).map(ErrorValue::Length).map_err(too_large),
                 Unit::Angle(unit) => Angle::of_number(*number, unit).map(ErrorValue::Angle).map_err(too_large),
             },
-            Content::Text(text) => self.quantity_of_text(text, unit),
+            Content::Text(text) => self.quantity_of_text(text, cell.is_measure(), unit),
             Content::Other(text) => Err(Problem::Bad(format!("`{}` is not a number", shown(text)))),
             Content::Empty => Err(Problem::Bad("the cell is empty".to_owned())),
         }
     }
 
-    fn quantity_of_text(&self, text: &str, unit: Unit) -> Result<ErrorValue, Problem> {
+    fn quantity_of_text(&self, text: &str, is_measure: bool, unit: Unit) -> Result<ErrorValue, Problem> {
         let reading = marks(text);
         let other = match self.mark {
             DecimalMark::Point => DecimalMark::Comma,
             DecimalMark::Comma => DecimalMark::Point,
         };
-        if reading == Marks::Only(other) {
+        // `12. Mai` is no number with a decimal point
+        if is_measure && reading == Marks::Only(other) {
             let message = format!(
                 "`{}` has a {}, and the table's numbers have a {}",
                 shown(text),
@@ -363,9 +386,11 @@ impl Column {
     /// The widest tolerance beside a value, mm or degrees: a limit of size, or an allowance from nominal.
     fn widest(&self, beside: &Companions<&Cell>) -> Result<f64, Problem> {
         let of = self.beside;
-        let nominal = self.quantity_beside(beside.nominal, of.nominal)?.map_or(0.0, ErrorValue::base);
-        let upper = self.quantity_beside(beside.upper, of.upper)?;
-        let lower = self.quantity_beside(beside.lower, of.lower)?;
+        let fixed = if let Nominal::Fixed(nominal) = self.nominal { Some(nominal) } else { None };
+        let nominal = self.quantity_beside(beside.nominal, of.nominal)?.or(fixed).map_or(0.0, ErrorValue::base);
+        // tolerances judge nothing here: one that is no number says nothing of the value's unit
+        let upper = self.quantity_beside(beside.upper, of.upper).unwrap_or(None);
+        let lower = self.quantity_beside(beside.lower, of.lower).unwrap_or(None);
         let mut widest = self.tolerance.unwrap_or(0.0);
         for tolerance in [upper, lower].into_iter().flatten() {
             let size = tolerance.base();
@@ -412,12 +437,10 @@ impl Column {
         let of = self.beside;
         let stated = self.quantity_beside(beside.deviation, of.deviation)?;
         // the places of teeth have a nominal value that no table tells
-        if let Some(stated) = stated.filter(|_| self.nominal != Nominal::None)
+        if let Some(stated) = stated.filter(|_| self.nominal != Nominal::None || self.kind.is_some())
             && (stated.base() - deviation.base()).abs() > self.rounding(cell, beside)
         {
-            return Err(Problem::Bad(format!(
-                "the deviation beside it is {stated}, and measured less nominal is {deviation}"
-            )));
+            return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
         }
         let widest = self.widest(beside)?;
         if widest > 0.0 && deviation.base().abs() > TIMES * widest {
@@ -482,7 +505,11 @@ fn companion(series: Option<&Series>, unit_of_value: Unit) -> Result<Option<Comp
 
 /// What is measured in a text: without the uncertainty behind ±, and with the inch for the quotes that stand for it.
 fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
-    let text = text.split_once('±').or_else(|| text.split_once("+/-")).map_or(text, |(value, _)| value.trim_end());
+    let text = match text.split_once('±').or_else(|| text.split_once("+/-")) {
+        Some((value, tolerance)) if value.trim().is_empty() => tolerance.trim_start(),
+        Some((value, _)) => value.trim_end(),
+        None => text,
+    };
     let inches = text.strip_suffix('"').or_else(|| text.strip_suffix("''")).or_else(|| text.strip_suffix('\u{201d}'));
     match (unit, inches) {
         (Unit::Length(_), Some(number)) => format!("{number} in").into(),
@@ -510,11 +537,12 @@ fn is_farther(deviation: ErrorValue, farthest: Option<ErrorValue>) -> bool {
 fn unit(measurement: &Measurement, kind: Option<ErrorKind>, want: &Want) -> Result<(Unit, UnitFrom), Diagnostic> {
     let value = &measurement.value;
     let is_angle = measurement.field.is_angle();
-    let dimension = |symbol: &str| {
-        if is_angle { Unit::of_angle(symbol).or_else(|| Unit::of_length(symbol)) } else { Unit::of_length(symbol) }
-    };
+    let dimension = |symbol: &str| unit_of(symbol, is_angle);
+    let beside = measurement.beside.unit.as_ref().and_then(|units| units.cells.iter().find(|cell| !cell.is_missing()));
+    let beside = beside.map(Cell::text);
+    let unit_from = if value.unit.is_none() && beside.is_some() { UnitFrom::Beside } else { UnitFrom::Table };
     let stated = kind.and_then(|kind| want.given(kind)).and_then(|given| given.unit);
-    let written = match value.unit.as_deref() {
+    let written = match value.unit.as_deref().or(beside.as_deref()) {
         Some(symbol) => {
             let Some(unit) = dimension(symbol) else {
                 let problem = unknown_unit(&value.title, symbol, is_angle);
@@ -533,7 +561,7 @@ fn unit(measurement: &Measurement, kind: Option<ErrorKind>, want: &Want) -> Resu
                 format!("`{}`: the table says {} and the spec {}", value.title, written.symbol(), stated.symbol());
             return Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong"));
         }
-        (_, Some(written)) => return Ok((written, UnitFrom::Table)),
+        (_, Some(written)) => return Ok((written, unit_from)),
         (Some(stated), None) => return Ok((stated, UnitFrom::Spec)),
         (None, None) => {}
     }
@@ -563,6 +591,12 @@ fn unit(measurement: &Measurement, kind: Option<ErrorKind>, want: &Want) -> Resu
         format!("; or say it in the spec: [batch.columns] {column}, or \"{other}\"")
     });
     Err(Diagnostic::error(Code::BadTable, message).help(help + &in_spec.unwrap_or_default()))
+}
+
+/// The unit that a symbol is of a length, or of an angle or the length that f_Hβ is.
+fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
+    let symbol = bare_unit(symbol);
+    if is_angle { Unit::of_angle(symbol).or_else(|| Unit::of_length(symbol)) } else { Unit::of_length(symbol) }
 }
 
 /// Whether a title is the key of a field, with nothing but case changed.

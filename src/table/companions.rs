@@ -9,20 +9,21 @@ pub(crate) struct Companions<T> {
     pub(crate) upper: Option<T>,
     pub(crate) lower: Option<T>,
     pub(crate) uncertainty: Option<T>,
+    pub(crate) unit: Option<T>,
     /// The evaluation length of f_Hβ.
     pub(crate) length: Option<T>,
 }
 
 impl<T> Default for Companions<T> {
     fn default() -> Self {
-        Self { deviation: None, nominal: None, upper: None, lower: None, uncertainty: None, length: None }
+        Self { deviation: None, nominal: None, upper: None, lower: None, uncertainty: None, unit: None, length: None }
     }
 }
 
 impl<T> Companions<T> {
     pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
-        let Self { deviation, nominal, upper, lower, uncertainty, length } = self;
-        [deviation, nominal, upper, lower, uncertainty, length].into_iter().flatten()
+        let Self { deviation, nominal, upper, lower, uncertainty, unit, length } = self;
+        [deviation, nominal, upper, lower, uncertainty, unit, length].into_iter().flatten()
     }
 
     /// The same companions as something else; those of which nothing comes are left out.
@@ -34,6 +35,7 @@ impl<T> Companions<T> {
             upper: of(&self.upper),
             lower: of(&self.lower),
             uncertainty: of(&self.uncertainty),
+            unit: of(&self.unit),
             length: of(&self.length),
         }
     }

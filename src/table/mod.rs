@@ -284,16 +284,18 @@ fn column_reading(column: &Column) -> ColumnReading {
 fn companions(measurement: &Measurement) -> impl Iterator<Item = ColumnReading> + '_ {
     let key = measurement.field.key();
     let beside = [
-        (&measurement.beside.deviation, "deviation, checked"),
-        (&measurement.beside.nominal, "nominal"),
-        (&measurement.beside.upper, "upper tolerance, checked"),
-        (&measurement.beside.lower, "lower tolerance, checked"),
-        (&measurement.beside.length, "evaluation length"),
+        (&measurement.beside.deviation, "deviation", ", checked"),
+        (&measurement.beside.nominal, "nominal", ""),
+        (&measurement.beside.upper, "upper tolerance", ", not judged"),
+        (&measurement.beside.lower, "lower tolerance", ", not judged"),
+        (&measurement.beside.unit, "unit", ""),
+        (&measurement.beside.length, "evaluation length", ""),
     ];
     let own = move |series: &shape::Series| series.title != measurement.value.title;
-    let found =
-        beside.into_iter().filter_map(move |(series, what)| series.as_ref().filter(|s| own(s)).map(|s| (s, what)));
-    found.map(move |(series, what)| named_only(&series.title, &format!("{what} of {key}")))
+    beside.into_iter().filter_map(move |(series, what, note)| {
+        let series = series.as_ref().filter(|series| own(series))?;
+        Some(named_only(&series.title, &format!("{what} of {key}{note}")))
+    })
 }
 
 #[cfg(test)]

@@ -2,13 +2,13 @@
 //! plain numbers is read in one pass over its bytes; every other record is cut into cells first. Made once per table;
 //! workers share it.
 
-use super::block::{Block, Span, as_line, span_end};
+use super::block::{Block, Contradiction, Span, as_line, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{Holds, LONGEST_RECORD};
 use super::column::{Column, Plain, Problem};
 use super::encoding::text;
 use super::grid::{bare_unit, is_unit};
-use super::names::{Role, role};
+use super::names::{Role, heading, is_statistic, role};
 use super::reading::AsideReading;
 use super::split::{Field, next_record};
 use crate::deviation::ErrorValue;
@@ -230,6 +230,9 @@ impl Rows {
 
     /// A record of a file that has cells of its own, or of a short text; `raw` is the record as it stands there.
     pub(crate) fn record(&self, record: &Record, raw: Option<&[u8]>, block: &mut Block) {
+        if block.contradiction.is_some() {
+            return;
+        }
         block.values.resize_with(self.columns.len(), Vec::new);
         block.record_count += 1;
         let raw = match raw {
@@ -261,7 +264,7 @@ impl Rows {
             return;
         }
         if is_units(record) && !self.repeats_units(record) {
-            block.contradiction.get_or_insert(super::block::Contradiction {
+            block.contradiction.get_or_insert(Contradiction {
                 line: record.line,
                 column: self.columns.first().map_or_else(String::new, |column| column.title.clone()),
                 message: format!("the units change: {}", record.in_words()),
@@ -271,12 +274,16 @@ impl Rows {
         }
         if let Some(watched) = self.watched.iter().find(|place| record.cells.get(**place).is_some_and(Cell::is_number))
         {
-            block.contradiction.get_or_insert(super::block::Contradiction {
+            block.contradiction.get_or_insert(Contradiction {
                 line: record.line,
                 column: self.titles.get(*watched).cloned().unwrap_or_default(),
                 message: "it holds a number here, and nothing tells what it measures".to_owned(),
                 help: "say in the spec what it is, under [batch.columns], or leave it out with --ignore",
             });
+            return;
+        }
+        if let Some(contradiction) = self.other_header(record).or_else(|| self.other_nominal(record)) {
+            block.contradiction.get_or_insert(contradiction);
             return;
         }
         if record.says_nothing() || self.is_aside(record) {
@@ -310,6 +317,49 @@ impl Rows {
         }
     }
 
+    /// Another header among the rows: its columns are not those that are read.
+    fn other_header(&self, record: &Record) -> Option<Contradiction> {
+        let names_value = |cell: &Cell| {
+            let is_title = self.columns.iter().any(|column| column.title == cell.text());
+            is_title
+                || heading(&cell.text(), &[]).is_some_and(|found| found.fields.iter().any(|field| !field.is_index()))
+        };
+        let is_other = record.numbers() == 0
+            && !self.repeats_header(record)
+            && record.cells.iter().any(names_value)
+            && record.filled().len() > 1;
+        is_other.then(|| Contradiction {
+            line: record.line,
+            column: String::new(),
+            message: format!("other names begin here: {}", record.in_words()),
+            help: "give tables with other columns one by one",
+        })
+    }
+
+    /// A row of nominal values that are not those of the columns.
+    fn other_nominal(&self, record: &Record) -> Option<Contradiction> {
+        let name = self.id.or(self.index).and_then(|place| record.cells.get(place))?.text();
+        if !may_be_statistic(name.as_bytes()) || role(&name) != Some(Role::Nominal) {
+            return None;
+        }
+        let other = self.columns.iter().find(|column| {
+            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
+            cell.is_some_and(|cell| column.quantity(cell).ok() != column.nominal_of_every_part())
+        })?;
+        Some(Contradiction {
+            line: record.line,
+            column: other.title.clone(),
+            message: format!("the nominal value here is not the column's: {}", record.in_words()),
+            help: "give the nominal value in the spec, or in a column beside the values",
+        })
+    }
+
+    /// Whether a record is the header again.
+    fn repeats_header(&self, record: &Record) -> bool {
+        let same = |(cell, title): (&Cell, &String)| cell.text().trim() == title.trim();
+        record.cells.len() == self.titles.len() && record.cells.iter().zip(&self.titles).all(same)
+    }
+
     /// Whether a row of units says of every column what is known of it.
     fn repeats_units(&self, record: &Record) -> bool {
         let is_that_of = |cell: &Cell, column: &Column| {
@@ -334,16 +384,14 @@ impl Rows {
         })
     }
 
-    /// Whether a record is the header again, or a mean below the parts.
+    /// Whether a record is the header or the units again, or a mean below the parts.
     fn is_aside(&self, record: &Record) -> bool {
-        let is_header = || {
-            let same = |(cell, title): (&Cell, &String)| cell.text().trim() == title.trim();
-            record.cells.len() == self.titles.len() && record.cells.iter().zip(&self.titles).all(same)
-        };
         let name = self.id.or(self.index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
         let is_words = !self.is_even && !has_numbers && record.cells.len() != self.titles.len();
-        name.is_some_and(|name| is_statistic(&name)) || is_words || (!has_numbers && (is_header() || is_units(record)))
+        name.is_some_and(|name| is_of_parts(&name))
+            || is_words
+            || (!has_numbers && (self.repeats_header(record) || is_units(record)))
     }
 
     /// A record that is no row of values at all.
@@ -415,7 +463,7 @@ pub(crate) fn put(
         }
         Err(Problem::OtherMark(message)) => {
             let line = block.lines.last().copied().unwrap_or(0);
-            block.contradiction.get_or_insert(super::block::Contradiction {
+            block.contradiction.get_or_insert(Contradiction {
                 line,
                 column: column.title.clone(),
                 message: message.clone(),
@@ -476,52 +524,10 @@ fn is_units(record: &Record) -> bool {
     cells.peek().is_some() && cells.all(|cell| is_unit(&cell.text()))
 }
 
-/// What rows below the parts are called that are made of them.
-const STATISTICS: [&str; 35] = [
-    "mittelwert",
-    "mittel",
-    "mean",
-    "average",
-    "avg",
-    "moyenne",
-    "平均",
-    "平均値",
-    "min",
-    "minimum",
-    "max",
-    "maximum",
-    "最小",
-    "最大",
-    "最小値",
-    "最大値",
-    "std",
-    "stdev",
-    "std dev",
-    "stddev",
-    "standardabw",
-    "standardabweichung",
-    "standard deviation",
-    "écart-type",
-    "標準偏差",
-    "sigma",
-    "range",
-    "spannweite",
-    "étendue",
-    "summe",
-    "sum",
-    "total",
-    "anzahl",
-    "count",
-    "cpk",
-];
-
-/// Whether a name is that of a statistic of parts, and not of a part.
-fn is_statistic(name: &str) -> bool {
-    may_be_statistic(name.as_bytes()) && {
-        let plain = name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase();
-        let is_bound = || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower));
-        STATISTICS.contains(&plain.as_str()) || is_bound()
-    }
+/// Whether a row of that name is made of the parts', or says what is wanted of them.
+fn is_of_parts(name: &str) -> bool {
+    may_be_statistic(name.as_bytes())
+        && (is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower)))
 }
 
 /// A quick look: such names end in no digit and begin with one of a few letters.

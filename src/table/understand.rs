@@ -6,16 +6,16 @@
 use std::sync::Arc;
 
 use super::cell::{Cell, Content, Record};
-use super::column::{Column, Problem};
+use super::column::{Column, Problem, UnitFrom};
 use super::companions::Companions;
 use super::grid::{Separator, cut, separators};
-use super::names::Field;
+use super::names::{Field, Role, role};
 use super::number::{DecimalMark, Marks};
-use super::shape::{Measurement, NoShape, Shape, located, shape};
+use super::shape::{Measurement, NoShape, Shape, has_digit, located, shape};
 use super::want::{Orientation, Want};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
-use crate::quantity::LengthUnit;
+use crate::quantity::{LengthUnit, Unit, shown};
 
 /// A table whose columns are found.
 #[derive(Debug, Clone)]
@@ -176,7 +176,7 @@ fn commas_separate(shape: &Shape) -> bool {
     let counted = shape.orientation == Orientation::Rows
         && shape.header_line.is_none()
         && shape.ids.as_ref().is_some_and(|ids| ids.cells.iter().any(Cell::is_number));
-    let is_label = shape.orientation == Orientation::Columns && shape.header_line.is_none();
+    let is_label = shape.orientation == Orientation::Columns;
     let is_wide = is_label || shape.width() + shape.lines.len() > 2;
     is_wide && shape.header.len() != 1 && !counted && !values().any(is_fraction)
 }
@@ -338,6 +338,7 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
             Err(diagnostics) => problems.extend(diagnostics.0),
         }
     }
+    problems.extend(columns.iter().find_map(|column| other_unit(shape, column, want)));
     if !problems.is_empty() {
         let in_file =
             |problem: Diagnostic| Diagnostic { message: format!("{}: {}", source.name, problem.message), ..problem };
@@ -354,6 +355,43 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
         doubt: None,
         ruled_out: None,
     })
+}
+
+/// A line beside the table that states another unit than the one that is assumed for a column.
+fn other_unit(shape: &Shape, column: &Column, want: &Want) -> Option<Diagnostic> {
+    if column.unit_from != UnitFrom::Key {
+        return None;
+    }
+    let is_other = |unit: &Unit| match (unit, column.unit) {
+        (Unit::Length(unit), Unit::Length(assumed)) => *unit != assumed,
+        (Unit::Angle(unit), Unit::Angle(assumed)) => *unit != assumed,
+        _ => false,
+    };
+    let asides = shape.asides.iter().filter(|aside| !want.ignores(&aside.text));
+    let (aside, unit) = asides
+        .flat_map(|aside| stated_units(&aside.text).into_iter().map(move |unit| (aside, unit)))
+        .find(|(_, unit)| is_other(unit))?;
+    let (line, title, assumed) = (aside.line, &column.title, column.unit.symbol());
+    let message = format!(
+        "line {line} says `{}`, and nothing else tells the unit of `{title}`, which would be {assumed}",
+        shown(&aside.text)
+    );
+    Some(
+        Diagnostic::error(Code::BadTable, message)
+            .help(format!("write the unit behind the name: `{title} [{}]` or `{title} [{assumed}]`", unit.symbol())),
+    )
+}
+
+/// The units that a line beside a table states for it: behind a word for units, or by themselves in a line without numbers.
+fn stated_units(text: &str) -> Vec<Unit> {
+    let words: Vec<&str> =
+        text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°')).filter(|word| !word.is_empty()).collect();
+    let of = |word: &str| Unit::from_symbol(word).or_else(|| Unit::from_symbol(&word.to_lowercase()));
+    let is_clear = |word: &str| word.chars().count() > 1 && !matches!(word.to_lowercase().as_str(), "in" | "min");
+    let says_unit = |word: &str| role(word) == Some(Role::Unit);
+    let behind = words.windows(2).filter(|pair| says_unit(pair[0])).filter_map(|pair| of(pair[1]));
+    let alone = words.iter().filter(|word| is_clear(word) && !has_digit(text)).filter_map(|word| of(word));
+    behind.chain(alone).collect()
 }
 
 impl Understood {

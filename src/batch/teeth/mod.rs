@@ -526,27 +526,23 @@ impl Solver<'_> {
         let input = self.spec.mesh(&tables).map_err(|problems| {
             bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
         })?;
-        let (Some(first), Some(last)) = (covered.first(), covered.last()) else {
-            return Err(bad(
-                "there is no stroke at which every flank that can carry was measured: more spaces in a row are needed"
-                    .to_owned(),
-            ));
+        let strokes = match covered.as_slice() {
+            [strokes] => strokes.clone(),
+            [] => {
+                let message = "there is no stroke at which every flank that can carry was measured";
+                return Err(bad(format!("{message}: more spaces in a row are needed")));
+            }
+            [first, .., last] => {
+                return Err(bad(format!(
+                    "a space was not measured between the strokes {:.3} and {:.3} mm: give each run of spaces by itself",
+                    first.end, last.start
+                )));
+            }
         };
-        let strokes = first.start..last.end;
-        let is_cut = covered.len() > 1 || strokes != (from..to);
-        let mut joined: Option<(Summary, f64)> = None;
-        for stretch in covered {
-            let curve = input.mesh.curve(stretch.start, stretch.end, self.tolerance_mm);
-            let curve = curve.map_err(|error| bad(error.to_string()))?;
-            let Some(summary) = curve.summary(&input.mesh) else { continue };
-            let length = stretch.end - stretch.start;
-            joined = Some(match joined {
-                Some((before, so_far)) => (before.joined(so_far, &summary, length), so_far + length),
-                None => (summary, length),
-            });
-        }
-        let summary = joined.map(|(summary, _)| summary);
+        let curve = input.mesh.curve(strokes.start, strokes.end, self.tolerance_mm);
+        let curve = curve.map_err(|error| bad(error.to_string()))?;
+        let summary = curve.summary(&input.mesh);
         let summary = summary.ok_or_else(|| bad("the exact mesh has no points along the stroke".to_owned()))?;
-        Ok(Solved { summary, strokes, is_cut })
+        Ok(Solved { summary, is_cut: strokes != (from..to), strokes })
     }
 }

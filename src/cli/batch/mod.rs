@@ -22,7 +22,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::report::{self, Basis, BatchReport, Format, WithReading};
 use crate::spec::{Spec, WrittenError};
-use crate::table::Want;
+use crate::table::{Contradiction, Want};
 use bar::Bar;
 
 pub(super) const ABOUT: &str = "Check tables of measured parts: ΔCD, combinations and a verdict for every part";
@@ -165,7 +165,8 @@ impl Args {
         let model: Model = self.model.into();
         let is_teeth = self.teeth;
         let adjust = |want: Want| Want { teeth: Some(is_teeth), ..want };
-        let mut found = self.reading.look(&files, &spec, model, interruption.stop(), &adjust)?;
+        let look = || self.reading.look(&files, &spec, model, interruption.stop(), &adjust);
+        let mut found = interruption.while_waiting(look)?;
         if self.teeth {
             return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
         }
@@ -507,14 +508,10 @@ pub(super) fn unfinished(path: &str, run: Result<(), RunError>) -> Result<Option
         Err(RunError::Read(error)) => Ok(Some(unread(path, &error))),
         Err(RunError::Write(error)) => Err(Failure::Write(error)),
         Err(RunError::Contradiction(contradiction)) => {
-            let message = format!(
-                "{}, line {}, column `{}`: {}; the run ends here",
-                stream::name(path),
-                contradiction.line,
-                contradiction.column,
-                contradiction.message
-            );
-            Ok(Some(Diagnostic::error(Code::BadTable, message).help(contradiction.help)))
+            let Contradiction { line, column, message, help } = contradiction;
+            let column = if column.is_empty() { column } else { format!(", column `{column}`") };
+            let message = format!("{}, line {line}{column}: {message}; the run ends here", stream::name(path));
+            Ok(Some(Diagnostic::error(Code::BadTable, message).help(help)))
         }
     }
 }

@@ -13,7 +13,7 @@ mod words;
 
 pub(crate) use lengths::is_evaluation_length;
 pub(crate) use near::{is_context, near};
-pub(crate) use role::{Role, role};
+pub(crate) use role::{Role, is_statistic, role};
 pub(crate) use unit::split_unit;
 
 use crate::deviation::ErrorKind;

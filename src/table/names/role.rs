@@ -101,3 +101,61 @@ fn role_sense(senses: &[Sense]) -> Option<Sense> {
     };
     senses.iter().copied().find(of_column)
 }
+
+/// What rows and columns beside the parts are called that are made of them.
+const STATISTICS: [&str; 48] = [
+    "mittelwert",
+    "mittel",
+    "mean",
+    "average",
+    "avg",
+    "moyenne",
+    "平均",
+    "平均値",
+    "min",
+    "minimum",
+    "max",
+    "maximum",
+    "最小",
+    "最大",
+    "最小値",
+    "最大値",
+    "std",
+    "stdev",
+    "std dev",
+    "stddev",
+    "standardabw",
+    "standardabweichung",
+    "standard deviation",
+    "écart-type",
+    "標準偏差",
+    "sigma",
+    "range",
+    "spannweite",
+    "étendue",
+    "summe",
+    "sum",
+    "total",
+    "anzahl",
+    "count",
+    "cpk",
+    "cp",
+    "ppk",
+    "pp",
+    "cmk",
+    "cm",
+    "s",
+    "x quer",
+    "xquer",
+    "x-bar",
+    "xbar",
+    "x̄",
+    "median",
+    "variance",
+];
+
+/// Whether a name is that of a statistic of parts, and not of a part.
+pub(crate) fn is_statistic(name: &str) -> bool {
+    let plain = name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase();
+    STATISTICS.contains(&plain.as_str())
+}

@@ -369,7 +369,7 @@ const WITH_COMMAS: &[(Sense, &str)] = &[
         "merkmal|merkmalsname|merkmalsbezeichnung|bezeichnung|prüfmerkmal|größe|benennung|eigenschaft|messgröße|\
          caractéristique|désignation|nom de la cote|nom de cote|élément|paramètre|libellé",
     ),
-    (Sense::Role(Role::Unit), "einheit|einh|unité"),
+    (Sense::Role(Role::Unit), "einheit|einheiten|einh|unité|unités"),
     (
         Sense::Role(Role::Status),
         "bewertung|außer tol|außer toleranz|überschreitung|übersch|i o|n i o|urteil|entscheid|hors tol|hors tolérance|\

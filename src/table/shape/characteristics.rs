@@ -2,15 +2,16 @@
 //! values, tolerances, deviations and units; one part, a part in each of several columns, or a column that names the part.
 //! Called by [`shape`](super::shape).
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use super::headings::{Headings, Named, headings, names_value};
+use super::headings::{Headings, Named, headings, names_value, says_no_part};
 use super::{Measurement, NoShape, Series, Shape, Unknown, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::bare_unit;
-use crate::table::names::{Aspect, Field, Holds, Role, heading, is_context, role, split_unit};
+use crate::table::names::{Aspect, Field, Holds, Role, heading, is_context, is_statistic, role, split_unit};
 use crate::table::understand::kind_of;
 use crate::table::want::{Orientation, Want};
 
@@ -50,8 +51,11 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     records.iter().enumerate().filter(|(_, record)| record.numbers() == 0).find_map(|(header, record)| {
         let roles: Vec<_> = record.cells.iter().map(|cell| role(&cell.text())).collect();
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
-        let is_table = roles.iter().flatten().count() > 1
-            && has(&[Role::Measured, Role::Deviation, Role::Nominal, Role::Upper, Role::Lower]);
+        // names of parts beside a word for names, as in `Merkmal | Einheit | Teil 1 | Teil 2`
+        let names_parts = roles.contains(&Some(Role::Name)) && roles.contains(&None);
+        let is_table = names_parts
+            || roles.iter().flatten().count() > 1
+                && has(&[Role::Measured, Role::Deviation, Role::Nominal, Role::Upper, Role::Lower]);
         if !is_table {
             return None;
         }
@@ -74,6 +78,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && !is_counter()
+                    && !is_statistic(&record.cells[*place].text())
                     && (has_digit(&record.cells[*place].text()) || !is_context(&record.cells[*place].text()))
                     && !record.cells[*place].is_empty()
                     && rows.iter().any(|row| records[*row].cells.get(*place).is_some_and(Cell::is_number))
@@ -91,11 +96,16 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
 
 /// Reads the characteristics.
 pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, want: &Want) -> Result<Shape, NoShape> {
+    let records = &found.with_part_names(records);
     let header = &records[found.header];
     if let Some(row) = found.rows.iter().find(|row| records[**row].filled().len() > header.cells.len()) {
         return Err(NoShape::Ragged { record: records[*row].clone(), expected: header.cells.len() });
     }
     found.has_each_role_once(records)?;
+    let is_no_part = |place: &&usize| says_no_part(&header.cells[**place].text());
+    if let Some(place) = found.parts.iter().find(is_no_part) {
+        return Err(NoShape::NoPart { heading: header.cells[*place].clone() });
+    }
     let mut names: Vec<Cell> = Vec::new();
     let mut rows_of: HashMap<String, Vec<&Record>> = HashMap::new();
     for row in &found.rows {
@@ -135,13 +145,26 @@ pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, wan
 }
 
 impl Characteristics {
+    /// The records with the part's name in every row: it stands in the first row of a part only where cells are merged.
+    fn with_part_names<'r>(&self, records: &'r [Record]) -> Cow<'r, [Record]> {
+        let Some(place) = self.roles.iter().position(|role| *role == Some(Role::Part)) else { return records.into() };
+        let mut filled = Cow::Borrowed(records);
+        for rows in self.rows.windows(2) {
+            let name = filled[rows[0]].cells.get(place).cloned().unwrap_or_default();
+            if filled[rows[1]].cells.get(place).is_some_and(Cell::is_empty) {
+                filled.to_mut()[rows[1]].cells[place] = name;
+            }
+        }
+        filled
+    }
+
     /// A second column of the same role, with numbers, leaves open which of them counts.
     fn has_each_role_once(&self, records: &[Record]) -> Result<(), NoShape> {
         let header = &records[self.header].cells;
         for (place, role) in self.roles.iter().enumerate() {
             let Some(role) = role.filter(|role| *role != Role::Name && *role != Role::Uncertainty) else { continue };
             let first = self.roles.iter().position(|other| *other == Some(role)).unwrap_or(place);
-            if first < place && self.has_numbers(records, place) {
+            if first < place && (role == Role::Unit || self.has_numbers(records, place)) {
                 return Err(NoShape::TwoColumns { first: header[first].clone(), second: header[place].clone() });
             }
         }
@@ -169,7 +192,7 @@ impl Characteristics {
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
             let is_id = heading(&title, &[]).is_some_and(|found| found.fields == [Field::PartId]);
-            Unknown::column(&title, place, cells).measured(!is_counted && !is_id)
+            Unknown::column(&title, place, cells).measured(!is_counted && !is_id && !is_statistic(&title))
         };
         (0..self.roles.len()).filter(is_without).map(unknown).collect()
     }
@@ -271,7 +294,7 @@ impl<'a> Reading<'a> {
             }
         };
         let field = if named.aspect == Aspect::Value { named.field } else { return Err(twice(named, title)) };
-        let beside = Companions { deviation, nominal, upper, lower, uncertainty, length: None };
+        let beside = Companions { deviation, nominal, upper, lower, uncertainty, ..Companions::default() };
         Ok(Measurement { field, holds, value, beside })
     }
 

@@ -3,7 +3,7 @@
 use super::{NoShape, Series};
 use crate::deviation::ErrorKind;
 use crate::table::cell::Cell;
-use crate::table::names::{Aspect, Field, Heading, Holds, heading, is_evaluation_length};
+use crate::table::names::{Aspect, Field, Heading, Holds, Role, heading, is_evaluation_length, role};
 use crate::table::want::Want;
 
 /// A column with a known name.
@@ -108,6 +108,14 @@ fn is_known(cell: &Cell, want: &Want) -> bool {
 /// Whether a cell names a value, and not only a part.
 pub(crate) fn names_value(cell: &Cell, want: &Want) -> bool {
     heading(&cell.text(), &want.own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
+}
+
+/// Whether a column is called nominal, a tolerance or a deviation, of whatever part: `P1 Soll`.
+pub(super) fn says_no_part(text: &str) -> bool {
+    let is_none = |text: &str| {
+        matches!(role(text), Some(Role::Nominal | Role::Upper | Role::Lower | Role::Deviation | Role::Uncertainty))
+    };
+    is_none(text) || text.split_whitespace().any(is_none)
 }
 
 pub(super) fn is_part_name(title: &str) -> bool {

@@ -1,6 +1,6 @@
 //! Tables with a name in front of each line, and a value per part behind it.
 
-use super::headings::{Headings, Named, headings, is_part_name, names_value, one_meaning};
+use super::headings::{Headings, Named, headings, is_part_name, names_value, one_meaning, says_no_part};
 use super::{NoShape, Series, Shape, Unknown, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
@@ -23,13 +23,13 @@ pub(super) fn find_labels(records: &[Record], want: &Want) -> Vec<usize> {
 /// A line above labels that calls a column nominal or a tolerance: the values of such a column are no part's.
 pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option<NoShape> {
     let above = &records[..*labels.first()?];
-    let is_none = |cell: &&Cell| {
-        matches!(
-            role(&cell.text()),
-            Some(Role::Nominal | Role::Upper | Role::Lower | Role::Deviation | Role::Uncertainty)
-        )
-    };
-    let heading = above.iter().flat_map(|record| &record.cells).find(is_none)?;
+    let says_all = |cell: &&Cell| says_no_part(&cell.text()) && !cell.text().trim().contains(' ');
+    let says_it = |cell: &&Cell| says_no_part(&cell.text());
+    // a line of names has as many cells as the lines below it
+    let names = above.last().filter(|record| record.cells.len() == records[labels[0]].cells.len());
+    let heading = names
+        .and_then(|names| names.cells.iter().skip(1).find(says_it))
+        .or_else(|| above.iter().flat_map(|record| &record.cells).find(says_all))?;
     Some(NoShape::NoPart { heading: heading.clone() })
 }
 
@@ -69,7 +69,10 @@ pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Res
     });
     for (named, index) in named.into_iter().zip(labels) {
         let Some(mut named) = named else { continue };
-        named.series.fill(behind_label(&records[*index], has_units), named.field.is_angle());
+        let cells = behind_label(&records[*index], has_units);
+        if !named.series.fill(cells, named.field.is_angle()) {
+            return Err(NoShape::Units { record: records[*index].clone() });
+        }
         count = count.max(named.series.cells.len());
         if named.aspect == Aspect::Value {
             lines.push((named.series.cells.len(), *index));
@@ -84,21 +87,24 @@ pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Res
             continue;
         }
         let title = record.cells[0].text();
-        if let Some((field, title)) = value_is_missing(record, want)
-            && shape.measurements.iter().all(|measurement| measurement.field != field)
+        if let Some(named) = without_number(record, count, want)
+            && shape.measurements.iter().all(|measurement| measurement.field != named.field)
         {
-            let series = Series { title, cells: vec![Cell::default(); count], ..Series::default() };
-            shape.take(Named { field, aspect: Aspect::Value, holds: None, series })?;
+            shape.take(named)?;
             continue;
         }
         let cells = behind_label(record, has_units);
         let names_parts = heading(&title, &want.own)
             .filter(|heading| cells.len() == count && heading.fields.first().is_some_and(|field| field.is_index()));
-        match names_parts {
-            Some(heading) if index < labels[0] => {
+        let of_parts = names_parts.map(|heading| heading.fields[0]).or_else(|| {
+            let is_so = title.is_empty() && index + 1 == labels[0] && cells.len() == count && shape.ids.is_none();
+            is_so.then_some(Field::PartId)
+        });
+        match of_parts {
+            Some(field) if index < labels[0] => {
                 let cells = cells.to_vec();
                 let series = Series { title: title.into_owned(), cells, ..Series::default() };
-                shape.take(Named { field: heading.fields[0], aspect: Aspect::Value, holds: None, series })?;
+                shape.take(Named { field, aspect: Aspect::Value, holds: None, series })?;
             }
             _ if record.numbers() > 0 && !record.cells[0].is_measure() && !is_part_name(&title) => {
                 let stands_among = labels.first().is_some_and(|first| *first < index)
@@ -117,23 +123,28 @@ pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Res
     Ok(shape)
 }
 
-/// The field that a line names without a value of it, and the name: `Rack pitch: n/a`.
-fn value_is_missing(record: &Record, want: &Want) -> Option<(Field, String)> {
-    let is_none = |cell: &Cell| !cell.is_number() && (cell.is_missing() || has_digit(&cell.text()));
+/// A field that a line names without a number, and what stands in its place: `Rack pitch: n/a`.
+fn without_number(record: &Record, count: usize, want: &Want) -> Option<Named> {
     let line = record.in_words();
-    // between blanks, the value is the last word of a line that has no number
+    let is_none = |cell: &Cell| !cell.is_number() && (cell.is_missing() || has_digit(&cell.text()));
+    // between blanks, the value is the last word of a line
     let by_words = || {
         let (title, word) = line.trim().rsplit_once([' ', ':', '='])?;
-        let is_label = names_value(&Cell::of_text(title, 0..0), want);
-        is_label.then(|| (title.to_owned(), vec![Cell::of_text(word, 0..0)]))
+        let (name, word) = (Cell::of_text(title, 0..0), Cell::of_text(word, 0..0));
+        (record.numbers() == 0 && is_none(&word) && names_value(&name, want)).then(|| (name, vec![word]))
     };
-    let by_cells = || (record.cells[0].text().trim().to_owned(), record.filled().iter().skip(1).cloned().collect());
-    let (title, values) = if record.numbers() == 0 { by_words().unwrap_or_else(by_cells) } else { by_cells() };
-    let title = title.as_str();
-    let name = Cell::of_text(title, record.cells[0].span.clone());
-    let is_so = !values.is_empty() && values.iter().all(is_none) && !want.ignores(title) && names_value(&name, want);
-    let fields = if is_so { heading(title, &want.own)?.fields } else { return None };
-    Some((one_meaning(&fields, want, &name).ok()?, title.to_owned()))
+    let by_cells = || {
+        let (name, values) = (&record.cells[0], record.filled().get(1..).unwrap_or_default());
+        let says_nothing = values.iter().all(|cell| !cell.is_number());
+        (says_nothing && names_value(name, want)).then(|| (name.clone(), values.to_vec()))
+    };
+    let (name, mut cells) = by_words().or_else(by_cells)?;
+    let title = name.text().into_owned();
+    let heading = if want.ignores(&title) { None } else { heading(&title, &want.own) }?;
+    let field = one_meaning(&heading.fields, want, &name).ok()?;
+    cells.resize(count, Cell::default());
+    let series = Series { title, unit: heading.unit, cells, ..Series::default() };
+    Some(Named { field, aspect: Aspect::Value, holds: heading.holds, series })
 }
 
 /// Whether a text is a unit: `min` behind the name of an angle is no time.
@@ -152,18 +163,26 @@ fn behind_label(record: &Record, has_units: bool) -> &[Cell] {
 }
 
 impl Series {
-    /// The values behind a name: a unit behind a value belongs to it, one before the first to all.
-    fn fill(&mut self, cells: &[Cell], is_angle: bool) {
+    /// The values behind a name: a unit behind a value belongs to it, one before the first to all. Whether each value has
+    /// one unit at most.
+    fn fill(&mut self, cells: &[Cell], is_angle: bool) -> bool {
+        let mut of_all: Option<String> = None;
         for cell in cells {
             let text = cell.text();
             let is_unit = |text: &str| is_unit_of(text, is_angle);
             match self.cells.last_mut() {
                 // 12,5 | µm
+                Some(_) if is_unit(&text) && of_all.as_ref().is_some_and(|unit| unit != bare_unit(&text)) => {
+                    return false;
+                }
                 Some(last) if is_unit(&text) => {
                     let united = format!("{} {}", last.text(), bare_unit(&text));
                     *last = Cell::of_text(&united, last.span.start..cell.span.end);
                 }
-                None if is_unit(&text) && self.unit.is_none() => self.unit = Some(bare_unit(&text).to_owned()),
+                None if is_unit(&text) && self.unit.is_none() => {
+                    of_all = Some(bare_unit(&text).to_owned());
+                    self.unit.clone_from(&of_all);
+                }
                 // what stands behind a number and is none belongs to it: nobody else says what it is
                 Some(last) if !cell.is_number() && !cell.is_missing() && last.is_number() => {
                     let whole = format!("{} {text}", last.text());
@@ -177,6 +196,7 @@ impl Series {
                 _ => self.cells.push(cell.clone()),
             }
         }
+        true
     }
 }
 

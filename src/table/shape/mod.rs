@@ -160,6 +160,7 @@ impl Shape {
             Some(Role::Upper) => &mut beside.upper,
             Some(Role::Lower) => &mut beside.lower,
             Some(Role::Uncertainty) => &mut beside.uncertainty,
+            Some(Role::Unit) => &mut beside.unit,
             _ => return false,
         };
         if slot.is_some() {
@@ -181,6 +182,27 @@ impl Shape {
                 self.unknown.push(Unknown::column(&series.title, series.place, series.cells.clone()));
             }
         }
+    }
+
+    /// Gives a column of units that stands before a value to that value.
+    fn take_units_before(&mut self) {
+        let is_units = |unknown: &Unknown| role(&unknown.title) == Some(Role::Unit);
+        for unknown in self.unknown.iter().filter(|unknown| is_units(unknown)) {
+            let behind =
+                |measurement: &&mut Measurement| unknown.column.is_some_and(|at| at + 1 == measurement.value.place);
+            if let Some(measurement) = self.measurements.iter_mut().find(behind) {
+                let series = Series {
+                    title: unknown.title.clone(),
+                    place: measurement.value.place - 1,
+                    unit: None,
+                    cells: unknown.cells.clone(),
+                };
+                measurement.beside.unit.get_or_insert(series);
+            }
+        }
+        let taken: Vec<usize> =
+            self.measurements.iter().filter_map(|measurement| Some(measurement.beside.unit.as_ref()?.place)).collect();
+        self.unknown.retain(|unknown| unknown.column.is_none_or(|at| !taken.contains(&at)));
     }
 
     /// Takes a column that holds nothing but units as those of the unknown column before it.
@@ -258,6 +280,9 @@ pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Re
             Some(names) => NoShape::NoRows { names: names.in_words() },
             None => NoShape::NoNumbers,
         });
+    }
+    if let Some(header) = header.as_ref().filter(|_| !want.fields.is_empty()) {
+        return Err(NoShape::HasNames { record: records[header.record].clone() });
     }
     if !want.fields.is_empty() {
         return without_names(&without_margin(records, separator), want);

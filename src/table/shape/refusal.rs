@@ -30,6 +30,8 @@ pub(crate) enum NoShape {
     NoPart { heading: Cell },
     /// Two columns of actual values, or of another role that a table of characteristics has once.
     TwoColumns { first: Cell, second: Cell },
+    /// Names in the table, and others told by the user.
+    HasNames { record: Record },
     /// As many rows as columns, and no names: two ways to read it.
     Square,
 }
@@ -87,6 +89,11 @@ impl NoShape {
                 let message =
                     format!("`{}` and `{}` hold the same of each characteristic", first.text(), second.text());
                 located(error(message), source, second.span, "").help("leave one of the columns out of the table")
+            }
+            Self::HasNames { record } => {
+                let message = format!("line {}: the table has names of its own: {}", record.line, record.in_words());
+                located(error(message), source, record.span(), "")
+                    .help("leave out --as, which is for numbers without names, or say in the spec what the columns are")
             }
             Self::Square => {
                 let message =

@@ -4,11 +4,11 @@ use super::headings::{Headings, headings, known, names_value};
 use super::{NoShape, Series, Shape, Unknown, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit};
-use crate::table::names::{heading, is_evaluation_length, split_unit};
+use crate::table::names::{heading, is_context, is_evaluation_length, split_unit};
 use crate::table::want::{Orientation, Want};
 
 pub(super) struct Header {
-    record: usize,
+    pub(super) record: usize,
     /// How many records it takes.
     rows: usize,
     cells: Vec<Cell>,
@@ -33,11 +33,14 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
     const LOOKED_AT: usize = 200;
     let mut best: Option<Header> = None;
     for (index, record) in records.iter().enumerate().take(LOOKED_AT) {
-        if record.numbers() > 0 {
+        // `2. Messung` is no value
+        if record.numbers() > 0 && known(&record.cells, want) < 2.max(record.numbers() + 1) {
             continue;
         }
-        // a unit row, or a line drawn below, may stand between
-        let Some(data) = records[index + 1..].iter().take(3).find(|record| record.numbers() > 0) else { continue };
+        // a unit row, a line drawn below, or rows without a value may stand between
+        let is_near = |(below, other): &(usize, &Record)| *below < 3 || other.cells.len() == record.cells.len();
+        let mut near = records[index + 1..].iter().enumerate().take_while(is_near);
+        let Some((_, data)) = near.find(|(_, record)| record.numbers() > 0) else { continue };
         let cells = match separator {
             Separator::Blanks => grouped(record, data.cells.len(), want),
             _ => Some(record.cells.clone()),
@@ -128,11 +131,13 @@ pub(super) fn by_header(
     let mut shape = Shape::new(Orientation::Rows);
     (shape.header_line, shape.commas) = (Some(records[header.record].line), commas);
     shape.header.clone_from(&header.cells);
-    shape.asides = records[..header.record].iter().filter(|record| !record.says_nothing()).map(aside).collect();
     let below = header.record + header.rows;
     let units = records[below..].iter().position(|record| !record.says_nothing()).map(|offset| below + offset);
     let units = units.filter(|index| is_unit_row(&records[*index]));
     let first = units.map_or(below, |units| units + 1);
+    let before = &records[..header.record];
+    shape.asides = before.iter().filter(|record| !record.says_nothing() && !is_unit_row(record)).map(aside).collect();
+    let units = units.or_else(|| header.record.checked_sub(1).filter(|above| is_unit_row(&records[*above])));
     let end = first + end_of_rows(&records[first..], width, separator);
     let rows: Vec<&Record> = records[first..end].iter().filter(|record| !record.says_nothing()).collect();
     if rows.is_empty() {
@@ -165,6 +170,7 @@ pub(super) fn by_header(
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
         measurement.beside.length.clone_from(&lengths);
     }
+    shape.take_units_before();
     shape.take_units_beside();
     shape.lines = rows.iter().map(|row| row.line).collect();
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
@@ -214,11 +220,10 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
     let Some(last) = end.checked_sub(1) else { return end };
     let is_part = |record: &&Record| {
         let first = record.cells.first().map(Cell::text).unwrap_or_default();
-        let is_name = has_digit(&first) && !first.contains(':');
-        record.cells.len() == width
-            && !record.says_nothing()
-            && !is_unit_row(record)
-            && (record.filled().len() > 1 || is_name)
+        let word = first.split_whitespace().next().unwrap_or_default();
+        let is_name = has_digit(&first) && !first.contains(':') && !is_context(word);
+        let is_whole = record.cells.len() == width && record.filled().len() > 1;
+        !record.says_nothing() && !is_unit_row(record) && (is_whole || is_name)
     };
     let follows = |(above, record): (&Record, &Record)| record.line == above.line + 1;
     let right_below = below[end..]
