@@ -86,11 +86,12 @@ impl Combined {
     /// # Errors
     /// [`QuantityError::Overflow`] if a sum is beyond the largest length.
     pub fn of(terms: &[Term]) -> Result<Self, QuantityError> {
-        let sum = |ends: &mut dyn Iterator<Item = Length>| Length::sum(ends, "the sum of ΔCD");
+        const WHAT: &str = "the sum of ΔCD";
+        let lower = terms.iter().filter(|term| term.kind.always_acts()).map(|term| term.interval().0);
         Ok(Self {
-            range_lower: sum(&mut terms.iter().filter(|term| term.kind.always_acts()).map(|term| term.interval().0))?,
-            range_upper: sum(&mut terms.iter().map(|term| term.interval().1))?,
-            worst_case: sum(&mut terms.iter().map(|term| term.delta_cd.abs()))?,
+            range_lower: Length::sum(lower, WHAT)?,
+            range_upper: Length::sum(terms.iter().map(|term| term.interval().1), WHAT)?,
+            worst_case: Length::sum(terms.iter().map(|term| term.delta_cd.abs()), WHAT)?,
             rss: root_sum_square(terms.iter().map(|term| term.delta_cd)),
         })
     }
