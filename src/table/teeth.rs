@@ -50,17 +50,15 @@ impl RackSpaces {
     /// The spaces of which everything was measured that the table has a column for.
     #[must_use]
     pub fn measured_spaces(&self) -> BTreeSet<i64> {
-        let has = |of: fn(&RackSpace) -> bool| self.rows.iter().any(of);
-        let over_pin = has(|row| row.over_pin.is_some());
-        let position = has(|row| row.position.is_some());
-        let lead = has(|row| row.lead.is_some());
-        let is_whole = |row: &&RackSpace| {
-            (!over_pin || row.over_pin.is_some())
-                && (!position || row.position.is_some())
-                && (!lead || row.lead.is_some())
-        };
-        self.rows.iter().filter(is_whole).map(|row| row.space).collect()
+        let values = |row: &RackSpace| [row.over_pin.is_some(), row.position.is_some(), row.lead.is_some()];
+        whole(&self.rows, values).map(|row| row.space).collect()
     }
+}
+
+/// The rows that have a value in every column in which some row has one; `values` tells where a row has one.
+fn whole<R, const N: usize>(rows: &[R], values: impl Fn(&R) -> [bool; N]) -> impl Iterator<Item = &R> {
+    let has: [bool; N] = std::array::from_fn(|column| rows.iter().any(|row| values(row)[column]));
+    rows.iter().filter(move |row| values(row) == has)
 }
 
 /// One tooth of a pinion and the space after it.
@@ -95,18 +93,12 @@ impl PinionTeeth {
     /// The first of so many teeth of which something was not measured that the table has a column for.
     #[must_use]
     pub fn unmeasured(&self, teeth: i64) -> Option<i64> {
-        let has = |of: fn(&PinionTooth) -> bool| self.rows.iter().any(of);
-        let (radial, position) = (has(|row| row.radial.is_some()), has(|row| row.position.is_some()));
-        let (left, right) = (has(|row| row.left_pitch.is_some()), has(|row| row.right_pitch.is_some()));
-        let lead = has(|row| row.lead.is_some());
-        let is_whole = |row: &PinionTooth| {
-            (!radial || row.radial.is_some())
-                && (!position || row.position.is_some())
-                && (!left || row.left_pitch.is_some())
-                && (!right || row.right_pitch.is_some())
-                && (!lead || row.lead.is_some())
+        let values = |row: &PinionTooth| {
+            let pitches = [row.left_pitch.is_some(), row.right_pitch.is_some()];
+            [row.radial.is_some(), row.position.is_some(), pitches[0], pitches[1], row.lead.is_some()]
         };
-        (0..teeth).find(|tooth| !self.rows.iter().any(|row| row.tooth == *tooth && is_whole(row)))
+        let measured: BTreeSet<i64> = whole(&self.rows, values).map(|row| row.tooth).collect();
+        (0..teeth).find(|tooth| !measured.contains(tooth))
     }
 }
 
