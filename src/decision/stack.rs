@@ -86,13 +86,24 @@ impl Combined {
     /// # Errors
     /// [`QuantityError::Overflow`] if a sum is beyond the largest length.
     pub fn of(terms: &[Term]) -> Result<Self, QuantityError> {
-        const WHAT: &str = "the sum of ΔCD";
-        let lower = terms.iter().filter(|term| term.kind.always_acts()).map(|term| term.interval().0);
+        // one way through the terms: a batch combines those of every row
+        let (mut lower, mut upper, mut magnitudes, mut squares) = (0_i128, 0_i128, 0_i128, 0_u128);
+        for term in terms {
+            let interval = term.interval();
+            if term.kind.always_acts() {
+                lower += i128::from(interval.0.fm());
+            }
+            upper += i128::from(interval.1.fm());
+            let magnitude = term.delta_cd.fm().unsigned_abs();
+            magnitudes += i128::from(magnitude);
+            squares += u128::from(magnitude).pow(2);
+        }
+        let sum = |fm: i128| Length::of_sum(fm, "the sum of ΔCD");
         Ok(Self {
-            range_lower: Length::sum(lower, WHAT)?,
-            range_upper: Length::sum(terms.iter().map(|term| term.interval().1), WHAT)?,
-            worst_case: Length::sum(terms.iter().map(|term| term.delta_cd.abs()), WHAT)?,
-            rss: root_sum_square(terms.iter().map(|term| term.delta_cd)),
+            range_lower: sum(lower)?,
+            range_upper: sum(upper)?,
+            worst_case: sum(magnitudes)?,
+            rss: root(squares),
         })
     }
 
@@ -107,9 +118,8 @@ impl Combined {
     }
 }
 
-/// The root of the sum of squares, to the nearest step of the grid: that of 0.03² + 0.04² is 0.05.
-fn root_sum_square(values: impl Iterator<Item = Length>) -> Length {
-    let squares: u128 = values.map(|value| u128::from(value.fm().unsigned_abs()).pow(2)).sum();
+/// The root of a sum of squares, to the nearest step of the grid: that of 0.03² + 0.04² is 0.05.
+fn root(squares: u128) -> Length {
     // a double is within 1 of the root of what ΔCD are; whole numbers tell which is nearest
     #[expect(
         clippy::cast_precision_loss,

@@ -155,8 +155,12 @@ impl Length {
     /// # Errors
     /// [`QuantityError::Overflow`] naming the sum, `what`.
     pub(crate) fn sum(lengths: impl IntoIterator<Item = Self>, what: &'static str) -> Result<Self, QuantityError> {
-        let sum: i128 = lengths.into_iter().map(|length| i128::from(length.fm)).sum();
-        Self::of_steps(i64::try_from(sum).ok(), what)
+        Self::of_sum(lengths.into_iter().map(|length| i128::from(length.fm)).sum(), what)
+    }
+
+    /// A sum of femtometres as a length; `what` names it where it is beyond the largest one.
+    pub(crate) fn of_sum(fm: i128, what: &'static str) -> Result<Self, QuantityError> {
+        Self::of_steps(i64::try_from(fm).ok(), what)
     }
 
     /// A length of that many femtometres.
