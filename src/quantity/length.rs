@@ -74,7 +74,7 @@ impl LengthUnit {
             Self::Millimetre => &["mm", "\u{339c}"],
             Self::Centimetre => &["cm", "\u{339d}"],
             Self::Metre => &["m"],
-            Self::Inch => &["in", "inch", "inches", "\u{2033}"],
+            Self::Inch => &["in", "inch", "inches", "zoll", "pouce", "pouces", "\u{2033}"],
             Self::Mil => &["mil", "mils", "thou"],
         }
     }

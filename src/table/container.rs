@@ -14,9 +14,9 @@ use super::qdas::{Characteristic, Qdas, QdasTable};
 use super::reading::NotUsed;
 use super::rows::Rows;
 use super::text::{Text, as_io, setup, unreadable};
-use super::understand::{in_words, understand_records};
+use super::understand::{Understood, in_words, understand_records};
 use super::want::{Given, Want};
-use super::workbook::Workbook;
+use super::workbook::{Shown, Workbook};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Decimal, Length, Unit};
@@ -244,6 +244,9 @@ fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics>
         }
         understood = understand_records(&source, &all, want)?;
     }
+    if let Some(refused) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &understood, in_rows)) {
+        return Err(refused.into());
+    }
     let mut table = Table::new(&name, "workbook", &understood, want);
     table.place = Place::SheetRow;
     if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {
@@ -266,6 +269,22 @@ fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics>
         Box::new(together(rows.clone(), records.map(|record| record.map_err(|problem| as_io(&problem)))))
     });
     Ok(table)
+}
+
+/// The refusal of numbers that are shown with another unit than the one they are read in, by their number format.
+fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: bool) -> Option<Diagnostic> {
+    let unit = Unit::from_symbol(&shown.text);
+    if unit.is_none() && !shown.text.contains(['%', '<', '>']) {
+        return None;
+    }
+    let columns = understood.columns.iter().filter(|column| !in_rows || column.place == shown.column);
+    let other = columns.into_iter().find(|column| unit != Some(column.unit))?;
+    let (row, text, read_in) = (shown.row, &shown.text, other.unit.symbol());
+    let message = format!(
+        "{name}, row {row}: numbers of `{}` are shown with `{text}` by their format, and would be read in {read_in}",
+        other.title
+    );
+    Some(Diagnostic::error(Code::BadTable, message).help("let the number format and the heading say the same unit"))
 }
 
 fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {

@@ -1,9 +1,10 @@
-//! Which rows and columns of a sheet hold values that nobody sees. Found in the XML of the sheets while they are
+//! Which rows and columns of a sheet hold values that nobody sees, and how its numbers are formatted. Found in the XML of the sheets while they are
 //! unpacked to be counted; nothing here opens a file.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
 
+use super::format::Shown;
 use super::range::{CellRange, corner};
 
 /// The hidden rows and columns of a sheet that hold values, from 0.
@@ -11,6 +12,8 @@ use super::range::{CellRange, corner};
 pub(super) struct Hidden {
     rows: BTreeSet<u32>,
     columns: BTreeSet<u32>,
+    /// The first row, from 1, of the numbers of a style in a column.
+    styles: BTreeMap<(u32, u32), u32>,
 }
 
 impl Hidden {
@@ -25,16 +28,30 @@ impl Hidden {
     }
 }
 
+impl Hidden {
+    /// What its numbers in a range are shown with; columns count from the range's first.
+    pub(super) fn shown(&self, by_style: &HashMap<u32, String>, range: CellRange) -> Vec<Shown> {
+        let in_range =
+            self.styles.iter().filter(|((_, column), row)| range.has_column(*column) && range.has_row(row.saturating_sub(1)));
+        in_range
+            .filter_map(|((style, column), row)| {
+                let text = by_style.get(style)?.clone();
+                Some(Shown { column: (column - range.columns.0) as usize, row: *row, text })
+            })
+            .collect()
+    }
+}
+
 /// The tags of XML that comes in pieces.
 #[derive(Default)]
-struct Tags {
+pub(super) struct Tags {
     /// What follows a `<`, without its `>`.
     open: Option<Vec<u8>>,
 }
 
 impl Tags {
     /// Calls `take` with each tag that ends in `piece`, without its angle brackets.
-    fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str)) {
+    pub(super) fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str)) {
         /// A longer one is none that is looked for.
         const LONGEST: usize = 4096;
         while !piece.is_empty() {
@@ -58,7 +75,7 @@ impl Tags {
 }
 
 /// The name of a tag, without its prefix.
-fn name(tag: &str) -> &str {
+pub(super) fn name(tag: &str) -> &str {
     let end = tag.find(|c: char| c.is_ascii_whitespace() || c == '/').unwrap_or(tag.len());
     without_prefix(&tag[..end])
 }
@@ -68,7 +85,7 @@ fn without_prefix(name: &str) -> &str {
 }
 
 /// The value of an attribute of a tag, as it is written; a prefix of its name does not matter.
-fn attribute<'t>(tag: &'t str, wanted: &str) -> Option<&'t str> {
+pub(super) fn attribute<'t>(tag: &'t str, wanted: &str) -> Option<&'t str> {
     let (_, mut rest) = tag.split_once(|c: char| c.is_ascii_whitespace())?;
     loop {
         let (name, value) = rest.split_once('=')?;
@@ -139,9 +156,18 @@ impl Place {
                 self.row_is_hidden = is_hidden(tag);
                 self.column = 0;
             }
-            "c" if !self.hidden_columns.is_empty() => {
+            "c" => {
+                let style = attribute(tag, "s").and_then(|style| style.parse().ok()).filter(|style| *style > 0);
+                let is_number = matches!(attribute(tag, "t"), None | Some("n"));
+                if self.hidden_columns.is_empty() && style.is_none() {
+                    self.column = self.column.saturating_add(1);
+                    return;
+                }
                 let written = attribute(tag, "r").and_then(corner).and_then(|(column, _)| column);
-                self.column = written.unwrap_or(self.column) + 1;
+                self.column = written.unwrap_or(self.column).saturating_add(1);
+                if let Some(style) = style.filter(|_| is_number && !tag.ends_with('/')) {
+                    self.hidden.styles.entry((style, self.column - 1)).or_insert(self.row);
+                }
             }
             // what a cell holds
             "v" | "is" if !tag.ends_with('/') => {

@@ -6,9 +6,11 @@
 //! A workbook is unpacked once to count its bytes before anything is parsed, so that a small file that unpacks to a
 //! huge one is refused.
 
+mod format;
 mod hidden;
 mod range;
 
+pub(crate) use format::Shown;
 pub use range::CellRange;
 
 use std::collections::HashMap;
@@ -19,6 +21,7 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
+use format::shown_by_style;
 use hidden::{Hidden, SheetXml, sheet_parts};
 
 /// Bytes of a sheet at most: a full one, a million rows of twenty columns.
@@ -34,6 +37,8 @@ pub struct Workbook {
     book: Book,
     /// What each sheet hides, in their order; none where that cannot be known.
     hidden: Vec<Option<Hidden>>,
+    /// What styles show beside numbers.
+    shown: HashMap<u32, String>,
 }
 
 /// The rows of a sheet as they stand.
@@ -42,6 +47,8 @@ pub(crate) struct SheetRecords {
     pub(crate) name: String,
     /// What is hidden in the range and holds values all the same; `None` if that cannot be known.
     pub(crate) hidden: Option<HiddenCount>,
+    /// What numbers of the range are shown with.
+    pub(crate) shown: Vec<Shown>,
     /// Each row that is not empty, the first one first; a row ends with its last cell that is not empty.
     pub(crate) records: Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>,
 }
@@ -61,9 +68,9 @@ impl Workbook {
     /// # Errors
     /// If it is no workbook, or unpacks to more than any sheet holds.
     pub fn open(name: &str, bytes: Vec<u8>) -> Result<Self, Diagnostic> {
-        let hidden = check(name, &bytes)?;
+        let Checked { hidden, shown } = check(name, &bytes)?;
         let book = Xlsx::new(Cursor::new(bytes)).map_err(|error| no_workbook(name, &error))?;
-        Ok(Self { name: name.to_owned(), book, hidden })
+        Ok(Self { name: name.to_owned(), book, hidden, shown })
     }
 
     /// The names of its sheets.
@@ -109,6 +116,7 @@ impl Workbook {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
         let hidden = self.hidden_count(sheet, range);
+        let shown = self.hidden_of(sheet).map_or_else(Vec::new, |hidden| hidden.shown(&self.shown, range));
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
@@ -118,12 +126,16 @@ impl Workbook {
                 let _ = sender.send(Err(unreadable(&place, &problem)));
             }
         });
-        SheetRecords { name, hidden, records: Box::new(receiver.into_iter()) }
+        SheetRecords { name, hidden, shown, records: Box::new(receiver.into_iter()) }
+    }
+
+    fn hidden_of(&self, sheet: &str) -> Option<&Hidden> {
+        let index = self.sheets().iter().position(|name| name == sheet)?;
+        self.hidden.get(index)?.as_ref()
     }
 
     fn hidden_count(&self, sheet: &str, range: CellRange) -> Option<HiddenCount> {
-        let index = self.sheets().iter().position(|name| name == sheet)?;
-        let hidden = self.hidden.get(index)?.as_ref()?;
+        let hidden = self.hidden_of(sheet)?;
         Some(HiddenCount { rows: hidden.rows_in(range), columns: hidden.columns_in(range) })
     }
 }
@@ -218,12 +230,19 @@ fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
     unreadable(name, &format!("it is no Excel workbook ({error})"))
 }
 
-/// Unpacks every part that will be read, counting bytes and keeping hardly any: only what the sheets hide, in their
-/// order.
-fn check(name: &str, bytes: &[u8]) -> Result<Vec<Option<Hidden>>, Diagnostic> {
+/// What is found while a workbook is unpacked.
+struct Checked {
+    /// What each sheet hides, in their order; none where that cannot be known.
+    hidden: Vec<Option<Hidden>>,
+    /// What styles show beside numbers.
+    shown: HashMap<u32, String>,
+}
+
+/// Unpacks every part that will be read, counting bytes and keeping hardly any.
+fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
-    let (mut workbook, mut relations) = (Vec::new(), Vec::new());
+    let (mut workbook, mut relations, mut styles) = (Vec::new(), Vec::new(), Vec::new());
     let mut hidden: HashMap<String, Hidden> = HashMap::new();
     let mut other = 0;
     for index in 0..archive.len() {
@@ -239,6 +258,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Vec<Option<Hidden>>, Diagnostic> {
         let into: &mut dyn io::Write = match part.as_str() {
             "xl/workbook.xml" => &mut workbook,
             "xl/_rels/workbook.xml.rels" => &mut relations,
+            "xl/styles.xml" => &mut styles,
             _ if is_sheet => &mut sheet,
             _ => &mut io::sink(),
         };
@@ -252,7 +272,8 @@ fn check(name: &str, bytes: &[u8]) -> Result<Vec<Option<Hidden>>, Diagnostic> {
             other += size;
         }
     }
-    Ok(sheet_parts(&workbook, &relations).iter().map(|part| hidden.get(part).cloned()).collect())
+    let hidden = sheet_parts(&workbook, &relations).iter().map(|part| hidden.get(part).cloned()).collect();
+    Ok(Checked { hidden, shown: shown_by_style(&styles) })
 }
 
 #[cfg(test)]
