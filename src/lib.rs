@@ -18,6 +18,7 @@
 //! | [`mesh`] | ΔCD along the stroke: the exact zero-backlash mesh of every tooth's own deviations |
 //! | [`multibody`] | elastic contact simulated: equilibrium along the stroke, motion in time |
 //! | [`reproduction`] | the paper's tables and figure, computed again |
+//! | [`judge`] | bounds of ΔCD for errors with extents |
 //! | [`decision`] | errors combined, and judged against limits |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
 #![cfg_attr(feature = "table", doc = "| [`table`] | tables of measured values |")]
@@ -73,6 +74,7 @@ pub mod deviation;
 pub mod diagnostic;
 pub mod formula;
 pub mod gear;
+pub mod judge;
 mod linear;
 pub mod mesh;
 pub mod multibody;

@@ -1,0 +1,177 @@
+//! An error with its extent and the gear data that its effect follows from. Made by whoever reads errors, read by the
+//! bound; computes no range.
+
+use super::{Extent, Unit};
+use crate::deviation::{ErrorKind, ErrorValue, Part};
+use crate::formula::{Law, Model};
+use crate::gear::Pair;
+use crate::trig;
+
+/// An error that may be on any teeth that its extent allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExtendedError {
+    pub(super) effect: Effect,
+    pub(super) extent: Extent,
+}
+
+/// What an error does, in mm and rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Effect {
+    /// Both flanks of a space stand out so that the space sits higher by this.
+    Size { part: Part, value: f64 },
+    /// A step from tooth to tooth; moves ΔCD by `gain` times the step.
+    Pitch { part: Part, value: f64, gain: f64, teeth: Option<u32>, cap: Option<f64> },
+    /// The rack's tooth lines turn by this.
+    RackLead { value: f64, rack: RackLines },
+    /// The pinion's helices turn; over the whole face that is this ΔCD.
+    PinionLead { value: f64 },
+}
+
+/// The gear data behind a lead error of the rack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RackLines {
+    pub(super) tan_alpha: f64,
+    pub(super) helix: f64,
+    pub(super) face_width: f64,
+}
+
+/// Why a value and an extent make no error.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ErrorInputError {
+    /// Only pitches accumulate.
+    #[error("only a pitch has a total cumulative deviation")]
+    NoTotal,
+    /// An angle where a length belongs, or a length where an angle does.
+    #[error("the value is a length where an angle belongs, or an angle where a length does")]
+    WrongDimension,
+    /// A value that is not finite, or a lead of 45° and more.
+    #[error("{value} is no error that a bound can be given for")]
+    OutOfDomain {
+        /// The value, mm or rad.
+        value: f64,
+    },
+}
+
+/// Largest lead, rad, and longest deviation, mm.
+const LARGEST_LEAD: f64 = std::f64::consts::FRAC_PI_4;
+const LONGEST: f64 = 1e6;
+
+impl ExtendedError {
+    /// An error of one of the five kinds with a [`Law`]. Signed if it is measured; of a tolerance
+    /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
+    ///
+    /// # Errors
+    /// [`ErrorInputError`] if value and law or extent do not fit.
+    pub fn new(law: Law, value: impl Into<ErrorValue>, extent: Extent) -> Result<Self, ErrorInputError> {
+        let value = value.into();
+        let effect = match (law.kind(), law.geometry(), value) {
+            (ErrorKind::RackOverRoller, _, ErrorValue::Length(value)) => {
+                Effect::Size { part: Part::Rack, value: value.mm() }
+            }
+            (ErrorKind::PinionRadial, _, ErrorValue::Length(value)) => {
+                Effect::Size { part: Part::Pinion, value: value.mm() }
+            }
+            (ErrorKind::RackPitch | ErrorKind::PinionPitch, _, ErrorValue::Length(value)) => {
+                let part = if law.kind() == ErrorKind::RackPitch { Part::Rack } else { Part::Pinion };
+                Effect::Pitch { part, value: value.mm(), gain: law.slope(1.0, Model::Exact), teeth: None, cap: None }
+            }
+            (ErrorKind::RackLead, Some(gear), ErrorValue::Angle(_) | ErrorValue::Slope(_)) => {
+                let value = match value {
+                    ErrorValue::Angle(angle) => angle.radians(),
+                    ErrorValue::Slope(slope) => trig::atan(slope),
+                    ErrorValue::Length(_) => return Err(ErrorInputError::WrongDimension),
+                };
+                let rack = RackLines {
+                    tan_alpha: trig::tan_of(gear.pressure_angle),
+                    helix: gear.helix_angle.radians(),
+                    face_width: gear.face_width.map_or(0.0, |width| width.mm()),
+                };
+                Effect::RackLead { value, rack }
+            }
+            _ => return Err(ErrorInputError::WrongDimension),
+        };
+        Self { effect, extent }.checked()
+    }
+
+    /// A helix slope deviation f_Hβ of the pinion over its face width b:
+    /// ΔCD = f_Hβ cos β_b / (2 sin α_n), sin β_b = sin β_p cos α_n.
+    ///
+    /// # Errors
+    /// [`ErrorInputError`] as [`ExtendedError::new`].
+    pub fn pinion_lead(
+        deviation_mm: f64,
+        normal_pressure_angle_rad: f64,
+        pinion_helix_angle_rad: f64,
+        extent: Extent,
+    ) -> Result<Self, ErrorInputError> {
+        let (sin_n, cos_n) = trig::sin_cos(normal_pressure_angle_rad);
+        let sin_b = trig::sin(pinion_helix_angle_rad) * cos_n;
+        let value = deviation_mm * (1.0 - sin_b * sin_b).sqrt() / (2.0 * sin_n);
+        Self { effect: Effect::PinionLead { value }, extent }.checked()
+    }
+
+    /// The same pitch tolerance of every pitch, with the total cumulative deviation F_p of either flank side known.
+    #[must_use]
+    pub fn within_total(mut self, total_mm: f64) -> Self {
+        if let Effect::Pitch { cap, .. } = &mut self.effect {
+            *cap = Some(total_mm.abs());
+        }
+        self
+    }
+
+    /// The same error of a pinion with so many teeth: a total cumulative deviation is measured from the mean of the turn.
+    #[must_use]
+    pub fn of_teeth(mut self, count: u32) -> Self {
+        if let Effect::Pitch { part: Part::Pinion, teeth, .. } = &mut self.effect {
+            *teeth = Some(count);
+        }
+        self
+    }
+
+    fn checked(self) -> Result<Self, ErrorInputError> {
+        if self.extent == Extent::Total && !matches!(self.effect, Effect::Pitch { .. }) {
+            return Err(ErrorInputError::NoTotal);
+        }
+        let (value, largest) = match self.effect {
+            Effect::Size { value, .. } | Effect::Pitch { value, .. } | Effect::PinionLead { value } => (value, LONGEST),
+            Effect::RackLead { value, rack } => {
+                (value, LARGEST_LEAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
+            }
+        };
+        if value.abs() < largest { Ok(self) } else { Err(ErrorInputError::OutOfDomain { value }) }
+    }
+
+    /// How far it extends.
+    #[must_use]
+    pub const fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// What its extent counts.
+    #[must_use]
+    pub const fn unit(&self) -> Unit {
+        match self.effect {
+            Effect::Size { .. } => Unit::Space,
+            Effect::Pitch { .. } => Unit::Pitch,
+            Effect::RackLead { .. } | Effect::PinionLead { .. } => Unit::Tooth,
+        }
+    }
+
+    /// The extent that a measured value of a kind has where nobody says.
+    #[must_use]
+    pub const fn usual_extent(kind: ErrorKind) -> Extent {
+        match kind {
+            ErrorKind::RackOverRoller | ErrorKind::RackLead => Extent::All,
+            ErrorKind::RackPitch | ErrorKind::PinionRadial | ErrorKind::PinionPitch => Extent::One,
+        }
+    }
+}
+
+/// The helix angle deviation at the reference cylinder, rad, that a helix slope deviation f_Hβ over the face width is.
+#[must_use]
+pub fn pinion_lead_angle_rad(pair: &Pair, deviation_mm: f64) -> f64 {
+    let pinion = pair.pinion();
+    let slope = deviation_mm / (pinion.face_width_mm * trig::cos(pinion.transverse_pressure_angle_rad));
+    trig::atan(trig::tan(pinion.helix_angle_rad) + slope) - pinion.helix_angle_rad
+}

@@ -1,0 +1,118 @@
+//! How far an error extends: over one tooth, a run of teeth, or all of them. Written by users, read by the bound.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// On which teeth an error is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Extent {
+    /// One space, one step between teeth, or one tooth; which one is not known.
+    One,
+    /// A run of successive spaces, pitches or teeth.
+    Part,
+    /// Every one, with the same value.
+    All,
+    /// Every one, each with a value of its own, of either sign, within ± the value.
+    Each,
+    /// Of a pitch: the total cumulative deviation F_p of either flank side, which deviate independently.
+    Total,
+}
+
+/// What is counted: the words for an extent name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unit {
+    /// A space between teeth, for sizes.
+    Space,
+    /// A step from tooth to tooth, for pitches.
+    Pitch,
+    /// A tooth, for leads.
+    Tooth,
+}
+
+/// A text that names no extent.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is not an extent; write `one`, `part`, `all`, `each` or `total`")]
+pub struct UnknownExtent {
+    /// What was written.
+    pub text: String,
+}
+
+impl Extent {
+    /// Every extent.
+    pub const EVERY: [Self; 5] = [Self::One, Self::Part, Self::All, Self::Each, Self::Total];
+
+    /// `one`, `part`, `all`, `each` or `total`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::One => "one",
+            Self::Part => "part",
+            Self::All => "all",
+            Self::Each => "each",
+            Self::Total => "total",
+        }
+    }
+
+    /// In words: `one space`, `every pitch, any sign`. Where pitches add up, `in_contact` says how many at most.
+    #[must_use]
+    pub fn words(self, unit: Unit, in_contact: Option<u32>) -> String {
+        let unit = match unit {
+            Unit::Space => "space",
+            Unit::Pitch => "pitch",
+            Unit::Tooth => "tooth",
+        };
+        let mut words = match self {
+            Self::One => format!("one {unit}"),
+            Self::Part => format!("a run of {}", if unit == "tooth" { "teeth".to_owned() } else { plural(unit) }),
+            Self::All => format!("every {unit}"),
+            Self::Each => format!("every {unit}, any sign"),
+            Self::Total => "in total, either flank side".to_owned(),
+        };
+        if let Some(count) = in_contact.filter(|&count| count > 1 && matches!(self, Self::Part | Self::All | Self::Each)) {
+            words.push_str(&format!(", up to {count} in contact"));
+        }
+        words
+    }
+}
+
+fn plural(unit: &str) -> String {
+    format!("{unit}{}", if unit == "pitch" { "es" } else { "s" })
+}
+
+impl fmt::Display for Extent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Extent {
+    type Err = UnknownExtent;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let known = Self::EVERY.into_iter().find(|extent| extent.name() == text.trim());
+        known.ok_or_else(|| UnknownExtent { text: text.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extents_are_read_as_they_are_named() {
+        for extent in Extent::EVERY {
+            assert_eq!(extent.name().parse(), Ok(extent));
+        }
+        assert_eq!("some".parse::<Extent>(), Err(UnknownExtent { text: "some".to_owned() }));
+    }
+
+    #[test]
+    fn extents_in_words() {
+        assert_eq!(Extent::One.words(Unit::Space, None), "one space");
+        assert_eq!(Extent::One.words(Unit::Pitch, Some(3)), "one pitch");
+        assert_eq!(Extent::All.words(Unit::Pitch, Some(3)), "every pitch, up to 3 in contact");
+        assert_eq!(Extent::Each.words(Unit::Tooth, None), "every tooth, any sign");
+        assert_eq!(Extent::Part.words(Unit::Tooth, None), "a run of teeth");
+        assert_eq!(Extent::Part.words(Unit::Pitch, None), "a run of pitches");
+    }
+}

@@ -1,0 +1,103 @@
+#![doc = include_str!("bound.md")]
+//!
+//! Called by whoever judges errors whose teeth are not known. [`ExtendedError`] is an error with its [`Extent`],
+//! [`Knowledge`] what is known of the pair ([`KnownPair`] if it is its geometry), [`bound`] gives a [`Bound`]. It must not
+//! know files, limits or reports.
+
+mod error;
+mod extent;
+mod known;
+mod lead;
+mod moments;
+mod pitch;
+mod profile;
+mod sum;
+#[cfg(test)]
+mod tests;
+
+pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
+pub use extent::{Extent, Unit, UnknownExtent};
+pub use known::{ContactPath, GivenPair, KnownPair, KnownPairError};
+pub use moments::{Moments, moments};
+pub use sum::{Bound, bound, reach_mm};
+
+/// A range of ΔCD in mm. Computed in f64 to about 1e-12 mm; whoever puts it on a grid rounds `lower` down and `upper` up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// The lower end.
+    pub lower: f64,
+    /// The upper end.
+    pub upper: f64,
+}
+
+/// What one error can do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorRange {
+    /// The lowest ΔCD that it can add to other errors.
+    pub raw_lower_mm: f64,
+    /// The lowest ΔCD of this error alone.
+    pub lower_mm: f64,
+    /// The highest ΔCD, alone and together with others.
+    pub upper_mm: f64,
+}
+
+/// What is known of the pair's geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Geometry<'a> {
+    /// Nothing but what the errors' own laws need.
+    #[default]
+    Unknown,
+    /// Somebody states that a tooth of the rack, and one of the pinion, always carries with both flanks:
+    /// ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|.
+    BothFlanks,
+    /// All of it.
+    Known(&'a KnownPair),
+}
+
+/// What is known beside the errors.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Knowledge<'a> {
+    /// The geometry.
+    pub geometry: Geometry<'a>,
+    /// Whether the rack is free to roll; of a known pair its support says so.
+    pub rolls: bool,
+    /// Normal module, if it is known without the geometry, mm.
+    pub normal_module_mm: Option<f64>,
+}
+
+impl Knowledge<'_> {
+    fn rolls(&self) -> bool {
+        match self.geometry {
+            Geometry::Known(known) => known.given.rolls(),
+            Geometry::Unknown | Geometry::BothFlanks => self.rolls,
+        }
+    }
+}
+
+/// Why there is no finite bound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
+#[non_exhaustive]
+pub enum Open {
+    /// Pitches add up over the teeth in contact, and how many those are is not known.
+    #[error("errors of many pitches add up over the teeth in contact: the pair's geometry is missing")]
+    TeethInContactUnknown,
+    /// The errors are larger than those that the known pair was made for.
+    #[error("the errors are larger than what the pair's geometry was prepared for")]
+    BeyondReach,
+}
+
+/// What a bound rests on, and what would narrow it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Note {
+    /// The pair's geometry would narrow the range.
+    GeometryNarrows,
+    /// So would the statement that both flanks of a tooth always carry.
+    BothFlanksNarrows,
+    /// The pair without errors is taken to have ΔCD = 0: undercut or a contact ratio below 1 are not known.
+    OwnCurveUnknown,
+    /// Flanks are taken to touch within this height over and under the reference plane, mm.
+    AssumedHeight(f64),
+    /// Pitch errors of every tooth are taken as shifts of whole teeth, whose thickness stays.
+    WholeTeeth,
+}

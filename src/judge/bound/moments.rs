@@ -1,0 +1,55 @@
+//! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
+
+use super::error::Effect;
+use super::{ErrorRange, Extent, ExtendedError, Geometry, Knowledge};
+use crate::deviation::Part;
+
+/// Mean and standard deviation of ΔCD, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moments {
+    /// Mean.
+    pub mean_mm: f64,
+    /// Standard deviation.
+    pub deviation_mm: f64,
+}
+
+/// Of a normal x whose tolerance is 3σ, |x| has this mean and this standard deviation, as shares of the tolerance:
+/// √(2/π)/3 and √(1 − 2/π)/3.
+const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
+const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
+
+/// Mean and spread of one error, whose range is `range`, at any one stroke. A tolerance is 3σ of a normal distribution.
+/// A measured size or lead acts with its value; a measured step acts during its share of the stroke, or always if the
+/// geometry is not known.
+#[must_use]
+pub fn moments(error: &ExtendedError, range: &ErrorRange, knowledge: &Knowledge) -> Moments {
+    let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
+    let folded =
+        |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
+    match (error.effect, error.extent) {
+        (Effect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
+        (Effect::Size { value, .. }, _) => fixed(value),
+        (Effect::Pitch { .. }, Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range.upper_mm / 3.0 },
+        (Effect::Pitch { value, gain, .. }, Extent::Each) => folded(gain * value.abs()),
+        (Effect::Pitch { part, value, gain, .. }, Extent::One) => {
+            let share = share_of_stroke(part, value, knowledge);
+            let step = gain * value.abs();
+            Moments { mean_mm: step * share, deviation_mm: step * (share * (1.0 - share)).sqrt() }
+        }
+        // between the least and the most of what adds up
+        (Effect::Pitch { .. }, _) => fixed(0.5 * (range.lower_mm + range.upper_mm)),
+        (Effect::RackLead { .. } | Effect::PinionLead { .. }, Extent::Each) => folded(range.upper_mm),
+        (Effect::RackLead { .. } | Effect::PinionLead { .. }, _) => fixed(range.upper_mm),
+    }
+}
+
+/// The pitches of stroke during which a step acts, at most one.
+fn share_of_stroke(part: Part, value: f64, knowledge: &Knowledge) -> f64 {
+    let Geometry::Known(known) = knowledge.geometry else { return 1.0 };
+    let path = known.nominal_path();
+    let offset = match part {
+        Part::Rack => 2.0 * path.offset * value.signum(),
+        Part::Pinion => (1.0 - 2.0 * path.offset) * value.signum(),
+    };
+    (path.ratio - offset - 1.0).clamp(0.0, 1.0)
+}

@@ -1,0 +1,150 @@
+//! What one flank pair asks for where its contact line lies beyond its flanks: at the pinion's tip, at the start of the
+//! involute, at the rack's tip edge. Used to lengthen a path of contact and to bound what undercut lifts; knows no face
+//! width, which only takes points of contact away.
+//!
+//! A flank pair whose contact line would lie at the roll angle t asks for ν(t) more than that line:
+//!
+//! ```text
+//! ν(t) = max over δ of min(A, B),     τ = t + δ between the involute's start and the tip
+//! A = r_b/sin α_t · (δ − sin δ − τ (1 − cos δ))                      by the rack's flank
+//! B = h − a + r_b (cos(α_t + δ) + τ sin(α_t + δ))                     by the rack's tip plane
+//! ```
+
+use crate::gear::Pair;
+use crate::trig;
+
+/// The profiles of a pair at a centre distance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Profile {
+    base_radius: f64,
+    alpha_t: f64,
+    start_roll: f64,
+    tip_roll: f64,
+    /// Rack addendum less centre distance, mm.
+    tip_plane: f64,
+}
+
+/// Roll angles are searched this far beyond a flank's ends, rad: at more its neighbours carry.
+const FAR: f64 = 1.0;
+/// Halvings of a search: to rounding.
+const HALVINGS: u32 = 60;
+
+impl Profile {
+    /// Of a pair at a centre distance, or as much below it as the rack's teeth stand out more by `deeper_mm`.
+    pub(super) fn new(pair: &Pair, center_distance_mm: f64, deeper_mm: f64) -> Self {
+        let pinion = pair.pinion();
+        Self {
+            base_radius: pinion.base_radius_mm,
+            alpha_t: pinion.transverse_pressure_angle_rad,
+            start_roll: pinion.start_roll_rad,
+            tip_roll: pinion.tip_roll_rad,
+            tip_plane: pair.rack().addendum_mm + deeper_mm - center_distance_mm,
+        }
+    }
+
+    fn by_flank(&self, roll: f64, delta: f64) -> f64 {
+        let (sin, cos) = trig::sin_cos(delta);
+        self.base_radius / trig::sin(self.alpha_t) * (delta - sin - roll * (1.0 - cos))
+    }
+
+    fn by_tip(&self, roll: f64, delta: f64) -> f64 {
+        let (sin, cos) = trig::sin_cos(self.alpha_t + delta);
+        self.tip_plane + self.base_radius * (cos + roll * sin)
+    }
+
+    /// ν: what the flank pair asks for beyond its contact line at the roll angle t. Past the generator nearest to the
+    /// line, A falls and B rises, so that the best one is where they meet.
+    pub(super) fn beyond_line(&self, t: f64) -> f64 {
+        let first = 0.0_f64.clamp(self.start_roll - t, self.tip_roll - t);
+        let last = (self.tip_roll - t).min(1.0);
+        let ends = |delta: f64| (self.by_flank(t + delta, delta), self.by_tip(t + delta, delta));
+        let (flank, tip) = ends(first);
+        if tip >= flank || last <= first {
+            return flank.min(tip);
+        }
+        let (mut low, mut high) = (first, last);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let (flank, tip) = ends(middle);
+            if tip >= flank {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        // the larger of both at either end: never too little
+        ends(low).0.min(ends(high).1)
+    }
+
+    /// The lowest roll angle of the contact line: the involute's start or the rack's tip edge.
+    pub(super) fn lowest_line(&self) -> f64 {
+        let (sin, cos) = trig::sin_cos(self.alpha_t);
+        let rack_tip = (-self.tip_plane / self.base_radius - cos) / sin;
+        rack_tip.max(self.start_roll)
+    }
+
+    /// The roll angle at which ν is largest, and that ν: above 0 where the rack reaches below the base circle. It is
+    /// largest at the involute's start, where the flank and the tip plane ask for the same: a higher point of the
+    /// involute loses more by A than it gains by B.
+    pub(super) fn largest_excess(&self) -> Excess {
+        let flank = |delta: f64| self.by_flank(self.start_roll, delta).max(0.0);
+        let reaches = |delta: f64| self.by_tip(self.start_roll, delta) >= flank(delta);
+        if !reaches(0.0) {
+            return Excess { roll: self.lowest_line(), value: 0.0 };
+        }
+        let (mut low, mut high) = (0.0, FAR);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if reaches(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        if flank(high) > 0.0 {
+            Excess { roll: self.start_roll - high, value: flank(high) }
+        } else {
+            Excess { roll: self.lowest_line(), value: 0.0 }
+        }
+    }
+
+    /// The roll angles of contact lines at which a flank pair still carries that stands out by `error` mm more than its
+    /// neighbours: ν ≥ −error.
+    pub(super) fn carrying(&self, error: f64) -> Rolls {
+        let carries = |t: f64| self.beyond_line(t) >= -error;
+        let end = |inside: f64, outside: f64| {
+            let (mut inside, mut outside) = (inside, outside);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (inside + outside);
+                if carries(middle) {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            outside
+        };
+        let lowest = self.largest_excess().roll;
+        Rolls { low: end(lowest, lowest - FAR), high: end(self.tip_roll, self.tip_roll + FAR) }
+    }
+
+    /// How far a point of contact lies from the contact line at most when the pair carries so, mm.
+    pub(super) fn off_line(&self, error: f64) -> f64 {
+        let scale = self.base_radius / trig::sin(self.alpha_t);
+        self.base_radius * (2.0 * error * self.tip_roll.max(0.1) / scale).sqrt()
+    }
+}
+
+/// The largest of what a flank pair asks for beyond its contact line.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Excess {
+    pub(super) roll: f64,
+    pub(super) value: f64,
+}
+
+/// Roll angles from one to another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rolls {
+    pub(super) low: f64,
+    pub(super) high: f64,
+}

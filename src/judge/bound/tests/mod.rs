@@ -1,0 +1,4 @@
+//! The bound against closed forms and against the exact mesh.
+
+mod property;
+mod random;

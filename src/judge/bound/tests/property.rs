@@ -1,0 +1,121 @@
+//! Errors on random teeth through the exact mesh: never outside their bound.
+
+use super::random::{self, Drawn, Placed, Random};
+use crate::gear::Pair;
+use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Range, bound, reach_mm};
+use crate::mesh::{Ending, Mesh, Sampler, Support};
+use crate::parallel;
+
+/// What the mesh may leave a bound by, mm.
+const TOLERANCE_MM: f64 = 1e-9;
+/// Pairs of the default run, and of the long one.
+const PAIRS: usize = 2_000;
+const LONG: usize = 100_000;
+/// One pair in so many has a rack that may roll.
+const ROLLING: u64 = 40;
+
+/// The lowest and highest ΔCD that the mesh has over the strokes on which placed teeth carry.
+pub(super) fn extremes(mesh: &Mesh, per_pitch: u32) -> Option<Range> {
+    let pitch = mesh.pair().rack().pitch_mm;
+    let mut sampler = Sampler::new(mesh);
+    let mut at = |stroke: f64| {
+        let point = sampler.at(stroke * pitch).ok()?;
+        (matches!(point.ending, Ending::Converged | Ending::BracketExhausted) && point.residual_mm.abs() < 1e-10)
+            .then_some(point.delta_cd_mm)
+    };
+    let count = 7 * per_pitch;
+    let step = 1.0 / f64::from(per_pitch);
+    let stroke = |index: u32| -1.5 + step * (f64::from(index) + 0.377);
+    let values: Vec<Option<f64>> = (0..count).map(|index| at(stroke(index))).collect();
+    let mut found = Range { lower: f64::INFINITY, upper: f64::NEG_INFINITY };
+    for sign in [-1.0, 1.0] {
+        let best = (0..count).filter_map(|index| Some((index, sign * values[index as usize]?)));
+        let (index, mut value) = best.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+        let (mut low, mut high) = (stroke(index) - step, stroke(index) + step);
+        for _ in 0..12 {
+            let inner = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+            let [a, b] = inner.map(|stroke| at(stroke).map_or(f64::NEG_INFINITY, |found| sign * found));
+            value = value.max(a).max(b);
+            if a > b { high = inner[1] } else { low = inner[0] }
+        }
+        if sign > 0.0 { found.upper = value } else { found.lower = -value }
+    }
+    Some(found)
+}
+
+/// A pair and errors.
+struct Case {
+    pair: Pair,
+    support: Support,
+    drawn: Vec<Drawn>,
+}
+
+fn case(random: &mut Random, rolls: bool) -> Case {
+    let pair = random::pair(random);
+    let support = if rolls { Support::FreeRoll { axis_depth_mm: random.range(2.0, 12.0) } } else { Support::Fixed };
+    let count = 1 + random.below(4);
+    let drawn = (0..count).map(|_| random::error(random, &pair)).collect();
+    Case { pair, support, drawn }
+}
+
+fn outside(range: &Range, reached: &Range) -> f64 {
+    (range.lower - reached.lower).max(reached.upper - range.upper)
+}
+
+/// How far the mesh leaves the bounds of one seed, mm, with words; `None` if the pair does not mesh.
+fn check(seed: u64) -> Option<Vec<String>> {
+    let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5bd1_e995);
+    let rolls = seed % ROLLING == 0;
+    let Case { pair, support, drawn } = case(&mut random, rolls);
+    let errors: Vec<ExtendedError> = drawn.iter().map(|drawn| drawn.error).collect();
+    let given = GivenPair { support, ..GivenPair::plain(pair) };
+    let known = KnownPair::new(given, reach_mm(&errors, &pair)).ok()?;
+    let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, normal_module_mm: None });
+    let of_known = with(Geometry::Known(&known));
+    let total = of_known.total.unwrap_or_else(|open| panic!("seed {seed}: {open}"));
+    let mut wider: Vec<(&str, Bound)> = Vec::new();
+    if known.carries_lines() && known.own_mm() == (Range { lower: 0.0, upper: 0.0 }) {
+        wider.push(("unknown", with(Geometry::Unknown)));
+        if known.line.has_both_flanks_of_a_pinion_tooth() && known.line.has_both_flanks_of_a_rack_tooth() {
+            wider.push(("both flanks", with(Geometry::BothFlanks)));
+        }
+    }
+    let mut placed = Placed::new(&pair);
+    drawn.iter().for_each(|drawn| placed.put(&mut random, drawn));
+    let mesh = placed.mesh(support)?;
+    let reached = extremes(&mesh, if rolls { 5 } else { 24 })?;
+    let mut failures = Vec::new();
+    let ranges = wider.iter().filter_map(|(name, bound)| Some((*name, bound.total.ok()?)));
+    for (name, range) in std::iter::once(("known", total)).chain(ranges) {
+        let by = outside(&range, &reached);
+        if by > TOLERANCE_MM {
+            let errors: Vec<_> = drawn.iter().map(|one| format!("{:?}", one.error)).collect();
+            failures.push(format!(
+                "seed {seed} {name} by {:.3e}: reached {reached:?} of {range:?}; line {:?} nominal {:?} own {:?} z {} rolls {rolls}\n   {}",
+                by,
+                known.line,
+                known.nominal_path(),
+                known.own_mm(),
+                pair.pinion().teeth,
+                errors.join("\n   ")
+            ));
+        }
+    }
+    Some(failures)
+}
+
+#[test]
+fn no_placement_leaves_the_bound() {
+    let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
+    let pairs = std::env::var("BOUND_PAIRS").ok().and_then(|text| text.parse().ok());
+    let pairs = pairs.unwrap_or(if long { LONG } else { PAIRS });
+    let from: u64 = std::env::var("BOUND_FROM").ok().and_then(|text| text.parse().ok()).unwrap_or(0);
+    let (results, _) = parallel::map(parallel::cores(), pairs, || (), |(), index| check(from + index as u64));
+    let solved = results.iter().flatten().count();
+    let failures: Vec<&String> = results.iter().flatten().flatten().collect();
+    println!("{solved} of {pairs} pairs mesh, {} failures", failures.len());
+    for failure in failures.iter().take(12) {
+        println!("{failure}");
+    }
+    assert!(failures.is_empty() && 10 * solved > 9 * pairs);
+}

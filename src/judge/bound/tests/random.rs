@@ -1,0 +1,386 @@
+//! Random pairs, errors, and places for them on teeth.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use crate::deviation::{ErrorKind, Part, PinionFlank, PinionFlanks, PinionTooth, RackFlank, RackFlanks, RackTooth};
+use crate::formula::Law;
+use crate::gear::{Pair, PairData, PinionData, RackData};
+use crate::judge::bound::error::Effect;
+use crate::judge::bound::{ExtendedError, Extent, pinion_lead_angle_rad};
+use crate::mesh::{Mesh, Support};
+use crate::quantity::{Angle, Length};
+use crate::trig;
+
+/// A generator (splitmix64).
+pub(super) struct Random(pub(super) u64);
+
+impl Random {
+    pub(super) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "53 bits")]
+    pub(super) fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(super) fn range(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    pub(super) fn chance(&mut self, share: f64) -> bool {
+        self.unit() < share
+    }
+
+    pub(super) fn below(&mut self, count: u32) -> u32 {
+        u32::try_from(self.next() % u64::from(count)).unwrap_or(0)
+    }
+
+    pub(super) fn sign(&mut self) -> f64 {
+        if self.chance(0.5) { 1.0 } else { -1.0 }
+    }
+}
+
+const DEGREE: f64 = PI / 180.0;
+
+/// A pair that can be made: undercut, short teeth, thick and thin ones, any shaft angle.
+pub(super) fn pair(random: &mut Random) -> Pair {
+    loop {
+        let m = random.range(1.0, 4.0);
+        let alpha = random.range(14.5, 25.0) * DEGREE;
+        let teeth = 5 + random.below(26);
+        let mut helix = |share| if random.chance(share) { 0.0 } else { random.range(-40.0, 40.0) * DEGREE };
+        let (beta_r, beta_p) = (helix(0.4), helix(0.3));
+        let x = random.range(-0.3, 0.8);
+        let r = m * f64::from(teeth) / 2.0 / trig::cos(beta_p);
+        let with_root = random.chance(0.6);
+        let thickness = random.chance(0.3).then(|| 0.5 * PI * m + random.range(-0.1, 0.05));
+        let data = PairData {
+            normal_module_mm: m,
+            normal_pressure_angle_rad: alpha,
+            rack: RackData {
+                helix_angle_rad: beta_r,
+                face_width_mm: random.range(4.0, 15.0) * m,
+                addendum_mm: random.range(0.6, 1.2) * m,
+                tooth_thickness_mm: thickness,
+            },
+            pinion: PinionData {
+                teeth,
+                helix_angle_rad: beta_p,
+                profile_shift: x,
+                tip_diameter_mm: 2.0 * (r + m * (x + random.range(0.6, 1.2))),
+                root_form_diameter_mm: with_root.then(|| 2.0 * (r + m * (x - random.range(0.9, 1.3)))),
+                face_width_mm: random.range(4.0, 15.0) * m,
+                tooth_thickness_deviation_mm: if random.chance(0.3) { random.range(-0.1, 0.05) } else { 0.0 },
+            },
+        };
+        if let Ok(pair) = Pair::new(&data)
+            && pair.contact_ratio().total > 0.6
+        {
+            return pair;
+        }
+    }
+}
+
+/// An error as its user knows it, beside what the bound is given.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drawn {
+    pub(super) error: ExtendedError,
+    /// mm; rad for a rack lead; f_Hβ in mm for a pinion lead.
+    pub(super) value: f64,
+    pub(super) cap: Option<f64>,
+}
+
+fn length(mm: f64) -> Length {
+    Length::from_mm(mm).unwrap()
+}
+
+fn angle(rad: f64) -> Angle {
+    format!("{:.11}", rad / DEGREE).parse().unwrap()
+}
+
+/// An error of this kind (5: the pinion's lead) and extent.
+pub(super) fn drawn(pair: &Pair, kind: u32, extent: Extent, value: f64, cap: Option<f64>) -> Drawn {
+    let alpha = angle(pair.normal_pressure_angle_rad());
+    let (rack, pinion) = (pair.rack(), pair.pinion());
+    let law = match kind {
+        0 => Law::rack_over_roller(),
+        1 => Law::rack_pitch(alpha, angle(rack.helix_angle_rad)).unwrap(),
+        2 => {
+            let law = Law::rack_lead(alpha, angle(rack.helix_angle_rad), length(rack.face_width_mm)).unwrap();
+            let value = angle(value);
+            let error = ExtendedError::new(law, value, extent).unwrap();
+            return Drawn { error, value: value.radians(), cap };
+        }
+        3 => Law::pinion_radial(),
+        4 => Law::pinion_pitch(alpha, angle(pinion.helix_angle_rad)).unwrap(),
+        _ => {
+            let (alpha, helix) = (pair.normal_pressure_angle_rad(), pinion.helix_angle_rad);
+            let error = ExtendedError::pinion_lead(value, alpha, helix, extent).unwrap();
+            return Drawn { error, value, cap };
+        }
+    };
+    let value = length(value);
+    let mut error = ExtendedError::new(law, value, extent).unwrap();
+    if law.kind() == ErrorKind::PinionPitch {
+        error = error.of_teeth(pinion.teeth);
+    }
+    if let Some(cap) = cap {
+        error = error.within_total(cap);
+    }
+    Drawn { error, value: value.mm(), cap }
+}
+
+/// An error of any kind and extent.
+pub(super) fn error(random: &mut Random, pair: &Pair) -> Drawn {
+    let kind = random.below(6);
+    let is_pitch = matches!(kind, 1 | 4);
+    let extent = Extent::EVERY[random.below(if is_pitch { 5 } else { 4 }) as usize];
+    let size = if random.chance(0.3) { random.range(0.0, 0.003) } else { random.range(0.0, 0.05) };
+    let value = random.sign() * if kind == 2 { size * 6.0 * DEGREE } else { size };
+    let cap = (is_pitch && extent == Extent::Each && random.chance(0.5)).then(|| size * random.range(1.0, 3.0));
+    drawn(pair, kind, extent, value, cap)
+}
+
+/// Rack teeth that are placed.
+pub(super) const TEETH: std::ops::RangeInclusive<i64> = -30..=36;
+/// A tooth in the middle of the strokes that are solved.
+const MIDDLE: i64 = 2;
+
+/// Both parts' flanks with errors put on.
+pub(super) struct Placed {
+    pair: Pair,
+    rack: BTreeMap<i64, RackTooth>,
+    pinion: Vec<PinionTooth>,
+    /// Per pinion tooth, left and right: the sum of slope deviations, mm.
+    slopes: Vec<[f64; 2]>,
+}
+
+fn value_within(random: &mut Random, value: f64) -> f64 {
+    if random.chance(0.6) { random.sign() * value } else { random.range(-1.0, 1.0) * value.abs() }
+}
+
+impl Placed {
+    pub(super) fn new(pair: &Pair) -> Self {
+        let z = pair.pinion().teeth as usize;
+        let rack = TEETH.map(|tooth| (tooth, RackTooth::default())).collect();
+        Self { pair: *pair, rack, pinion: vec![PinionTooth::default(); z], slopes: vec![[0.0; 2]; z] }
+    }
+
+    pub(super) fn mesh(&self, support: Support) -> Option<Mesh> {
+        let mut pinion = self.pinion.clone();
+        for (tooth, slopes) in pinion.iter_mut().zip(&self.slopes) {
+            tooth.left.lead_rad = pinion_lead_angle_rad(&self.pair, slopes[0]);
+            tooth.right.lead_rad = pinion_lead_angle_rad(&self.pair, slopes[1]);
+        }
+        let rack = RackFlanks::nominal(&self.pair).with_measured(self.rack.clone()).unwrap();
+        let pinion = PinionFlanks::nominal(&self.pair).with_measured(&pinion).unwrap();
+        Mesh::new(self.pair, rack, pinion, support).ok()
+    }
+
+    /// Puts an error on teeth that its extent allows.
+    pub(super) fn put(&mut self, random: &mut Random, drawn: &Drawn) {
+        match drawn.error.effect {
+            Effect::Size { part, value } => {
+                let on = Self::teeth_of(random, drawn.error.extent);
+                let spaces = self.count(part);
+                for space in spaces {
+                    let value = match drawn.error.extent {
+                        Extent::Each => value_within(random, value),
+                        _ if self.is_on(part, &on, space) => value,
+                        _ => continue,
+                    };
+                    self.raise_space(part, space, value);
+                }
+            }
+            Effect::Pitch { part, value, .. } => self.put_pitch(random, drawn, part, value),
+            Effect::RackLead { .. } | Effect::PinionLead { .. } => {
+                let on = Self::teeth_of(random, drawn.error.extent);
+                let part = if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
+                for tooth in self.count(part) {
+                    let mut value = || match drawn.error.extent {
+                        Extent::Each => value_within(random, drawn.value),
+                        _ => drawn.value,
+                    };
+                    let values = [value(), value()];
+                    if drawn.error.extent != Extent::Each && !self.is_on(part, &on, tooth) {
+                        continue;
+                    }
+                    self.turn(part, tooth, values);
+                }
+            }
+        }
+    }
+
+    fn teeth_of(random: &mut Random, extent: Extent) -> std::ops::Range<i64> {
+        let first = MIDDLE - 1 + i64::from(random.below(3));
+        match extent {
+            Extent::One => first..first + 1,
+            Extent::Part => {
+                let length = 2 + i64::from(random.below(8));
+                let first = first - if random.chance(0.5) { length } else { 0 };
+                first..first + length
+            }
+            _ => i64::MIN..i64::MAX,
+        }
+    }
+
+    fn count(&self, part: Part) -> Vec<i64> {
+        match part {
+            Part::Rack => TEETH.collect(),
+            Part::Pinion => (0..i64::from(self.pair.pinion().teeth)).collect(),
+        }
+    }
+
+    fn is_on(&self, part: Part, on: &std::ops::Range<i64>, tooth: i64) -> bool {
+        let z = i64::from(self.pair.pinion().teeth);
+        match part {
+            Part::Rack => on.contains(&tooth),
+            Part::Pinion if on.start == i64::MIN => true,
+            Part::Pinion => (tooth - on.start).rem_euclid(z) < (on.end - on.start),
+        }
+    }
+
+    fn raise_space(&mut self, part: Part, space: i64, value: f64) {
+        match part {
+            Part::Rack => {
+                if let Some(tooth) = self.rack.get_mut(&space) {
+                    tooth.right.along_z_mm += value;
+                }
+                if let Some(tooth) = self.rack.get_mut(&(space + 1)) {
+                    tooth.left.along_z_mm += value;
+                }
+            }
+            Part::Pinion => {
+                let arc = value * trig::tan(self.pair.pinion().transverse_pressure_angle_rad);
+                self.pinion_tooth(space).right.arc_mm += arc;
+                self.pinion_tooth(space + 1).left.arc_mm -= arc;
+            }
+        }
+    }
+
+    fn pinion_tooth(&mut self, tooth: i64) -> &mut PinionTooth {
+        let z = i64::try_from(self.pinion.len()).unwrap();
+        &mut self.pinion[usize::try_from(tooth.rem_euclid(z)).unwrap()]
+    }
+
+    fn turn(&mut self, part: Part, tooth: i64, values: [f64; 2]) {
+        match part {
+            Part::Rack => {
+                let RackTooth { left, right } = self.rack.get_mut(&tooth).unwrap();
+                left.lead_rad += values[0];
+                right.lead_rad += values[1];
+            }
+            Part::Pinion => {
+                let slopes = &mut self.slopes[usize::try_from(tooth).unwrap()];
+                slopes[0] += values[0];
+                slopes[1] += values[1];
+            }
+        }
+    }
+
+    fn shift(&mut self, part: Part, tooth: i64, left: f64, right: f64) {
+        match part {
+            Part::Rack => {
+                let tooth = self.rack.get_mut(&tooth).unwrap();
+                let add = |flank: &mut RackFlank, by: f64| flank.along_x_mm += by;
+                add(&mut tooth.left, left);
+                add(&mut tooth.right, right);
+            }
+            Part::Pinion => {
+                let tooth = self.pinion_tooth(tooth);
+                let add = |flank: &mut PinionFlank, by: f64| flank.arc_mm += by;
+                add(&mut tooth.left, left);
+                add(&mut tooth.right, right);
+            }
+        }
+    }
+
+    fn put_pitch(&mut self, random: &mut Random, drawn: &Drawn, part: Part, value: f64) {
+        let teeth = self.count(part);
+        if drawn.error.extent == Extent::Total {
+            let sides = [(); 2].map(|()| total(random, teeth.len(), value.abs(), part == Part::Pinion));
+            for (index, tooth) in teeth.into_iter().enumerate() {
+                self.shift(part, tooth, sides[0][index], sides[1][index]);
+            }
+            return;
+        }
+        let start = MIDDLE - 1 + i64::from(random.below(3));
+        let sums = match part {
+            Part::Rack => {
+                let on = Self::teeth_of(random, drawn.error.extent);
+                let mut sum = 0.0;
+                let step = |tooth: i64, random: &mut Random| match drawn.error.extent {
+                    Extent::Each => value_within(random, value),
+                    _ if on.contains(&tooth) => value,
+                    _ => 0.0,
+                };
+                teeth.iter().map(|&tooth| {
+                    let next = sum + step(tooth, random);
+                    if drawn.cap.is_none_or(|cap| next >= 0.0 && next <= cap) {
+                        sum = next;
+                    }
+                    sum
+                }).collect()
+            }
+            Part::Pinion => around(random, drawn, teeth.len(), value),
+        };
+        for (index, tooth) in teeth.into_iter().enumerate() {
+            let tooth = if part == Part::Pinion { tooth + start } else { tooth };
+            self.shift(part, tooth, sums[index], sums[index]);
+        }
+    }
+}
+
+/// Positions of pinion teeth whose pitches are off by up to a value, and close after a turn.
+fn around(random: &mut Random, drawn: &Drawn, z: usize, value: f64) -> Vec<f64> {
+    let mut steps = vec![0.0; z];
+    match drawn.error.extent {
+        Extent::One => {
+            steps[0] = value;
+            steps[1 + random.below(u32::try_from(z - 1).unwrap()) as usize] = -value;
+        }
+        Extent::Each => {
+            let half = z / 2;
+            for index in 0..half {
+                let step = value_within(random, value);
+                (steps[index], steps[half + index]) = (step, -step);
+            }
+            for index in (1..z).rev() {
+                steps.swap(index, random.below(u32::try_from(index + 1).unwrap()) as usize);
+            }
+        }
+        _ => {
+            let run = 1 + random.below(u32::try_from(z / 2).unwrap()) as usize;
+            let back = run + random.below(u32::try_from(z - 2 * run + 1).unwrap()) as usize;
+            for index in 0..run {
+                (steps[index], steps[back + index]) = (value, -value);
+            }
+        }
+    }
+    let mut sum = 0.0;
+    let sums: Vec<f64> = steps.iter().map(|step| { sum += step; sum }).collect();
+    let (low, high) = sums.iter().fold((0.0_f64, 0.0_f64), |(low, high), &sum| (low.min(sum), high.max(sum)));
+    let share = drawn.cap.map_or(1.0, |cap| (cap / (high - low).max(1e-12)).min(1.0));
+    sums.into_iter().map(|sum| sum * share).collect()
+}
+
+/// Cumulative deviations of one flank side within a range, of a turn's mean 0.
+fn total(random: &mut Random, count: usize, range: f64, turn: bool) -> Vec<f64> {
+    let sign = random.sign();
+    let often = random.range(0.05, 0.6);
+    let mut sums: Vec<f64> = (0..count)
+        .map(|_| if random.chance(often) { sign * range * if random.chance(0.7) { 1.0 } else { random.unit() } } else { 0.0 })
+        .collect();
+    if turn {
+        #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
+        let mean = sums.iter().sum::<f64>() / count as f64;
+        sums.iter_mut().for_each(|sum| *sum -= mean);
+    }
+    sums
+}

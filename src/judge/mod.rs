@@ -1,0 +1,5 @@
+//! What errors can do at worst. [`bound`] computes ranges of ΔCD that no placement of the errors leaves.
+//!
+//! Called by whoever gives a verdict; knows nothing of files, limits or words of a report.
+
+pub mod bound;
