@@ -19,12 +19,24 @@ pub struct ExtendedError {
 pub(super) enum Effect {
     /// Both flanks of a space stand out so that the space sits higher by this.
     Size { part: Part, value: f64 },
-    /// A step from tooth to tooth; moves ΔCD by `gain` times the step.
-    Pitch { part: Part, value: f64, gain: f64, teeth: Option<u32>, cap: Option<f64> },
+    /// Steps from tooth to tooth.
+    Pitch(PitchEffect),
     /// The rack's tooth lines turn by this.
     RackLead { value: f64, rack: RackLines },
     /// The pinion's helices turn; over the whole face that is this ΔCD.
     PinionLead { value: f64 },
+}
+
+/// A pitch error: each step moves ΔCD by `gain` times its value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PitchEffect {
+    pub(super) part: Part,
+    pub(super) value: f64,
+    pub(super) gain: f64,
+    /// Number of teeth of a pinion, if known.
+    pub(super) teeth: Option<u32>,
+    /// The total cumulative deviation of whole teeth, if known.
+    pub(super) cap: Option<f64>,
 }
 
 /// The gear data behind a lead error of the rack.
@@ -74,7 +86,8 @@ impl ExtendedError {
             }
             (ErrorKind::RackPitch | ErrorKind::PinionPitch, _, ErrorValue::Length(value)) => {
                 let part = if law.kind() == ErrorKind::RackPitch { Part::Rack } else { Part::Pinion };
-                Effect::Pitch { part, value: value.mm(), gain: law.slope(1.0, Model::Exact), teeth: None, cap: None }
+                let gain = law.slope(1.0, Model::Exact);
+                Effect::Pitch(PitchEffect { part, value: value.mm(), gain, teeth: None, cap: None })
             }
             (ErrorKind::RackLead, Some(gear), ErrorValue::Angle(_) | ErrorValue::Slope(_)) => {
                 let value = match value {
@@ -111,11 +124,12 @@ impl ExtendedError {
         Self { effect: Effect::PinionLead { value }, extent }.checked()
     }
 
-    /// The same pitch tolerance of every pitch, with the total cumulative deviation F_p of either flank side known.
+    /// The same pitch tolerance of every pitch, with the teeth's total cumulative deviation F_p known: no two teeth are
+    /// farther from their places to each other. For flank sides that deviate independently take [`Extent::Total`].
     #[must_use]
     pub fn within_total(mut self, total_mm: f64) -> Self {
-        if let Effect::Pitch { cap, .. } = &mut self.effect {
-            *cap = Some(total_mm.abs());
+        if let Effect::Pitch(pitch) = &mut self.effect {
+            pitch.cap = Some(total_mm.abs());
         }
         self
     }
@@ -123,18 +137,20 @@ impl ExtendedError {
     /// The same error of a pinion with so many teeth: a total cumulative deviation is measured from the mean of the turn.
     #[must_use]
     pub fn of_teeth(mut self, count: u32) -> Self {
-        if let Effect::Pitch { part: Part::Pinion, teeth, .. } = &mut self.effect {
-            *teeth = Some(count);
+        if let Effect::Pitch(pitch) = &mut self.effect {
+            pitch.teeth = Some(count);
         }
         self
     }
 
     fn checked(self) -> Result<Self, ErrorInputError> {
-        if self.extent == Extent::Total && !matches!(self.effect, Effect::Pitch { .. }) {
+        if self.extent == Extent::Total && !matches!(self.effect, Effect::Pitch(_)) {
             return Err(ErrorInputError::NoTotal);
         }
         let (value, largest) = match self.effect {
-            Effect::Size { value, .. } | Effect::Pitch { value, .. } | Effect::PinionLead { value } => (value, LONGEST),
+            Effect::Size { value, .. } | Effect::Pitch(PitchEffect { value, .. }) | Effect::PinionLead { value } => {
+                (value, LONGEST)
+            }
             Effect::RackLead { value, rack } => {
                 (value, LARGEST_LEAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
             }
@@ -153,7 +169,7 @@ impl ExtendedError {
     pub const fn unit(&self) -> Unit {
         match self.effect {
             Effect::Size { .. } => Unit::Space,
-            Effect::Pitch { .. } => Unit::Pitch,
+            Effect::Pitch(_) => Unit::Pitch,
             Effect::RackLead { .. } | Effect::PinionLead { .. } => Unit::Tooth,
         }
     }

@@ -3,22 +3,13 @@
 
 use std::f64::consts::PI;
 
-use super::Range;
+use super::field::{ContactPath, Field, line_distance, thickness_deviation, thickness_offset};
 use super::profile::{Profile, Rolls};
+use super::Range;
 use crate::deviation::{DeviationError, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
-use crate::mesh::{Mesh, MeshError, Support};
+use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
 use crate::trig;
-
-/// Where flank pairs carry, in pitches of stroke: the right flank of tooth i at strokes i + c ± ε/2, the left one at
-/// i − c ± ε/2.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactPath {
-    /// Length ε.
-    pub ratio: f64,
-    /// Offset c.
-    pub offset: f64,
-}
 
 /// Everything that is given of a pair but its errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,15 +25,15 @@ pub struct GivenPair {
 }
 
 /// A pair whose geometry is known, and what follows from it for errors up to a reach.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct KnownPair {
     pub(super) given: GivenPair,
-    /// The largest ΔCD of errors, all together, that this holds for, mm.
-    pub(super) reach: f64,
-    /// Centre distance at which lines of contact fit, mm.
-    pub(super) line_distance: f64,
+    /// The lowest and highest ΔCD of errors, all together, that this holds for, mm.
+    pub(super) reach: Range,
     /// Where lines of contact carry whatever the errors.
     pub(super) line: ContactPath,
+    /// Where flanks carry that stand out by so much: in rising order.
+    pub(super) levels: Vec<Level>,
     /// What error-free parts do.
     pub(super) own: Range,
     /// Half the rack's width, and half the pinion's, over which profiles alone always carry; `None` if they do not.
@@ -50,15 +41,26 @@ pub struct KnownPair {
     pub(super) pinion_sections: Option<f64>,
 }
 
+/// Where a flank carries that stands out by `error` mm of centre distance more than its neighbours: edges lengthen its
+/// path.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Level {
+    pub(super) error: f64,
+    pub(super) field: Field,
+    pub(super) path: ContactPath,
+    /// How far its points of contact lie from the contact line at most, mm.
+    pub(super) off_line: f64,
+}
+
 /// Why nothing is known about a pair.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KnownPairError {
     /// Errors leave nothing of the flanks.
-    #[error("errors of {reach_mm} mm leave no pair: {source}")]
+    #[error("errors of {} to {} mm leave no pair: {source}", .reach.lower, .reach.upper)]
     Geometry {
-        /// How large the errors are, mm.
-        reach_mm: f64,
+        /// How large the errors are.
+        reach: Range,
         /// What is wrong with it.
         source: GeometryError,
     },
@@ -73,8 +75,14 @@ pub enum KnownPairError {
 /// Tolerance of an own curve, mm: of a fixed rack, and of one that may roll, which is slow.
 const CURVE_MM: f64 = 1e-7;
 const ROLLING_CURVE_MM: f64 = 1e-5;
+const EXCESS_CURVE_MM: f64 = 1e-6;
 /// Flanks are shortened this many times as far as they shift, which also covers that a shorter tip falls off less steeply.
 const SHORTENING: f64 = 2.0;
+/// Lengths this near to a whole number of pitches are taken for it.
+const SLACK: f64 = 1e-9;
+/// The first level, mm, and the ratio from one to the next, up to twice the reach.
+const FIRST_LEVEL_MM: f64 = 1e-5;
+const LEVEL_RATIO: f64 = 1.25;
 
 impl GivenPair {
     /// A pair with plain flanks and a rack that does not roll.
@@ -93,119 +101,28 @@ impl GivenPair {
     }
 }
 
-impl ContactPath {
-    /// Of a pair without errors.
-    #[must_use]
-    pub fn nominal(pair: &Pair) -> Self {
-        let line_distance = pair.nominal_center_distance_mm() + thickness_offset(pair);
-        let rolls = Rolls {
-            low: Profile::new(pair, line_distance, 0.0).lowest_line(),
-            high: pair.pinion().tip_roll_rad,
-        };
-        Self::of(pair, line_distance, rolls, 0.0)
-    }
-
-    /// Of points of contact with roll angles within `rolls`, between the pinion's end faces, and between the rack's if
-    /// those are `wider` mm farther out on either side.
-    fn of(pair: &Pair, line_distance: f64, rolls: Rolls, wider: f64) -> Self {
-        let (rack, pinion) = (pair.rack(), pair.pinion());
-        let (half_b, half_k) = (0.5 * pinion.face_width_mm, 0.5 * rack.face_width_mm + wider);
-        let (sin_t, cos_t) = trig::sin_cos(pinion.transverse_pressure_angle_rad);
-        let (sin_s, cos_s) = trig::sin_cos(pair.shaft_angle_rad());
-        let (sin_b, cos_b) = trig::sin_cos(pinion.base_helix_angle_rad);
-        let (sin_n, cos_n) = trig::sin_cos(pair.normal_pressure_angle_rad());
-        let pitch = PI * pair.normal_module_mm();
-        // where the rack's end faces cut a line of contact
-        let cut = |roll: f64, y: f64| (y - pinion.base_radius_mm * (roll * cos_t - sin_t) * sin_s) / cos_s;
-        let roll_at = |w: f64, y: f64| ((y - w * cos_s) / (pinion.base_radius_mm * sin_s) + sin_t) / cos_t;
-        let mut corners = Vec::with_capacity(12);
-        for roll in [rolls.low, rolls.high] {
-            corners.extend([-half_b, half_b, cut(roll, -half_k), cut(roll, half_k)].map(|w| Corner { roll, w }));
-        }
-        for w in [-half_b, half_b] {
-            corners.extend([-half_k, half_k].map(|y| Corner { roll: roll_at(w, y), w }));
-        }
-        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for Corner { roll, w } in corners {
-            let y = pinion.base_radius_mm * (roll * cos_t - sin_t) * sin_s + w * cos_s;
-            let inside = |value: f64, low: f64, high: f64| {
-                let slack = 1e-9 * (1.0 + high.abs());
-                value >= low - slack && value <= high + slack
-            };
-            if inside(roll, rolls.low, rolls.high) && inside(w, -half_b, half_b) && inside(y, -half_k, half_k) {
-                let place = pinion.base_radius_mm * roll * cos_b - w * sin_b - line_distance * sin_n;
-                let stroke = (0.5 * rack.tooth_thickness_mm + place / cos_n) / pitch;
-                (first, last) = (first.min(stroke), last.max(stroke));
-            }
-        }
-        if first <= last {
-            Self { ratio: last - first, offset: 0.5 * (last + first) }
-        } else {
-            Self { ratio: 0.0, offset: 0.0 }
-        }
-    }
-
-    /// Whether a tooth of the rack always carries on both flanks: then no shifts of whole teeth sink the pinion.
-    #[must_use]
-    pub fn has_both_flanks_of_a_rack_tooth(&self) -> bool {
-        self.ratio >= 1.0 + 2.0 * self.offset.abs()
-    }
-
-    /// Whether a tooth of the pinion always does.
-    #[must_use]
-    pub fn has_both_flanks_of_a_pinion_tooth(&self) -> bool {
-        self.ratio >= 1.0 + (1.0 - 2.0 * self.offset).abs()
-    }
-}
-
-/// A corner of the field of contact.
-#[derive(Clone, Copy)]
-struct Corner {
-    roll: f64,
-    w: f64,
-}
-
 impl KnownPair {
-    /// What is known of a pair for errors that together move ΔCD by up to `reach_mm`; see
-    /// [`reach_mm`](super::reach_mm). Solves the error-free mesh over a pitch where lines of contact alone do not say what
-    /// its curve is: a contact ratio near 1 and below, flank form, a rack that may roll.
+    /// What is known of a pair for errors that together keep ΔCD within `reach`; see [`reach`](super::reach). Solves the error-free mesh over a pitch where lines of contact alone do not say what
+    /// its curve is: undercut, a contact ratio near 1 and below, flank form, a rack that may roll.
     ///
     /// # Errors
     /// [`KnownPairError`] if errors as large leave no flanks or the pair does not mesh.
-    pub fn new(given: GivenPair, reach_mm: f64) -> Result<Self, KnownPairError> {
+    pub fn new(given: GivenPair, reach: Range) -> Result<Self, KnownPairError> {
         let pair = &given.pair;
-        let line_distance = pair.nominal_center_distance_mm() + thickness_offset(pair);
-        let excess = Profile::new(pair, line_distance, reach_mm).largest_excess().value;
-        let reach = reach_mm + excess;
-        let shift = SHORTENING * shift_rad(pair, reach);
-        let shorter = Profile::new(pair, line_distance, -reach);
+        let reach = Range { lower: reach.lower.min(0.0), upper: reach.upper.max(0.0) };
+        let excess = Profile::new(pair, line_distance(pair), -reach.lower).largest_excess();
+        let raised = Range { lower: reach.lower, upper: reach.upper + excess };
+        let shift = SHORTENING * shift_rad(pair, &raised);
+        let shorter = Profile::new(pair, line_distance(pair), -raised.upper);
         let rolls = Rolls { low: shorter.lowest_line() + shift, high: pair.pinion().tip_roll_rad - shift };
-        let narrower = pair.pinion().base_radius_mm * shift * trig::sin(pair.shaft_angle_rad()).abs();
-        let line = ContactPath::of(pair, line_distance, rolls, -narrower);
-        let mut known = Self {
-            given,
-            reach: reach_mm,
-            line_distance,
-            line,
-            own: Range { lower: 0.0, upper: 0.0 },
-            rack_sections: None,
-            pinion_sections: None,
-        };
+        let narrower = skew(pair, shift);
+        let line = Field::new(pair, rolls, -narrower).path();
+        let own = Range { lower: 0.0, upper: 0.0 };
+        let levels = levels(pair, &reach);
+        let mut known = Self { given, reach, line, levels, own, rack_sections: None, pinion_sections: None };
         known.set_sections(rolls, narrower);
-        known.own = known.own_range(reach, excess)?;
+        known.own = Range { lower: known.lowest(&raised)?, upper: known.highest(excess)? };
         Ok(known)
-    }
-
-    /// The range of ΔCD without errors, as far as errors change the flanks that carry: the nominal teeth's
-    /// thickness, form, undercut, gaps in the path of contact.
-    fn own_range(&self, reach: f64, excess: f64) -> Result<Range, KnownPairError> {
-        let GivenPair { pair, pinion_form, .. } = &self.given;
-        let offset = thickness_offset(pair);
-        // a form that adds material: a negative profile slope
-        let added = (-pinion_form.profile_slope_mm).max(0.0) / trig::sin(pair.normal_pressure_angle_rad());
-        let upper = offset + excess + added;
-        let lower = if self.carries_lines() { offset } else { self.lowest(reach)?.min(offset) };
-        Ok(Range { lower, upper })
     }
 
     /// Whether lines of contact carry on both sides at every stroke, whatever the errors.
@@ -214,31 +131,68 @@ impl KnownPair {
     }
 
     /// The lowest ΔCD of the pair with flanks shortened by what errors may shift them.
-    fn lowest(&self, reach: f64) -> Result<f64, KnownPairError> {
-        let GivenPair { mut rack_form, pinion_form, support, .. } = self.given;
-        let shortened = shortened(&self.given.pair, reach);
-        let pair = Pair::new(&shortened).map_err(|source| KnownPairError::Geometry { reach_mm: reach, source })?;
-        rack_form.tip_relief_start_mm -= reach;
+    fn lowest(&self, reach: &Range) -> Result<f64, KnownPairError> {
+        let GivenPair { pair, mut rack_form, pinion_form, support } = self.given;
+        let offset = thickness_offset(&pair);
+        if self.carries_lines() {
+            return Ok(offset);
+        }
+        let pair = Pair::new(&shortened(&pair, reach))
+            .map_err(|source| KnownPairError::Geometry { reach: *reach, source })?;
+        rack_form.tip_relief_start_mm -= reach.upper;
         let rack = RackFlanks::nominal(&pair).with_form(&pair, rack_form)?;
         let pinion = PinionFlanks::nominal(&pair).with_form(pinion_form)?;
         let mesh = Mesh::new(pair, rack, pinion, support)?;
         let tolerance = if self.given.rolls() { ROLLING_CURVE_MM } else { CURVE_MM };
         let curve = mesh.curve(0.0, pair.rack().pitch_mm, tolerance)?;
-        let lowest = curve.points.iter().map(|point| point.delta_cd_mm).fold(f64::INFINITY, f64::min);
+        let lowest = curve.points.iter().map(|point| point.delta_cd_mm).fold(offset, f64::min);
         Ok(lowest - tolerance)
     }
 
-    /// The path on which flanks carry that stand out by up to `error` mm of centre distance more than their neighbours:
-    /// edges lengthen it.
-    pub(super) fn lengthened(&self, error: f64) -> ContactPath {
-        let pair = &self.given.pair;
-        let profile = Profile::new(pair, self.line_distance, self.reach);
-        let carrying = profile.carrying(error);
-        let shift = shift_rad(pair, self.reach);
-        let rolls = Rolls { low: carrying.low - shift, high: carrying.high + shift };
-        let wider = (profile.off_line(error) + pair.pinion().base_radius_mm * shift)
-            * trig::sin(pair.shaft_angle_rad()).abs();
-        ContactPath::of(pair, self.line_distance, rolls, 1.2 * wider)
+    /// The highest ΔCD without errors, with rack teeth that stand out more by what errors may lower a flank; `excess` is
+    /// the most that one side can ask for beyond its contact lines.
+    fn highest(&self, excess: f64) -> Result<f64, KnownPairError> {
+        let GivenPair { pair, pinion_form, .. } = &self.given;
+        // a form that adds material: a negative profile slope
+        let added = (-pinion_form.profile_slope_mm).max(0.0) / trig::sin(pair.normal_pressure_angle_rad());
+        let offset = thickness_offset(pair) + added;
+        if excess == 0.0 {
+            return Ok(offset);
+        }
+        let mut data = data_of(pair);
+        data.rack.addendum_mm -= self.reach.lower;
+        let Ok(deeper) = Pair::new(&data) else { return Ok(offset + excess) };
+        let both = both_sides(&Mesh::nominal(deeper)?, shift_rad(pair, &self.reach))?;
+        Ok(offset + excess.min(both))
+    }
+
+    /// Where flanks carry that stand out by up to `error` mm more than their neighbours.
+    pub(super) fn level(&self, error: f64) -> &Level {
+        self.levels.iter().find(|level| level.error >= error).unwrap_or(&self.levels[self.levels.len() - 1])
+    }
+
+    pub(super) fn reach_either_way(&self) -> f64 {
+        self.reach.upper.max(-self.reach.lower)
+    }
+
+    /// How far the pair alone sinks at most because lines of contact leave gaps, mm.
+    pub(super) fn gap(&self) -> f64 {
+        (thickness_offset(&self.given.pair) - self.own.lower).max(0.0)
+    }
+
+    /// How much less two edges of a path ask for together, at least, on which a length of it is not below `least`: half of
+    /// what each stands back. Infinite where none is as long.
+    pub(super) fn stands_back(&self, length: impl Fn(&ContactPath) -> f64, least: f64) -> f64 {
+        let mut stands_back = f64::INFINITY;
+        let before = |index: usize| if index == 0 { 0.0 } else { self.levels[index - 1].error };
+        for (index, one) in self.levels.iter().enumerate() {
+            // both ends of such a length are ends of the same kind, so that the length is the mean of those at both levels
+            let long = |other: &Level| 0.5 * (length(&one.path) + length(&other.path)) + SLACK >= least;
+            if let Some(other) = self.levels.iter().position(long) {
+                stands_back = stands_back.min(0.5 * (before(index) + before(other)));
+            }
+        }
+        stands_back
     }
 
     /// The nominal path of contact.
@@ -253,9 +207,9 @@ impl KnownPair {
         self.own
     }
 
-    /// The largest sum of errors that this holds for, mm of ΔCD.
+    /// The lowest and highest sum of errors that this holds for, mm of ΔCD.
     #[must_use]
-    pub const fn reach_mm(&self) -> f64 {
+    pub const fn reach_mm(&self) -> Range {
         self.reach
     }
 
@@ -282,77 +236,97 @@ impl KnownPair {
             self.pinion_sections = half(0.5 * pinion.face_width_mm, covered);
         }
     }
+}
 
-    /// Half the width of the rack, and half that of the pinion, that points of contact can have.
-    pub(super) fn half_widths(&self) -> HalfWidths {
-        let (rack, pinion) = (self.given.pair.rack(), self.given.pair.pinion());
-        let (sin_s, cos_s) = trig::sin_cos(self.given.pair.shaft_angle_rad());
-        let depth = (self.line_distance - self.reach - rack.addendum_mm).max(0.0).min(pinion.tip_radius_mm);
-        let chord = ((pinion.tip_radius_mm - depth) * (pinion.tip_radius_mm + depth)).sqrt() * sin_s.abs();
-        let (half_k, half_b) = (0.5 * rack.face_width_mm, 0.5 * pinion.face_width_mm);
-        HalfWidths {
-            rack: half_k.min(half_b * cos_s.abs() + chord),
-            pinion: half_b.min((half_k + chord) / cos_s.abs()),
+/// Where flanks carry that stand out more and more.
+fn levels(pair: &Pair, reach: &Range) -> Vec<Level> {
+    let profile = Profile::new(pair, line_distance(pair), -reach.lower);
+    let last = 4.0 * reach.upper.max(-reach.lower);
+    let shift = shift_rad(pair, reach);
+    let mut levels = Vec::new();
+    let mut error = 0.0;
+    loop {
+        let carrying = profile.carrying(error);
+        let rolls = Rolls { low: carrying.low - shift, high: carrying.high + shift };
+        let off_line = 1.2 * profile.off_line(error);
+        let wider = trig::sin(pair.shaft_angle_rad()).abs() * off_line + skew(pair, shift);
+        let field = Field::new(pair, rolls, wider);
+        let path = field.path();
+        levels.push(Level { error, field, path, off_line });
+        if error > last {
+            return levels;
         }
-    }
-
-    /// The heights over the reference plane at which flanks touch.
-    pub(super) fn heights(&self) -> Range {
-        let lower = self.line_distance - self.reach + self.own.lower.min(0.0) - self.given.pair.pinion().tip_radius_mm;
-        Range { lower, upper: self.given.pair.rack().addendum_mm }
+        error = if error == 0.0 { FIRST_LEVEL_MM } else { LEVEL_RATIO * error };
     }
 }
 
-/// Half of the faces of both parts, mm.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct HalfWidths {
-    pub(super) rack: f64,
-    pub(super) pinion: f64,
+/// The most that both sides together ask for beyond their contact lines, if errors shift one against the other by up to
+/// an angle of the pinion. Each stroke says what each side asks for: ΔCD ± the transmission error's share.
+fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<f64, MeshError> {
+    let pair = mesh.pair();
+    let (teeth, pitch) = (f64::from(pair.pinion().teeth), pair.rack().pitch_mm);
+    let per_rad = 0.5 * pair.normal_module_mm() * teeth / trig::tan(pair.normal_pressure_angle_rad());
+    let window = pitch * shift_rad * teeth / (2.0 * PI);
+    let offset = thickness_offset(pair);
+    // a pitch, and on either side as much as a shift brings in
+    let points = mesh.curve(-window, pitch + window, EXCESS_CURVE_MM)?.points;
+    let side = |point: &MeshPoint, sign: f64| point.delta_cd_mm - offset + sign * per_rad * point.transmission_error_rad;
+    let mut most = 0.0_f64;
+    for point in &points {
+        // between points the curve is straight, so that what is next to the window is looked at, too
+        let near = points.partition_point(|other| other.stroke_mm < point.stroke_mm - window).saturating_sub(1);
+        let end = points.partition_point(|other| other.stroke_mm <= point.stroke_mm + window) + 1;
+        let left = points[near..end.min(points.len())].iter().map(|other| side(other, -1.0)).fold(0.0, f64::max);
+        most = most.max(0.5 * (side(point, 1.0) + left));
+    }
+    Ok(most + 2.0 * EXCESS_CURVE_MM)
 }
 
-/// ΔCD of nominal teeth that are thicker than the standard ones, mm.
-fn thickness_offset(pair: &Pair) -> f64 {
-    let (rack, pinion) = (pair.rack(), pair.pinion());
-    let tan_n = trig::tan(pair.normal_pressure_angle_rad());
-    let cos_p = trig::cos(pinion.helix_angle_rad);
-    let standard = (0.5 * PI + 2.0 * pinion.profile_shift * tan_n) * pair.normal_module_mm() / cos_p;
-    let thicker = rack.tooth_thickness_mm - 0.5 * PI * pair.normal_module_mm();
-    (thicker + (pinion.tooth_thickness_mm - standard) * cos_p) / (2.0 * tan_n)
-}
-
-/// How far errors of so much ΔCD move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the
-/// rotation by as much.
-fn shift_rad(pair: &Pair, reach: f64) -> f64 {
+/// How far errors move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the rotation by as
+/// much.
+fn shift_rad(pair: &Pair, reach: &Range) -> f64 {
     let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth);
-    2.0 * reach * trig::tan(pair.normal_pressure_angle_rad()) / per_rad
+    2.0 * reach.upper.max(-reach.lower) * trig::tan(pair.normal_pressure_angle_rad()) / per_rad
+}
+
+/// How far such a shift moves a contact line across the rack, mm.
+fn skew(pair: &Pair, shift: f64) -> f64 {
+    pair.pinion().base_radius_mm * shift * trig::sin(pair.shaft_angle_rad()).abs()
 }
 
 /// The same pair with less of its flanks: what is left of them whatever errors up to the reach shift.
-fn shortened(pair: &Pair, reach: f64) -> PairData {
-    let (rack, pinion) = (pair.rack(), pair.pinion());
-    let cos_p = trig::cos(pinion.helix_angle_rad);
-    let tan_n = trig::tan(pair.normal_pressure_angle_rad());
-    let standard = (0.5 * PI + 2.0 * pinion.profile_shift * tan_n) * pair.normal_module_mm() / cos_p;
+fn shortened(pair: &Pair, reach: &Range) -> PairData {
+    let pinion = pair.pinion();
     let shift = SHORTENING * shift_rad(pair, reach);
-    let radius = |roll: f64| pinion.base_radius_mm * (1.0 + roll * roll).sqrt();
-    let narrower = pinion.base_radius_mm * shift * trig::sin(pair.shaft_angle_rad()).abs();
+    let diameter = |roll: f64| 2.0 * pinion.base_radius_mm * (1.0 + roll * roll).sqrt();
+    let mut data = data_of(pair);
+    data.rack.face_width_mm -= 2.0 * skew(pair, shift);
+    data.rack.addendum_mm -= reach.upper;
+    data.pinion.tip_diameter_mm = diameter(pinion.tip_roll_rad - shift);
+    data.pinion.root_form_diameter_mm = Some(diameter(pinion.start_roll_rad + shift));
+    data
+}
+
+/// The numbers that make this pair.
+fn data_of(pair: &Pair) -> PairData {
+    let (rack, pinion) = (pair.rack(), pair.pinion());
     PairData {
         normal_module_mm: pair.normal_module_mm(),
         normal_pressure_angle_rad: pair.normal_pressure_angle_rad(),
         rack: RackData {
             helix_angle_rad: rack.helix_angle_rad,
-            face_width_mm: rack.face_width_mm - 2.0 * narrower,
-            addendum_mm: rack.addendum_mm - reach,
+            face_width_mm: rack.face_width_mm,
+            addendum_mm: rack.addendum_mm,
             tooth_thickness_mm: Some(rack.tooth_thickness_mm),
         },
         pinion: PinionData {
             teeth: pinion.teeth,
             helix_angle_rad: pinion.helix_angle_rad,
             profile_shift: pinion.profile_shift,
-            tip_diameter_mm: 2.0 * radius(pinion.tip_roll_rad - shift),
-            root_form_diameter_mm: Some(2.0 * radius(pinion.start_roll_rad + shift)),
+            tip_diameter_mm: 2.0 * pinion.tip_radius_mm,
+            root_form_diameter_mm: Some(2.0 * pinion.root_form_radius_mm),
             face_width_mm: pinion.face_width_mm,
-            tooth_thickness_deviation_mm: pinion.tooth_thickness_mm - standard,
+            tooth_thickness_deviation_mm: thickness_deviation(pair),
         },
     }
 }

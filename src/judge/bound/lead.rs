@@ -1,58 +1,210 @@
-//! What turned tooth lines do: the leads of all errors of a part are added as angles first. Read by the bound; knows no
-//! other error.
+//! What turned tooth lines do: the leads of all errors of a part are added as angles first. A turn moves a flank at each
+//! point by what is linear in the point's place; the field of contact says which points there are at a stroke. Read by the
+//! bound; knows no other error.
 
 use super::error::RackLines;
-use super::{ErrorRange, Extent, Range};
+use super::field::Spot;
+use super::known::Level;
+use super::{ErrorRange, Extent, KnownPair, Range};
+use crate::deviation::Part;
 use crate::trig;
 
-/// Where points of contact can be.
+/// What a turned flank asks for, in mm of ΔCD: a share of the place across the rack, of the height, and of the place
+/// along the pinion's axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    /// Half the width that points of contact can have, mm.
-    pub(super) half_width: f64,
-    /// Half the width over which sections always carry; `None` if they do not.
-    pub(super) carrying: Option<f64>,
-    /// Heights of points of contact over the reference plane, mm.
-    pub(super) heights: Range,
+struct Turned {
+    per_y: f64,
+    per_z: f64,
+    per_w: f64,
 }
 
-/// The values that a tooth's lead can have: what an error of this value and extent leaves on a tooth.
-pub(super) fn values(value: f64, extent: Extent) -> Range {
-    match extent {
-        Extent::All => Range { lower: value, upper: value },
-        Extent::Each => Range { lower: -value.abs(), upper: value.abs() },
-        Extent::One | Extent::Part | Extent::Total => Range { lower: value.min(0.0), upper: value.max(0.0) },
+/// The leads of all errors of one part.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leads {
+    part: Part,
+    /// Angles of the rack, or ΔCD of a pinion's lead over its whole face.
+    values: Range,
+    lines: Option<RackLines>,
+    /// Whether they are on one tooth only.
+    one_tooth: bool,
+}
+
+/// Parts of a pitch in which the field of contact is looked at.
+const CELLS: i32 = 96;
+
+impl Leads {
+    /// No lead of a part.
+    pub(super) fn none(part: Part) -> Self {
+        Self { part, values: Range { lower: 0.0, upper: 0.0 }, lines: None, one_tooth: true }
     }
-}
 
-/// What tooth lines of the rack do that are turned by angles within `angles`, rad.
-pub(super) fn rack(angles: Range, lines: &RackLines, place: &Place) -> ErrorRange {
-    let mut range = ErrorRange { raw_lower_mm: f64::INFINITY, lower_mm: f64::INFINITY, upper_mm: f64::NEG_INFINITY };
-    // the effect of a height has its extreme where a turned tooth line runs across the rack
-    let across = (-lines.helix).clamp(angles.lower, angles.upper);
-    let none = 0.0_f64.clamp(angles.lower, angles.upper);
-    let one_hand = angles.lower * angles.upper > 0.0;
-    for angle in [angles.lower, angles.upper, none, across] {
-        let (sin, cos) = trig::sin_cos(angle);
-        let (sin_turned, cos_turned) = trig::sin_cos(lines.helix + angle);
-        let per_width = sin.abs() / (cos_turned * lines.tan_alpha);
+    /// With one error more; rack `lines` are those of the last one.
+    pub(super) fn with(mut self, value: f64, extent: Extent, lines: Option<RackLines>) -> Self {
+        let added = match extent {
+            Extent::All => Range { lower: value, upper: value },
+            Extent::Each => Range { lower: -value.abs(), upper: value.abs() },
+            Extent::One | Extent::Part | Extent::Total => Range { lower: value.min(0.0), upper: value.max(0.0) },
+        };
+        let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
+        self.one_tooth = is_first && extent == Extent::One;
+        self.values = Range { lower: self.values.lower + added.lower, upper: self.values.upper + added.upper };
+        self.lines = lines;
+        self
+    }
+
+    /// The values at which what a flank asks for can be extreme: both ends, none at all, and the turn that brings a rack's
+    /// tooth line across the rack, where heights count least.
+    fn candidates(&self) -> [f64; 4] {
+        let Range { lower, upper } = self.values;
+        let across = self.lines.map_or(lower, |lines| -lines.helix);
+        [lower, upper, 0.0_f64.clamp(lower, upper), across.clamp(lower, upper)]
+    }
+
+    /// What flanks ask for that are turned by a value; the pinion's face has half this width.
+    fn turned(&self, value: f64, half_face: f64) -> Turned {
+        let Some(lines) = self.lines else { return Turned { per_y: 0.0, per_z: 0.0, per_w: value / half_face } };
+        let (sin, cos) = trig::sin_cos(value);
+        let (sin_turned, cos_turned) = trig::sin_cos(lines.helix + value);
         let fall = sin_turned / cos_turned * sin - (1.0 - cos);
-        let by_height = [-place.heights.lower * fall, -place.heights.upper * fall];
-        let (low, high) = (by_height[0].min(by_height[1]), by_height[0].max(by_height[1]));
-        let raw = low - place.half_width * per_width;
-        let kept = place.carrying.map_or(raw, |half| low + if one_hand { half * per_width } else { 0.0 });
-        range.raw_lower_mm = range.raw_lower_mm.min(raw);
-        range.lower_mm = range.lower_mm.min(kept);
-        range.upper_mm = range.upper_mm.max(high + place.half_width * per_width);
+        Turned { per_y: sin / (cos_turned * lines.tan_alpha), per_z: -fall, per_w: 0.0 }
     }
-    range
+
+    /// Their range for any pair whose flanks touch up to this height over and under the reference plane.
+    pub(super) fn of_any_pair(&self, height: f64) -> ErrorRange {
+        let mut upper_mm = 0.0_f64;
+        for value in self.candidates() {
+            let Turned { per_y, per_z, per_w } = self.turned(value, 1.0);
+            let half_width = self.lines.map_or(0.0, |lines| 0.5 * lines.face_width);
+            upper_mm = upper_mm.max(per_y.abs() * half_width + per_z.abs() * height + per_w.abs());
+        }
+        ErrorRange::either_way(upper_mm)
+    }
+
+    /// Their range for a pair.
+    pub(super) fn of_pair(&self, known: &KnownPair) -> ErrorRange {
+        if self.values.lower == 0.0 && self.values.upper == 0.0 {
+            return ErrorRange::either_way(0.0);
+        }
+        let upper_mm = self.most(known, 1.0);
+        let raw_lower_mm = if known.carries_lines() {
+            -self.most(known, -1.0)
+        } else if known.given.rolls() {
+            -self.at_any_time(known, known.levels.last())
+        } else {
+            -self.at_any_time(known, Some(known.level(2.0 * known.gap())))
+        };
+        let lower_mm = self.kept(known).unwrap_or(raw_lower_mm).max(raw_lower_mm);
+        ErrorRange { raw_lower_mm, lower_mm, upper_mm, in_contact: None }
+    }
+
+    /// The most that both sides ask for at any one stroke; with the sign −1 the most that they give way.
+    fn most(&self, known: &KnownPair, sign: f64) -> f64 {
+        let cells = self.cells(known, sign);
+        let at = |index: i32| {
+            if self.one_tooth {
+                cells.iter().find(|cell| cell.index == index).map_or(0.0, |cell| cell.most.max(0.0))
+            } else {
+                let same_time = cells.iter().filter(|cell| (cell.index - index).rem_euclid(CELLS) == 0);
+                same_time.map(|cell| cell.most).fold(f64::NEG_INFINITY, f64::max)
+            }
+        };
+        // a left flank is a right one turned half about: that of the same rack tooth, or of the same pinion tooth a pitch on
+        let turn = if self.one_tooth && self.part == Part::Pinion { CELLS } else { 0 };
+        let sums = cells.iter().map(|cell| 0.5 * (at(cell.index) + at(turn - cell.index - 1)));
+        let most = sums.fold(f64::NEG_INFINITY, f64::max);
+        if most.is_finite() { most } else { self.at_any_time(known, known.levels.last()) }
+    }
+
+    /// What a right flank asks for at most in each part of its path.
+    fn cells(&self, known: &KnownPair, sign: f64) -> Vec<Cell> {
+        let Some(last) = known.levels.last() else { return Vec::new() };
+        let (start, end) = (last.path.offset - 0.5 * last.path.ratio, last.path.offset + 0.5 * last.path.ratio);
+        let turns = self.candidates().map(|value| self.turned(value, half_face(known)));
+        let most = self.at_any_time(known, Some(last));
+        let cell = |index: i32| Range {
+            lower: f64::from(index) / f64::from(CELLS),
+            upper: f64::from(index + 1) / f64::from(CELLS),
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "a few teeth")]
+        let (first, last) = ((start * f64::from(CELLS)).floor() as i32, (end * f64::from(CELLS)).ceil() as i32);
+        let cells = (first..last).map(|index| {
+            let mut found = f64::NEG_INFINITY;
+            // what lies off its contact line asks for less by what it stands back
+            let mut stands_back = 0.0;
+            for level in &known.levels {
+                if most - stands_back < found {
+                    break;
+                }
+                let field = level.field.between(cell(index));
+                for turned in &turns {
+                    let loose = turned.loose(known, level.off_line);
+                    let range = field.extremes(|spot| sign * turned.at(spot));
+                    let asked = range.map(|range| (range.upper + loose).min(turned.at_most(known, level)));
+                    found = found.max(asked.map_or(f64::NEG_INFINITY, |asked| asked - stands_back));
+                }
+                stands_back = level.error;
+            }
+            Cell { index, most: found }
+        });
+        cells.collect()
+    }
+
+    /// The most that they ask for or give way anywhere on the flanks.
+    fn at_any_time(&self, known: &KnownPair, level: Option<&Level>) -> f64 {
+        let Some(level) = level else { return 0.0 };
+        let asked = self.candidates().map(|value| {
+            let turned = self.turned(value, half_face(known));
+            let range = level.field.extremes(|spot| turned.at(spot)).unwrap_or(Range { lower: 0.0, upper: 0.0 });
+            let loose = turned.loose(known, level.off_line);
+            (range.upper.max(-range.lower) + loose).min(turned.at_most(known, level))
+        });
+        asked.into_iter().fold(0.0, f64::max)
+    }
+
+    /// What they keep up at least: where sections always carry, both sides touch at the ends of those at every stroke.
+    fn kept(&self, known: &KnownPair) -> Option<f64> {
+        let half = match self.part {
+            Part::Rack => known.rack_sections?,
+            Part::Pinion => known.pinion_sections?,
+        };
+        let one_hand = self.values.lower * self.values.upper > 0.0;
+        let heights = known.levels.last()?.field.extremes(|spot| spot.z)?;
+        let kept = self.candidates().map(|value| {
+            let turned = self.turned(value, half_face(known));
+            let at_ends = if one_hand { half * (turned.per_y.abs() + turned.per_w.abs()) } else { 0.0 };
+            let by_height = (turned.per_z * heights.lower).min(turned.per_z * heights.upper);
+            at_ends + by_height - turned.per_z.abs() * known.reach_either_way()
+        });
+        kept.into_iter().reduce(f64::min)
+    }
 }
 
-/// What turned helices of the pinion do, whose ΔCD over the whole face is within `values`, mm. Widths are shares of the
-/// pinion's face.
-pub(super) fn pinion(values: Range, share: f64, carrying: Option<f64>) -> ErrorRange {
-    let largest = values.lower.abs().max(values.upper.abs());
-    let least = if values.lower * values.upper > 0.0 { values.lower.abs().min(values.upper.abs()) } else { 0.0 };
-    let upper_mm = share * largest;
-    ErrorRange { raw_lower_mm: -upper_mm, lower_mm: carrying.map_or(-upper_mm, |part| part * least), upper_mm }
+/// What a right flank asks for at most in one part of its path.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    index: i32,
+    most: f64,
+}
+
+impl Turned {
+    fn at(&self, spot: &Spot) -> f64 {
+        self.per_y * spot.y + self.per_z * spot.z + self.per_w * spot.w
+    }
+
+    /// What no point within the end faces exceeds.
+    fn at_most(&self, known: &KnownPair, level: &Level) -> f64 {
+        let heights = level.field.extremes(|spot| spot.z.abs()).map_or(0.0, |range| range.upper);
+        let half_width = 0.5 * known.given.pair.rack().face_width_mm;
+        self.per_y.abs() * half_width + self.per_z.abs() * (heights + known.reach_either_way()) + self.per_w.abs() * half_face(known)
+    }
+
+    /// What a point may ask for besides that lies off its contact line or at another centre distance.
+    fn loose(&self, known: &KnownPair, off_line: f64) -> f64 {
+        let skew = trig::sin(known.given.pair.shaft_angle_rad()).abs() * off_line;
+        self.per_y.abs() * skew + self.per_z.abs() * (off_line + known.reach_either_way())
+    }
+}
+
+fn half_face(known: &KnownPair) -> f64 {
+    0.5 * known.given.pair.pinion().face_width_mm
 }

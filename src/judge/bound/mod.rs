@@ -6,6 +6,7 @@
 
 mod error;
 mod extent;
+mod field;
 mod known;
 mod lead;
 mod moments;
@@ -17,9 +18,10 @@ mod tests;
 
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use extent::{Extent, Unit, UnknownExtent};
-pub use known::{ContactPath, GivenPair, KnownPair, KnownPairError};
+pub use field::ContactPath;
+pub use known::{GivenPair, KnownPair, KnownPairError};
 pub use moments::{Moments, moments};
-pub use sum::{Bound, bound, reach_mm};
+pub use sum::{Bound, bound, reach};
 
 /// A range of ΔCD in mm. Computed in f64 to about 1e-12 mm; whoever puts it on a grid rounds `lower` down and `upper` up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +41,18 @@ pub struct ErrorRange {
     pub lower_mm: f64,
     /// The highest ΔCD, alone and together with others.
     pub upper_mm: f64,
+    /// How many steps between teeth add up in it, at most; of a pitch whose extent counts teeth.
+    pub in_contact: Option<u32>,
+}
+
+impl ErrorRange {
+    fn either_way(upper_mm: f64) -> Self {
+        Self { raw_lower_mm: -upper_mm, lower_mm: -upper_mm, upper_mm, in_contact: None }
+    }
+
+    fn signed(value: f64) -> Self {
+        Self { raw_lower_mm: value, lower_mm: value, upper_mm: value, in_contact: None }
+    }
 }
 
 /// What is known of the pair's geometry.

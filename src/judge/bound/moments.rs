@@ -1,6 +1,6 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
-use super::error::Effect;
+use super::error::{Effect, PitchEffect};
 use super::{ErrorRange, Extent, ExtendedError, Geometry, Knowledge};
 use crate::deviation::Part;
 
@@ -29,15 +29,15 @@ pub fn moments(error: &ExtendedError, range: &ErrorRange, knowledge: &Knowledge)
     match (error.effect, error.extent) {
         (Effect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
         (Effect::Size { value, .. }, _) => fixed(value),
-        (Effect::Pitch { .. }, Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range.upper_mm / 3.0 },
-        (Effect::Pitch { value, gain, .. }, Extent::Each) => folded(gain * value.abs()),
-        (Effect::Pitch { part, value, gain, .. }, Extent::One) => {
+        (Effect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range.upper_mm / 3.0 },
+        (Effect::Pitch(PitchEffect { value, gain, .. }), Extent::Each) => folded(gain * value.abs()),
+        (Effect::Pitch(PitchEffect { part, value, gain, .. }), Extent::One) => {
             let share = share_of_stroke(part, value, knowledge);
             let step = gain * value.abs();
             Moments { mean_mm: step * share, deviation_mm: step * (share * (1.0 - share)).sqrt() }
         }
         // between the least and the most of what adds up
-        (Effect::Pitch { .. }, _) => fixed(0.5 * (range.lower_mm + range.upper_mm)),
+        (Effect::Pitch(_), _) => fixed(0.5 * (range.lower_mm + range.upper_mm)),
         (Effect::RackLead { .. } | Effect::PinionLead { .. }, Extent::Each) => folded(range.upper_mm),
         (Effect::RackLead { .. } | Effect::PinionLead { .. }, _) => fixed(range.upper_mm),
     }

@@ -1,65 +1,100 @@
-//! How many steps between teeth can act at once. Read by the bound; knows counts only, no lengths of errors.
+//! What steps between teeth do: how many of them act at once. Read by the bound; knows no other error.
 
-use super::{ContactPath, Extent};
+use super::known::KnownPair;
+use super::{ContactPath, ErrorRange, Extent};
 use crate::deviation::Part;
 
-/// How many times the value of one step ΔCD can be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Steps {
-    pub(super) raw: i32,
-    pub(super) lower: i32,
-    pub(super) upper: i32,
-}
-
-/// Counts at paths of contact this near to a whole number are taken for the worse.
+/// Paths of contact this near to a whole number of pitches are taken for the worse.
 const SLACK: f64 = 1e-9;
 
-#[expect(clippy::cast_possible_truncation, reason = "a few teeth")]
-fn whole(pitches: f64) -> i32 {
-    pitches.floor().clamp(-1e6, 1e6) as i32
+fn whole(pitches: f64) -> f64 {
+    pitches.floor()
 }
 
-impl Steps {
-    /// Without geometry only one step has a bound.
-    pub(super) fn of_one(both_flanks: bool) -> Self {
-        Self { raw: -1, lower: if both_flanks { 0 } else { -1 }, upper: 1 }
-    }
+/// The path within which steps of one kind add up, in pitches, of a path of contact.
+type Length = fn(&ContactPath) -> f64;
 
-    /// Of a path on which lines carry, if that is always so, and of one on which edges do.
-    pub(super) fn new(part: Part, extent: Extent, grows: bool, line: Option<&ContactPath>, edge: &ContactPath) -> Self {
-        let steps = match part {
-            Part::Rack if extent != Extent::Each => Self::of_rack(grows, line, edge),
-            Part::Rack => {
-                let (one, other) = (Self::of_rack(true, line, edge), Self::of_rack(false, line, edge));
-                let upper = one.upper.max(other.upper).max(0);
-                let sinks = !line.is_some_and(ContactPath::has_both_flanks_of_a_rack_tooth);
-                Self { raw: -upper, lower: if sinks { -upper } else { 0 }, upper }
-            }
-            Part::Pinion => {
-                let (up, down) = (edge.ratio + 2.0 * edge.offset - 1.0, edge.ratio - 2.0 * edge.offset + 1.0);
-                let upper = whole(up.max(down) + SLACK).max(0);
-                let sinks = !line.is_some_and(ContactPath::has_both_flanks_of_a_pinion_tooth);
-                Self { raw: -upper, lower: if sinks { -upper } else { 0 }, upper }
-            }
-        };
-        match extent {
-            Extent::One => steps.within(-1, 1),
-            Extent::Part => steps.within(i32::MIN, i32::MAX),
-            Extent::All | Extent::Each | Extent::Total => steps,
+const RACK_GROWS: Length = |path| path.ratio - 2.0 * path.offset;
+const RACK_SHRINKS: Length = |path| path.ratio + 2.0 * path.offset;
+const PINION_GROWS: Length = |path| path.ratio + 2.0 * path.offset - 1.0;
+const PINION_SHRINKS: Length = |path| path.ratio - 2.0 * path.offset + 1.0;
+
+/// Steps of ΔCD `step` each, of a pair.
+pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known: &KnownPair) -> ErrorRange {
+    let range = match (part, extent) {
+        (Part::Rack, Extent::One | Extent::Part | Extent::All) => {
+            let (length, other) = if grows { (RACK_GROWS, RACK_SHRINKS) } else { (RACK_SHRINKS, RACK_GROWS) };
+            let raw_lower_mm = -least_raw(known, other, step);
+            let on_lines = (whole(length(&known.line) - SLACK) - 1.0) * step;
+            let lower_mm = if known.carries_lines() { on_lines.max(raw_lower_mm) } else { raw_lower_mm };
+            ErrorRange { raw_lower_mm, lower_mm, upper_mm: most(known, length, step), in_contact: None }
         }
-    }
+        (Part::Rack, _) => {
+            let keeps = known.carries_lines() && known.line.has_both_flanks_of_a_rack_tooth();
+            either_sign(known, [RACK_GROWS, RACK_SHRINKS], step, keeps)
+        }
+        (Part::Pinion, _) => {
+            let keeps = known.carries_lines() && known.line.has_both_flanks_of_a_pinion_tooth();
+            either_sign(known, [PINION_GROWS, PINION_SHRINKS], step, keeps)
+        }
+    };
+    limited(range, extent, step)
+}
 
-    /// Every pitch of the rack longer, or shorter: ΔCD is max R − min L steps, or max L − min R.
-    fn of_rack(grows: bool, line: Option<&ContactPath>, edge: &ContactPath) -> Self {
-        let sign = if grows { -1.0 } else { 1.0 };
-        let raw = -whole(edge.ratio - sign * 2.0 * edge.offset + SLACK);
-        let lower = line.map_or(raw, |line| whole(line.ratio + sign * 2.0 * line.offset - SLACK) - 1);
-        Self { raw, lower: lower.max(raw), upper: whole(edge.ratio + sign * 2.0 * edge.offset + SLACK) }
-    }
+/// One step, of any pair.
+pub(super) fn one_of_any_pair(step: f64, both_flanks: bool) -> ErrorRange {
+    let lower_mm = if both_flanks { 0.0 } else { -step };
+    ErrorRange { lower_mm, ..ErrorRange::either_way(step) }
+}
 
-    /// The same where the steps need not act.
-    fn within(self, least: i32, most: i32) -> Self {
-        let limited = |count: i32| count.clamp(least, most);
-        Self { raw: limited(self.raw.min(0)), lower: limited(self.lower.min(0)), upper: limited(self.upper.max(0)) }
+fn either_sign(known: &KnownPair, lengths: [Length; 2], step: f64, keeps: bool) -> ErrorRange {
+    let upper_mm = lengths.map(|length| most(known, length, step)).into_iter().fold(0.0, f64::max);
+    let raw = lengths.map(|length| least_raw(known, length, step)).into_iter().fold(0.0, f64::max);
+    ErrorRange { raw_lower_mm: -raw, lower_mm: if keeps { 0.0 } else { -raw }, upper_mm, in_contact: None }
+}
+
+/// One step only, or a run that need not be where the teeth are in contact.
+fn limited(range: ErrorRange, extent: Extent, step: f64) -> ErrorRange {
+    let most = match extent {
+        Extent::One => step,
+        Extent::Part => f64::INFINITY,
+        Extent::All | Extent::Each | Extent::Total => return range.counted(step),
+    };
+    let low = |value: f64| value.min(0.0).max(-most);
+    ErrorRange {
+        raw_lower_mm: low(range.raw_lower_mm),
+        lower_mm: low(range.lower_mm),
+        upper_mm: range.upper_mm.max(0.0).min(most),
+        in_contact: None,
+    }
+    .counted(step)
+}
+
+/// What steps in line lift at most. One more that only edges reach lifts less by what those stand back.
+fn most(known: &KnownPair, length: Length, step: f64) -> f64 {
+    let mut count = whole(length(&known.levels[0].path) + SLACK);
+    let mut most = count * step;
+    loop {
+        count += 1.0;
+        let stands_back = known.stands_back(length, count);
+        // what is still farther out adds a step at most, and stands back by more
+        if stands_back > step {
+            return most.max(count * step - stands_back);
+        }
+        most = most.max(count * step - stands_back);
+    }
+}
+
+/// How far steps in line may lower, whichever flanks carry: those on edges, too, where lines leave gaps.
+fn least_raw(known: &KnownPair, length: Length, step: f64) -> f64 {
+    whole(length(&known.level(2.0 * known.gap()).path) + SLACK) * step
+}
+
+impl ErrorRange {
+    /// With the number of steps that add up.
+    fn counted(self, step: f64) -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few teeth")]
+        let count = (self.upper_mm / step - SLACK).ceil().clamp(0.0, 1e6) as u32;
+        Self { in_contact: (step > 0.0).then_some(count), ..self }
     }
 }

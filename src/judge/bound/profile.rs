@@ -27,7 +27,7 @@ pub(super) struct Profile {
 /// Roll angles are searched this far beyond a flank's ends, rad: at more its neighbours carry.
 const FAR: f64 = 1.0;
 /// Halvings of a search: to rounding.
-const HALVINGS: u32 = 60;
+const HALVINGS: u32 = 48;
 
 impl Profile {
     /// Of a pair at a centre distance, or as much below it as the rack's teeth stand out more by `deeper_mm`.
@@ -83,49 +83,34 @@ impl Profile {
         rack_tip.max(self.start_roll)
     }
 
-    /// The roll angle at which ν is largest, and that ν: above 0 where the rack reaches below the base circle. It is
-    /// largest at the involute's start, where the flank and the tip plane ask for the same: a higher point of the
-    /// involute loses more by A than it gains by B.
-    pub(super) fn largest_excess(&self) -> Excess {
+    /// The largest ν: above 0 where the rack reaches below the base circle. It is that of the involute's start, where the
+    /// flank and the tip plane ask for the same: a higher point of the involute loses more by A than it gains by B.
+    pub(super) fn largest_excess(&self) -> f64 {
         let flank = |delta: f64| self.by_flank(self.start_roll, delta).max(0.0);
         let reaches = |delta: f64| self.by_tip(self.start_roll, delta) >= flank(delta);
-        if !reaches(0.0) {
-            return Excess { roll: self.lowest_line(), value: 0.0 };
-        }
-        let (mut low, mut high) = (0.0, FAR);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if reaches(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        if flank(high) > 0.0 {
-            Excess { roll: self.start_roll - high, value: flank(high) }
-        } else {
-            Excess { roll: self.lowest_line(), value: 0.0 }
-        }
+        if reaches(0.0) { flank(last_within(FAR, reaches)) } else { 0.0 }
     }
 
     /// The roll angles of contact lines at which a flank pair still carries that stands out by `error` mm more than its
     /// neighbours: ν ≥ −error.
     pub(super) fn carrying(&self, error: f64) -> Rolls {
         let carries = |t: f64| self.beyond_line(t) >= -error;
-        let end = |inside: f64, outside: f64| {
-            let (mut inside, mut outside) = (inside, outside);
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (inside + outside);
-                if carries(middle) {
-                    inside = middle;
-                } else {
-                    outside = middle;
-                }
-            }
-            outside
-        };
-        let lowest = self.largest_excess().roll;
-        Rolls { low: end(lowest, lowest - FAR), high: end(self.tip_roll, self.tip_roll + FAR) }
+        let lowest = self.lowest_carrying(error);
+        Rolls {
+            low: lowest - last_within(FAR, |beyond| carries(lowest - beyond)),
+            high: self.tip_roll + last_within(FAR, |beyond| carries(self.tip_roll + beyond)),
+        }
+    }
+
+    /// A roll angle from which on ν only falls towards lower ones: where the start of the involute stands back from the
+    /// rack's tip plane by `error`, if it stands back from the flank by no more, as it may again below the base circle.
+    fn lowest_carrying(&self, error: f64) -> f64 {
+        let reaches = |delta: f64| self.by_tip(self.start_roll, delta) >= -error;
+        if !reaches(0.0) {
+            return self.lowest_line();
+        }
+        let roll = self.start_roll - last_within(FAR, reaches);
+        if self.beyond_line(roll) >= -error { roll } else { self.lowest_line() }
     }
 
     /// How far a point of contact lies from the contact line at most when the pair carries so, mm.
@@ -135,11 +120,18 @@ impl Profile {
     }
 }
 
-/// The largest of what a flank pair asks for beyond its contact line.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Excess {
-    pub(super) roll: f64,
-    pub(super) value: f64,
+/// The end of what holds from 0 on, rounded up.
+fn last_within(farthest: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, farthest);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
 }
 
 /// Roll angles from one to another.

@@ -1,8 +1,8 @@
 //! The bound of each error and of their sum. Reads what the errors do from the rooms beside it; solves no mesh.
 
-use super::error::{Effect, RackLines};
-use super::lead::{self, Place};
-use super::pitch::Steps;
+use super::error::{Effect, PitchEffect, RackLines};
+use super::lead::Leads;
+use super::pitch;
 use super::{ContactPath, ErrorRange, Extent, Geometry, Knowledge, KnownPair, Note, Open, Range, ExtendedError};
 use crate::deviation::Part;
 use crate::gear::Pair;
@@ -31,34 +31,20 @@ const ROUNDING_MM: f64 = 1e-12;
 #[must_use]
 pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     let each: Vec<_> = errors.iter().map(|error| range_of(error, knowledge)).collect();
-    Bound { total: total(errors, &each, knowledge), notes: notes(errors, knowledge), errors: each }
+    Bound { total: total(errors, knowledge), notes: notes(errors, knowledge), errors: each }
 }
 
 /// What one error can do alone.
 fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
     let range = match error.effect {
         Effect::Size { part, value } => size(part, value, error.extent, knowledge),
-        Effect::Pitch { part, value, gain, teeth, cap } => {
-            let step = gain * value.abs();
-            let teeth = teeth.or_else(|| known(knowledge).map(|known| known.given.pair.pinion().teeth));
-            let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
-            let total = |deviation: f64| 2.0 * gain * deviation * (1.0 - mean);
-            let capped = cap.map(total);
-            match (error.extent, steps(part, value, step, error.extent, knowledge)) {
-                (Extent::Total, _) => either_way(total(value.abs()).min(capped.unwrap_or(f64::INFINITY))),
-                (_, Some(steps)) => {
-                    let limit = capped.unwrap_or(f64::INFINITY);
-                    let [raw_lower_mm, lower_mm, upper_mm] = [steps.raw, steps.lower, steps.upper]
-                        .map(|count| (f64::from(count) * step).clamp(-limit, limit));
-                    ErrorRange { raw_lower_mm, lower_mm, upper_mm }
-                }
-                (_, None) => either_way(capped.ok_or(Open::TeethInContactUnknown)?),
-            }
-        }
+        Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
         Effect::RackLead { value, rack } => {
-            lead::rack(lead::values(value, error.extent), &rack, &place(&rack, knowledge))
+            leads(&Leads::none(Part::Rack).with(value, error.extent, Some(rack)), Some(&rack), knowledge)
         }
-        Effect::PinionLead { value } => pinion_lead(lead::values(value, error.extent), knowledge),
+        Effect::PinionLead { value } => {
+            leads(&Leads::none(Part::Pinion).with(value, error.extent, None), None, knowledge)
+        }
     };
     Ok(supported(range, knowledge))
 }
@@ -70,78 +56,78 @@ const fn known<'a>(knowledge: &Knowledge<'a>) -> Option<&'a KnownPair> {
     }
 }
 
-/// The path on which lines always carry on both sides; `None` where there is none, or form or roll keeps flanks from it.
-fn line_path<'a>(knowledge: &Knowledge<'a>) -> Option<&'a KnownPair> {
-    known(knowledge).filter(|known| known.carries_lines())
-}
-
-fn either_way(upper_mm: f64) -> ErrorRange {
-    ErrorRange { raw_lower_mm: -upper_mm, lower_mm: -upper_mm, upper_mm }
-}
-
-/// A space that sits higher by e: its right flank carries around the stroke c, its left one half a pitch or a whole one
-/// further on, so that both do for a while, or never.
+/// A space that sits higher by e. Its right flank carries around the stroke c, its left one a whole pitch (of a rack space)
+/// or none (of a pinion space) after −c, so that both do for a while, or never.
 fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorRange {
-    let apart = |offset: f64| match part {
-        Part::Rack => (1.0 - 2.0 * offset).abs(),
-        Part::Pinion => (2.0 * offset).abs(),
+    let apart = |path: &ContactPath| match part {
+        Part::Rack => (1.0 - 2.0 * path.offset).abs(),
+        Part::Pinion => (2.0 * path.offset).abs(),
     };
-    match extent {
-        Extent::All => ErrorRange { raw_lower_mm: value, lower_mm: value, upper_mm: value },
-        Extent::Each | Extent::Total => either_way(value.abs()),
-        Extent::Part => ErrorRange { raw_lower_mm: value.min(0.0), lower_mm: value.min(0.0), upper_mm: value.max(0.0) },
-        Extent::One if value > 0.0 => {
-            let meets = known(knowledge).is_none_or(|known| {
-                let path = known.lengthened(value);
-                path.ratio > apart(path.offset)
-            });
-            ErrorRange { raw_lower_mm: 0.0, lower_mm: 0.0, upper_mm: if meets { value } else { 0.5 * value } }
+    let sometimes = ErrorRange {
+        raw_lower_mm: value.min(0.0),
+        lower_mm: value.min(0.0),
+        upper_mm: value.max(0.0),
+        in_contact: None,
+    };
+    match (extent, known(knowledge)) {
+        (Extent::All, _) => ErrorRange::signed(value),
+        (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
+        (Extent::Part, _) | (Extent::One, None) => sometimes,
+        (Extent::One, Some(known)) if value > 0.0 => {
+            let stands_back = known.stands_back(|path| path.ratio - apart(path), 0.0);
+            ErrorRange { upper_mm: (value - stands_back).max(0.5 * value), ..sometimes }
         }
-        Extent::One => {
-            let alone = line_path(knowledge).map_or(1.0, |known| {
-                let path = known.line;
-                if path.ratio + apart(path.offset) < 2.0 {
-                    1.0
-                } else if path.ratio < 2.0 {
-                    0.5
-                } else {
-                    0.0
-                }
-            });
-            ErrorRange { raw_lower_mm: value, lower_mm: alone * value, upper_mm: 0.0 }
+        (Extent::One, Some(known)) if known.carries_lines() => {
+            let path = &known.line;
+            let alone = if path.ratio + apart(path) < 2.0 {
+                1.0
+            } else if path.ratio < 2.0 {
+                0.5
+            } else {
+                0.0
+            };
+            ErrorRange { lower_mm: alone * value, ..sometimes }
         }
+        (Extent::One, Some(_)) => sometimes,
     }
 }
 
-/// How often a step counts; `None` if that is not known.
-fn steps(part: Part, value: f64, step: f64, extent: Extent, knowledge: &Knowledge) -> Option<Steps> {
-    if let Some(known) = known(knowledge) {
-        let line = line_path(knowledge).map(|known| &known.line);
-        return Some(Steps::new(part, extent, value >= 0.0, line, &known.lengthened(2.0 * step)));
+fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+    let PitchEffect { part, value, gain, teeth, cap } = *pitch;
+    let known = known(knowledge);
+    let teeth = teeth.or_else(|| known.map(|known| known.given.pair.pinion().teeth));
+    // a pinion's deviations are measured from the mean of the turn
+    let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
+    let total = |deviation: f64| 2.0 * gain * deviation * (1.0 - mean);
+    // whole teeth within a total deviation: no two are farther apart
+    let limit = cap.map_or(f64::INFINITY, |cap| gain * cap);
+    let step = gain * value.abs();
+    let range = match (extent, known) {
+        (Extent::Total, _) => ErrorRange::either_way(total(value.abs())),
+        (_, Some(known)) => pitch::of_pair(part, extent, value >= 0.0, step, known),
+        (Extent::One, None) => {
+            pitch::one_of_any_pair(step, knowledge.geometry == Geometry::BothFlanks && !knowledge.rolls)
+        }
+        (_, None) if cap.is_some() => ErrorRange::either_way(limit),
+        (_, None) => return Err(Open::TeethInContactUnknown),
+    };
+    Ok(ErrorRange {
+        raw_lower_mm: range.raw_lower_mm.max(-limit),
+        lower_mm: range.lower_mm.max(-limit),
+        upper_mm: range.upper_mm.min(limit),
+        ..range
+    })
+}
+
+fn leads(leads: &Leads, lines: Option<&RackLines>, knowledge: &Knowledge) -> ErrorRange {
+    match known(knowledge) {
+        Some(known) => leads.of_pair(known),
+        None => leads.of_any_pair(lines.map_or(0.0, |lines| assumed_height(lines, knowledge))),
     }
-    let both = knowledge.geometry == Geometry::BothFlanks && !knowledge.rolls;
-    (extent == Extent::One).then(|| Steps::of_one(both))
 }
 
-/// Where the rack's flanks touch, as far as it is known.
-fn place(rack: &RackLines, knowledge: &Knowledge) -> Place {
-    if let Some(known) = known(knowledge) {
-        let carrying = known.rack_sections;
-        return Place { half_width: known.half_widths().rack, carrying, heights: known.heights() };
-    }
-    let height = assumed_height(rack, knowledge);
-    Place { half_width: 0.5 * rack.face_width, carrying: None, heights: Range { lower: -height, upper: height } }
-}
-
-fn assumed_height(rack: &RackLines, knowledge: &Knowledge) -> f64 {
-    knowledge.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * rack.face_width, |module| MODULES_HIGH * module)
-}
-
-fn pinion_lead(values: Range, knowledge: &Knowledge) -> ErrorRange {
-    let Some(known) = known(knowledge) else { return lead::pinion(values, 1.0, None) };
-    let half_face = 0.5 * known.given.pair.pinion().face_width_mm;
-    let carrying = known.pinion_sections.map(|half| half / half_face);
-    lead::pinion(values, known.half_widths().pinion / half_face, carrying)
+fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
+    knowledge.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * lines.face_width, |module| MODULES_HIGH * module)
 }
 
 /// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.
@@ -155,46 +141,42 @@ fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
     ErrorRange { raw_lower_mm, lower_mm: raw_lower_mm, ..range }
 }
 
-/// Upper ends add. Of the lower ends one is taken, all others are raw.
-fn total(errors: &[ExtendedError], each: &[Result<ErrorRange, Open>], knowledge: &Knowledge) -> Result<Range, Open> {
-    let mut ranges = Vec::with_capacity(errors.len());
-    let (mut rack_leads, mut pinion_leads) = (Range { lower: 0.0, upper: 0.0 }, Range { lower: 0.0, upper: 0.0 });
-    let mut lines = None;
-    for (error, range) in errors.iter().zip(each) {
-        let sum = match error.effect {
-            Effect::RackLead { rack, .. } => {
+/// The ranges that add: of sizes and pitches one by one, of leads one for each part.
+fn addends(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Vec<ErrorRange>, Open> {
+    let mut ranges = Vec::with_capacity(errors.len() + 2);
+    let (mut of_rack, mut of_pinion, mut lines) = (Leads::none(Part::Rack), Leads::none(Part::Pinion), None);
+    for error in errors {
+        match error.effect {
+            Effect::Size { .. } | Effect::Pitch(_) => ranges.push(range_of(error, knowledge)?),
+            Effect::RackLead { value, rack } => {
                 lines = Some(rack);
-                &mut rack_leads
+                of_rack = of_rack.with(value, error.extent, lines);
             }
-            Effect::PinionLead { .. } => &mut pinion_leads,
-            Effect::Size { .. } | Effect::Pitch { .. } => {
-                ranges.push((*range)?);
-                continue;
-            }
-        };
-        let (Effect::RackLead { value, .. } | Effect::PinionLead { value }) = error.effect else { continue };
-        let values = lead::values(value, error.extent);
-        *sum = Range { lower: sum.lower + values.lower, upper: sum.upper + values.upper };
+            Effect::PinionLead { value } => of_pinion = of_pinion.with(value, error.extent, None),
+        }
     }
-    if let Some(lines) = lines {
-        ranges.push(supported(lead::rack(rack_leads, &lines, &place(&lines, knowledge)), knowledge));
-    }
-    ranges.push(supported(pinion_lead(pinion_leads, knowledge), knowledge));
-    let own = known(knowledge).map_or(Range { lower: 0.0, upper: 0.0 }, |known| known.own);
+    ranges.push(supported(leads(&of_rack, lines.as_ref(), knowledge), knowledge));
+    ranges.push(supported(leads(&of_pinion, None, knowledge), knowledge));
+    Ok(ranges)
+}
+
+/// Upper ends add. Of the lower ends one is taken, all others are raw.
+fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
+    let ranges = addends(errors, knowledge)?;
     let upper: f64 = ranges.iter().map(|range| range.upper_mm).sum();
     let raw: f64 = ranges.iter().map(|range| range.raw_lower_mm).sum();
     let better = ranges.iter().map(|range| range.lower_mm - range.raw_lower_mm).fold(0.0, f64::max);
-    let magnitude: f64 = ranges.iter().map(|range| range.raw_lower_mm.abs().max(range.upper_mm.abs())).sum();
-    if known(knowledge).is_some_and(|known| magnitude > known.reach) {
+    if known(knowledge).is_some_and(|known| raw < known.reach.lower || upper > known.reach.upper) {
         return Err(Open::BeyondReach);
     }
+    let own = known(knowledge).map_or(Range { lower: 0.0, upper: 0.0 }, |known| known.own);
     Ok(Range { lower: own.lower + raw + better - ROUNDING_MM, upper: own.upper + upper + ROUNDING_MM })
 }
 
 fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     let mut notes = Vec::new();
     let whole_teeth = |error: &ExtendedError| {
-        matches!(error.effect, Effect::Pitch { .. }) && matches!(error.extent, Extent::Each | Extent::All | Extent::Part)
+        matches!(error.effect, Effect::Pitch(_)) && matches!(error.extent, Extent::Each | Extent::All | Extent::Part)
     };
     if errors.iter().any(whole_teeth) {
         notes.push(Note::WholeTeeth);
@@ -206,7 +188,7 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     if !errors.is_empty() {
         notes.push(Note::GeometryNarrows);
     }
-    let is_step = |error: &ExtendedError| matches!(error.effect, Effect::Pitch { .. }) && error.extent == Extent::One;
+    let is_step = |error: &ExtendedError| matches!(error.effect, Effect::Pitch(_)) && error.extent == Extent::One;
     if knowledge.geometry == Geometry::Unknown && !knowledge.rolls && errors.iter().any(is_step) {
         notes.push(Note::BothFlanksNarrows);
     }
@@ -219,35 +201,30 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
 
 /// How far errors may move ΔCD altogether, to make a [`KnownPair`] for them: a little too much at any rate.
 #[must_use]
-pub fn reach_mm(errors: &[ExtendedError], pair: &Pair) -> f64 {
+pub fn reach(errors: &[ExtendedError], pair: &Pair) -> Range {
     /// Edges may lengthen the path of contact by this, in pitches.
     const EDGES: f64 = 2.0;
     let path = ContactPath::nominal(pair);
     let most = (path.ratio + (2.0 * path.offset).abs() + 1.0 + EDGES).floor();
     let height = pair.rack().addendum_mm.abs() + pair.pinion().tip_radius_mm;
-    let heights = Range { lower: -height, upper: height };
-    let mut angles = Range { lower: 0.0, upper: 0.0 };
-    let mut lines = None;
-    let mut sum = 0.0;
+    let mut leads = Leads::none(Part::Rack);
+    let mut sum = Range { lower: 0.0, upper: 0.0 };
     for error in errors {
-        sum += match error.effect {
-            Effect::Size { value, .. } | Effect::PinionLead { value } => value.abs(),
-            Effect::Pitch { value, gain, .. } => {
-                gain * value.abs() * if error.extent == Extent::Total { 2.0 } else { most }
+        let (lower, upper) = match error.effect {
+            Effect::Size { value, .. } if error.extent != Extent::Each => (value.min(0.0), value.max(0.0)),
+            Effect::Size { value, .. } | Effect::PinionLead { value } => (-value.abs(), value.abs()),
+            Effect::Pitch(PitchEffect { value, gain, .. }) => {
+                let count = if error.extent == Extent::Total { 2.0 } else { most };
+                (-count * gain * value.abs(), count * gain * value.abs())
             }
             Effect::RackLead { value, rack } => {
-                let values = lead::values(value, error.extent);
-                angles = Range { lower: angles.lower + values.lower, upper: angles.upper + values.upper };
-                lines = Some(rack);
-                0.0
+                leads = leads.with(value, error.extent, Some(rack));
+                (0.0, 0.0)
             }
         };
+        sum = Range { lower: sum.lower + lower, upper: sum.upper + upper };
     }
-    if let Some(lines) = lines {
-        let place = Place { half_width: 0.5 * pair.rack().face_width_mm, carrying: None, heights };
-        let range = lead::rack(angles, &lines, &place);
-        sum += range.upper_mm.max(-range.raw_lower_mm);
-    }
+    let lead = leads.of_any_pair(height).upper_mm;
     // a rack that rolls takes a little more
-    sum / trig::cos(LARGEST_ROLL_RAD) + 1e-9
+    Range { lower: (sum.lower - lead) * 1.01 - 1e-6, upper: (sum.upper + lead) * 1.01 + 1e-6 }
 }

@@ -2,3 +2,4 @@
 
 mod property;
 mod random;
+mod tight;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use crate::deviation::{ErrorKind, Part, PinionFlank, PinionFlanks, PinionTooth, RackFlank, RackFlanks, RackTooth};
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
-use crate::judge::bound::error::Effect;
+use crate::judge::bound::error::{Effect, PitchEffect};
 use crate::judge::bound::{ExtendedError, Extent, pinion_lead_angle_rad};
 use crate::mesh::{Mesh, Support};
 use crate::quantity::{Angle, Length};
@@ -198,7 +198,7 @@ impl Placed {
                     self.raise_space(part, space, value);
                 }
             }
-            Effect::Pitch { part, value, .. } => self.put_pitch(random, drawn, part, value),
+            Effect::Pitch(PitchEffect { part, value, .. }) => self.put_pitch(random, drawn, part, value),
             Effect::RackLead { .. } | Effect::PinionLead { .. } => {
                 let on = Self::teeth_of(random, drawn.error.extent);
                 let part = if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
@@ -214,6 +214,57 @@ impl Placed {
                     self.turn(part, tooth, values);
                 }
             }
+        }
+    }
+
+    /// Puts an error alone where it lifts the pinion most: a few patterns that the theory knows as the worst, and random ones.
+    pub(super) fn put_worst(&mut self, random: &mut Random, drawn: &Drawn, pattern: u64) {
+        let step = MIDDLE + i64::try_from(pattern / 6).unwrap() % 3;
+        let sign = if pattern % 2 == 0 { 1.0 } else { -1.0 };
+        let extent = drawn.error.extent;
+        match drawn.error.effect {
+            Effect::Size { part, value } if extent == Extent::Each => {
+                self.count(part).into_iter().for_each(|space| self.raise_space(part, space, value.abs()));
+            }
+            Effect::Pitch(PitchEffect { part, value, .. }) if extent == Extent::Total => {
+                let z = self.count(part).len();
+                #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
+                let mean = if part == Part::Pinion { value.abs() / z as f64 } else { 0.0 };
+                for tooth in self.count(part) {
+                    let own = if tooth == step { value.abs() } else { 0.0 };
+                    let next = if pattern % 2 == 0 { own } else if tooth == step + 1 { value.abs() } else { 0.0 };
+                    self.shift(part, tooth, -(next - mean), own - mean);
+                }
+            }
+            Effect::Pitch(PitchEffect { part: Part::Pinion, value, .. }) if extent == Extent::One => {
+                let half = i64::try_from(self.pinion.len()).unwrap() / 2;
+                let first = if pattern % 2 == 0 { step } else { step - half };
+                (first..first + half).for_each(|tooth| self.shift(Part::Pinion, tooth, value, value));
+            }
+            Effect::Pitch(PitchEffect { part, value, .. }) if extent == Extent::Each || part == Part::Pinion => {
+                let half = i64::try_from(self.count(part).len()).unwrap() / 2;
+                for tooth in self.count(part) {
+                    #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
+                    let steps = match part {
+                        Part::Rack => (tooth - step).clamp(-7, 7) as f64,
+                        Part::Pinion => {
+                            let along = (tooth - step).rem_euclid(2 * half);
+                            along.min(2 * half - along) as f64
+                        }
+                    };
+                    let limit = drawn.cap.unwrap_or(f64::INFINITY);
+                    let by = match part {
+                        Part::Rack => (steps * value.abs()).clamp(-0.5 * limit, 0.5 * limit),
+                        Part::Pinion => (steps * value.abs()).min(limit),
+                    };
+                    self.shift(part, tooth, sign * by, sign * by);
+                }
+            }
+            Effect::RackLead { .. } | Effect::PinionLead { .. } if extent == Extent::Each => {
+                let part = if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
+                self.count(part).into_iter().for_each(|tooth| self.turn(part, tooth, [sign * drawn.value; 2]));
+            }
+            _ => self.put(random, drawn),
         }
     }
 

@@ -1,0 +1,167 @@
+//! The field of contact: which points of a pinion flank can touch a rack flank, by roll angle τ and place w along the
+//! pinion's axis, and when. Knows no errors.
+//!
+//! A point of contact passes at the stroke, in pitches from the stroke of its rack tooth,
+//!
+//! ```text
+//! p = s_n/(2 π m_n) + (−a sin α_n + r_b τ cos β_b − w sin β_b) / (π m_n cos α_n)
+//! y = r_b (τ cos α_t − sin α_t) sin Σ + w cos Σ,    Z = a − r_b (cos α_t + τ sin α_t)
+//! ```
+//!
+//! for a right flank; a left one is the same turned half about Z: p, y change sign.
+
+use std::f64::consts::PI;
+
+use super::Range;
+use super::profile::{Profile, Rolls};
+use crate::gear::Pair;
+use crate::trig;
+
+/// Where flank pairs carry, in pitches of stroke: the right flank of tooth i at strokes i + c ± ε/2, the left one at
+/// i − c ± ε/2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactPath {
+    /// Length ε.
+    pub ratio: f64,
+    /// Offset c.
+    pub offset: f64,
+}
+
+impl ContactPath {
+    /// Of a pair without errors.
+    #[must_use]
+    pub fn nominal(pair: &Pair) -> Self {
+        let line_distance = line_distance(pair);
+        let low = Profile::new(pair, line_distance, 0.0).lowest_line();
+        Field::new(pair, Rolls { low, high: pair.pinion().tip_roll_rad }, 0.0).path()
+    }
+
+    /// Whether a tooth of the rack always carries on both flanks: then no shifts of whole teeth sink the pinion.
+    #[must_use]
+    pub fn has_both_flanks_of_a_rack_tooth(&self) -> bool {
+        self.ratio >= 1.0 + 2.0 * self.offset.abs()
+    }
+
+    /// Whether a tooth of the pinion always does.
+    #[must_use]
+    pub fn has_both_flanks_of_a_pinion_tooth(&self) -> bool {
+        self.ratio >= 1.0 + (1.0 - 2.0 * self.offset).abs()
+    }
+}
+
+/// A point of contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spot {
+    pub(super) roll: f64,
+    pub(super) w: f64,
+    /// Stroke, pitches from that of the rack tooth.
+    pub(super) stroke: f64,
+    /// Place across the rack and height over the reference plane, mm.
+    pub(super) y: f64,
+    pub(super) z: f64,
+}
+
+/// The corners of a convex field of contact.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Field {
+    corners: Vec<Spot>,
+}
+
+impl Spot {
+    fn new(pair: &Pair, roll: f64, w: f64) -> Self {
+        let (rack, pinion) = (pair.rack(), pair.pinion());
+        let (sin_t, cos_t) = trig::sin_cos(pinion.transverse_pressure_angle_rad);
+        let (sin_s, cos_s) = trig::sin_cos(pair.shaft_angle_rad());
+        let (sin_b, cos_b) = trig::sin_cos(pinion.base_helix_angle_rad);
+        let (sin_n, cos_n) = trig::sin_cos(pair.normal_pressure_angle_rad());
+        let (r_b, line_distance) = (pinion.base_radius_mm, line_distance(pair));
+        let place = (r_b * roll * cos_b - w * sin_b - line_distance * sin_n) / cos_n;
+        Self {
+            roll,
+            w,
+            stroke: (0.5 * rack.tooth_thickness_mm + place) / (PI * pair.normal_module_mm()),
+            y: r_b * (roll * cos_t - sin_t) * sin_s + w * cos_s,
+            z: line_distance - r_b * (cos_t + roll * sin_t),
+        }
+    }
+
+    /// The point at this share of the way to another one; everything is linear in roll angle and place.
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        let between = |a: f64, b: f64| a + share * (b - a);
+        Self {
+            roll: between(self.roll, other.roll),
+            w: between(self.w, other.w),
+            stroke: between(self.stroke, other.stroke),
+            y: between(self.y, other.y),
+            z: between(self.z, other.z),
+        }
+    }
+}
+
+impl Field {
+    /// Of points with roll angles within `rolls`, between the pinion's end faces, and between the rack's if those are
+    /// `wider` mm farther out on either side.
+    pub(super) fn new(pair: &Pair, rolls: Rolls, wider: f64) -> Self {
+        if rolls.low > rolls.high {
+            return Self { corners: Vec::new() };
+        }
+        let half_face = 0.5 * pair.pinion().face_width_mm;
+        let half_width = 0.5 * pair.rack().face_width_mm + wider;
+        let corners = [(rolls.low, -half_face), (rolls.high, -half_face), (rolls.high, half_face), (rolls.low, half_face)];
+        let all = Self { corners: corners.map(|(roll, w)| Spot::new(pair, roll, w)).to_vec() };
+        all.clipped(|spot| half_width - spot.y).clipped(|spot| half_width + spot.y)
+    }
+
+    /// The part on which a linear function is not negative.
+    fn clipped(&self, inside: impl Fn(&Spot) -> f64) -> Self {
+        let mut corners = Vec::with_capacity(self.corners.len() + 2);
+        for (index, here) in self.corners.iter().enumerate() {
+            let next = &self.corners[(index + 1) % self.corners.len()];
+            let (f, g) = (inside(here), inside(next));
+            if f >= 0.0 {
+                corners.push(*here);
+            }
+            if (f > 0.0 && g < 0.0) || (f < 0.0 && g > 0.0) {
+                corners.push(here.towards(next, f / (f - g)));
+            }
+        }
+        Self { corners }
+    }
+
+    /// Those that pass between two strokes, in pitches.
+    pub(super) fn between(&self, strokes: Range) -> Self {
+        self.clipped(|spot| spot.stroke - strokes.lower).clipped(|spot| strokes.upper - spot.stroke)
+    }
+
+    /// The least and the most of a linear function; `None` of an empty field.
+    pub(super) fn extremes(&self, function: impl Fn(&Spot) -> f64) -> Option<Range> {
+        let ranges = self.corners.iter().map(function).map(|value| Range { lower: value, upper: value });
+        ranges.reduce(|a, b| Range { lower: a.lower.min(b.lower), upper: a.upper.max(b.upper) })
+    }
+
+    pub(super) fn path(&self) -> ContactPath {
+        let none = Range { lower: 0.0, upper: 0.0 };
+        let strokes = self.extremes(|spot| spot.stroke).unwrap_or(none);
+        ContactPath { ratio: strokes.upper - strokes.lower, offset: 0.5 * (strokes.lower + strokes.upper) }
+    }
+}
+
+/// The centre distance at which lines of contact fit, mm: nominal teeth that are thicker than the standard ones move it.
+pub(super) fn line_distance(pair: &Pair) -> f64 {
+    pair.nominal_center_distance_mm() + thickness_offset(pair)
+}
+
+/// ΔCD of nominal teeth that are thicker than the standard ones, mm.
+pub(super) fn thickness_offset(pair: &Pair) -> f64 {
+    let thicker = pair.rack().tooth_thickness_mm - 0.5 * PI * pair.normal_module_mm();
+    let cos_p = trig::cos(pair.pinion().helix_angle_rad);
+    (thicker + thickness_deviation(pair) * cos_p) / (2.0 * trig::tan(pair.normal_pressure_angle_rad()))
+}
+
+/// How much thicker the pinion's teeth are than standard ones, as an arc at the reference circle, mm.
+pub(super) fn thickness_deviation(pair: &Pair) -> f64 {
+    let pinion = pair.pinion();
+    let tan_n = trig::tan(pair.normal_pressure_angle_rad());
+    let standard = (0.5 * PI + 2.0 * pinion.profile_shift * tan_n) * pair.normal_module_mm();
+    pinion.tooth_thickness_mm - standard / trig::cos(pinion.helix_angle_rad)
+}

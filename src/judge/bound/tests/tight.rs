@@ -1,0 +1,79 @@
+//! One error alone at the worst places that a search finds: the upper end is reached.
+
+use super::property::extremes;
+use super::random::{self, Drawn, Placed, Random};
+use crate::gear::Pair;
+use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPair, bound, reach};
+use crate::mesh::Support;
+use crate::parallel;
+
+/// Places tried for an error.
+const PLACES: u64 = 24;
+/// Pairs tried.
+const PAIRS: usize = 600;
+
+struct Tried {
+    text: String,
+    kind: usize,
+    reached: bool,
+    plain: bool,
+}
+
+fn kind_of(error: &ExtendedError) -> usize {
+    let text = format!("{:?}", error.effect);
+    let unit = ["Size", "Pitch", "RackLead", "PinionLead"].iter().position(|name| text.starts_with(name)).unwrap();
+    unit * 5 + Extent::EVERY.iter().position(|&extent| extent == error.extent()).unwrap()
+}
+
+fn highest(pair: &Pair, drawn: &Drawn) -> Option<f64> {
+    let mut best: Option<f64> = None;
+    for seed in 0..PLACES {
+        let mut placed = Placed::new(pair);
+        placed.put_worst(&mut Random(seed), drawn, seed);
+        let reached = extremes(&placed.mesh(Support::Fixed)?, 16)?.upper;
+        best = Some(best.map_or(reached, |best| best.max(reached)));
+    }
+    best
+}
+
+fn tried(seed: u64) -> Option<Tried> {
+    let mut random = Random(seed ^ 0x7469_6768_7400_0000);
+    let pair = random::pair(&mut random);
+    let drawn = random::error(&mut random, &pair);
+    let errors = [drawn.error];
+    let known = KnownPair::new(GivenPair::plain(pair), reach(&errors, &pair)).ok()?;
+    if known.nominal_path().ratio < 1.1 {
+        return None;
+    }
+    let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
+    let bound = bound(&errors, &knowledge);
+    let (total, ErrorRange { upper_mm, .. }) = (bound.total.ok()?, bound.errors[0].ok()?);
+    let highest = highest(&pair, &drawn)?;
+    let short = total.upper - highest;
+    let text = format!(
+        "seed {seed}: {short:.6} short of {upper_mm:.6}; own {:?} path {:?} {:?}",
+        known.own_mm(),
+        known.nominal_path(),
+        drawn.error
+    );
+    let plain = (known.own_mm().upper - crate::judge::bound::field::thickness_offset(&pair)).abs() < 1e-9;
+    Some(Tried { plain, text, kind: kind_of(&drawn.error), reached: short <= (0.05 * upper_mm.abs()).max(1e-4) })
+}
+
+#[test]
+fn the_upper_end_of_one_error_is_reached() {
+    let from: u64 = std::env::var("BOUND_FROM").ok().and_then(|text| text.parse().ok()).unwrap_or(0);
+    let (results, _) = parallel::map(parallel::cores(), PAIRS, || (), |(), index| tried(from + index as u64));
+    let results: Vec<Tried> = results.into_iter().flatten().collect();
+    let reached = results.iter().filter(|tried| tried.reached).count();
+    for kind in 0..20 {
+        let of_kind: Vec<_> = results.iter().filter(|tried| tried.kind == kind).collect();
+        let missed = of_kind.iter().filter(|tried| !tried.reached && tried.plain);
+        println!("kind {kind}: {} of {} missed", missed.clone().count(), of_kind.len());
+        missed.take(3).for_each(|tried| println!("   {}", tried.text));
+    }
+    let plain: Vec<_> = results.iter().filter(|tried| tried.plain).collect();
+    println!("without undercut: {} of {}", plain.iter().filter(|tried| tried.reached).count(), plain.len());
+    println!("{reached} of {} reach their upper end", results.len());
+    assert!(10 * reached >= 9 * results.len());
+}
