@@ -164,6 +164,14 @@ impl ExtendedError {
         self.extent
     }
 
+    pub(super) const fn part(&self) -> Part {
+        match self.effect {
+            Effect::Size { part, .. } | Effect::Pitch(PitchEffect { part, .. }) => part,
+            Effect::RackLead { .. } => Part::Rack,
+            Effect::PinionLead { .. } => Part::Pinion,
+        }
+    }
+
     /// What its extent counts.
     #[must_use]
     pub const fn unit(&self) -> Unit {

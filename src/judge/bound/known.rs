@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::field::{ContactPath, Field, line_distance, thickness_deviation, thickness_offset};
 use super::profile::{Profile, Rolls};
-use super::Range;
+use super::{ExtendedError, Range};
 use crate::deviation::{DeviationError, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
@@ -28,8 +28,8 @@ pub struct GivenPair {
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownPair {
     pub(super) given: GivenPair,
-    /// The lowest and highest ΔCD of errors, all together, that this holds for, mm.
-    pub(super) reach: Range,
+    /// The errors that this holds for.
+    pub(super) reach: Reach,
     /// Where lines of contact carry whatever the errors.
     pub(super) line: ContactPath,
     /// Where flanks carry that stand out by so much: in rising order.
@@ -39,6 +39,29 @@ pub struct KnownPair {
     /// Half the rack's width, and half the pinion's, over which profiles alone always carry; `None` if they do not.
     pub(super) rack_sections: Option<f64>,
     pub(super) pinion_sections: Option<f64>,
+}
+
+/// How far errors may move ΔCD altogether.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// By how much at most they may lower and raise it.
+    pub range: Range,
+    /// How far those of the pinion alone may move it either way, mm.
+    pub of_pinion_mm: f64,
+}
+
+impl Reach {
+    /// Either way, mm.
+    pub(super) fn largest(&self) -> f64 {
+        self.range.upper.max(-self.range.lower)
+    }
+
+    /// Whether it holds another one.
+    pub(super) fn holds(&self, other: &Self) -> bool {
+        other.range.lower >= self.range.lower
+            && other.range.upper <= self.range.upper
+            && other.of_pinion_mm <= self.of_pinion_mm
+    }
 }
 
 /// Where a flank carries that stands out by `error` mm of centre distance more than its neighbours: edges lengthen its
@@ -57,10 +80,10 @@ pub(super) struct Level {
 #[non_exhaustive]
 pub enum KnownPairError {
     /// Errors leave nothing of the flanks.
-    #[error("errors of {} to {} mm leave no pair: {source}", .reach.lower, .reach.upper)]
+    #[error("errors of {} to {} mm leave no pair: {source}", .reach.range.lower, .reach.range.upper)]
     Geometry {
         /// How large the errors are.
-        reach: Range,
+        reach: Reach,
         /// What is wrong with it.
         source: GeometryError,
     },
@@ -102,27 +125,44 @@ impl GivenPair {
 }
 
 impl KnownPair {
-    /// What is known of a pair for errors that together keep ΔCD within `reach`; see [`reach`](super::reach). Solves the error-free mesh over a pitch where lines of contact alone do not say what
-    /// its curve is: undercut, a contact ratio near 1 and below, flank form, a rack that may roll.
+    /// What is known of a pair for these errors, as little as is needed for them.
+    ///
+    /// # Errors
+    /// [`KnownPairError`] as [`KnownPair::new`].
+    pub fn for_errors(given: GivenPair, errors: &[ExtendedError]) -> Result<Self, KnownPairError> {
+        let estimate = Reach::estimated(errors, &given.pair);
+        let close = Self::without_curve(given, estimate).reached(errors);
+        let known = Self::new(given, close)?;
+        // gaps in the path of contact bring more teeth into play
+        if close.holds(&known.reached(errors)) { Ok(known) } else { Self::new(given, estimate) }
+    }
+
+    /// What is known of a pair for errors within a reach; see [`Reach::estimated`]. Solves the error-free mesh over a pitch
+    /// where lines of contact alone do not say what its curve is: undercut, a contact ratio near 1 and below, flank form, a
+    /// rack that may roll.
     ///
     /// # Errors
     /// [`KnownPairError`] if errors as large leave no flanks or the pair does not mesh.
-    pub fn new(given: GivenPair, reach: Range) -> Result<Self, KnownPairError> {
+    pub fn new(given: GivenPair, reach: Reach) -> Result<Self, KnownPairError> {
+        let mut known = Self::without_curve(given, reach);
+        known.own = Range { lower: known.lowest()?, upper: known.highest()? };
+        Ok(known)
+    }
+
+    fn without_curve(given: GivenPair, reach: Reach) -> Self {
         let pair = &given.pair;
-        let reach = Range { lower: reach.lower.min(0.0), upper: reach.upper.max(0.0) };
-        let excess = Profile::new(pair, line_distance(pair), -reach.lower).largest_excess();
-        let raised = Range { lower: reach.lower, upper: reach.upper + excess };
-        let shift = SHORTENING * shift_rad(pair, &raised);
-        let shorter = Profile::new(pair, line_distance(pair), -raised.upper);
+        let range = Range { lower: reach.range.lower.min(0.0), upper: reach.range.upper.max(0.0) };
+        let reach = Reach { range, ..reach };
+        let raised = range.upper + excess(pair, &reach);
+        let shift = SHORTENING * shift_rad(pair, raised.max(-range.lower));
+        let shorter = Profile::new(pair, line_distance(pair), -raised);
         let rolls = Rolls { low: shorter.lowest_line() + shift, high: pair.pinion().tip_roll_rad - shift };
         let narrower = skew(pair, shift);
         let line = Field::new(pair, rolls, -narrower).path();
-        let own = Range { lower: 0.0, upper: 0.0 };
-        let levels = levels(pair, &reach);
+        let (levels, own) = (levels(pair, &reach), Range { lower: 0.0, upper: 0.0 });
         let mut known = Self { given, reach, line, levels, own, rack_sections: None, pinion_sections: None };
         known.set_sections(rolls, narrower);
-        known.own = Range { lower: known.lowest(&raised)?, upper: known.highest(excess)? };
-        Ok(known)
+        known
     }
 
     /// Whether lines of contact carry on both sides at every stroke, whatever the errors.
@@ -131,15 +171,16 @@ impl KnownPair {
     }
 
     /// The lowest ΔCD of the pair with flanks shortened by what errors may shift them.
-    fn lowest(&self, reach: &Range) -> Result<f64, KnownPairError> {
+    fn lowest(&self) -> Result<f64, KnownPairError> {
         let GivenPair { pair, mut rack_form, pinion_form, support } = self.given;
         let offset = thickness_offset(&pair);
         if self.carries_lines() {
             return Ok(offset);
         }
-        let pair = Pair::new(&shortened(&pair, reach))
-            .map_err(|source| KnownPairError::Geometry { reach: *reach, source })?;
-        rack_form.tip_relief_start_mm -= reach.upper;
+        let raised = self.reach.range.upper + excess(&pair, &self.reach);
+        let less = shortened(&pair, raised, raised.max(-self.reach.range.lower));
+        let pair = Pair::new(&less).map_err(|source| KnownPairError::Geometry { reach: self.reach, source })?;
+        rack_form.tip_relief_start_mm -= raised;
         let rack = RackFlanks::nominal(&pair).with_form(&pair, rack_form)?;
         let pinion = PinionFlanks::nominal(&pair).with_form(pinion_form)?;
         let mesh = Mesh::new(pair, rack, pinion, support)?;
@@ -149,30 +190,26 @@ impl KnownPair {
         Ok(lowest - tolerance)
     }
 
-    /// The highest ΔCD without errors, with rack teeth that stand out more by what errors may lower a flank; `excess` is
-    /// the most that one side can ask for beyond its contact lines.
-    fn highest(&self, excess: f64) -> Result<f64, KnownPairError> {
+    /// The highest ΔCD without errors, with rack teeth that stand out more by what errors may lower a flank.
+    fn highest(&self) -> Result<f64, KnownPairError> {
         let GivenPair { pair, pinion_form, .. } = &self.given;
         // a form that adds material: a negative profile slope
         let added = (-pinion_form.profile_slope_mm).max(0.0) / trig::sin(pair.normal_pressure_angle_rad());
         let offset = thickness_offset(pair) + added;
+        let excess = excess(pair, &self.reach);
         if excess == 0.0 {
             return Ok(offset);
         }
         let mut data = data_of(pair);
-        data.rack.addendum_mm -= self.reach.lower;
+        data.rack.addendum_mm -= self.reach.range.lower;
         let Ok(deeper) = Pair::new(&data) else { return Ok(offset + excess) };
-        let both = both_sides(&Mesh::nominal(deeper)?, shift_rad(pair, &self.reach))?;
+        let both = both_sides(&Mesh::nominal(deeper)?, shift_rad(pair, self.reach.of_pinion_mm))?;
         Ok(offset + excess.min(both))
     }
 
     /// Where flanks carry that stand out by up to `error` mm more than their neighbours.
     pub(super) fn level(&self, error: f64) -> &Level {
         self.levels.iter().find(|level| level.error >= error).unwrap_or(&self.levels[self.levels.len() - 1])
-    }
-
-    pub(super) fn reach_either_way(&self) -> f64 {
-        self.reach.upper.max(-self.reach.lower)
     }
 
     /// How far the pair alone sinks at most because lines of contact leave gaps, mm.
@@ -207,9 +244,9 @@ impl KnownPair {
         self.own
     }
 
-    /// The lowest and highest sum of errors that this holds for, mm of ΔCD.
+    /// The errors that this holds for.
     #[must_use]
-    pub const fn reach_mm(&self) -> Range {
+    pub const fn reach(&self) -> Reach {
         self.reach
     }
 
@@ -239,10 +276,10 @@ impl KnownPair {
 }
 
 /// Where flanks carry that stand out more and more.
-fn levels(pair: &Pair, reach: &Range) -> Vec<Level> {
-    let profile = Profile::new(pair, line_distance(pair), -reach.lower);
-    let last = 4.0 * reach.upper.max(-reach.lower);
-    let shift = shift_rad(pair, reach);
+fn levels(pair: &Pair, reach: &Reach) -> Vec<Level> {
+    let profile = Profile::new(pair, line_distance(pair), -reach.range.lower);
+    let last = 4.0 * reach.largest();
+    let shift = shift_rad(pair, reach.largest());
     let mut levels = Vec::new();
     let mut error = 0.0;
     loop {
@@ -258,6 +295,11 @@ fn levels(pair: &Pair, reach: &Range) -> Vec<Level> {
         }
         error = if error == 0.0 { FIRST_LEVEL_MM } else { LEVEL_RATIO * error };
     }
+}
+
+/// The most that one side can ask for beyond its contact lines, mm.
+fn excess(pair: &Pair, reach: &Reach) -> f64 {
+    Profile::new(pair, line_distance(pair), -reach.range.lower).largest_excess()
 }
 
 /// The most that both sides together ask for beyond their contact lines, if errors shift one against the other by up to
@@ -284,9 +326,9 @@ fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<f64, MeshError> {
 
 /// How far errors move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the rotation by as
 /// much.
-fn shift_rad(pair: &Pair, reach: &Range) -> f64 {
+fn shift_rad(pair: &Pair, delta_cd_mm: f64) -> f64 {
     let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth);
-    2.0 * reach.upper.max(-reach.lower) * trig::tan(pair.normal_pressure_angle_rad()) / per_rad
+    2.0 * delta_cd_mm * trig::tan(pair.normal_pressure_angle_rad()) / per_rad
 }
 
 /// How far such a shift moves a contact line across the rack, mm.
@@ -294,14 +336,15 @@ fn skew(pair: &Pair, shift: f64) -> f64 {
     pair.pinion().base_radius_mm * shift * trig::sin(pair.shaft_angle_rad()).abs()
 }
 
-/// The same pair with less of its flanks: what is left of them whatever errors up to the reach shift.
-fn shortened(pair: &Pair, reach: &Range) -> PairData {
+/// The same pair with less of its flanks: what is left of them when errors raise the pinion and
+/// move ΔCD by so much.
+fn shortened(pair: &Pair, raised: f64, moved: f64) -> PairData {
     let pinion = pair.pinion();
-    let shift = SHORTENING * shift_rad(pair, reach);
+    let shift = SHORTENING * shift_rad(pair, moved);
     let diameter = |roll: f64| 2.0 * pinion.base_radius_mm * (1.0 + roll * roll).sqrt();
     let mut data = data_of(pair);
     data.rack.face_width_mm -= 2.0 * skew(pair, shift);
-    data.rack.addendum_mm -= reach.upper;
+    data.rack.addendum_mm -= raised;
     data.pinion.tip_diameter_mm = diameter(pinion.tip_roll_rad - shift);
     data.pinion.root_form_diameter_mm = Some(diameter(pinion.start_roll_rad + shift));
     data

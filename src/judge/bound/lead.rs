@@ -173,7 +173,7 @@ impl Leads {
             let turned = self.turned(value, half_face(known));
             let at_ends = if one_hand { half * (turned.per_y.abs() + turned.per_w.abs()) } else { 0.0 };
             let by_height = (turned.per_z * heights.lower).min(turned.per_z * heights.upper);
-            at_ends + by_height - turned.per_z.abs() * known.reach_either_way()
+            at_ends + by_height - turned.per_z.abs() * known.reach.largest()
         });
         kept.into_iter().reduce(f64::min)
     }
@@ -195,13 +195,13 @@ impl Turned {
     fn at_most(&self, known: &KnownPair, level: &Level) -> f64 {
         let heights = level.field.extremes(|spot| spot.z.abs()).map_or(0.0, |range| range.upper);
         let half_width = 0.5 * known.given.pair.rack().face_width_mm;
-        self.per_y.abs() * half_width + self.per_z.abs() * (heights + known.reach_either_way()) + self.per_w.abs() * half_face(known)
+        self.per_y.abs() * half_width + self.per_z.abs() * (heights + known.reach.largest()) + self.per_w.abs() * half_face(known)
     }
 
     /// What a point may ask for besides that lies off its contact line or at another centre distance.
     fn loose(&self, known: &KnownPair, off_line: f64) -> f64 {
         let skew = trig::sin(known.given.pair.shaft_angle_rad()).abs() * off_line;
-        self.per_y.abs() * skew + self.per_z.abs() * (off_line + known.reach_either_way())
+        self.per_y.abs() * skew + self.per_z.abs() * (off_line + known.reach.largest())
     }
 }
 

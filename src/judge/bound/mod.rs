@@ -19,9 +19,9 @@ mod tests;
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use extent::{Extent, Unit, UnknownExtent};
 pub use field::ContactPath;
-pub use known::{GivenPair, KnownPair, KnownPairError};
+pub use known::{GivenPair, KnownPair, KnownPairError, Reach};
 pub use moments::{Moments, moments};
-pub use sum::{Bound, bound, reach};
+pub use sum::{Bound, bound};
 
 /// A range of ΔCD in mm. Computed in f64 to about 1e-12 mm; whoever puts it on a grid rounds `lower` down and `upper` up.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use super::error::{Effect, PitchEffect, RackLines};
 use super::lead::Leads;
 use super::pitch;
-use super::{ContactPath, ErrorRange, Extent, Geometry, Knowledge, KnownPair, Note, Open, Range, ExtendedError};
+use super::{ContactPath, ErrorRange, Extent, Geometry, Knowledge, KnownPair, Note, Open, Range, ExtendedError, Reach};
 use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::mesh::LARGEST_ROLL_RAD;
@@ -26,6 +26,8 @@ const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 /// Lower ends are rounded by this much, mm: more than what sums and sines lose.
 const ROUNDING_MM: f64 = 1e-12;
+/// Pairs are prepared for so much more than errors need.
+const SPARE_MM: f64 = 1e-6;
 
 /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
 #[must_use]
@@ -141,13 +143,22 @@ fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
     ErrorRange { raw_lower_mm, lower_mm: raw_lower_mm, ..range }
 }
 
-/// The ranges that add: of sizes and pitches one by one, of leads one for each part.
-fn addends(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Vec<ErrorRange>, Open> {
-    let mut ranges = Vec::with_capacity(errors.len() + 2);
+/// What adds.
+#[derive(Debug, Clone, Copy)]
+struct Addend {
+    part: Part,
+    range: ErrorRange,
+}
+
+/// Sizes and pitches one by one, leads one for each part.
+fn addends(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Vec<Addend>, Open> {
+    let mut addends = Vec::with_capacity(errors.len() + 2);
     let (mut of_rack, mut of_pinion, mut lines) = (Leads::none(Part::Rack), Leads::none(Part::Pinion), None);
     for error in errors {
         match error.effect {
-            Effect::Size { .. } | Effect::Pitch(_) => ranges.push(range_of(error, knowledge)?),
+            Effect::Size { .. } | Effect::Pitch(_) => {
+                addends.push(Addend { part: error.part(), range: range_of(error, knowledge)? });
+            }
             Effect::RackLead { value, rack } => {
                 lines = Some(rack);
                 of_rack = of_rack.with(value, error.extent, lines);
@@ -155,22 +166,44 @@ fn addends(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Vec<ErrorR
             Effect::PinionLead { value } => of_pinion = of_pinion.with(value, error.extent, None),
         }
     }
-    ranges.push(supported(leads(&of_rack, lines.as_ref(), knowledge), knowledge));
-    ranges.push(supported(leads(&of_pinion, None, knowledge), knowledge));
-    Ok(ranges)
+    let leads = |part, all: &Leads| {
+        Addend { part, range: supported(leads(all, lines.as_ref(), knowledge), knowledge) }
+    };
+    addends.extend([leads(Part::Rack, &of_rack), leads(Part::Pinion, &of_pinion)]);
+    Ok(addends)
 }
 
 /// Upper ends add. Of the lower ends one is taken, all others are raw.
 fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
-    let ranges = addends(errors, knowledge)?;
-    let upper: f64 = ranges.iter().map(|range| range.upper_mm).sum();
-    let raw: f64 = ranges.iter().map(|range| range.raw_lower_mm).sum();
-    let better = ranges.iter().map(|range| range.lower_mm - range.raw_lower_mm).fold(0.0, f64::max);
-    if known(knowledge).is_some_and(|known| raw < known.reach.lower || upper > known.reach.upper) {
-        return Err(Open::BeyondReach);
-    }
-    let own = known(knowledge).map_or(Range { lower: 0.0, upper: 0.0 }, |known| known.own);
+    let addends = addends(errors, knowledge)?;
+    let reached = reached(&addends);
+    let better = addends.iter().map(|one| one.range.lower_mm - one.range.raw_lower_mm).fold(0.0, f64::max);
+    let own = match known(knowledge) {
+        Some(known) if !known.reach.holds(&reached) => return Err(Open::BeyondReach),
+        Some(known) => known.own,
+        None => Range { lower: 0.0, upper: 0.0 },
+    };
+    let Range { lower: raw, upper } = reached.range;
     Ok(Range { lower: own.lower + raw + better - ROUNDING_MM, upper: own.upper + upper + ROUNDING_MM })
+}
+
+fn reached(addends: &[Addend]) -> Reach {
+    let raw: f64 = addends.iter().map(|one| one.range.raw_lower_mm).sum();
+    let upper: f64 = addends.iter().map(|one| one.range.upper_mm).sum();
+    let of_pinion = addends.iter().filter(|one| one.part == Part::Pinion).map(|one| one.range);
+    let of_pinion_mm = of_pinion.map(|range| range.upper_mm.max(-range.raw_lower_mm)).sum();
+    Reach { range: Range { lower: raw, upper }, of_pinion_mm }
+}
+
+impl KnownPair {
+    /// How far these errors move ΔCD by what is known of this pair, and a little more.
+    pub(super) fn reached(&self, errors: &[ExtendedError]) -> Reach {
+        let knowledge = Knowledge { geometry: Geometry::Known(self), ..Knowledge::default() };
+        // nothing is open where the geometry is known
+        let Reach { range, of_pinion_mm } = addends(errors, &knowledge).map_or(self.reach, |addends| reached(&addends));
+        let Range { lower, upper } = range;
+        Reach { range: Range { lower: lower - SPARE_MM, upper: upper + SPARE_MM }, of_pinion_mm: of_pinion_mm + SPARE_MM }
+    }
 }
 
 fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
@@ -199,32 +232,31 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     notes
 }
 
-/// How far errors may move ΔCD altogether, to make a [`KnownPair`] for them: a little too much at any rate.
-#[must_use]
-pub fn reach(errors: &[ExtendedError], pair: &Pair) -> Range {
-    /// Edges may lengthen the path of contact by this, in pitches.
-    const EDGES: f64 = 2.0;
-    let path = ContactPath::nominal(pair);
-    let most = (path.ratio + (2.0 * path.offset).abs() + 1.0 + EDGES).floor();
-    let height = pair.rack().addendum_mm.abs() + pair.pinion().tip_radius_mm;
-    let mut leads = Leads::none(Part::Rack);
-    let mut sum = Range { lower: 0.0, upper: 0.0 };
-    for error in errors {
-        let (lower, upper) = match error.effect {
-            Effect::Size { value, .. } if error.extent != Extent::Each => (value.min(0.0), value.max(0.0)),
-            Effect::Size { value, .. } | Effect::PinionLead { value } => (-value.abs(), value.abs()),
-            Effect::Pitch(PitchEffect { value, gain, .. }) => {
-                let count = if error.extent == Extent::Total { 2.0 } else { most };
-                (-count * gain * value.abs(), count * gain * value.abs())
-            }
-            Effect::RackLead { value, rack } => {
-                leads = leads.with(value, error.extent, Some(rack));
-                (0.0, 0.0)
-            }
-        };
-        sum = Range { lower: sum.lower + lower, upper: sum.upper + upper };
+impl Reach {
+    /// How far errors may move ΔCD: too much at any rate.
+    #[must_use]
+    pub fn estimated(errors: &[ExtendedError], pair: &Pair) -> Self {
+        /// Edges may lengthen the path of contact by this, in pitches.
+        const EDGES: f64 = 2.0;
+        let path = ContactPath::nominal(pair);
+        let most = (path.ratio + (2.0 * path.offset).abs() + 1.0 + EDGES).floor();
+        let height = pair.rack().addendum_mm.abs() + pair.pinion().tip_radius_mm;
+        let mut leads = Leads::none(Part::Rack);
+        let (mut of_rack, mut of_pinion) = (0.0, 0.0);
+        for error in errors {
+            let either_way = match error.effect {
+                Effect::Size { value, .. } | Effect::PinionLead { value } => value.abs(),
+                Effect::Pitch(PitchEffect { value, gain, .. }) => {
+                    gain * value.abs() * if error.extent == Extent::Total { 2.0 } else { most }
+                }
+                Effect::RackLead { value, rack } => {
+                    leads = leads.with(value, error.extent, Some(rack));
+                    0.0
+                }
+            };
+            *(if error.part() == Part::Rack { &mut of_rack } else { &mut of_pinion }) += either_way;
+        }
+        let all = 1.01 * (of_rack + of_pinion + leads.of_any_pair(height).upper_mm) + SPARE_MM;
+        Self { range: Range { lower: -all, upper: all }, of_pinion_mm: 1.01 * of_pinion + SPARE_MM }
     }
-    let lead = leads.of_any_pair(height).upper_mm;
-    // a rack that rolls takes a little more
-    Range { lower: (sum.lower - lead) * 1.01 - 1e-6, upper: (sum.upper + lead) * 1.01 + 1e-6 }
 }

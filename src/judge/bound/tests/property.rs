@@ -2,7 +2,7 @@
 
 use super::random::{self, Drawn, Placed, Random};
 use crate::gear::Pair;
-use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Range, bound, reach};
+use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Range, bound};
 use crate::mesh::{Ending, Mesh, Sampler, Support};
 use crate::parallel;
 
@@ -69,7 +69,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     let Case { pair, support, drawn } = case(&mut random, rolls);
     let errors: Vec<ExtendedError> = drawn.iter().map(|drawn| drawn.error).collect();
     let given = GivenPair { support, ..GivenPair::plain(pair) };
-    let known = KnownPair::new(given, reach(&errors, &pair)).ok()?;
+    let known = KnownPair::for_errors(given, &errors).ok()?;
     let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, normal_module_mm: None });
     let of_known = with(Geometry::Known(&known));
     let total = of_known.total.unwrap_or_else(|open| panic!("seed {seed}: {open}"));

@@ -3,7 +3,7 @@
 use super::property::extremes;
 use super::random::{self, Drawn, Placed, Random};
 use crate::gear::Pair;
-use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPair, bound, reach};
+use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPair, bound};
 use crate::mesh::Support;
 use crate::parallel;
 
@@ -41,7 +41,7 @@ fn tried(seed: u64) -> Option<Tried> {
     let pair = random::pair(&mut random);
     let drawn = random::error(&mut random, &pair);
     let errors = [drawn.error];
-    let known = KnownPair::new(GivenPair::plain(pair), reach(&errors, &pair)).ok()?;
+    let known = KnownPair::for_errors(GivenPair::plain(pair), &errors).ok()?;
     if known.nominal_path().ratio < 1.1 {
         return None;
     }
