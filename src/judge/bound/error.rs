@@ -5,6 +5,7 @@ use super::{Extent, Unit};
 use crate::deviation::{ErrorKind, ErrorValue, Part};
 use crate::formula::{Law, Model};
 use crate::gear::Pair;
+use crate::quantity::Length;
 use crate::trig;
 
 /// An error that may be on any teeth that its extent allows.
@@ -98,7 +99,7 @@ impl ExtendedError {
                 let rack = RackLines {
                     tan_alpha: trig::tan_of(gear.pressure_angle),
                     helix: gear.helix_angle.radians(),
-                    face_width: gear.face_width.map_or(0.0, |width| width.mm()),
+                    face_width: gear.face_width.map_or(0.0, Length::mm),
                 };
                 Effect::RackLead { value, rack }
             }

@@ -68,7 +68,9 @@ impl Extent {
             Self::Each => format!("every {unit}, any sign"),
             Self::Total => "in total, either flank side".to_owned(),
         };
-        if let Some(count) = in_contact.filter(|&count| count > 1 && matches!(self, Self::Part | Self::All | Self::Each)) {
+        if let Some(count) =
+            in_contact.filter(|&count| count > 1 && matches!(self, Self::Part | Self::All | Self::Each))
+        {
             words.push_str(&format!(", up to {count} in contact"));
         }
         words

@@ -107,7 +107,8 @@ impl Field {
         }
         let half_face = 0.5 * pair.pinion().face_width_mm;
         let half_width = 0.5 * pair.rack().face_width_mm + wider;
-        let corners = [(rolls.low, -half_face), (rolls.high, -half_face), (rolls.high, half_face), (rolls.low, half_face)];
+        let corners =
+            [(rolls.low, -half_face), (rolls.high, -half_face), (rolls.high, half_face), (rolls.low, half_face)];
         let all = Self { corners: corners.map(|(roll, w)| Spot::new(pair, roll, w)).to_vec() };
         all.clipped(|spot| half_width - spot.y).clipped(|spot| half_width + spot.y)
     }

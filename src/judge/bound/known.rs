@@ -312,7 +312,8 @@ fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<f64, MeshError> {
     let offset = thickness_offset(pair);
     // a pitch, and on either side as much as a shift brings in
     let points = mesh.curve(-window, pitch + window, EXCESS_CURVE_MM)?.points;
-    let side = |point: &MeshPoint, sign: f64| point.delta_cd_mm - offset + sign * per_rad * point.transmission_error_rad;
+    let side =
+        |point: &MeshPoint, sign: f64| point.delta_cd_mm - offset + sign * per_rad * point.transmission_error_rad;
     let mut most = 0.0_f64;
     for point in &points {
         // between points the curve is straight, so that what is next to the window is looked at, too

@@ -12,10 +12,10 @@ use crate::trig;
 /// What a turned flank asks for, in mm of ΔCD: a share of the place across the rack, of the height, and of the place
 /// along the pinion's axis.
 #[derive(Debug, Clone, Copy)]
-struct Turned {
-    per_y: f64,
-    per_z: f64,
-    per_w: f64,
+struct Slopes {
+    across: f64,
+    up: f64,
+    along: f64,
 }
 
 /// The leads of all errors of one part.
@@ -56,26 +56,26 @@ impl Leads {
     /// tooth line across the rack, where heights count least.
     fn candidates(&self) -> [f64; 4] {
         let Range { lower, upper } = self.values;
-        let across = self.lines.map_or(lower, |lines| -lines.helix);
-        [lower, upper, 0.0_f64.clamp(lower, upper), across.clamp(lower, upper)]
+        let level = self.lines.map_or(lower, |lines| -lines.helix);
+        [lower, upper, 0.0_f64.clamp(lower, upper), level.clamp(lower, upper)]
     }
 
     /// What flanks ask for that are turned by a value; the pinion's face has half this width.
-    fn turned(&self, value: f64, half_face: f64) -> Turned {
-        let Some(lines) = self.lines else { return Turned { per_y: 0.0, per_z: 0.0, per_w: value / half_face } };
+    fn turned(&self, value: f64, half_face: f64) -> Slopes {
+        let Some(lines) = self.lines else { return Slopes { across: 0.0, up: 0.0, along: value / half_face } };
         let (sin, cos) = trig::sin_cos(value);
         let (sin_turned, cos_turned) = trig::sin_cos(lines.helix + value);
         let fall = sin_turned / cos_turned * sin - (1.0 - cos);
-        Turned { per_y: sin / (cos_turned * lines.tan_alpha), per_z: -fall, per_w: 0.0 }
+        Slopes { across: sin / (cos_turned * lines.tan_alpha), up: -fall, along: 0.0 }
     }
 
     /// Their range for any pair whose flanks touch up to this height over and under the reference plane.
     pub(super) fn of_any_pair(&self, height: f64) -> ErrorRange {
         let mut upper_mm = 0.0_f64;
         for value in self.candidates() {
-            let Turned { per_y, per_z, per_w } = self.turned(value, 1.0);
+            let Slopes { across, up, along } = self.turned(value, 1.0);
             let half_width = self.lines.map_or(0.0, |lines| 0.5 * lines.face_width);
-            upper_mm = upper_mm.max(per_y.abs() * half_width + per_z.abs() * height + per_w.abs());
+            upper_mm = upper_mm.max(across.abs() * half_width + up.abs() * height + along.abs());
         }
         ErrorRange::either_way(upper_mm)
     }
@@ -171,9 +171,9 @@ impl Leads {
         let heights = known.levels.last()?.field.extremes(|spot| spot.z)?;
         let kept = self.candidates().map(|value| {
             let turned = self.turned(value, half_face(known));
-            let at_ends = if one_hand { half * (turned.per_y.abs() + turned.per_w.abs()) } else { 0.0 };
-            let by_height = (turned.per_z * heights.lower).min(turned.per_z * heights.upper);
-            at_ends + by_height - turned.per_z.abs() * known.reach.largest()
+            let at_ends = if one_hand { half * (turned.across.abs() + turned.along.abs()) } else { 0.0 };
+            let by_height = (turned.up * heights.lower).min(turned.up * heights.upper);
+            at_ends + by_height - turned.up.abs() * known.reach.largest()
         });
         kept.into_iter().reduce(f64::min)
     }
@@ -186,22 +186,24 @@ struct Cell {
     most: f64,
 }
 
-impl Turned {
+impl Slopes {
     fn at(&self, spot: &Spot) -> f64 {
-        self.per_y * spot.y + self.per_z * spot.z + self.per_w * spot.w
+        self.across * spot.y + self.up * spot.z + self.along * spot.w
     }
 
     /// What no point within the end faces exceeds.
     fn at_most(&self, known: &KnownPair, level: &Level) -> f64 {
         let heights = level.field.extremes(|spot| spot.z.abs()).map_or(0.0, |range| range.upper);
         let half_width = 0.5 * known.given.pair.rack().face_width_mm;
-        self.per_y.abs() * half_width + self.per_z.abs() * (heights + known.reach.largest()) + self.per_w.abs() * half_face(known)
+        self.across.abs() * half_width
+            + self.up.abs() * (heights + known.reach.largest())
+            + self.along.abs() * half_face(known)
     }
 
     /// What a point may ask for besides that lies off its contact line or at another centre distance.
     fn loose(&self, known: &KnownPair, off_line: f64) -> f64 {
         let skew = trig::sin(known.given.pair.shaft_angle_rad()).abs() * off_line;
-        self.per_y.abs() * skew + self.per_z.abs() * (off_line + known.reach.largest())
+        self.across.abs() * skew + self.up.abs() * (off_line + known.reach.largest())
     }
 }
 

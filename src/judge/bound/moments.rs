@@ -1,7 +1,7 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
 use super::error::{Effect, PitchEffect};
-use super::{ErrorRange, Extent, ExtendedError, Geometry, Knowledge};
+use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge};
 use crate::deviation::Part;
 
 /// Mean and standard deviation of ΔCD, mm.
@@ -24,8 +24,7 @@ const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 #[must_use]
 pub fn moments(error: &ExtendedError, range: &ErrorRange, knowledge: &Knowledge) -> Moments {
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
-    let folded =
-        |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
+    let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
     match (error.effect, error.extent) {
         (Effect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
         (Effect::Size { value, .. }, _) => fixed(value),

@@ -3,7 +3,7 @@
 use super::error::{Effect, PitchEffect, RackLines};
 use super::lead::Leads;
 use super::pitch;
-use super::{ContactPath, ErrorRange, Extent, Geometry, Knowledge, KnownPair, Note, Open, Range, ExtendedError, Reach};
+use super::{ContactPath, ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, Note, Open, Range, Reach};
 use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::mesh::LARGEST_ROLL_RAD;
@@ -74,7 +74,6 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
     match (extent, known(knowledge)) {
         (Extent::All, _) => ErrorRange::signed(value),
         (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
-        (Extent::Part, _) | (Extent::One, None) => sometimes,
         (Extent::One, Some(known)) if value > 0.0 => {
             let stands_back = known.stands_back(|path| path.ratio - apart(path), 0.0);
             ErrorRange { upper_mm: (value - stands_back).max(0.5 * value), ..sometimes }
@@ -90,7 +89,7 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
             };
             ErrorRange { lower_mm: alone * value, ..sometimes }
         }
-        (Extent::One, Some(_)) => sometimes,
+        (Extent::Part | Extent::One, _) => sometimes,
     }
 }
 
@@ -166,9 +165,7 @@ fn addends(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Vec<Addend
             Effect::PinionLead { value } => of_pinion = of_pinion.with(value, error.extent, None),
         }
     }
-    let leads = |part, all: &Leads| {
-        Addend { part, range: supported(leads(all, lines.as_ref(), knowledge), knowledge) }
-    };
+    let leads = |part, all: &Leads| Addend { part, range: supported(leads(all, lines.as_ref(), knowledge), knowledge) };
     addends.extend([leads(Part::Rack, &of_rack), leads(Part::Pinion, &of_pinion)]);
     Ok(addends)
 }
@@ -202,7 +199,10 @@ impl KnownPair {
         // nothing is open where the geometry is known
         let Reach { range, of_pinion_mm } = addends(errors, &knowledge).map_or(self.reach, |addends| reached(&addends));
         let Range { lower, upper } = range;
-        Reach { range: Range { lower: lower - SPARE_MM, upper: upper + SPARE_MM }, of_pinion_mm: of_pinion_mm + SPARE_MM }
+        Reach {
+            range: Range { lower: lower - SPARE_MM, upper: upper + SPARE_MM },
+            of_pinion_mm: of_pinion_mm + SPARE_MM,
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The bound against closed forms and against the exact mesh.
 
+mod closed;
 mod property;
 mod random;
 mod tight;

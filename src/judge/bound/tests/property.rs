@@ -65,7 +65,7 @@ fn outside(range: &Range, reached: &Range) -> f64 {
 /// How far the mesh leaves the bounds of one seed, mm, with words; `None` if the pair does not mesh.
 fn check(seed: u64) -> Option<Vec<String>> {
     let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5bd1_e995);
-    let rolls = seed % ROLLING == 0;
+    let rolls = seed.is_multiple_of(ROLLING);
     let Case { pair, support, drawn } = case(&mut random, rolls);
     let errors: Vec<ExtendedError> = drawn.iter().map(|drawn| drawn.error).collect();
     let given = GivenPair { support, ..GivenPair::plain(pair) };
@@ -81,7 +81,9 @@ fn check(seed: u64) -> Option<Vec<String>> {
         }
     }
     let mut placed = Placed::new(&pair);
-    drawn.iter().for_each(|drawn| placed.put(&mut random, drawn));
+    for drawn in &drawn {
+        placed.put(&mut random, drawn);
+    }
     let mesh = placed.mesh(support)?;
     let reached = extremes(&mesh, if rolls { 5 } else { 24 })?;
     let mut failures = Vec::new();

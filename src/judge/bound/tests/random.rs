@@ -201,7 +201,8 @@ impl Placed {
             Effect::Pitch(PitchEffect { part, value, .. }) => self.put_pitch(random, drawn, part, value),
             Effect::RackLead { .. } | Effect::PinionLead { .. } => {
                 let on = Self::teeth_of(random, drawn.error.extent);
-                let part = if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
+                let part =
+                    if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
                 for tooth in self.count(part) {
                     let mut value = || match drawn.error.extent {
                         Extent::Each => value_within(random, drawn.value),
@@ -220,7 +221,7 @@ impl Placed {
     /// Puts an error alone where it lifts the pinion most: a few patterns that the theory knows as the worst, and random ones.
     pub(super) fn put_worst(&mut self, random: &mut Random, drawn: &Drawn, pattern: u64) {
         let step = MIDDLE + i64::try_from(pattern / 6).unwrap() % 3;
-        let sign = if pattern % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if pattern.is_multiple_of(2) { 1.0 } else { -1.0 };
         let extent = drawn.error.extent;
         match drawn.error.effect {
             Effect::Size { part, value } if extent == Extent::Each => {
@@ -232,13 +233,19 @@ impl Placed {
                 let mean = if part == Part::Pinion { value.abs() / z as f64 } else { 0.0 };
                 for tooth in self.count(part) {
                     let own = if tooth == step { value.abs() } else { 0.0 };
-                    let next = if pattern % 2 == 0 { own } else if tooth == step + 1 { value.abs() } else { 0.0 };
+                    let next = if pattern.is_multiple_of(2) {
+                        own
+                    } else if tooth == step + 1 {
+                        value.abs()
+                    } else {
+                        0.0
+                    };
                     self.shift(part, tooth, -(next - mean), own - mean);
                 }
             }
             Effect::Pitch(PitchEffect { part: Part::Pinion, value, .. }) if extent == Extent::One => {
                 let half = i64::try_from(self.pinion.len()).unwrap() / 2;
-                let first = if pattern % 2 == 0 { step } else { step - half };
+                let first = if pattern.is_multiple_of(2) { step } else { step - half };
                 (first..first + half).for_each(|tooth| self.shift(Part::Pinion, tooth, value, value));
             }
             Effect::Pitch(PitchEffect { part, value, .. }) if extent == Extent::Each || part == Part::Pinion => {
@@ -261,7 +268,8 @@ impl Placed {
                 }
             }
             Effect::RackLead { .. } | Effect::PinionLead { .. } if extent == Extent::Each => {
-                let part = if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
+                let part =
+                    if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
                 self.count(part).into_iter().for_each(|tooth| self.turn(part, tooth, [sign * drawn.value; 2]));
             }
             _ => self.put(random, drawn),
@@ -371,13 +379,16 @@ impl Placed {
                     _ if on.contains(&tooth) => value,
                     _ => 0.0,
                 };
-                teeth.iter().map(|&tooth| {
-                    let next = sum + step(tooth, random);
-                    if drawn.cap.is_none_or(|cap| next >= 0.0 && next <= cap) {
-                        sum = next;
-                    }
-                    sum
-                }).collect()
+                teeth
+                    .iter()
+                    .map(|&tooth| {
+                        let next = sum + step(tooth, random);
+                        if drawn.cap.is_none_or(|cap| next >= 0.0 && next <= cap) {
+                            sum = next;
+                        }
+                        sum
+                    })
+                    .collect()
             }
             Part::Pinion => around(random, drawn, teeth.len(), value),
         };
@@ -415,7 +426,13 @@ fn around(random: &mut Random, drawn: &Drawn, z: usize, value: f64) -> Vec<f64> 
         }
     }
     let mut sum = 0.0;
-    let sums: Vec<f64> = steps.iter().map(|step| { sum += step; sum }).collect();
+    let sums: Vec<f64> = steps
+        .iter()
+        .map(|step| {
+            sum += step;
+            sum
+        })
+        .collect();
     let (low, high) = sums.iter().fold((0.0_f64, 0.0_f64), |(low, high), &sum| (low.min(sum), high.max(sum)));
     let share = drawn.cap.map_or(1.0, |cap| (cap / (high - low).max(1e-12)).min(1.0));
     sums.into_iter().map(|sum| sum * share).collect()
@@ -426,12 +443,16 @@ fn total(random: &mut Random, count: usize, range: f64, turn: bool) -> Vec<f64> 
     let sign = random.sign();
     let often = random.range(0.05, 0.6);
     let mut sums: Vec<f64> = (0..count)
-        .map(|_| if random.chance(often) { sign * range * if random.chance(0.7) { 1.0 } else { random.unit() } } else { 0.0 })
+        .map(|_| {
+            if random.chance(often) { sign * range * if random.chance(0.7) { 1.0 } else { random.unit() } } else { 0.0 }
+        })
         .collect();
     if turn {
         #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
         let mean = sums.iter().sum::<f64>() / count as f64;
-        sums.iter_mut().for_each(|sum| *sum -= mean);
+        for sum in &mut sums {
+            *sum -= mean;
+        }
     }
     sums
 }

@@ -1,0 +1,202 @@
+//! Closed forms: the paper's pair, spur gears, sums.
+
+use super::random::drawn;
+use crate::deviation::ErrorKind;
+use crate::formula::Law;
+use crate::gear::{Pair, PairData, PinionData, RackData};
+use crate::judge::bound::{
+    Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPair, Note, Open,
+    Range, bound, moments,
+};
+use crate::mesh::Support;
+use crate::quantity::{Angle, Length};
+use crate::reproduction;
+use crate::trig;
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+fn unknown(errors: &[ExtendedError]) -> Bound {
+    bound(errors, &Knowledge::default())
+}
+
+fn of(pair: Pair, errors: &[ExtendedError]) -> Bound {
+    let known = KnownPair::for_errors(GivenPair::plain(pair), errors).unwrap();
+    bound(errors, &Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() })
+}
+
+fn error(pair: &Pair, kind: u32, extent: Extent, value: f64) -> ExtendedError {
+    drawn(pair, kind, extent, value, None).error
+}
+
+fn near(value: f64, expected: f64) {
+    assert!((value - expected).abs() < 1e-9, "{value} {expected}");
+}
+
+/// z = 20, straight teeth, α_n = 20°, short rack teeth: at times one tooth carries alone.
+fn spur() -> Pair {
+    Pair::new(&PairData {
+        normal_module_mm: 2.0,
+        normal_pressure_angle_rad: 20.0 * DEGREE,
+        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 1.0, tooth_thickness_mm: None },
+        pinion: PinionData {
+            teeth: 20,
+            helix_angle_rad: 0.0,
+            profile_shift: 0.0,
+            tip_diameter_mm: 43.8,
+            root_form_diameter_mm: Some(38.0),
+            face_width_mm: 26.0,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    })
+    .unwrap()
+}
+
+/// Every rack pitch off by 12 µm on the paper's pair: as many steps add up as are in contact, where the formula has one.
+#[test]
+fn every_pitch_of_the_papers_rack_adds_up() {
+    let pair = reproduction::pair().unwrap();
+    let step = 0.012 / (2.0 * trig::tan(19.9 * DEGREE));
+    let path = crate::judge::bound::ContactPath::nominal(&pair);
+    for (value, count) in
+        [(0.012, (path.ratio - 2.0 * path.offset).floor()), (-0.012, (path.ratio + 2.0 * path.offset).floor())]
+    {
+        let all = of(pair, &[error(&pair, 1, Extent::All, value)]);
+        let ErrorRange { upper_mm, in_contact, .. } = all.errors[0].unwrap();
+        println!("{value}: {upper_mm} of {step}, {count} in contact {in_contact:?}, path {path:?}");
+        assert!(upper_mm >= count * step - 1e-12 && upper_mm < (count + 1.0) * step);
+    }
+    let one = of(pair, &[error(&pair, 1, Extent::One, 0.012)]);
+    near(one.errors[0].unwrap().upper_mm, step);
+    assert_eq!(unknown(&[error(&pair, 1, Extent::All, 0.012)]).total, Err(Open::TeethInContactUnknown));
+}
+
+/// A rack step and a pinion step of 20 µm, each 0 to 27.5 µm alone, reach −24.8 µm together in the mesh.
+#[test]
+fn two_steps_that_only_push_may_sink_together() {
+    let pair = spur();
+    let g = 0.02 / (2.0 * trig::tan(20.0 * DEGREE));
+    let steps = [error(&pair, 1, Extent::One, 0.02), error(&pair, 4, Extent::One, 0.02)];
+    let alone = bound(&steps, &Knowledge { geometry: Geometry::BothFlanks, ..Knowledge::default() });
+    for range in &alone.errors {
+        assert!((range.unwrap().lower_mm, range.unwrap().raw_lower_mm) == (0.0, -range.unwrap().upper_mm));
+        near(range.unwrap().upper_mm, g);
+    }
+    let Range { lower, upper } = alone.total.unwrap();
+    near(lower, -g);
+    near(upper, 2.0 * g);
+    let Range { lower, .. } = unknown(&steps).total.unwrap();
+    assert!(lower < -0.0289, "{lower}");
+    // one tooth alone in the wider space sinks by the whole step
+    near(of(pair, &steps[..1]).errors[0].unwrap().lower_mm, -g);
+}
+
+/// Sizes: e, and what one space can do.
+#[test]
+fn a_space_acts_as_its_extent_says() {
+    let pair = spur();
+    let ends = |extent, value| {
+        let ErrorRange { lower_mm, upper_mm, .. } = of(pair, &[error(&pair, 3, extent, value)]).errors[0].unwrap();
+        (lower_mm, upper_mm)
+    };
+    assert_eq!(ends(Extent::All, -0.004), (-0.004, -0.004));
+    assert_eq!(ends(Extent::Each, -0.004), (-0.004, 0.004));
+    assert_eq!(ends(Extent::Part, -0.004), (-0.004, 0.0));
+    assert_eq!(ends(Extent::One, 0.004), (0.0, 0.004));
+    // +13 µm of all rack spaces and −4 µm of one pinion space: the mesh says +13
+    let both = of(pair, &[error(&pair, 0, Extent::All, 0.013), error(&pair, 3, Extent::One, -0.004)]);
+    near(both.total.unwrap().upper, 0.013);
+    near(both.total.unwrap().lower, 0.009);
+}
+
+/// f_Hβ cos β_b / (2 sin α_n) of a pinion, k |sin Δβ| / (2 tan α_n) of a straight rack: always, like a size.
+#[test]
+fn a_lead_of_every_tooth_acts_always() {
+    let pair = spur();
+    let pinion = ExtendedError::pinion_lead(0.01, 20.0 * DEGREE, 25.0 * DEGREE, Extent::All).unwrap();
+    let sin_b = trig::sin(25.0 * DEGREE) * trig::cos(20.0 * DEGREE);
+    let expected = 0.01 * (1.0 - sin_b * sin_b).sqrt() / (2.0 * trig::sin(20.0 * DEGREE));
+    near(unknown(&[pinion]).errors[0].unwrap().upper_mm, expected);
+    let lead = of(pair, &[error(&pair, 2, Extent::All, 0.1 * DEGREE)]).errors[0].unwrap();
+    let expected = 20.0 * trig::sin(0.1 * DEGREE) / (2.0 * trig::tan(20.0 * DEGREE));
+    for end in [lead.upper_mm, if pair.contact_ratio().transverse > 1.1 { lead.lower_mm } else { lead.upper_mm }] {
+        assert!((end / expected - 1.0).abs() < 1e-3, "{lead:?} {expected}");
+    }
+    // twice the angle: the sum of both as angles
+    let half = error(&pair, 2, Extent::All, 0.05 * DEGREE);
+    near(of(pair, &[half, half]).total.unwrap().upper, lead.upper_mm);
+}
+
+/// F_p of a pinion per flank side: one thick tooth.
+#[test]
+fn a_total_deviation_counts_on_both_flank_sides() {
+    let pair = spur();
+    let total = of(pair, &[error(&pair, 4, Extent::Total, 0.02)]).errors[0].unwrap();
+    near(total.upper_mm, 2.0 * 0.02 * (1.0 - 1.0 / 20.0) / (2.0 * trig::tan(20.0 * DEGREE)));
+    assert_eq!((total.lower_mm, total.raw_lower_mm), (-total.upper_mm, -total.upper_mm));
+}
+
+#[test]
+fn what_would_narrow_a_range_is_said() {
+    let pair = spur();
+    let notes = unknown(&[error(&pair, 1, Extent::One, 0.02), error(&pair, 2, Extent::All, 0.001)]).notes;
+    let expected =
+        [Note::OwnCurveUnknown, Note::GeometryNarrows, Note::BothFlanksNarrows, Note::AssumedHeight(0.25 * 20.0)];
+    assert_eq!(notes, expected);
+    let with_module = Knowledge { normal_module_mm: Some(2.0), ..Knowledge::default() };
+    let notes = bound(&[error(&pair, 2, Extent::All, 0.001)], &with_module).notes;
+    assert!(notes.contains(&Note::AssumedHeight(3.0)));
+    assert_eq!(of(pair, &[error(&pair, 4, Extent::Each, 0.02)]).notes, [Note::WholeTeeth]);
+}
+
+#[test]
+fn an_error_needs_a_value_and_an_extent_that_fit() {
+    let length: Length = "0.02".parse().unwrap();
+    assert_eq!(ExtendedError::new(Law::rack_over_roller(), length, Extent::Total), Err(ErrorInputError::NoTotal));
+    let lead = Law::rack_lead("20 deg".parse().unwrap(), Angle::ZERO, "20".parse().unwrap()).unwrap();
+    assert_eq!(ExtendedError::new(lead, length, Extent::All), Err(ErrorInputError::WrongDimension));
+    let steep: Angle = "50 deg".parse().unwrap();
+    assert!(matches!(ExtendedError::new(lead, steep, Extent::All), Err(ErrorInputError::OutOfDomain { .. })));
+    assert_eq!(ExtendedError::usual_extent(ErrorKind::RackPitch), Extent::One);
+}
+
+/// A known pair is for so much error and no more; a rack that may roll keeps the upper ends.
+#[test]
+fn what_a_known_pair_is_for() {
+    let pair = spur();
+    let small = [error(&pair, 3, Extent::Each, 0.001)];
+    let large = [error(&pair, 3, Extent::Each, 0.1)];
+    let known = KnownPair::for_errors(GivenPair::plain(pair), &small).unwrap();
+    let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
+    assert_eq!(bound(&large, &knowledge).total, Err(Open::BeyondReach));
+    let support = Support::FreeRoll { axis_depth_mm: 8.0 };
+    let step = [error(&pair, 1, Extent::One, 0.02)];
+    let rolling = KnownPair::for_errors(GivenPair { support, ..GivenPair::plain(pair) }, &step).unwrap();
+    let rolling = bound(&step, &Knowledge { geometry: Geometry::Known(&rolling), ..Knowledge::default() });
+    let (fixed, rolling) = (of(pair, &step).errors[0].unwrap(), rolling.errors[0].unwrap());
+    near(rolling.upper_mm, fixed.upper_mm);
+    assert!(rolling.lower_mm == rolling.raw_lower_mm && rolling.raw_lower_mm <= fixed.raw_lower_mm);
+}
+
+/// σ√(2/π) and σ√(1 − 2/π) of |x|, σ a third of the tolerance; a step acts during a share of the stroke.
+#[test]
+fn mean_and_spread_for_a_statistical_sum() {
+    let pair = spur();
+    let of_one = |error: ExtendedError| {
+        let known = KnownPair::for_errors(GivenPair::plain(pair), &[error]).unwrap();
+        let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
+        let range = bound(&[error], &knowledge).errors[0].unwrap();
+        let found = moments(&error, &range, &knowledge);
+        (found.mean_mm, found.deviation_mm)
+    };
+    assert_eq!(of_one(error(&pair, 0, Extent::All, -0.03)), (-0.03, 0.0));
+    assert_eq!(of_one(error(&pair, 0, Extent::Each, 0.03)), (0.0, 0.01));
+    let g = 0.02 / (2.0 * trig::tan(20.0 * DEGREE));
+    let (mean, deviation) = of_one(error(&pair, 1, Extent::Each, 0.02));
+    near(mean, 0.265_961_520_267_621_8 * g);
+    near(deviation, 0.200_936_803_059_955_2 * g);
+    let path = crate::judge::bound::ContactPath::nominal(&pair);
+    let share = (path.ratio - 2.0 * path.offset - 1.0).clamp(0.0, 1.0);
+    let (mean, deviation) = of_one(error(&pair, 1, Extent::One, 0.02));
+    near(mean, share * g);
+    near(deviation, (share * (1.0 - share)).sqrt() * g);
+}
