@@ -103,9 +103,9 @@ const EXCESS_CURVE_MM: f64 = 1e-6;
 const SHORTENING: f64 = 2.0;
 /// Lengths this near to a whole number of pitches are taken for it.
 const SLACK: f64 = 1e-9;
-/// The first level, mm, and the ratio from one to the next, up to twice the reach.
+/// The first level, mm, and the ratio from one to the next, up to four times the reach.
 const FIRST_LEVEL_MM: f64 = 1e-5;
-const LEVEL_RATIO: f64 = 1.25;
+const LEVEL_RATIO: f64 = 1.4;
 
 impl GivenPair {
     /// A pair with plain flanks and a rack that does not roll.

@@ -26,8 +26,8 @@ pub(super) struct Profile {
 
 /// Roll angles are searched this far beyond a flank's ends, rad: at more its neighbours carry.
 const FAR: f64 = 1.0;
-/// Halvings of a search: to rounding.
-const HALVINGS: u32 = 48;
+/// Halvings of a search: to 1e-9 rad, and to the safe side of what is searched.
+const HALVINGS: u32 = 32;
 
 impl Profile {
     /// Of a pair at a centre distance, or as much below it as the rack's teeth stand out more by `deeper_mm`.
