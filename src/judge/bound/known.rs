@@ -187,7 +187,22 @@ impl KnownPair {
         let tolerance = if self.given.rolls() { ROLLING_CURVE_MM } else { CURVE_MM };
         let curve = mesh.curve(0.0, pair.rack().pitch_mm, tolerance)?;
         let lowest = curve.points.iter().map(|point| point.delta_cd_mm).fold(offset, f64::min);
-        Ok(lowest - tolerance)
+        Ok(lowest - tolerance - self.form_moved())
+    }
+
+    /// How much more of a flank's form a point of contact may meet when errors move it, in mm of ΔCD.
+    fn form_moved(&self) -> f64 {
+        let GivenPair { pair, rack_form, pinion_form, .. } = &self.given;
+        let (rack, pinion) = (pair.rack(), pair.pinion());
+        let sin_t = trig::sin(pinion.transverse_pressure_angle_rad);
+        let turned = SHORTENING * shift_rad(pair, self.reach.largest());
+        let (across, up) = (skew(pair, turned), self.reach.largest() + pinion.base_radius_mm * sin_t * turned);
+        let relief = rack_form.tip_relief_mm * up / (rack.addendum_mm - rack_form.tip_relief_start_mm);
+        let slope = pinion_form.profile_slope_mm.abs() * turned / (pinion.tip_roll_rad - pinion.start_roll_rad);
+        // a crowning rises by 4c per width at its ends
+        let crowning = rack_form.crowning_mm / rack.face_width_mm + pinion_form.crowning_mm / pinion.face_width_mm;
+        let relief = if rack_form.tip_relief_mm == 0.0 { 0.0 } else { relief };
+        (relief + slope + 4.0 * crowning * across) / trig::sin(pair.normal_pressure_angle_rad())
     }
 
     /// The highest ΔCD without errors, with rack teeth that stand out more by what errors may lower a flank.

@@ -1,11 +1,12 @@
 //! Errors on random teeth through the exact mesh: never outside their bound.
 
 use super::random::{self, Drawn, Placed, Random};
-use crate::gear::Pair;
 use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Range, bound};
 use crate::mesh::{Ending, Mesh, Sampler, Support};
 use crate::parallel;
 
+/// Share of the pairs whose flanks have crowning, relief or a profile slope.
+const WITH_FORM: f64 = 0.1;
 /// What the mesh may leave a bound by, mm.
 const TOLERANCE_MM: f64 = 1e-9;
 /// Pairs of the default run, and of the long one.
@@ -45,17 +46,18 @@ pub(super) fn extremes(mesh: &Mesh, per_pitch: u32) -> Option<Range> {
 
 /// A pair and errors.
 struct Case {
-    pair: Pair,
-    support: Support,
+    given: GivenPair,
     drawn: Vec<Drawn>,
 }
 
 fn case(random: &mut Random, rolls: bool) -> Case {
     let pair = random::pair(random);
     let support = if rolls { Support::FreeRoll { axis_depth_mm: random.range(2.0, 12.0) } } else { Support::Fixed };
+    let plain = GivenPair { support, ..GivenPair::plain(pair) };
+    let given = if !rolls && random.chance(WITH_FORM) { random::with_form(random, plain) } else { plain };
     let count = 1 + random.below(4);
     let drawn = (0..count).map(|_| random::error(random, &pair)).collect();
-    Case { pair, support, drawn }
+    Case { given, drawn }
 }
 
 fn outside(range: &Range, reached: &Range) -> f64 {
@@ -66,9 +68,9 @@ fn outside(range: &Range, reached: &Range) -> f64 {
 fn check(seed: u64) -> Option<Vec<String>> {
     let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5bd1_e995);
     let rolls = seed.is_multiple_of(ROLLING);
-    let Case { pair, support, drawn } = case(&mut random, rolls);
+    let Case { given, drawn } = case(&mut random, rolls);
+    let pair = given.pair;
     let errors: Vec<ExtendedError> = drawn.iter().map(|drawn| drawn.error).collect();
-    let given = GivenPair { support, ..GivenPair::plain(pair) };
     let known = KnownPair::for_errors(given, &errors).ok()?;
     let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, normal_module_mm: None });
     let of_known = with(Geometry::Known(&known));
@@ -84,7 +86,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     for drawn in &drawn {
         placed.put(&mut random, drawn);
     }
-    let mesh = placed.mesh(support)?;
+    let mesh = placed.mesh(&given)?;
     let reached = extremes(&mesh, if rolls { 5 } else { 24 })?;
     let mut failures = Vec::new();
     let ranges = wider.iter().filter_map(|(name, bound)| Some((*name, bound.total.ok()?)));
@@ -93,12 +95,13 @@ fn check(seed: u64) -> Option<Vec<String>> {
         if by > TOLERANCE_MM {
             let errors: Vec<_> = drawn.iter().map(|one| format!("{:?}", one.error)).collect();
             failures.push(format!(
-                "seed {seed} {name} by {:.3e}: reached {reached:?} of {range:?}; line {:?} nominal {:?} own {:?} z {} rolls {rolls}\n   {}",
+                "seed {seed} {name} by {:.3e}: reached {reached:?} of {range:?}; line {:?} nominal {:?} own {:?} z {} rolls {rolls} form {}\n   {}",
                 by,
                 known.line,
                 known.nominal_path(),
                 known.own_mm(),
                 pair.pinion().teeth,
+                !given.rack_form.is_plain() || !given.pinion_form.is_plain(),
                 errors.join("\n   ")
             ));
         }

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use crate::deviation::{ErrorKind, Part, PinionFlank, PinionFlanks, PinionTooth, RackFlank, RackFlanks, RackTooth};
+use crate::deviation::{
+    ErrorKind, Part, PinionFlank, PinionFlanks, PinionForm, PinionTooth, RackFlank, RackFlanks, RackForm, RackTooth,
+};
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::error::{Effect, PitchEffect};
-use crate::judge::bound::{ExtendedError, Extent, pinion_lead_angle_rad};
-use crate::mesh::{Mesh, Support};
+use crate::judge::bound::{ExtendedError, Extent, GivenPair, pinion_lead_angle_rad};
+use crate::mesh::Mesh;
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
@@ -85,6 +87,19 @@ pub(super) fn pair(random: &mut Random) -> Pair {
             return pair;
         }
     }
+}
+
+/// The same pair with flank form.
+pub(super) fn with_form(random: &mut Random, given: GivenPair) -> GivenPair {
+    let mut amount = |share: f64, low: f64| if random.chance(share) { random.range(low, 0.015) } else { 0.0 };
+    let addendum = given.pair.rack().addendum_mm;
+    let rack_form = RackForm {
+        crowning_mm: amount(0.5, 0.0),
+        tip_relief_mm: amount(0.4, 0.0),
+        tip_relief_start_mm: 0.4 * addendum,
+    };
+    let pinion_form = PinionForm { crowning_mm: amount(0.4, 0.0), profile_slope_mm: amount(0.4, -0.015) };
+    GivenPair { rack_form, pinion_form, ..given }
 }
 
 /// An error as its user knows it, beside what the bound is given.
@@ -172,15 +187,17 @@ impl Placed {
         Self { pair: *pair, rack, pinion: vec![PinionTooth::default(); z], slopes: vec![[0.0; 2]; z] }
     }
 
-    pub(super) fn mesh(&self, support: Support) -> Option<Mesh> {
+    pub(super) fn mesh(&self, given: &GivenPair) -> Option<Mesh> {
         let mut pinion = self.pinion.clone();
         for (tooth, slopes) in pinion.iter_mut().zip(&self.slopes) {
             tooth.left.lead_rad = pinion_lead_angle_rad(&self.pair, slopes[0]);
             tooth.right.lead_rad = pinion_lead_angle_rad(&self.pair, slopes[1]);
         }
         let rack = RackFlanks::nominal(&self.pair).with_measured(self.rack.clone()).unwrap();
+        let rack = rack.with_form(&self.pair, given.rack_form).unwrap();
         let pinion = PinionFlanks::nominal(&self.pair).with_measured(&pinion).unwrap();
-        Mesh::new(self.pair, rack, pinion, support).ok()
+        let pinion = pinion.with_form(given.pinion_form).unwrap();
+        Mesh::new(self.pair, rack, pinion, given.support).ok()
     }
 
     /// Puts an error on teeth that its extent allows.

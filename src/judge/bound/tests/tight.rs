@@ -5,7 +5,6 @@ use super::random::{self, Drawn, Placed, Random};
 use crate::gear::Pair;
 use crate::judge::bound::field::thickness_offset;
 use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPair, bound};
-use crate::mesh::Support;
 use crate::parallel;
 
 /// Places tried for an error.
@@ -31,7 +30,7 @@ fn highest(pair: &Pair, drawn: &Drawn) -> Option<f64> {
     for seed in 0..PLACES {
         let mut placed = Placed::new(pair);
         placed.put_worst(&mut Random(seed), drawn, seed);
-        let reached = extremes(&placed.mesh(Support::Fixed)?, 16)?.upper;
+        let reached = extremes(&placed.mesh(&GivenPair::plain(*pair))?, 16)?.upper;
         best = Some(best.map_or(reached, |best| best.max(reached)));
     }
     best
