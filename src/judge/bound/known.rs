@@ -56,6 +56,12 @@ impl Reach {
         self.range.upper.max(-self.range.lower)
     }
 
+    /// With a little more either way.
+    fn grown(&self) -> Self {
+        let Range { lower, upper } = self.range;
+        Self { range: Range { lower: 1.2 * lower, upper: 1.2 * upper }, of_pinion_mm: 1.2 * self.of_pinion_mm }
+    }
+
     /// Whether it holds another one.
     pub(super) fn holds(&self, other: &Self) -> bool {
         other.range.lower >= self.range.lower
@@ -99,6 +105,8 @@ pub enum KnownPairError {
 const CURVE_MM: f64 = 1e-7;
 const ROLLING_CURVE_MM: f64 = 1e-5;
 const EXCESS_CURVE_MM: f64 = 1e-6;
+/// A reach is made larger at most so often, until the errors on the teeth that it brings into play stay within it.
+const GROWTHS: u32 = 16;
 /// Flanks are shortened this many times as far as they shift, which also covers that a shorter tip falls off less steeply.
 const SHORTENING: f64 = 2.0;
 /// Lengths this near to a whole number of pitches are taken for it.
@@ -130,11 +138,17 @@ impl KnownPair {
     /// # Errors
     /// [`KnownPairError`] as [`KnownPair::new`].
     pub fn for_errors(given: GivenPair, errors: &[ExtendedError]) -> Result<Self, KnownPairError> {
-        let estimate = Reach::estimated(errors, &given.pair);
-        let close = Self::without_curve(given, estimate).reached(errors);
-        let known = Self::new(given, close)?;
-        // gaps in the path of contact bring more teeth into play
-        if close.holds(&known.reached(errors)) { Ok(known) } else { Self::new(given, estimate) }
+        let mut reach = Reach::estimated(errors, &given.pair);
+        for _ in 0..GROWTHS {
+            let reached = Self::without_curve(given, reach).reached(errors);
+            if reach.holds(&reached) {
+                let known = Self::new(given, reached)?;
+                // gaps in the path of contact bring more teeth into play
+                return if reached.holds(&known.reached(errors)) { Ok(known) } else { Self::new(given, reach) };
+            }
+            reach = reached.grown();
+        }
+        Self::new(given, reach)
     }
 
     /// What is known of a pair for errors within a reach; see [`Reach::estimated`]. Solves the error-free mesh over a pitch

@@ -94,7 +94,8 @@ impl Leads {
             -self.at_any_time(known, Some(known.level(2.0 * known.gap())))
         };
         let lower_mm = self.kept(known).unwrap_or(raw_lower_mm).max(raw_lower_mm);
-        ErrorRange { raw_lower_mm, lower_mm, upper_mm, in_contact: None }
+        let raw_upper_mm = self.at_any_time(known, known.levels.last()).max(upper_mm);
+        ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm, in_contact: None }
     }
 
     /// The most that both sides ask for at any one stroke; with the sign −1 the most that they give way.

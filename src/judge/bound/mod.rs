@@ -39,19 +39,25 @@ pub struct ErrorRange {
     pub raw_lower_mm: f64,
     /// The lowest ΔCD of this error alone.
     pub lower_mm: f64,
-    /// The highest ΔCD, alone and together with others.
+    /// The highest ΔCD of this error alone.
     pub upper_mm: f64,
+    /// The highest ΔCD that it can add to other errors.
+    pub raw_upper_mm: f64,
     /// How many steps between teeth add up in it, at most; of a pitch whose extent counts teeth.
     pub in_contact: Option<u32>,
 }
 
 impl ErrorRange {
     fn either_way(upper_mm: f64) -> Self {
-        Self { raw_lower_mm: -upper_mm, lower_mm: -upper_mm, upper_mm, in_contact: None }
+        Self::within(-upper_mm, upper_mm)
+    }
+
+    fn within(lower: f64, upper: f64) -> Self {
+        Self { raw_lower_mm: lower, lower_mm: lower, upper_mm: upper, raw_upper_mm: upper, in_contact: None }
     }
 
     fn signed(value: f64) -> Self {
-        Self { raw_lower_mm: value, lower_mm: value, upper_mm: value, in_contact: None }
+        Self::within(value, value)
     }
 }
 

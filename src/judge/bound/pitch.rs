@@ -27,7 +27,13 @@ pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known:
             let raw_lower_mm = -least_raw(known, other, step);
             let on_lines = (whole(length(&known.line) - SLACK) - 1.0) * step;
             let lower_mm = if known.carries_lines() { on_lines.max(raw_lower_mm) } else { raw_lower_mm };
-            ErrorRange { raw_lower_mm, lower_mm, upper_mm: most(known, length, step), in_contact: None }
+            ErrorRange {
+                raw_lower_mm,
+                lower_mm,
+                upper_mm: most(known, length, step),
+                raw_upper_mm: most_raw(known, length, step),
+                in_contact: None,
+            }
         }
         (Part::Rack, _) => {
             let keeps = known.carries_lines() && known.line.has_both_flanks_of_a_rack_tooth();
@@ -50,7 +56,9 @@ pub(super) fn one_of_any_pair(step: f64, both_flanks: bool) -> ErrorRange {
 fn either_sign(known: &KnownPair, lengths: [Length; 2], step: f64, keeps: bool) -> ErrorRange {
     let upper_mm = lengths.map(|length| most(known, length, step)).into_iter().fold(0.0, f64::max);
     let raw = lengths.map(|length| least_raw(known, length, step)).into_iter().fold(0.0, f64::max);
-    ErrorRange { raw_lower_mm: -raw, lower_mm: if keeps { 0.0 } else { -raw }, upper_mm, in_contact: None }
+    let raw_upper_mm = lengths.map(|length| most_raw(known, length, step)).into_iter().fold(0.0, f64::max);
+    let lower_mm = if keeps { 0.0 } else { -raw };
+    ErrorRange { raw_lower_mm: -raw, lower_mm, upper_mm, raw_upper_mm, in_contact: None }
 }
 
 /// One step only, or a run that need not be where the teeth are in contact.
@@ -61,10 +69,12 @@ fn limited(range: ErrorRange, extent: Extent, step: f64) -> ErrorRange {
         Extent::All | Extent::Each | Extent::Total => return range.counted(step),
     };
     let low = |value: f64| value.min(0.0).max(-most);
+    let high = |value: f64| value.max(0.0).min(most);
     ErrorRange {
         raw_lower_mm: low(range.raw_lower_mm),
         lower_mm: low(range.lower_mm),
-        upper_mm: range.upper_mm.max(0.0).min(most),
+        upper_mm: high(range.upper_mm),
+        raw_upper_mm: high(range.raw_upper_mm),
         in_contact: None,
     }
     .counted(step)
@@ -83,6 +93,12 @@ fn most(known: &KnownPair, length: Length, step: f64) -> f64 {
         }
         most = most.max(count * step - stands_back);
     }
+}
+
+/// What steps in line lift at most beside other errors, which may pay for what edges stand back.
+fn most_raw(known: &KnownPair, length: Length, step: f64) -> f64 {
+    let last = &known.levels[known.levels.len() - 1];
+    (whole(length(&last.path) + SLACK) * step).max(most(known, length, step))
 }
 
 /// How far steps in line may lower, whichever flanks carry: those on edges, too, where lines leave gaps.

@@ -65,12 +65,7 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
         Part::Rack => (1.0 - 2.0 * path.offset).abs(),
         Part::Pinion => (2.0 * path.offset).abs(),
     };
-    let sometimes = ErrorRange {
-        raw_lower_mm: value.min(0.0),
-        lower_mm: value.min(0.0),
-        upper_mm: value.max(0.0),
-        in_contact: None,
-    };
+    let sometimes = ErrorRange::within(value.min(0.0), value.max(0.0));
     match (extent, known(knowledge)) {
         (Extent::All, _) => ErrorRange::signed(value),
         (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
@@ -116,6 +111,7 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
         raw_lower_mm: range.raw_lower_mm.max(-limit),
         lower_mm: range.lower_mm.max(-limit),
         upper_mm: range.upper_mm.min(limit),
+        raw_upper_mm: range.raw_upper_mm.min(limit),
         ..range
     })
 }
@@ -170,25 +166,26 @@ fn addends(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Vec<Addend
     Ok(addends)
 }
 
-/// Upper ends add. Of the lower ends one is taken, all others are raw.
+/// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
 fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
     let addends = addends(errors, knowledge)?;
     let reached = reached(&addends);
     let better = addends.iter().map(|one| one.range.lower_mm - one.range.raw_lower_mm).fold(0.0, f64::max);
+    let spared = addends.iter().map(|one| one.range.raw_upper_mm - one.range.upper_mm).fold(0.0, f64::max);
     let own = match known(knowledge) {
         Some(known) if !known.reach.holds(&reached) => return Err(Open::BeyondReach),
         Some(known) => known.own,
         None => Range { lower: 0.0, upper: 0.0 },
     };
     let Range { lower: raw, upper } = reached.range;
-    Ok(Range { lower: own.lower + raw + better - ROUNDING_MM, upper: own.upper + upper + ROUNDING_MM })
+    Ok(Range { lower: own.lower + raw + better - ROUNDING_MM, upper: own.upper + upper - spared + ROUNDING_MM })
 }
 
 fn reached(addends: &[Addend]) -> Reach {
     let raw: f64 = addends.iter().map(|one| one.range.raw_lower_mm).sum();
-    let upper: f64 = addends.iter().map(|one| one.range.upper_mm).sum();
+    let upper: f64 = addends.iter().map(|one| one.range.raw_upper_mm).sum();
     let of_pinion = addends.iter().filter(|one| one.part == Part::Pinion).map(|one| one.range);
-    let of_pinion_mm = of_pinion.map(|range| range.upper_mm.max(-range.raw_lower_mm)).sum();
+    let of_pinion_mm = of_pinion.map(|range| range.raw_upper_mm.max(-range.raw_lower_mm)).sum();
     Reach { range: Range { lower: raw, upper }, of_pinion_mm }
 }
 
