@@ -109,6 +109,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     Some(failures)
 }
 
+/// `BOUND_PAIRS` and `BOUND_FROM` in the environment take as many pairs, from another seed on.
 #[test]
 fn no_placement_leaves_the_bound() {
     let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
