@@ -142,13 +142,21 @@ impl KnownPair {
         for _ in 0..GROWTHS {
             let reached = Self::without_curve(given, reach).reached(errors);
             if reach.holds(&reached) {
-                let known = Self::new(given, reached)?;
-                // gaps in the path of contact bring more teeth into play
-                return if reached.holds(&known.reached(errors)) { Ok(known) } else { Self::new(given, reach) };
+                reach = reached;
+                break;
             }
             reach = reached.grown();
         }
-        Self::new(given, reach)
+        let mut known = Self::new(given, reach)?;
+        // gaps in the path of contact bring more teeth into play
+        for _ in 0..GROWTHS {
+            let reached = known.reached(errors);
+            if known.reach.holds(&reached) {
+                break;
+            }
+            known = Self::new(given, reached.grown())?;
+        }
+        Ok(known)
     }
 
     /// What is known of a pair for errors within a reach; see [`Reach::estimated`]. Solves the error-free mesh over a pitch

@@ -74,7 +74,8 @@ fn check(seed: u64) -> Option<Vec<String>> {
     let known = KnownPair::for_errors(given, &errors).ok()?;
     let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, normal_module_mm: None });
     let of_known = with(Geometry::Known(&known));
-    let total = of_known.total.unwrap_or_else(|open| panic!("seed {seed}: {open}"));
+    // errors that bring ever more teeth into play are open
+    let total = of_known.total.ok()?;
     let mut wider: Vec<(&str, Bound)> = Vec::new();
     if known.carries_lines() && known.own_mm() == (Range { lower: 0.0, upper: 0.0 }) {
         wider.push(("unknown", with(Geometry::Unknown)));
@@ -123,5 +124,5 @@ fn no_placement_leaves_the_bound() {
     for failure in failures.iter().take(12) {
         println!("{failure}");
     }
-    assert!(failures.is_empty() && 10 * solved > 9 * pairs);
+    assert!(failures.is_empty() && 1000 * solved >= 998 * pairs);
 }
