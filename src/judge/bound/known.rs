@@ -101,14 +101,16 @@ pub enum KnownPairError {
     Mesh(#[from] MeshError),
 }
 
-/// Tolerance of an own curve, mm: of a fixed rack, and of one that may roll, which is slow.
-const CURVE_MM: f64 = 1e-7;
+/// Tolerance of an own curve, mm: of one that is told apart by sides, and of a rack that may roll, which is slow.
 const ROLLING_CURVE_MM: f64 = 1e-5;
-const EXCESS_CURVE_MM: f64 = 1e-6;
+const SIDES_CURVE_MM: f64 = 1e-6;
 /// A reach is made larger at most so often, until the errors on the teeth that it brings into play stay within it.
 const GROWTHS: u32 = 16;
 /// Flanks are shortened this many times as far as they shift, which also covers that a shorter tip falls off less steeply.
 const SHORTENING: f64 = 2.0;
+/// Where teeth take over from each other errors hold them apart, so that both sides sink further than either curve has
+/// it: by this many times what a side changes on the way of a shift. Found by trials, not proven.
+const SWINGS: f64 = 4.0;
 /// Lengths this near to a whole number of pitches are taken for it.
 const SLACK: f64 = 1e-9;
 /// The first level, mm, and the ratio from one to the next, up to four times the reach.
@@ -206,10 +208,13 @@ impl KnownPair {
         let rack = RackFlanks::nominal(&pair).with_form(&pair, rack_form)?;
         let pinion = PinionFlanks::nominal(&pair).with_form(pinion_form)?;
         let mesh = Mesh::new(pair, rack, pinion, support)?;
-        let tolerance = if self.given.rolls() { ROLLING_CURVE_MM } else { CURVE_MM };
-        let curve = mesh.curve(0.0, pair.rack().pitch_mm, tolerance)?;
+        if !self.given.rolls() {
+            let sides = both_sides(&mesh, shift_rad(&pair, self.reach.of_pinion_mm))?;
+            return Ok(offset + sides.lower.min(0.0) - self.form_moved());
+        }
+        let curve = mesh.curve(0.0, pair.rack().pitch_mm, ROLLING_CURVE_MM)?;
         let lowest = curve.points.iter().map(|point| point.delta_cd_mm).fold(offset, f64::min);
-        Ok(lowest - tolerance - self.form_moved())
+        Ok(lowest - ROLLING_CURVE_MM - self.form_moved())
     }
 
     /// How much more of a flank's form a point of contact may meet when errors move it, in mm of ΔCD.
@@ -241,7 +246,7 @@ impl KnownPair {
         data.rack.addendum_mm -= self.reach.range.lower;
         let Ok(deeper) = Pair::new(&data) else { return Ok(offset + excess) };
         let both = both_sides(&Mesh::nominal(deeper)?, shift_rad(pair, self.reach.of_pinion_mm))?;
-        Ok(offset + excess.min(both))
+        Ok(offset + excess.min(both.upper.max(0.0)))
     }
 
     /// Where flanks carry that stand out by up to `error` mm more than their neighbours.
@@ -339,27 +344,34 @@ fn excess(pair: &Pair, reach: &Reach) -> f64 {
     Profile::new(pair, line_distance(pair), -reach.range.lower).largest_excess()
 }
 
-/// The most that both sides together ask for beyond their contact lines, if errors shift one against the other by up to
-/// an angle of the pinion. Each stroke says what each side asks for: ΔCD ± the transmission error's share.
-fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<f64, MeshError> {
+/// The least and the most that both sides together ask for beyond their contact lines, if errors shift one against the other
+/// by up to an angle of the pinion. Each stroke says what each side asks for: ΔCD ± the transmission error's share.
+fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, MeshError> {
     let pair = mesh.pair();
     let (teeth, pitch) = (f64::from(pair.pinion().teeth), pair.rack().pitch_mm);
     let per_rad = 0.5 * pair.normal_module_mm() * teeth / trig::tan(pair.normal_pressure_angle_rad());
     let window = pitch * shift_rad * teeth / (2.0 * PI);
     let offset = thickness_offset(pair);
     // a pitch, and on either side as much as a shift brings in
-    let points = mesh.curve(-window, pitch + window, EXCESS_CURVE_MM)?.points;
+    let points = mesh.curve(-window, pitch + window, SIDES_CURVE_MM)?.points;
     let side =
         |point: &MeshPoint, sign: f64| point.delta_cd_mm - offset + sign * per_rad * point.transmission_error_rad;
-    let mut most = 0.0_f64;
+    let mut both = Range { lower: f64::INFINITY, upper: f64::NEG_INFINITY };
+    // how much a side changes within the window; by so much the other side's flanks come to touch higher or lower
+    let mut swing = 2.0 * SIDES_CURVE_MM;
     for point in &points {
         // between points the curve is straight, so that what is next to the window is looked at, too
         let near = points.partition_point(|other| other.stroke_mm < point.stroke_mm - window).saturating_sub(1);
         let end = points.partition_point(|other| other.stroke_mm <= point.stroke_mm + window) + 1;
-        let left = points[near..end.min(points.len())].iter().map(|other| side(other, -1.0)).fold(0.0, f64::max);
-        most = most.max(0.5 * (side(point, 1.0) + left));
+        for other in &points[near..end.min(points.len())] {
+            let sum = 0.5 * (side(point, 1.0) + side(other, -1.0));
+            both = Range { lower: both.lower.min(sum), upper: both.upper.max(sum) };
+            if (other.stroke_mm - point.stroke_mm).abs() <= window {
+                swing = swing.max((side(point, 1.0) - side(other, 1.0)).abs());
+            }
+        }
     }
-    Ok(most + 2.0 * EXCESS_CURVE_MM)
+    Ok(Range { lower: both.lower - SWINGS * swing, upper: both.upper + swing })
 }
 
 /// How far errors move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the rotation by as
