@@ -31,8 +31,10 @@ impl Hidden {
 impl Hidden {
     /// What its numbers in a range are shown with; columns count from the range's first.
     pub(super) fn shown(&self, by_style: &HashMap<u32, String>, range: CellRange) -> Vec<Shown> {
-        let in_range =
-            self.styles.iter().filter(|((_, column), row)| range.has_column(*column) && range.has_row(row.saturating_sub(1)));
+        let in_range = self
+            .styles
+            .iter()
+            .filter(|((_, column), row)| range.has_column(*column) && range.has_row(row.saturating_sub(1)));
         in_range
             .filter_map(|((style, column), row)| {
                 let text = by_style.get(style)?.clone();
@@ -226,7 +228,7 @@ mod tests {
                 xml.write_all(piece).unwrap();
             }
             let hidden = xml.hidden();
-            let expected = Hidden { rows: [3, 6].into(), columns: [1].into() };
+            let expected = Hidden { rows: [3, 6].into(), columns: [1].into(), ..Hidden::default() };
             assert_eq!(hidden, expected, "in pieces of {length}");
             assert_eq!((hidden.rows_in(range("")), hidden.columns_in(range(""))), (2, 1));
             assert_eq!((hidden.rows_in(range("A1:A4")), hidden.columns_in(range("A1:A4"))), (1, 0));

@@ -182,3 +182,27 @@ fn a_sheet_that_ends_in_the_middle_is_said() {
     let problem = last.unwrap_err().to_string();
     assert!(problem.contains("cannot read lot.xlsx, sheet `Sheet2`: "), "{problem}");
 }
+
+#[test]
+fn a_number_format_that_shows_another_unit_is_refused() {
+    let book = |format: &str| {
+        let mut book = rust_xlsxwriter::Workbook::new();
+        let format = rust_xlsxwriter::Format::new().set_num_format(format);
+        let sheet = book.add_worksheet();
+        for (column, name) in ["Teil", "rack_pitch [um]"].iter().enumerate() {
+            sheet.write_string(0, u16::try_from(column).expect("few"), *name).expect("a cell");
+        }
+        sheet.write_string(1, 0, "a1").expect("a cell");
+        sheet.write_number_with_format(1, 1, 12.5, &format).expect("a cell");
+        book.save_to_buffer().expect("a workbook")
+    };
+    let expected = ["lot.xlsx, sheet `Sheet1`: Teil|rack_pitch [um]", "2: a1|0.0125 mm"];
+    for format in ["0.000", "0.0\" µm\"", "#,##0.00_-", "0.0\" i.O.\""] {
+        assert_eq!(rows(&book(format), None, "").unwrap(), expected, "{format}");
+    }
+    for (format, shown) in [("0.000\" mm\"", "mm"), ("0.0%", "%"), ("\"<\"0.0", "<")] {
+        let refused = rows(&book(format), None, "").unwrap_err();
+        let message = format!("row 2: numbers of `rack_pitch [um]` are shown with `{shown}` by their format");
+        assert!(refused.contains(&message), "{format}: {refused}");
+    }
+}
