@@ -23,7 +23,7 @@ pub(super) fn shown_by_style(styles: &[u8]) -> HashMap<u32, String> {
     Tags::default().each(styles, &mut |tag| {
         let number = |key| attribute(tag, key).and_then(|text| text.parse::<u32>().ok());
         match name(tag) {
-            _ if tag.starts_with("/") => is_of_cells &= !tag.ends_with("cellXfs"),
+            _ if tag.starts_with('/') => is_of_cells &= !tag.ends_with("cellXfs"),
             "numFmt" => {
                 if let (Some(id), Some(code)) = (number("numFmtId"), attribute(tag, "formatCode")) {
                     formats.insert(id, beside_number(code));
