@@ -250,6 +250,7 @@ impl Args {
         let report = MeshReport {
             title: spec.title.as_deref(),
             mesh: &input.mesh,
+            over_pin: spec.nominal_over_pin().ok(),
             curve: &curve,
             listed: &listed,
             prediction: &prediction,

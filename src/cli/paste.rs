@@ -331,6 +331,7 @@ impl Args {
         let solved = MeshReport {
             title: None,
             mesh: &input.mesh,
+            over_pin: spec.nominal_over_pin().ok(),
             curve: &curve,
             listed: &[],
             prediction: &prediction,

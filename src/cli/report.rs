@@ -164,6 +164,7 @@ impl Args {
         let report = MeshReport {
             title: None,
             mesh: &input.mesh,
+            over_pin: spec.nominal_over_pin().ok(),
             curve: &curve,
             listed: &[],
             prediction: &prediction,

@@ -20,6 +20,13 @@ pub const FACE_WIDTH: Domain = Domain::positive("face width of the rack", "k");
 /// Normal module m_n.
 pub const NORMAL_MODULE: Domain = Domain::positive("normal module", "m_n");
 
+/// Transverse module of the pinion m_t.
+pub const TRANSVERSE_MODULE: Domain = Domain::positive("transverse module of the pinion", "m_t");
+
+/// Magnitude of the shaft angle Σ.
+pub const SHAFT_ANGLE: Domain =
+    Domain { name: "shaft angle", symbol: "Σ", lower: Bound::Inclusive(0), upper: Bound::Exclusive(180) };
+
 /// Tooth thickness of the rack s_n, measured in the normal plane at the reference plane.
 pub const TOOTH_THICKNESS: Domain = Domain::positive("tooth thickness", "s_n");
 

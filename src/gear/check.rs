@@ -5,15 +5,23 @@ use super::Pair;
 use crate::quantity::Rounded;
 use crate::trig;
 
-/// Contact ratio of the nominal pair, in teeth.
+/// How long flank pairs of the nominal pair keep contact, and when, in teeth or, which is the same, pitches of stroke: the
+/// right flank of rack tooth i carries at strokes i + c ± ε/2, the left one at i − c ± ε/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRatio {
     /// Length of the path of contact in a transverse section of the pinion over the base pitch.
     pub transverse: f64,
     /// What the helix adds: total − transverse; 0 for a pinion without helix.
     pub overlap: f64,
-    /// The stroke during which one flank pair keeps contact anywhere, over the pitch.
+    /// The stroke during which one flank pair keeps contact anywhere, over the pitch: ε.
     pub total: f64,
+    /// The middle of that stroke for the right flank of rack tooth 0, over the pitch: c.
+    pub offset: f64,
+}
+
+impl ContactRatio {
+    /// Of flanks that do not reach each other.
+    const NONE: Self = Self { transverse: 0.0, overlap: 0.0, total: 0.0, offset: 0.0 };
 }
 
 /// Something about a valid geometry that a designer would want to know.
@@ -109,7 +117,8 @@ impl Pair {
     /// A point of contact is known by its roll angle τ and its place w along the pinion's axis. The pair's flanks
     /// bound both: τ between the involute's start (or the rack's tip) and its tip, |w| ≤ b/2, and |y| ≤ k/2
     /// with y = r_b (τ cos α_t − sin α_t) sin Σ + w cos Σ. On that polygon the phase of the mesh is
-    /// τ − w tan β_b / r_b; its extent over the angular pitch is the total contact ratio.
+    /// τ − w tan β_b / r_b; its extent over the angular pitch is the total contact ratio. A right flank touches at the
+    /// stroke at which the pinion has turned by that phase less ψ_b + α_t, from half a pitch on.
     #[must_use]
     pub fn contact_ratio(&self) -> ContactRatio {
         let p = self.pinion();
@@ -117,7 +126,7 @@ impl Pair {
         let high = p.tip_roll_rad;
         let pitch = p.angular_pitch_rad();
         if low >= high {
-            return ContactRatio { transverse: 0.0, overlap: 0.0, total: 0.0 };
+            return ContactRatio::NONE;
         }
         let (sin_t, cos_t) = trig::sin_cos(p.transverse_pressure_angle_rad);
         let (sin_s, cos_s) = trig::sin_cos(self.shaft_angle_rad());
@@ -125,13 +134,16 @@ impl Pair {
         let y = |(tau, w): (f64, f64)| p.base_radius_mm * (tau * cos_t - sin_t) * sin_s + w * cos_s;
         let corners = [(low, -half_b), (high, -half_b), (high, half_b), (low, half_b)];
         let polygon = clip(&clip(&corners, |q| half_k - y(q)), |q| half_k + y(q));
+        if polygon.is_empty() {
+            return ContactRatio::NONE;
+        }
         let kappa = trig::tan(p.helix_angle_rad) / p.reference_radius_mm;
         let phases = polygon.iter().map(|&(tau, w)| tau - kappa * w);
         let (min, max) = phases.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-        // less than nothing of an empty polygon
-        let total = ((max - min) / pitch).max(0.0);
+        let total = (max - min) / pitch;
         let transverse = ((high - low) / pitch).min(total);
-        ContactRatio { transverse, overlap: total - transverse, total }
+        let offset = 0.5 + (0.5 * (min + max) - p.base_half_angle_rad - p.transverse_pressure_angle_rad) / pitch;
+        ContactRatio { transverse, overlap: total - transverse, total, offset }
     }
 
     /// Everything about this geometry that a designer would want to know, worst first.
@@ -141,7 +153,7 @@ impl Pair {
         let mut found = Vec::new();
         let ratio = self.contact_ratio();
         if ratio.total < 1.0 {
-            let ContactRatio { transverse, overlap, total } = ratio;
+            let ContactRatio { transverse, overlap, total, .. } = ratio;
             found.push(GeometryWarning::LowContactRatio { transverse, overlap, total });
         }
         let limit = self.undercut_limit();
@@ -265,7 +277,10 @@ pub(crate) mod tests {
         let above = f64::sqrt(r_a * r_a - r_b * r_b) - r * sin;
         let below = (1.9 - 0.2 * 2.0) / sin;
         let ratio = pair(&data).contact_ratio();
-        near(ratio.transverse, (above + below) / (std::f64::consts::PI * 2.0 * cos));
+        let base_pitch = std::f64::consts::PI * 2.0 * cos;
+        near(ratio.transverse, (above + below) / base_pitch);
+        // a quarter pitch from the tooth's centre to its flank at the reference plane, x m_n below the pitch point
+        near(ratio.offset, 0.25 + (0.5 * (above - below) - 0.2 * 2.0 * sin) / base_pitch);
         assert_eq!((ratio.overlap, ratio.total), (0.0, ratio.transverse));
         assert_eq!(pair(&data).warnings(), []);
         // flanks that end at the pitch line
@@ -274,6 +289,46 @@ pub(crate) mod tests {
         low.pinion.tip_diameter_mm = 41.0;
         let found = pair(&low).warnings();
         assert!(matches!(found[0], GeometryWarning::LowContactRatio { total, .. } if total > 0.0 && total < 1.0));
+    }
+
+    /// The pair with which the paper's tables are reproduced, β_r = 0, held against every point of its field of contact:
+    /// s/p_x = 1/4 + (−a_0 sin α_n + r_b τ cos β_b − w sin β_b) / (p_x cos α_n).
+    #[test]
+    fn the_path_of_contact_of_the_papers_pair() {
+        let paper = crate::reproduction::pair().expect("a valid pair");
+        let p = *paper.pinion();
+        let (sin_n, cos_n) = trig::sin_cos(paper.normal_pressure_angle_rad());
+        let (sin_b, cos_b) = trig::sin_cos(p.base_helix_angle_rad);
+        let (sin_t, cos_t) = trig::sin_cos(p.transverse_pressure_angle_rad);
+        let (sin_s, cos_s) = trig::sin_cos(paper.shaft_angle_rad());
+        let (a, r_b, pitch) = (paper.nominal_center_distance_mm(), p.base_radius_mm, paper.rack().pitch_mm);
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        for i in 0..=1000 {
+            for j in -1000..=1000 {
+                let (roll, w) = (p.tip_roll_rad * f64::from(i) / 1000.0, p.face_width_mm * f64::from(j) / 2000.0);
+                let y = r_b * (roll * cos_t - sin_t) * sin_s + w * cos_s;
+                let z = a - r_b * (cos_t + roll * sin_t);
+                if y.abs() <= 0.5 * paper.rack().face_width_mm && z <= paper.rack().addendum_mm {
+                    let stroke = 0.25 + (-a * sin_n + r_b * roll * cos_b - w * sin_b) / (pitch * cos_n);
+                    (first, last) = (first.min(stroke), last.max(stroke));
+                }
+            }
+        }
+        let ratio = paper.contact_ratio();
+        for (end, searched) in [(ratio.offset - 0.5 * ratio.total, first), (ratio.offset + 0.5 * ratio.total, last)] {
+            assert!((end - searched).abs() < 3e-3, "{ratio:?} {first} {last}");
+        }
+    }
+
+    /// A mirror that changes both hands leaves right flanks right and strokes as they are.
+    #[test]
+    fn a_mirrored_pair_has_the_same_path_of_contact() {
+        for (rack, pinion) in [(-0.3, 0.4), (0.2, 0.3), (0.0, 0.4), (-0.35, 0.35)] {
+            let ratio = pair(&example(20, rack, pinion)).contact_ratio();
+            let mirrored = pair(&example(20, -rack, -pinion)).contact_ratio();
+            near(mirrored.offset, ratio.offset);
+            near(mirrored.total, ratio.total);
+        }
     }
 
     /// On parallel axes the overlap is the narrower face width over p_t / tan β.

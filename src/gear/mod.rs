@@ -20,6 +20,7 @@
 mod check;
 mod data;
 mod error;
+mod hand;
 mod pair;
 
 #[cfg(test)]
@@ -27,4 +28,5 @@ pub(crate) use check::tests::example;
 pub use check::{ContactRatio, GeometryWarning};
 pub use data::{PairData, PinionData, RackData};
 pub use error::{GeometryError, Quantity};
+pub use hand::Hand;
 pub use pair::{Pair, Pinion, Rack};

@@ -30,8 +30,8 @@ impl CarryingStrokes {
     /// # Errors
     /// Whatever the mesh of the pair gives.
     pub fn of(pair: &Pair) -> Result<Self, MeshError> {
-        let right = carrying(pair, FlankSide::Right)?;
-        let left = carrying(pair, FlankSide::Left)?;
+        let right = carrying(pair, FlankSide::Right, PROUD_MM)?;
+        let left = carrying(pair, FlankSide::Left, PROUD_MM)?;
         Ok(Self { right, left, pitch_mm: pair.rack().pitch_mm })
     }
 
@@ -64,12 +64,12 @@ fn without(range: Range<f64>, taken: Range<f64>) -> impl Iterator<Item = Range<f
     [before, after].into_iter().filter(|part| part.start < part.end)
 }
 
-/// The strokes at which one flank of tooth 0 carries that stands out.
-fn carrying(pair: &Pair, side: FlankSide) -> Result<Range<f64>, MeshError> {
+/// The strokes at which one flank of tooth 0 carries that stands out, each end up to a step too far.
+fn carrying(pair: &Pair, side: FlankSide, proud_mm: f64) -> Result<Range<f64>, MeshError> {
     let mut tooth = RackTooth::default();
     match side {
-        FlankSide::Right => tooth.right.along_x_mm = PROUD_MM,
-        FlankSide::Left => tooth.left.along_x_mm = -PROUD_MM,
+        FlankSide::Right => tooth.right.along_x_mm = proud_mm,
+        FlankSide::Left => tooth.left.along_x_mm = -proud_mm,
     }
     let Ok(rack) = RackFlanks::nominal(pair).with_measured(BTreeMap::from([(0, tooth)])) else {
         return Ok(f64::NEG_INFINITY..f64::INFINITY);
@@ -93,6 +93,30 @@ fn carrying(pair: &Pair, side: FlankSide) -> Result<Range<f64>, MeshError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gear::{PairData, example};
+
+    /// A flank that hardly stands out carries where the pair's path of contact says: the right one at c ± ε/2, the left
+    /// one at −c ± ε/2.
+    #[test]
+    fn flanks_carry_along_the_path_of_contact() {
+        let examples = [(20, 0.0, 0.0), (20, 0.0, 0.4), (20, -0.3, 0.4), (12, 0.2, 0.3), (20, -0.35, 0.35)];
+        let examples = examples.map(|(teeth, rack, pinion)| {
+            let data = PairData { normal_pressure_angle_rad: 0.35, ..example(teeth, rack, pinion) };
+            Pair::new(&data).expect("a valid pair")
+        });
+        let paper = crate::reproduction::pair().expect("a valid pair");
+        for pair in examples.into_iter().chain([paper]) {
+            let (ratio, pitch) = (pair.contact_ratio(), pair.rack().pitch_mm);
+            for (side, offset) in [(FlankSide::Right, ratio.offset), (FlankSide::Left, -ratio.offset)] {
+                let carried = carrying(&pair, side, 1e-5).expect("a mesh");
+                let path = (offset - 0.5 * ratio.total)..(offset + 0.5 * ratio.total);
+                for (found, end) in [(carried.start, path.start), (carried.end, path.end)] {
+                    let steps = f64::from(STEPS) * (found / pitch - end).abs();
+                    assert!(steps < 1.5, "{side:?}: {found} for {end} of {ratio:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_range_less_another() {

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
@@ -16,6 +17,8 @@ pub struct MeshReport<'a> {
     pub title: Option<&'a str>,
     /// What was solved.
     pub mesh: &'a Mesh,
+    /// The nominal measure M over the pin, if the spec has what it takes.
+    pub over_pin: Option<Length>,
     /// The curve with its kinks, from which the summary comes.
     pub curve: &'a Curve,
     /// Strokes to list in tables.
@@ -34,6 +37,10 @@ pub struct MeshReport<'a> {
 const JUDGED_DECIMALS: usize = 9;
 
 impl MeshReport<'_> {
+    fn geometry(&self) -> Geometry<'_> {
+        Geometry { pair: self.mesh.pair(), over_pin: self.over_pin }
+    }
+
     fn summary(&self) -> Option<Summary> {
         self.curve.summary(self.mesh)
     }
@@ -120,6 +127,7 @@ impl MeshReport<'_> {
         let (lower, upper) = self.prediction.range_mm();
         json!({
             "title": self.title,
+            "geometry": self.geometry().json(),
             "nominal_center_distance_mm": self.mesh.pair().nominal_center_distance_mm(),
             "tolerance_mm": self.curve.tolerance_mm,
             "resolved": self.curve.resolved,
@@ -157,6 +165,7 @@ impl Report for MeshReport<'_> {
         if let Some(title) = self.title {
             blocks.push(Block::Title(title.to_owned()));
         }
+        blocks.push(Block::Table(self.geometry().table()));
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(Block::Table(summary_table(&summary)));
         if let Some(width) = self.screen.drawing_width() {

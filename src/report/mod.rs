@@ -16,6 +16,7 @@ mod calculation;
 mod ci;
 mod class;
 mod evaluation;
+mod geometry;
 #[cfg(feature = "html")]
 pub mod html;
 mod mesh;

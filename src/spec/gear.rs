@@ -1,5 +1,5 @@
-//! `[pair]`, `[rack]`, `[pinion]` and `[support]` as written. Read by [`Spec::parse`](super::Spec::parse); what they
-//! mean together is decided where it is asked for.
+//! `[rack]`, `[pinion]` and `[support]` as written, and what `[pair]` comes to. Read by [`Spec::parse`](super::Spec::parse);
+//! what they mean together is decided where it is asked for.
 
 use super::Located;
 use super::deviations::{self, TipRelief, WrittenPinionDeviation};
@@ -10,7 +10,7 @@ use crate::quantity::{Angle, Length};
 /// `[pair]`: what rack and pinion have in common.
 #[derive(Debug, Clone, Default)]
 pub struct PairSection {
-    /// m_n
+    /// m_n, given or from m_t of the pinion.
     pub normal_module: Option<Located<Length>>,
     /// α_n
     pub normal_pressure_angle: Option<Located<Angle>>,
@@ -77,14 +77,6 @@ pub struct SupportSection {
     pub roll: Option<Located<&'static str>>,
     /// How far the roll axis lies below the reference plane.
     pub roll_axis_depth: Option<Located<Length>>,
-}
-
-/// Reads `[pair]`.
-pub(super) fn pair(reader: &mut SectionReader<'_>) -> PairSection {
-    PairSection {
-        normal_module: reader.length("normal_module"),
-        normal_pressure_angle: reader.angle("normal_pressure_angle"),
-    }
 }
 
 /// Reads `[rack]`.

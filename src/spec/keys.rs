@@ -174,9 +174,20 @@ pub(crate) const PAIR: Section = Section {
     keys: &[
         key("normal_module", Kind::Length(domain::NORMAL_MODULE), "Normal module m_n."),
         key(
+            "transverse_module",
+            Kind::Length(domain::TRANSVERSE_MODULE),
+            "Transverse module of the pinion m_t, instead of the normal one: m_n = m_t cos β_p.",
+        ),
+        key(
             "normal_pressure_angle",
             Kind::Angle(domain::NORMAL_PRESSURE_ANGLE),
             "Normal pressure angle α_n, above 0° and at most 45°.",
+        ),
+        key(
+            "shaft_angle",
+            Kind::Angle(domain::SHAFT_ANGLE),
+            "Magnitude of the shaft angle Σ = β_r + β_p, against which the helix angles are checked; 0° where the pinion's axis \
+             lies square across the rack.",
         ),
     ],
 };

@@ -2,7 +2,8 @@
 //! [`Spec::limits`]).
 //!
 //! The command line reads a file and calls [`Spec::parse`]. Parsing checks what stands in the file,
-//! each value by itself, and reports every problem at once, with its place. Resolution asks for what a
+//! each value by itself and those that say the same twice against each other, and reports every problem at once, with
+//! its place. Resolution asks for what a
 //! result needs, and only then is a key required. Nothing below this module knows TOML.
 
 mod batch;
@@ -16,6 +17,7 @@ mod limits;
 mod measured;
 mod mesh;
 mod obtained;
+mod pair;
 mod qdas;
 mod reader;
 mod resolve;
@@ -130,9 +132,10 @@ impl Spec {
         sections.refuse_unknown();
         let (title, correlations) =
             sections.read(&keys::TOP, |reader| (reader.text("title"), uncertainty::correlations(reader)));
-        let pair = sections.read(&keys::PAIR, gear::pair);
         let rack = sections.read(&keys::RACK, gear::rack);
         let pinion = sections.read(&keys::PINION, gear::pinion);
+        let helix_angles = pair::HelixAngles::of(&rack, &pinion);
+        let pair = sections.read(&keys::PAIR, |reader| pair::read(reader, helix_angles));
         let support = sections.read(&keys::SUPPORT, gear::support);
         let budget = sections.read(&keys::BUDGET, budget::read);
         let tolerance = sections.read(&keys::TOLERANCE, |reader| ToleranceSection {

@@ -1,0 +1,46 @@
+//! The hand of teeth, as drawings name it. Follows from the sign of a helix angle and nothing else.
+
+/// Which way teeth lean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hand {
+    /// A positive helix angle.
+    Right,
+    /// A negative helix angle.
+    Left,
+    /// No helix angle.
+    Spur,
+}
+
+impl Hand {
+    /// Of teeth with this helix angle.
+    #[must_use]
+    pub fn of(helix_angle_rad: f64) -> Self {
+        if helix_angle_rad > 0.0 {
+            Self::Right
+        } else if helix_angle_rad < 0.0 {
+            Self::Left
+        } else {
+            Self::Spur
+        }
+    }
+
+    /// Its name in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Left => "left",
+            Self::Spur => "spur",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_hands_are_positive() {
+        assert_eq!([0.3, -0.3, 0.0, -0.0].map(|angle| Hand::of(angle).name()), ["right", "left", "spur", "spur"]);
+    }
+}

@@ -1,0 +1,86 @@
+//! A pair's geometry, to be held against its drawings: a wrong sign of a helix angle shows in the hands and the shaft
+//! angle. Part of the report of `mesh`.
+
+use serde_json::{Value, json};
+
+use super::mesh_points::DEGREES_PER_RADIAN;
+use super::number::tidy;
+use super::{Column, Table};
+use crate::gear::{Hand, Pair};
+use crate::quantity::{Degrees, Length};
+
+/// What follows from a pair's drawings.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Geometry<'a> {
+    /// The pair.
+    pub(super) pair: &'a Pair,
+    /// The nominal measure M over the pin, if the spec has what it takes.
+    pub(super) over_pin: Option<Length>,
+}
+
+impl Geometry<'_> {
+    pub(super) fn table(&self) -> Table {
+        let ratio = self.pair.contact_ratio();
+        let mut rows = vec![
+            row("hand of the rack", hand(self.pair.rack().helix_angle_rad)),
+            row("hand of the pinion", hand(self.pair.pinion().helix_angle_rad)),
+            row("shaft angle Σ", Degrees(self.pair.shaft_angle_rad().abs()).to_string()),
+            row("contact ratio ε", format!("{:.3}", ratio.total)),
+            row("offset of the contact c", format!("{:.3}", ratio.offset)),
+            row("centre distance a_0", millimetres(self.pair.nominal_center_distance_mm())),
+        ];
+        rows.extend(self.over_pin.map(|measure| row("measure M over the pin", millimetres(measure.mm()))));
+        Table { columns: vec![Column::text("nominal pair"), Column::number("value")], rows }
+    }
+
+    pub(super) fn json(&self) -> Value {
+        let (rack, pinion, ratio) = (self.pair.rack(), self.pair.pinion(), self.pair.contact_ratio());
+        json!({
+            "rack_hand": Hand::of(rack.helix_angle_rad).name(),
+            "pinion_hand": Hand::of(pinion.helix_angle_rad).name(),
+            "shaft_angle_deg": tidy(self.pair.shaft_angle_rad().abs() * DEGREES_PER_RADIAN),
+            "contact_ratio": tidy(ratio.total),
+            "contact_offset": tidy(ratio.offset),
+            "nominal_center_distance_mm": self.pair.nominal_center_distance_mm(),
+            "nominal_over_pin_mm": self.over_pin.map(Length::mm),
+        })
+    }
+}
+
+fn row(name: &str, value: String) -> Vec<String> {
+    vec![name.to_owned(), value]
+}
+
+/// Hand and helix angle, as drawings give them: without a sign.
+fn hand(helix_angle_rad: f64) -> String {
+    match Hand::of(helix_angle_rad) {
+        Hand::Spur => Hand::Spur.name().to_owned(),
+        hand => format!("{} {}", hand.name(), Degrees(helix_angle_rad.abs())),
+    }
+}
+
+fn millimetres(mm: f64) -> String {
+    format!("{mm:.4} mm")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::example;
+
+    #[test]
+    fn hands_and_the_shaft_angle_between_them() {
+        let degrees = |degrees: f64| degrees / DEGREES_PER_RADIAN;
+        for (rack, pinion, hands, shaft_angle) in [
+            (-12.5, 25.0, ["left 12.5°", "right 25°"], "12.5°"),
+            (12.5, 25.0, ["right 12.5°", "right 25°"], "37.5°"),
+            (0.0, -21.0, ["spur", "left 21°"], "21°"),
+        ] {
+            let pair = Pair::new(&example(20, degrees(rack), degrees(pinion))).unwrap();
+            let geometry = Geometry { pair: &pair, over_pin: None };
+            let values: Vec<_> = geometry.table().rows.into_iter().map(|row| row[1].clone()).collect();
+            assert_eq!(values[..3], [hands[0], hands[1], shaft_angle]);
+            assert_eq!(values.len(), 6);
+        }
+    }
+}
