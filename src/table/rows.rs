@@ -319,15 +319,19 @@ impl Rows {
 
     /// Another header among the rows: its columns are not those that are read.
     fn other_header(&self, record: &Record) -> Option<Contradiction> {
-        let names_value = |cell: &Cell| {
+        let is_name = |cell: &&Cell| {
+            self.titles.iter().any(|title| *title == cell.text()) || heading(&cell.text(), &[]).is_some()
+        };
+        let names_value = |cell: &&Cell| {
             let is_title = self.columns.iter().any(|column| column.title == cell.text());
             is_title
                 || heading(&cell.text(), &[]).is_some_and(|found| found.fields.iter().any(|field| !field.is_index()))
         };
+        let cells = || record.cells.iter().filter(|cell| !cell.is_missing());
         let is_other = record.numbers() == 0
-            && !self.repeats_header(record)
-            && record.cells.iter().any(names_value)
-            && record.filled().len() > 1;
+            && cells().any(|cell| names_value(&cell))
+            && cells().filter(is_name).count() > 1
+            && !self.repeats_header(record);
         is_other.then(|| Contradiction {
             line: record.line,
             column: String::new(),

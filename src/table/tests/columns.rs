@@ -78,14 +78,8 @@ fn a_value_is_held_against_what_stands_beside_it() {
     for (row, expected) in [
         ("25.013;2.5;13;50;-50", "rack_over_roller 0.013 mm"),
         ("25.0131;2.5;13;50;-50", "rack_over_roller 0.0131 mm"),
-        (
-            "25.02;2.5;61;50;-50",
-            "rack_over_roller: the deviation beside it is 0.061 mm, and measured less nominal is 0.02 mm",
-        ),
-        (
-            "25;2.5;13;50;-50",
-            "rack_over_roller: the deviation beside it is 0.013 mm, and measured less nominal is 0 mm",
-        ),
+        ("25.02;2.5;61;50;-50", "rack_over_roller: the deviation beside it is 0.061 mm, and this one is 0.02 mm"),
+        ("25;2.5;13;50;-50", "rack_over_roller: the deviation beside it is 0.013 mm, and this one is 0 mm"),
         ("25.013;2.5;;50;-50", "rack_over_roller 0.013 mm"),
         ("25.013;2.5;n.a.;;", "rack_over_roller 0.013 mm"),
         ("25.013;;;;", "rack_over_roller: there is no nominal value beside it"),
