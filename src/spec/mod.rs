@@ -132,10 +132,9 @@ impl Spec {
         sections.refuse_unknown();
         let (title, correlations) =
             sections.read(&keys::TOP, |reader| (reader.text("title"), uncertainty::correlations(reader)));
+        let pair = sections.read(&keys::PAIR, pair::read);
         let rack = sections.read(&keys::RACK, gear::rack);
         let pinion = sections.read(&keys::PINION, gear::pinion);
-        let helix_angles = pair::HelixAngles::of(&rack, &pinion);
-        let pair = sections.read(&keys::PAIR, |reader| pair::read(reader, helix_angles));
         let support = sections.read(&keys::SUPPORT, gear::support);
         let budget = sections.read(&keys::BUDGET, budget::read);
         let tolerance = sections.read(&keys::TOLERANCE, |reader| ToleranceSection {
@@ -149,6 +148,7 @@ impl Spec {
         let simulation = sections.read(&keys::SIMULATION, simulation::read);
         let scatter = sections.read(&keys::SCATTER, scatter::read);
         let rule = sections.read(&keys::DECISION, |reader| reader.rule("rule"));
+        let pair = pair.with(pair::HelixAngles::of(&rack, &pinion), &source, &mut diagnostics);
         if diagnostics.is_empty() {
             Ok(Self {
                 source,

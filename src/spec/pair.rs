@@ -1,9 +1,11 @@
 //! Reads `[pair]`: the normal module from whichever module is given, and a shaft angle, which only checks the helix angles.
 
+use std::sync::Arc;
+
 use super::Located;
 use super::gear::{PairSection, PinionSection, RackSection};
 use super::reader::SectionReader;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::formula::femtometres;
 use crate::quantity::{Angle, Length};
 use crate::trig;
@@ -27,17 +29,48 @@ impl HelixAngles {
     }
 }
 
-/// Reads `[pair]`, after the sections of both parts.
-pub(super) fn read(reader: &mut SectionReader<'_>, helix_angles: HelixAngles) -> PairSection {
-    let shaft_angle = reader.angle("shaft_angle");
-    let given = reader.length("normal_module");
-    let converted = reader.length("transverse_module").and_then(|module| of_transverse(&module, helix_angles.pinion));
-    // what is held against a value that cannot be read would be blamed on the wrong one
-    if reader.diagnostics.is_empty() {
-        check_shaft_angle(reader, shaft_angle.as_ref(), helix_angles);
-        check_modules(reader, given.as_ref(), converted.as_ref());
+/// `[pair]` as it is written.
+#[derive(Default)]
+pub(super) struct WrittenPair {
+    normal_module: Option<Located<Length>>,
+    transverse_module: Option<Located<Length>>,
+    normal_pressure_angle: Option<Located<Angle>>,
+    shaft_angle: Option<Located<Angle>>,
+}
+
+/// Reads `[pair]`.
+pub(super) fn read(reader: &mut SectionReader<'_>) -> WrittenPair {
+    WrittenPair {
+        normal_module: reader.length("normal_module"),
+        normal_pressure_angle: reader.angle("normal_pressure_angle"),
+        transverse_module: reader.length("transverse_module"),
+        shaft_angle: reader.angle("shaft_angle"),
     }
-    PairSection { normal_module: given.or(converted), normal_pressure_angle: reader.angle("normal_pressure_angle") }
+}
+
+impl WrittenPair {
+    /// What it comes to with the helix angles of both parts. What is held against a value that cannot be read would be
+    /// blamed on the wrong one, so that nothing is if there are `diagnostics` already.
+    pub(super) fn with(
+        self,
+        helix_angles: HelixAngles,
+        source: &Arc<Source>,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> PairSection {
+        let transverse = self.transverse_module.as_ref();
+        let converted = transverse.and_then(|module| of_transverse(module, helix_angles.pinion));
+        if diagnostics.is_empty() {
+            let shaft_angle =
+                self.shaft_angle.as_ref().and_then(|given| check_shaft_angle(given, helix_angles, source));
+            let modules = self.normal_module.as_ref().zip(converted.as_ref());
+            let modules = modules.and_then(|(given, converted)| check_modules(given, converted, source));
+            diagnostics.extend(shaft_angle.into_iter().chain(modules));
+        }
+        PairSection {
+            normal_module: self.normal_module.or(converted),
+            normal_pressure_angle: self.normal_pressure_angle,
+        }
+    }
 }
 
 /// The normal module that a transverse one comes to, m_n = m_t cos β_p.
@@ -46,10 +79,9 @@ fn of_transverse(transverse: &Located<Length>, helix_angle: Angle) -> Option<Loc
     Some(Located { value: module.ok()?, span: transverse.span.clone() })
 }
 
-fn check_modules(reader: &mut SectionReader<'_>, given: Option<&Located<Length>>, converted: Option<&Located<Length>>) {
-    let (Some(given), Some(converted)) = (given, converted) else { return };
+fn check_modules(given: &Located<Length>, converted: &Located<Length>, source: &Arc<Source>) -> Option<Diagnostic> {
     if (given.value - converted.value).abs() <= MODULES_APART {
-        return;
+        return None;
     }
     let message = format!(
         "the normal module is given as {}, and the transverse one of the pinion makes it {}",
@@ -57,15 +89,14 @@ fn check_modules(reader: &mut SectionReader<'_>, given: Option<&Located<Length>>
     );
     let diagnostic = Diagnostic::error(Code::BadGeometry, message)
         .help("m_n = m_t cos β_p: leave one of them out, or check `pinion.helix_angle`");
-    reader.report(diagnostic, converted.span.clone(), "");
+    Some(diagnostic.at(source, converted.span.clone(), ""))
 }
 
-fn check_shaft_angle(reader: &mut SectionReader<'_>, given: Option<&Located<Angle>>, helix_angles: HelixAngles) {
-    let Some(given) = given else { return };
+fn check_shaft_angle(given: &Located<Angle>, helix_angles: HelixAngles, source: &Arc<Source>) -> Option<Diagnostic> {
     let HelixAngles { rack, pinion } = helix_angles;
     let agrees = |shaft_angle: Angle| (shaft_angle.abs() - given.value).abs() <= SHAFT_ANGLES_APART;
     if agrees(rack + pinion) {
-        return;
+        return None;
     }
     let message = format!(
         "the shaft angle is given as {}, and helix angles of {rack} (rack) and {pinion} (pinion) make it {}",
@@ -77,7 +108,7 @@ fn check_shaft_angle(reader: &mut SectionReader<'_>, given: Option<&Located<Angl
     } else {
         "Σ = |β_r + β_p|, right hand positive: check the helix angles and their signs"
     };
-    reader.report(Diagnostic::error(Code::BadGeometry, message).help(help), given.span.clone(), "");
+    Some(Diagnostic::error(Code::BadGeometry, message).help(help).at(source, given.span.clone(), ""))
 }
 
 #[cfg(test)]
