@@ -94,8 +94,9 @@ fn a_value_is_held_against_what_stands_beside_it() {
     }
     let roles = reading(&format!("{header}\nP1;25.5;2.5;500;50;-50\n"), &want()).columns;
     let roles: Vec<_> = roles.iter().map(|column| column.role.as_str()).collect();
-    let of = |what: &str| format!("{what} of rack_over_roller");
-    let companions = ["deviation, checked", "nominal", "upper tolerance, checked", "lower tolerance, checked"].map(of);
+    let of = |(what, note): (&str, &str)| format!("{what} of rack_over_roller{note}");
+    let tolerances = [("upper tolerance", ", not judged"), ("lower tolerance", ", not judged")];
+    let companions = [("deviation", ", checked"), ("nominal", ""), tolerances[0], tolerances[1]].map(of);
     assert_eq!(roles[2..], companions);
 }
 
