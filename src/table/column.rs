@@ -281,11 +281,15 @@ impl Column {
         Ok(Some(deviation))
     }
 
+    /// Whether a text is the unit of its numbers.
+    pub(crate) fn has_unit(&self, text: &str) -> bool {
+        unit_of(text, self.field.is_angle()) == Some(self.unit)
+    }
+
     /// A column of units says the same of every value.
     fn check_unit(&self, cell: Option<&Cell>) -> Result<(), Problem> {
         let Some(cell) = cell else { return Ok(()) };
-        let unit = unit_of(&cell.text(), self.field.is_angle());
-        if unit == Some(self.unit) || cell.is_missing() && self.unit_from != UnitFrom::Beside {
+        if self.has_unit(&cell.text()) || cell.is_missing() && self.unit_from != UnitFrom::Beside {
             return Ok(());
         }
         let known = self.unit.symbol();

@@ -7,12 +7,12 @@ use super::cell::{Cell, Content, Record};
 use super::chunk::{Holds, LONGEST_RECORD};
 use super::column::{Column, Plain, Problem};
 use super::encoding::text;
-use super::grid::{bare_unit, is_unit};
+use super::grid::is_unit;
 use super::names::{Role, heading, is_statistic, role};
 use super::reading::AsideReading;
 use super::split::{Field, next_record};
 use crate::deviation::ErrorValue;
-use crate::quantity::{Decimal, Length, Unit, shown};
+use crate::quantity::{Decimal, Length, shown};
 
 /// What a field of a line of plain numbers is.
 #[derive(Debug, Clone, Copy)]
@@ -366,14 +366,7 @@ impl Rows {
 
     /// Whether a row of units says of every column what is known of it.
     fn repeats_units(&self, record: &Record) -> bool {
-        let is_that_of = |cell: &Cell, column: &Column| {
-            let text = cell.text();
-            let unit = match column.unit {
-                Unit::Length(_) => Unit::of_length(bare_unit(&text)),
-                Unit::Angle(_) => Unit::of_angle(bare_unit(&text)),
-            };
-            unit == Some(column.unit)
-        };
+        let is_that_of = |cell: &Cell, column: &Column| column.has_unit(&cell.text());
         if record.cells.len() < self.titles.len() && !self.is_even {
             // between blanks, a unit has no place but its order
             let cells = record.cells.iter().filter(|cell| !cell.is_missing());
