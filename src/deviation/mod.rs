@@ -6,6 +6,7 @@
 //! [`PinionToothRow`]). Nothing here reads a file or computes a contact.
 
 mod error;
+mod extent;
 mod form;
 mod kind;
 mod measured;
@@ -14,6 +15,7 @@ mod rack;
 mod tooth_range;
 
 pub use error::{DeviationError, DeviationQuantity};
+pub use extent::{Extent, Unit, UnknownExtent};
 pub use form::{PinionForm, RackForm};
 pub use kind::{ErrorKind, ErrorValue, Part};
 pub use measured::{PinionToothRow, RackSpaceRow, pinion_flanks_from_rows, rack_flanks_from_spaces};

@@ -1,7 +1,7 @@
 //! An error with its extent and the gear data that its effect follows from. Made by whoever reads errors, read by the
 //! bound; computes no range.
 
-use super::{Extent, Unit};
+use crate::deviation::{Extent, Unit};
 use crate::deviation::{ErrorKind, ErrorValue, Part};
 use crate::formula::{Law, Model};
 use crate::gear::Pair;

@@ -4,8 +4,8 @@
 //! [`Knowledge`] what is known of the pair ([`KnownPair`] if it is its geometry), [`bound`] gives a [`Bound`]. It must not
 //! know files, limits or reports.
 
+mod basis;
 mod error;
-mod extent;
 mod field;
 mod known;
 mod lead;
@@ -16,14 +16,16 @@ mod sum;
 #[cfg(test)]
 mod tests;
 
+pub use basis::{Basis, GivenGeometry, KnownPairs};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
-pub use extent::{Extent, Unit, UnknownExtent};
 pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownPairError, Reach};
 pub use moments::{Moments, moments};
 pub use sum::{Bound, bound};
 
-/// A range of ΔCD in mm. Computed in f64 to about 1e-12 mm; whoever puts it on a grid rounds `lower` down and `upper` up.
+use crate::deviation::Extent;
+
+/// A range of ΔCD in mm, computed in f64: whoever holds it against decimal limits takes the nearest decimals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     /// The lower end.
@@ -104,6 +106,9 @@ pub enum Open {
     /// The errors are larger than those that the known pair was made for.
     #[error("the errors are larger than what the pair's geometry was prepared for")]
     BeyondReach,
+    /// Errors as large leave nothing of the pair's flanks.
+    #[error("errors as large as these leave no flanks that mesh")]
+    NoFlanks,
 }
 
 /// What a bound rests on, and what would narrow it.

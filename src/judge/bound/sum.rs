@@ -2,6 +2,7 @@
 
 use super::error::{Effect, PitchEffect, RackLines};
 use super::lead::Leads;
+use super::moments::{Moments, moments};
 use super::pitch;
 use super::{ContactPath, ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, Note, Open, Range, Reach};
 use crate::deviation::Part;
@@ -16,6 +17,8 @@ pub struct Bound {
     pub errors: Vec<Result<ErrorRange, Open>>,
     /// What all can do together, the pair's own curve counted.
     pub total: Result<Range, Open>,
+    /// No bound: mean ± 3 standard deviations of ΔCD at one stroke, see [`moments`](super::moments()).
+    pub statistical: Result<Range, Open>,
     /// What it rests on.
     pub notes: Vec<Note>,
 }
@@ -24,8 +27,8 @@ pub struct Bound {
 /// the face width.
 const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
-/// Lower ends are rounded by this much, mm: more than what sums and sines lose.
-const ROUNDING_MM: f64 = 1e-12;
+/// A statistical sum reaches so many standard deviations to either side of its mean.
+const DEVIATIONS: f64 = 3.0;
 /// Pairs are prepared for so much more than errors need.
 const SPARE_MM: f64 = 1e-6;
 
@@ -33,7 +36,12 @@ const SPARE_MM: f64 = 1e-6;
 #[must_use]
 pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     let each: Vec<_> = errors.iter().map(|error| range_of(error, knowledge)).collect();
-    Bound { total: total(errors, knowledge), notes: notes(errors, knowledge), errors: each }
+    Bound {
+        total: total(errors, knowledge),
+        statistical: statistical(errors, knowledge),
+        notes: notes(errors, knowledge),
+        errors: each,
+    }
 }
 
 /// What one error can do alone.
@@ -138,55 +146,89 @@ fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
     ErrorRange { raw_lower_mm, lower_mm: raw_lower_mm, ..range }
 }
 
-/// What adds.
-#[derive(Debug, Clone, Copy)]
-struct Addend {
-    part: Part,
-    range: ErrorRange,
+/// What errors of both parts add up to.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    raw_lower_mm: f64,
+    raw_upper_mm: f64,
+    /// How much better the lower end of one error is than its raw one, at most, and how much lower its upper end.
+    better_mm: f64,
+    spared_mm: f64,
+    /// Of the pinion's errors, either way.
+    of_pinion_mm: f64,
 }
 
-/// Sizes and pitches one by one, leads one for each part.
-fn addends(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Vec<Addend>, Open> {
-    let mut addends = Vec::with_capacity(errors.len() + 2);
-    let (mut of_rack, mut of_pinion, mut lines) = (Leads::none(Part::Rack), Leads::none(Part::Pinion), None);
-    for error in errors {
-        match error.effect {
-            Effect::Size { .. } | Effect::Pitch(_) => {
-                addends.push(Addend { part: error.part(), range: range_of(error, knowledge)? });
+impl Sum {
+    /// Sizes and pitches one by one, leads one for each part.
+    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, Open> {
+        let mut sum = Self::default();
+        let (mut of_rack, mut of_pinion, mut lines) = (Leads::none(Part::Rack), Leads::none(Part::Pinion), None);
+        for error in errors {
+            match error.effect {
+                Effect::Size { .. } | Effect::Pitch(_) => sum.add(error.part(), range_of(error, knowledge)?),
+                Effect::RackLead { value, rack } => {
+                    lines = Some(rack);
+                    of_rack = of_rack.with(value, error.extent, lines);
+                }
+                Effect::PinionLead { value } => of_pinion = of_pinion.with(value, error.extent, None),
             }
-            Effect::RackLead { value, rack } => {
-                lines = Some(rack);
-                of_rack = of_rack.with(value, error.extent, lines);
-            }
-            Effect::PinionLead { value } => of_pinion = of_pinion.with(value, error.extent, None),
+        }
+        for (part, all) in [(Part::Rack, &of_rack), (Part::Pinion, &of_pinion)] {
+            sum.add(part, supported(leads(all, lines.as_ref(), knowledge), knowledge));
+        }
+        Ok(sum)
+    }
+
+    fn add(&mut self, part: Part, range: ErrorRange) {
+        self.raw_lower_mm += range.raw_lower_mm;
+        self.raw_upper_mm += range.raw_upper_mm;
+        self.better_mm = self.better_mm.max(range.lower_mm - range.raw_lower_mm);
+        self.spared_mm = self.spared_mm.max(range.raw_upper_mm - range.upper_mm);
+        if part == Part::Pinion {
+            self.of_pinion_mm += range.raw_upper_mm.max(-range.raw_lower_mm);
         }
     }
-    let leads = |part, all: &Leads| Addend { part, range: supported(leads(all, lines.as_ref(), knowledge), knowledge) };
-    addends.extend([leads(Part::Rack, &of_rack), leads(Part::Pinion, &of_pinion)]);
-    Ok(addends)
+
+    fn reach(&self) -> Reach {
+        let range = Range { lower: self.raw_lower_mm, upper: self.raw_upper_mm };
+        Reach { range, of_pinion_mm: self.of_pinion_mm }
+    }
+
+    /// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
+    fn with_own(&self, own: Range) -> Range {
+        Range {
+            lower: own.lower + self.raw_lower_mm + self.better_mm,
+            upper: own.upper + self.raw_upper_mm - self.spared_mm,
+        }
+    }
 }
 
-/// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
-fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
-    let addends = addends(errors, knowledge)?;
-    let reached = reached(&addends);
-    let better = addends.iter().map(|one| one.range.lower_mm - one.range.raw_lower_mm).fold(0.0, f64::max);
-    let spared = addends.iter().map(|one| one.range.raw_upper_mm - one.range.upper_mm).fold(0.0, f64::max);
-    let own = match known(knowledge) {
-        Some(known) if !known.reach.holds(&reached) => return Err(Open::BeyondReach),
-        Some(known) => known.own,
-        None => Range { lower: 0.0, upper: 0.0 },
-    };
-    let Range { lower: raw, upper } = reached.range;
-    Ok(Range { lower: own.lower + raw + better - ROUNDING_MM, upper: own.upper + upper - spared + ROUNDING_MM })
+/// The pair's own range, if these errors are within what the pair is known for.
+fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Range, Open> {
+    match known(knowledge) {
+        Some(known) if !known.reach.holds(&sum.reach()) => Err(Open::BeyondReach),
+        Some(known) => Ok(known.own),
+        None => Ok(Range { lower: 0.0, upper: 0.0 }),
+    }
 }
 
-fn reached(addends: &[Addend]) -> Reach {
-    let raw: f64 = addends.iter().map(|one| one.range.raw_lower_mm).sum();
-    let upper: f64 = addends.iter().map(|one| one.range.raw_upper_mm).sum();
-    let of_pinion = addends.iter().filter(|one| one.part == Part::Pinion).map(|one| one.range);
-    let of_pinion_mm = of_pinion.map(|range| range.raw_upper_mm.max(-range.raw_lower_mm)).sum();
-    Reach { range: Range { lower: raw, upper }, of_pinion_mm }
+/// What errors can do together: [`Bound::total`] alone.
+pub(super) fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
+    let sum = Sum::of(errors, knowledge)?;
+    Ok(sum.with_own(own(&sum, knowledge)?))
+}
+
+/// Where ΔCD lies at one stroke for all but a few parts: [`Bound::statistical`] alone.
+pub(super) fn statistical(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
+    let own = own(&Sum::of(errors, knowledge)?, knowledge)?;
+    let (mut mean, mut variance) = (0.0, 0.0);
+    for error in errors {
+        let Moments { mean_mm, deviation_mm } = moments(error, &range_of(error, knowledge)?, knowledge);
+        mean += mean_mm;
+        variance += deviation_mm * deviation_mm;
+    }
+    let spread = DEVIATIONS * variance.sqrt();
+    Ok(Range { lower: own.lower + mean - spread, upper: own.upper + mean + spread })
 }
 
 impl KnownPair {
@@ -194,12 +236,31 @@ impl KnownPair {
     pub(super) fn reached(&self, errors: &[ExtendedError]) -> Reach {
         let knowledge = Knowledge { geometry: Geometry::Known(self), ..Knowledge::default() };
         // nothing is open where the geometry is known
-        let Reach { range, of_pinion_mm } = addends(errors, &knowledge).map_or(self.reach, |addends| reached(&addends));
+        let Reach { range, of_pinion_mm } = Sum::of(errors, &knowledge).map_or(self.reach, |sum| sum.reach());
         let Range { lower, upper } = range;
         Reach {
             range: Range { lower: lower - SPARE_MM, upper: upper + SPARE_MM },
             of_pinion_mm: of_pinion_mm + SPARE_MM,
         }
+    }
+}
+
+/// How far errors move ΔCD at least, whatever the pair, mm: no need to ask what is known of a pair for smaller ones.
+pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
+    let least = |error: &ExtendedError| match error.effect {
+        Effect::Size { value, .. } | Effect::PinionLead { value } => value.abs(),
+        Effect::Pitch(PitchEffect { value, gain, .. }) => gain * value.abs(),
+        Effect::RackLead { value, rack } => {
+            Leads::none(Part::Rack).with(value, error.extent, Some(rack)).of_any_pair(0.0).upper_mm
+        }
+    };
+    errors.iter().map(least).sum()
+}
+
+impl Bound {
+    /// Of errors that have none.
+    pub(super) fn open(errors: &[ExtendedError], open: Open) -> Self {
+        Self { errors: vec![Err(open); errors.len()], total: Err(open), statistical: Err(open), notes: Vec::new() }
     }
 }
 

@@ -4,7 +4,7 @@ use super::property::extremes;
 use super::random::{self, Drawn, Placed, Random};
 use crate::gear::Pair;
 use crate::judge::bound::field::thickness_offset;
-use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPair, bound};
+use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPairs, bound};
 use crate::parallel;
 
 /// Places tried for an error.
@@ -41,11 +41,12 @@ fn tried(seed: u64) -> Option<Tried> {
     let pair = random::pair(&mut random);
     let drawn = random::error(&mut random, &pair);
     let errors = [drawn.error];
-    let known = KnownPair::for_errors(GivenPair::plain(pair), &errors).ok()?;
+    let pairs = KnownPairs::new(GivenPair::plain(pair));
+    let known = pairs.for_errors(&errors).ok()?;
     if known.nominal_path().ratio < 1.1 {
         return None;
     }
-    let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
+    let knowledge = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
     let bound = bound(&errors, &knowledge);
     let (total, ErrorRange { upper_mm, .. }) = (bound.total.ok()?, bound.errors[0].ok()?);
     let highest = highest(&pair, &drawn)?;

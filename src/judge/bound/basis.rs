@@ -1,0 +1,125 @@
+//! What is given of a pair beside its errors, ready for errors of any size. Made once for a spec; computes no range itself.
+
+use std::sync::{Arc, OnceLock};
+
+use super::sum::{bound, reached_at_least, statistical, total};
+use super::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Open, Range, Reach};
+
+/// What a bound rests on.
+#[derive(Debug, Clone, Default)]
+pub struct Basis {
+    /// The pair's geometry.
+    pub geometry: GivenGeometry,
+    /// Whether the rack is free to roll; of a known pair its support says so.
+    pub rolls: bool,
+    /// Normal module, if it is known without the geometry, mm.
+    pub normal_module_mm: Option<f64>,
+}
+
+/// What is given of the pair's geometry: [`Geometry`] before any errors are known.
+#[derive(Debug, Clone, Default)]
+pub enum GivenGeometry {
+    /// Nothing but what the errors' own laws need.
+    #[default]
+    Unknown,
+    /// The statement of [`Geometry::BothFlanks`].
+    BothFlanks,
+    /// All of it.
+    Known(KnownPairs),
+}
+
+/// A pair with known geometry: what is known of it for errors of each size, made when such errors are first asked about.
+#[derive(Debug, Clone)]
+pub struct KnownPairs {
+    given: GivenPair,
+    steps: Arc<[OnceLock<Result<KnownPair, Open>>; STEPS]>,
+}
+
+/// Sizes of errors, mm: the smallest, and how many until they are doubled. The largest is 1 m.
+const SMALLEST_MM: f64 = 1e-3;
+const STEPS_TO_DOUBLE: f64 = 4.0;
+const STEPS: usize = 81;
+
+/// The errors of a step: either way, of the pinion alone, too.
+fn reach(step: usize) -> Reach {
+    #[expect(clippy::cast_precision_loss, reason = "a few steps")]
+    let size = SMALLEST_MM * (step as f64 / STEPS_TO_DOUBLE).exp2();
+    Reach { range: Range { lower: -size, upper: size }, of_pinion_mm: size }
+}
+
+impl KnownPairs {
+    /// Of this pair; nothing is computed yet.
+    #[must_use]
+    pub fn new(given: GivenPair) -> Self {
+        Self { given, steps: Arc::new(std::array::from_fn(|_| OnceLock::new())) }
+    }
+
+    /// The pair.
+    #[must_use]
+    pub const fn given(&self) -> &GivenPair {
+        &self.given
+    }
+
+    /// What is known for these errors, of the first step that holds them: the same for the same errors, whatever else was asked.
+    ///
+    /// # Errors
+    /// [`Open`] if errors as large leave no pair.
+    pub fn for_errors(&self, errors: &[ExtendedError]) -> Result<&KnownPair, Open> {
+        let least = reached_at_least(errors);
+        let mut step = (0..STEPS).find(|&step| reach(step).range.upper >= least).ok_or(Open::BeyondReach)?;
+        loop {
+            let known = self.step(step)?;
+            let reached = known.reached(errors);
+            if known.reach().holds(&reached) {
+                return Ok(known);
+            }
+            let wider = step + 1..STEPS;
+            step = wider.into_iter().find(|&step| reach(step).holds(&reached)).ok_or(Open::BeyondReach)?;
+        }
+    }
+
+    fn step(&self, step: usize) -> Result<&KnownPair, Open> {
+        let known = self.steps[step].get_or_init(|| KnownPair::new(self.given, reach(step)).map_err(|_| Open::NoFlanks));
+        known.as_ref().map_err(|open| *open)
+    }
+}
+
+impl Basis {
+    /// What is known, for these errors.
+    ///
+    /// # Errors
+    /// [`Open`] as [`KnownPairs::for_errors`].
+    pub fn knowledge(&self, errors: &[ExtendedError]) -> Result<Knowledge<'_>, Open> {
+        let geometry = match &self.geometry {
+            GivenGeometry::Unknown => Geometry::Unknown,
+            GivenGeometry::BothFlanks => Geometry::BothFlanks,
+            GivenGeometry::Known(pairs) => Geometry::Known(pairs.for_errors(errors)?),
+        };
+        Ok(Knowledge { geometry, rolls: self.rolls, normal_module_mm: self.normal_module_mm })
+    }
+
+    /// The bound of errors: [`bound`](super::bound()).
+    #[must_use]
+    pub fn bound(&self, errors: &[ExtendedError]) -> Bound {
+        match self.knowledge(errors) {
+            Ok(knowledge) => bound(errors, &knowledge),
+            Err(open) => Bound::open(errors, open),
+        }
+    }
+
+    /// Its total alone.
+    ///
+    /// # Errors
+    /// [`Open`] if there is none.
+    pub fn total(&self, errors: &[ExtendedError]) -> Result<Range, Open> {
+        total(errors, &self.knowledge(errors)?)
+    }
+
+    /// Its statistical sum alone.
+    ///
+    /// # Errors
+    /// [`Open`] if there is none.
+    pub fn statistical(&self, errors: &[ExtendedError]) -> Result<Range, Open> {
+        statistical(errors, &self.knowledge(errors)?)
+    }
+}
