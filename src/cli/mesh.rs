@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use super::long;
+use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use crate::decision::{LimitTarget, Prediction, Verdict};
@@ -329,17 +329,20 @@ fn unsolved_stroke(error: &MeshError) -> Diagnostic {
 
 /// Writes CSV as it is solved; the status is that of an interruption, if one came.
 fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
+    let interruption = long::interrupted();
     output.text(&mesh_points::csv_header())?;
-    let listed = list(strokes, mesh, mesh_points::csv_lines, |text| output.text(text))?;
+    let listed = list(strokes, mesh, &interruption, mesh_points::csv_lines, |text| output.text(text))?;
     remark_on(listed.trust, output);
     Ok(listed.interrupted)
 }
 
 /// Writes JSON as it is solved; the status is that of an interruption, if one came.
 fn list_json(strokes: &Strokes, report: &MeshReport<'_>, output: &mut Output) -> Result<Option<Status>, Failure> {
+    // from the first byte on a signal has to leave whole JSON
+    let interruption = long::interrupted();
     output.text(&report.json_around(Trust::default()).0)?;
     let mut first = true;
-    let listed = list(strokes, report.mesh, mesh_points::json_elements, |text| {
+    let listed = list(strokes, report.mesh, &interruption, mesh_points::json_elements, |text| {
         let text = if std::mem::take(&mut first) { text.trim_start_matches(',') } else { text };
         output.text(text)
     })?;
@@ -371,10 +374,10 @@ enum EndedEarly {
 fn list(
     strokes: &Strokes,
     mesh: &Mesh,
+    interruption: &Interruption,
     text: impl Fn(&[ListedPoint]) -> String + Sync,
     mut write: impl FnMut(&str) -> Result<(), Failure>,
 ) -> Result<Listed, Failure> {
-    let interruption = long::interrupted();
     let mut trust = Trust::default();
     let mut written = 0;
     let solved = mesh.sample_blocks(
