@@ -30,6 +30,7 @@
 //! # For a calculation
 //! ```
 //! use rackmesh::formula::{Law, Model};
+//! use rackmesh::judge::bound::Basis;
 //! use rackmesh::quantity::Length;
 //!
 //! let law = Law::rack_pitch("20 deg".parse()?, "12 deg".parse()?)?;
@@ -47,7 +48,7 @@
 //! let (measured, nominal): (Length, Length) = ("25.0131".parse()?, "25.0000".parse()?);
 //! let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric("0.0131".parse()?))];
 //! let errors = [PartError::new(Law::rack_over_roller(), measured - nominal)];
-//! let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range)?;
+//! let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default())?;
 //! assert_eq!(evaluation.verdict, Some(Verdict::Pass)); // equal to the limit is inside it
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

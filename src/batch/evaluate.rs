@@ -170,10 +170,10 @@ impl<'a> Evaluator<'a> {
     /// Takes the results into the statistics.
     fn count(&mut self, results: &Results, uncertainty: Option<&RowUncertainty>) {
         for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
-            statistics.add(results.of(output));
+            results.of(output).into_iter().for_each(|result| statistics.add(result));
         }
         for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
-            moving.add(results.of(output));
+            results.of(output).into_iter().for_each(|result| moving.add(result));
         }
         if let Some(known) = uncertainty {
             self.add_gauge(&known.spreads);
@@ -205,7 +205,7 @@ impl<'a> Evaluator<'a> {
             verdict,
             margin_mm: margin.inside_by.mm(),
             on: margin.on,
-            result_mm: (margin.result.0.mm(), margin.result.1.mm()),
+            result_mm: (margin.result.lower.mm(), margin.result.upper.mm()),
         }
     }
 

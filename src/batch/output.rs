@@ -18,8 +18,8 @@ pub(super) enum Output {
     Error(usize),
     RangeLower,
     RangeUpper,
-    WorstCase,
-    Rss,
+    RssLower,
+    RssUpper,
     /// Standard uncertainty of a result.
     Standard(Of),
     /// Expanded uncertainty of a result.
@@ -119,8 +119,8 @@ impl Asked {
         let results = [
             ("range_lower_mm", Output::RangeLower),
             ("range_upper_mm", Output::RangeUpper),
-            ("worst_case_mm", Output::WorstCase),
-            ("rss_mm", Output::Rss),
+            ("rss_lower_mm", Output::RssLower),
+            ("rss_upper_mm", Output::RssUpper),
         ];
         let results = results.map(|(name, output)| (name.to_owned(), Asked::Result(output)));
         let mut all: Vec<_> = std::iter::once(("part_id".to_owned(), Asked::Id)).chain(own).chain(results).collect();
@@ -129,10 +129,10 @@ impl Asked {
                 all.push((standard_name(&own_name(*kind)), Asked::Standard(*kind)));
                 all.push((expanded_name(&own_name(*kind)), Asked::Expanded(*kind)));
             }
-            for of in ends(request.stack) {
-                let name = end_name(request.stack, *of);
-                all.push((standard_name(name), Asked::Result(Output::Standard(*of))));
-                all.push((expanded_name(name), Asked::Result(Output::Expanded(*of))));
+            for of in ENDS {
+                let name = end_name(request.stack, of);
+                all.push((standard_name(name), Asked::Result(Output::Standard(of))));
+                all.push((expanded_name(name), Asked::Result(Output::Expanded(of))));
             }
             all.push(("linear".to_owned(), Asked::Result(Output::Linear)));
             if request.monte_carlo.is_some() {
@@ -140,9 +140,9 @@ impl Asked {
                     for kind in present {
                         all.push((statistic.name(&own_name(*kind)), Asked::Simulated(*kind, statistic)));
                     }
-                    for of in ends(request.stack) {
-                        let name = statistic.name(end_name(request.stack, *of));
-                        all.push((name, Asked::Result(Output::Simulated(*of, statistic))));
+                    for of in ENDS {
+                        let name = statistic.name(end_name(request.stack, of));
+                        all.push((name, Asked::Result(Output::Simulated(of, statistic))));
                     }
                 }
                 all.push(("linear_validated".to_owned(), Asked::Result(Output::Validated)));
@@ -214,17 +214,15 @@ pub(super) fn own_name(kind: ErrorKind) -> String {
     format!("delta_cd_{}", kind.key())
 }
 
-/// The ends of a combination that differ in their uncertainty.
-fn ends(stack: Stack) -> &'static [Of] {
-    if stack == Stack::Range { &[Of::Lower, Of::Upper] } else { &[Of::Upper] }
-}
+/// The ends of a combination.
+const ENDS: [Of; 2] = [Of::Lower, Of::Upper];
 
 pub(super) fn end_name(stack: Stack, of: Of) -> &'static str {
     match (stack, of) {
         (Stack::Range, Of::Lower) => "range_lower",
         (Stack::Range, _) => "range_upper",
-        (Stack::WorstCase, _) => "worst_case",
-        (Stack::Rss, _) => "rss",
+        (Stack::Rss, Of::Lower) => "rss_lower",
+        (Stack::Rss, _) => "rss_upper",
     }
 }
 

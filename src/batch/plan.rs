@@ -15,7 +15,8 @@ use crate::decision::monte_carlo::MonteCarloError;
 use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Law, Model};
+use crate::formula::{Law, Model, PartError};
+use crate::judge::bound::{Basis, ExtendedError, Note};
 use crate::quantity::{Length, shown};
 use crate::spec::{Reading, Spec};
 use crate::table::{Column, Nominal, Table};
@@ -24,9 +25,25 @@ use crate::table::{Column, Nominal, Table};
 #[derive(Debug, Clone)]
 pub(super) struct Source {
     pub(super) law: Law,
+    /// The error on its teeth, for the bound.
+    pub(super) extended: ExtendedError,
+    /// Whether it has a limit of its own.
+    pub(super) is_limited: bool,
     pub(super) reading: Reading,
     /// The value that every part has; `None` if it is read from the table.
     pub(super) of_every_part: Option<ErrorValue>,
+}
+
+impl Source {
+    /// Of an error of any value.
+    fn new(error: &PartError, reading: Reading, limits: &Limits) -> Result<Self, Diagnostic> {
+        let kind = error.kind();
+        // zero is in every domain: only an extent may not fit
+        let extended = ExtendedError::of(&error.with_value(ErrorValue::zero(kind)))
+            .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
+        let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
+        Ok(Self { law: error.law(), extended, is_limited, reading, of_every_part: None })
+    }
 }
 
 /// What is computed for each part.
@@ -38,6 +55,11 @@ pub struct Plan {
     pub(super) outputs: Vec<Output>,
     pub(super) model: Model,
     pub(super) stack: Stack,
+    /// What is known of the pair.
+    pub(super) basis: Basis,
+    /// Whether the worst case, or the statistical sum, is written, judged or counted.
+    pub(super) needs_range: bool,
+    pub(super) needs_rss: bool,
     /// The limits that can be judged.
     pub(super) limits: Limits,
     /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
@@ -90,14 +112,22 @@ impl Plan {
         let mut sources = Vec::new();
         for kind in present.iter().copied().filter(|kind| needed(*kind)) {
             if let Some(error) = of_every_part.iter().find(|error| error.kind() == kind) {
-                let value = Some(error.value());
-                sources.push(Source { law: error.law(), reading: Reading::Deviation, of_every_part: value });
+                match Source::new(error, Reading::Deviation, &limits) {
+                    Ok(source) => sources.push(Source { of_every_part: Some(error.value()), ..source }),
+                    Err(problem) => diagnostics.push(problem),
+                }
                 continue;
             }
             let column = columns.iter().find(|column| column.kind == Some(kind));
             let Some(column) = column else { continue };
             match spec.law(kind, &format!("the column of `{}`", kind.key())) {
-                Ok(law) => sources.push(Source { law, reading: reading(column), of_every_part: None }),
+                Ok(law) => {
+                    let error = spec.extended(PartError::new(law, ErrorValue::zero(kind)));
+                    match Source::new(&error, reading(column), &limits) {
+                        Ok(source) => sources.push(source),
+                        Err(problem) => diagnostics.push(problem),
+                    }
+                }
                 Err(problems) => diagnostics.extend(problems.0),
             }
         }
@@ -128,14 +158,23 @@ impl Plan {
         if !without.is_empty() {
             outputs.push(Output::Without);
         }
+        let basis = spec.basis()?;
         let uncertain = is_uncertain
             && (request.statistics
                 || request.monte_carlo.is_some()
                 || request.rule.needs_uncertainty()
                 || outputs.iter().any(Output::is_uncertain));
-        let uncertain = if uncertain { Some(Box::new(Uncertain::new(spec, &sources, &request)?)) } else { None };
+        let uncertain =
+            if uncertain { Some(Box::new(Uncertain::new(spec, &sources, &request, &basis)?)) } else { None };
         let stack = request.stack;
+        let is_judged = |of: Stack| stack == of && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
+        let is_written = |ends: [Output; 2]| outputs.iter().any(|output| ends.contains(output));
+        let needs_range = is_judged(Stack::Range) || is_written([Output::RangeLower, Output::RangeUpper]);
+        let needs_rss = is_judged(Stack::Rss) || is_written([Output::RssLower, Output::RssUpper]);
         let mut plan = Self {
+            basis,
+            needs_range,
+            needs_rss,
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
@@ -208,7 +247,7 @@ impl Plan {
         self.outputs.iter().filter(|output| {
             matches!(
                 output,
-                Output::Error(_) | Output::RangeLower | Output::RangeUpper | Output::WorstCase | Output::Rss
+                Output::Error(_) | Output::RangeLower | Output::RangeUpper | Output::RssLower | Output::RssUpper
             )
         })
     }
@@ -218,10 +257,8 @@ impl Plan {
         self.uncertain.as_ref()?;
         match (output, self.stack) {
             (Output::Error(source), _) => Some(Of::Source(*source)),
-            (Output::RangeLower, Stack::Range) => Some(Of::Lower),
-            (Output::RangeUpper, Stack::Range) | (Output::WorstCase, Stack::WorstCase) | (Output::Rss, Stack::Rss) => {
-                Some(Of::Upper)
-            }
+            (Output::RangeLower, Stack::Range) | (Output::RssLower, Stack::Rss) => Some(Of::Lower),
+            (Output::RangeUpper, Stack::Range) | (Output::RssUpper, Stack::Rss) => Some(Of::Upper),
             _ => None,
         }
     }
@@ -261,19 +298,12 @@ impl Plan {
         let combined = |stack: Stack| {
             limit(LimitTarget::CenterDistance).filter(|_| self.stack == stack).map_or((None, None), ends)
         };
-        // a magnitude W stands for -W to W: it must not exceed the nearer end
-        let magnitude = |stack: Stack| {
-            let (lower, upper) = combined(stack);
-            let nearer = lower.map(|lower| -lower).into_iter().chain(upper).reduce(f64::min);
-            (None, nearer)
-        };
         let quantities = self.quantities().map(|output| match output {
             Output::Error(source) => {
                 limit(LimitTarget::Error(self.sources[*source].law.kind())).map_or((None, None), ends)
             }
             Output::RangeLower | Output::RangeUpper => combined(Stack::Range),
-            Output::WorstCase => magnitude(Stack::WorstCase),
-            Output::Rss => magnitude(Stack::Rss),
+            Output::RssLower | Output::RssUpper => combined(Stack::Rss),
             _ => (None, None),
         });
         quantities.collect()
@@ -303,8 +333,8 @@ impl Plan {
             Output::Error(source) => column_name(self.sources[*source].law.kind()),
             Output::RangeLower => "range_lower_mm".to_owned(),
             Output::RangeUpper => "range_upper_mm".to_owned(),
-            Output::WorstCase => "worst_case_mm".to_owned(),
-            Output::Rss => "rss_mm".to_owned(),
+            Output::RssLower => "rss_lower_mm".to_owned(),
+            Output::RssUpper => "rss_upper_mm".to_owned(),
             Output::Standard(of) => standard_name(&self.name_of(*of)),
             Output::Expanded(of) => expanded_name(&self.name_of(*of)),
             Output::Linear => "linear".to_owned(),
@@ -334,6 +364,18 @@ impl Plan {
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    /// The place of an error among the sources.
+    pub(super) fn source_of(&self, kind: ErrorKind) -> Option<usize> {
+        self.sources.iter().position(|source| source.law.kind() == kind)
+    }
+
+    /// What the bound of a part with these errors rests on.
+    #[must_use]
+    pub fn bound_notes(&self) -> Vec<Note> {
+        let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
+        self.basis.bound(&errors).notes
     }
 
     /// The errors that are read.

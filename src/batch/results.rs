@@ -6,17 +6,23 @@ use super::plan::Plan;
 use super::uncertain::RowUncertainty;
 use crate::decision::rule::{Ends, verdict};
 use crate::decision::uncertainty::{Spread, Spreads};
-use crate::decision::{Combined, LimitTarget, Term, Verdict, overall};
+use crate::decision::{Interval, LimitTarget, Stack, Verdict, overall};
 use crate::deviation::{ErrorKind, ErrorValue};
+use crate::judge::bound::ExtendedError;
 use crate::quantity::{DomainError, Length, QuantityError};
+use crate::trig;
 
 pub(super) const KINDS: usize = ErrorKind::ALL.len();
 
 /// The results of one part.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Results {
+    /// ΔCD of each source.
     pub(super) each: [Length; KINDS],
-    combined: Combined,
+    /// What each source can do alone, where that is held against a limit.
+    alone: [Option<Interval>; KINDS],
+    range: Option<Interval>,
+    rss: Option<Interval>,
 }
 
 /// Why a part has no results: the source whose ΔCD has none, or the combination, and what is wrong.
@@ -30,24 +36,49 @@ pub(super) struct NoResults {
 pub(super) struct Margin {
     pub(super) inside_by: Length,
     pub(super) on: Option<LimitTarget>,
-    pub(super) result: (Length, Length),
+    pub(super) result: Interval,
+}
+
+/// The value of an error as the bound takes it, mm or rad.
+#[inline]
+fn plain_value(value: ErrorValue) -> f64 {
+    match value {
+        ErrorValue::Length(length) => length.mm(),
+        ErrorValue::Angle(angle) => angle.radians(),
+        ErrorValue::Slope(slope) => trig::atan(slope),
+    }
 }
 
 impl Results {
-    /// The results of the deviations, one per source of the plan.
+    /// The results of the deviations, one per source of the plan. What has no bound is left out.
     #[inline]
     pub(super) fn new(plan: &Plan, deviations: &[ErrorValue; KINDS]) -> Result<Self, NoResults> {
-        let nothing = Term { kind: ErrorKind::RackOverRoller, delta_cd: Length::ZERO, is_tolerance: false };
-        let mut terms = [nothing; KINDS];
-        let mut each = [Length::ZERO; KINDS];
+        let of_source = |index, problem| NoResults { source: Some(index), problem: Box::new(problem) };
+        let mut errors = [ExtendedError::NONE; KINDS];
+        let mut results = Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None };
         for (index, source) in plan.sources.iter().enumerate() {
             let delta_cd = source.law.delta_cd(deviations[index], plan.model);
-            each[index] = delta_cd.map_err(|problem| NoResults { source: Some(index), problem: Box::new(problem) })?;
-            terms[index] = Term { kind: source.law.kind(), delta_cd: each[index], is_tolerance: false };
+            results.each[index] = delta_cd.map_err(|problem| of_source(index, problem))?;
+            errors[index] = source.extended.with_value(plain_value(deviations[index]));
+            if source.is_limited {
+                let alone = plan.basis.alone(&errors[index]).ok();
+                let alone = alone.map(|alone| Interval::nearest(alone.alone())).transpose();
+                results.alone[index] = alone.map_err(|problem| of_source(index, problem.into()))?;
+            }
         }
-        let combined = Combined::of(&terms[..plan.sources.len()]);
-        let combined = combined.map_err(|problem| NoResults { source: None, problem: Box::new(problem.into()) })?;
-        Ok(Self { each, combined })
+        let errors = &errors[..plan.sources.len()];
+        let of = |stack: Stack| {
+            let ends = stack.ends(errors, &plan.basis).ok();
+            let ends = ends.map(Interval::nearest).transpose();
+            ends.map_err(|problem| NoResults { source: None, problem: Box::new(problem.into()) })
+        };
+        if plan.needs_range {
+            results.range = of(Stack::Range)?;
+        }
+        if plan.needs_rss {
+            results.rss = of(Stack::Rss)?;
+        }
+        Ok(results)
     }
 
     /// The verdict on the part; `None` if a limit could not be judged.
@@ -57,41 +88,32 @@ impl Results {
         plan: &Plan,
         uncertainty: Option<&RowUncertainty>,
     ) -> Result<Option<Verdict>, QuantityError> {
-        let mut verdicts = [Verdict::Pass; 1 + KINDS];
+        let mut verdicts = [None; 1 + KINDS];
         for (index, (on, limit)) in plan.limits.iter().enumerate() {
+            let Some(result) = self.judged(plan, *on) else { continue };
             let standard = uncertainty.map_or((0.0, 0.0), |known| {
-                let (lower, upper) = ends(&known.spreads, self.judged(plan, *on).1);
-                (lower.standard_mm, upper.standard_mm)
+                let ends = ends(plan, &known.spreads, *on, result);
+                (ends.lower_standard_mm, ends.upper_standard_mm)
             });
             let simulated = uncertainty.and_then(|known| known.inside(index));
-            verdicts[index] =
-                verdict(&plan.request.rule, limit, self.judged(plan, *on).0, standard, simulated)?.verdict;
+            verdicts[index] = Some(verdict(&plan.request.rule, limit, result, standard, simulated)?.verdict);
         }
-        let judged = verdicts[..plan.limits.len()].iter().copied().map(Some);
+        let judged = verdicts[..plan.limits.len()].iter().copied();
         Ok(overall(judged.chain(plan.unjudged.iter().map(|_| None))))
     }
 
-    /// The probability that the limit with that index is met, by the linear uncertainties.
-    pub(super) fn conformance(&self, plan: &Plan, spreads: &Spreads, limit: usize) -> f64 {
+    /// The probability that the limit with that index is met, by the linear uncertainties; `None` without a result.
+    pub(super) fn conformance(&self, plan: &Plan, spreads: &Spreads, limit: usize) -> Option<f64> {
         let (on, limit) = &plan.limits[limit];
-        let ((lower, upper), of) = self.judged(plan, *on);
-        let (at_lower, at_upper) = ends(spreads, of);
-        let ends = Ends {
-            lower_mm: lower.mm(),
-            upper_mm: upper.mm(),
-            lower_standard_mm: at_lower.standard_mm,
-            upper_standard_mm: at_upper.standard_mm,
-            correlation: if of.is_some() { 1.0 } else { spreads.end_correlation },
-        };
-        ends.conformance(limit)
+        Some(ends(plan, spreads, *on, self.judged(plan, *on)?).conformance(limit))
     }
 
     /// How far the part is inside the nearest limit; without limits, how far its largest result is from 0.
     pub(super) fn margin(&self, plan: &Plan) -> Margin {
         let of_limits = plan.limits.iter().filter_map(|(on, limit)| {
-            let (result, _) = self.judged(plan, *on);
-            let above = limit.upper.map(|end| end - result.1);
-            let below = limit.lower.map(|end| result.0 - end);
+            let result = self.judged(plan, *on)?;
+            let above = limit.upper.map(|end| end - result.upper);
+            let below = limit.lower.map(|end| result.lower - end);
             let inside_by = above.into_iter().chain(below).min()?;
             Some(Margin { inside_by, on: Some(*on), result })
         });
@@ -99,44 +121,51 @@ impl Results {
         of_limits
             .reduce(|nearest, other| if other.inside_by < nearest.inside_by { other } else { nearest })
             .unwrap_or_else(|| {
-                let results = plan.quantities().map(|output| self.of(output));
+                let results = plan.quantities().filter_map(|output| self.of(output));
                 let largest = results.max_by_key(|value| value.abs()).unwrap_or(Length::ZERO);
-                Margin { inside_by: -largest.abs(), on: None, result: (largest, largest) }
+                Margin { inside_by: -largest.abs(), on: None, result: Interval::value(largest) }
             })
     }
 
-    /// The result of an output that is a length.
+    /// The result of an output that is a length; `None` if there is none.
     #[inline]
-    pub(super) fn of(&self, output: &Output) -> Length {
+    pub(super) fn of(&self, output: &Output) -> Option<Length> {
         match output {
-            Output::Error(source) => self.each[*source],
-            Output::RangeLower => self.combined.range_lower,
-            Output::RangeUpper => self.combined.range_upper,
-            Output::WorstCase => self.combined.worst_case,
-            Output::Rss => self.combined.rss,
-            _ => Length::ZERO,
+            Output::Error(source) => Some(self.each[*source]),
+            Output::RangeLower => Some(self.range?.lower),
+            Output::RangeUpper => Some(self.range?.upper),
+            Output::RssLower => Some(self.rss?.lower),
+            Output::RssUpper => Some(self.rss?.upper),
+            _ => None,
         }
     }
 
-    /// The lower and upper end that are held against a limit, and the source that they are of, if it is one.
+    /// What is held against a limit.
     #[inline]
-    fn judged(&self, plan: &Plan, on: LimitTarget) -> ((Length, Length), Option<usize>) {
+    fn judged(&self, plan: &Plan, on: LimitTarget) -> Option<Interval> {
         match on {
-            LimitTarget::CenterDistance => (self.combined.interval(plan.stack), None),
-            LimitTarget::Error(kind) => {
-                let source = plan.sources.iter().position(|source| source.law.kind() == kind);
-                let value = source.map_or(Length::ZERO, |source| self.each[source]);
-                ((value, value), source)
-            }
+            LimitTarget::CenterDistance if plan.stack == Stack::Rss => self.rss,
+            LimitTarget::CenterDistance => self.range,
+            LimitTarget::Error(kind) => self.alone[plan.source_of(kind)?],
         }
     }
 }
 
-/// The uncertainties of the lower and the upper end of a source, or of the combination.
-fn ends(spreads: &Spreads, source: Option<usize>) -> (&Spread, &Spread) {
+/// A result with its uncertainty.
+fn ends(plan: &Plan, spreads: &Spreads, on: LimitTarget, result: Interval) -> Ends {
+    let source = match on {
+        LimitTarget::CenterDistance => None,
+        LimitTarget::Error(kind) => plan.source_of(kind),
+    };
     match source {
-        Some(source) => (&spreads.errors[source], &spreads.errors[source]),
-        None => (&spreads.lower, &spreads.upper),
+        Some(source) => spreads.weights[source].ends(result, spreads.errors[source].standard_mm),
+        None => Ends {
+            lower_mm: result.lower.mm(),
+            upper_mm: result.upper.mm(),
+            lower_standard_mm: spreads.lower.standard_mm,
+            upper_standard_mm: spreads.upper.standard_mm,
+            correlation: spreads.end_correlation,
+        },
     }
 }
 

@@ -29,9 +29,13 @@ impl Evaluator<'_> {
                     self.out.room(40 * plan.outputs.len() + plan.names_length);
                 }
                 output if output.is_uncertain() => self.write_uncertain(output, results, uncertainty),
-                output => match plan.decimals {
-                    Decimals::Places(places) => Places::new(places).write(&mut self.out, results.of(output)),
-                    Decimals::Full => self.out.extend(crate::report::plain(results.of(output).mm()).as_bytes()),
+                output => match (results.of(output), plan.decimals) {
+                    (Some(result), Decimals::Places(places)) => Places::new(places).write(&mut self.out, result),
+                    (Some(result), Decimals::Full) => {
+                        self.out.extend(crate::report::plain(result.mm()).as_bytes());
+                    }
+                    (None, _) if plan.format == RowFormat::JsonLines => self.out.extend(b"null"),
+                    (None, _) => {}
                 },
             }
         }
@@ -49,9 +53,9 @@ impl Evaluator<'_> {
                     let spread = spread_of(&known.spreads, *of);
                     number(spread.coverage_factor * spread.standard_mm)
                 }
-                Output::Conformance(limit) => number(
-                    known.inside(*limit).unwrap_or_else(|| results.conformance(self.plan, &known.spreads, *limit)),
-                ),
+                Output::Conformance(limit) => {
+                    number(known.inside(*limit).or_else(|| results.conformance(self.plan, &known.spreads, *limit))?)
+                }
                 Output::Simulated(of, statistic) => number(statistic.of(known.simulation_of(*of)?)),
                 Output::Validated => known.validated?.to_string(),
                 _ => (!known.spreads.upper.folded).to_string(),

@@ -12,6 +12,7 @@ use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartError;
 use crate::formula::over_pin::OverPin;
+use crate::judge::bound::Basis;
 use crate::spec::{Reading, Spec};
 
 /// What is known of the uncertainty of a part's results.
@@ -32,6 +33,7 @@ pub(super) struct Uncertain {
     monte_carlo: Option<Settings>,
     /// The model and the combination.
     request: Request,
+    basis: Basis,
 }
 
 impl RowUncertainty {
@@ -54,7 +56,7 @@ impl RowUncertainty {
 
 impl Uncertain {
     /// What is uncertain about parts of which these errors are read.
-    pub(super) fn new(spec: &Spec, sources: &[Source], request: &Request) -> Result<Self, Diagnostics> {
+    pub(super) fn new(spec: &Spec, sources: &[Source], request: &Request, basis: &Basis) -> Result<Self, Diagnostics> {
         let kinds: Vec<_> = sources.iter().map(|source| source.law.kind()).collect();
         let over_pin = spec.over_pin().filter(|over_pin| {
             // another nominal value may stand in the way
@@ -67,14 +69,17 @@ impl Uncertain {
             })
         });
         let uncertainties = spec.uncertainties_of(&kinds)?;
-        let errors: Vec<_> =
-            sources.iter().map(|source| PartError::new(source.law, ErrorValue::zero(source.law.kind()))).collect();
-        let part = Part { errors: &errors, over_pin: over_pin.as_ref(), model: request.model, stack: request.stack };
+        let zero = |source: &Source| {
+            PartError::new(source.law, ErrorValue::zero(source.law.kind())).with_extent(source.extended.extent())
+        };
+        let errors: Vec<_> = sources.iter().map(zero).collect();
+        let part =
+            Part { errors: &errors, over_pin: over_pin.as_ref(), model: request.model, stack: request.stack, basis };
         let propagator = Propagator::new(&part, uncertainties)
             .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
         // every part has a core of its own
         let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
-        Ok(Self { propagator, over_pin, monte_carlo, request: request.clone() })
+        Ok(Self { propagator, over_pin, monte_carlo, request: request.clone(), basis: basis.clone() })
     }
 
     /// The uncertainties of one part.
@@ -93,13 +98,16 @@ impl Uncertain {
         let Some(settings) = &self.monte_carlo else {
             return Ok(RowUncertainty { spreads, simulation: None, validated: None });
         };
-        let errors: Vec<_> =
-            sources.iter().zip(deviations).map(|(source, value)| PartError::new(source.law, *value)).collect();
+        let error = |(source, value): (&Source, &ErrorValue)| {
+            PartError::new(source.law, *value).with_extent(source.extended.extent())
+        };
+        let errors: Vec<_> = sources.iter().zip(deviations).map(error).collect();
         let part = Part {
             errors: &errors,
             over_pin: self.over_pin.as_ref(),
             model: self.request.model,
             stack: self.request.stack,
+            basis: &self.basis,
         };
         let simulation = simulate_part(&part, self.propagator.uncertainties(), limits, settings)?;
         let propagation = self.propagator.propagation(&errors)?;

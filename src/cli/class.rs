@@ -4,11 +4,10 @@ use super::eval::ModelArg;
 use super::output::{Failure, Output, Status};
 use crate::decision::class::{self, DiameterSource, Meshing, RackDiameter};
 use crate::decision::class_mesh::{self, arrangement};
-use crate::decision::grade::{self, GradeSearch};
-use crate::decision::{Term, grade::Obtained};
+use crate::decision::grade::{self, GradeSearch, Obtained};
 use crate::deviation::{ErrorKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::{Model, domain};
+use crate::formula::{Model, PartError, domain};
 use crate::gear::Pair;
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
@@ -321,7 +320,6 @@ impl Args {
                 Part::Pinion => vec![ErrorKind::PinionRadial, ErrorKind::PinionPitch],
             },
         };
-        let model: Model = self.model.into();
         let mut sized = Vec::new();
         for part in [Part::Rack, Part::Pinion] {
             if kinds.iter().any(|kind| class::part_of(*kind) == part) {
@@ -329,18 +327,18 @@ impl Args {
             }
         }
         let of = |kind: ErrorKind| sized.iter().find(|sized| sized.part == class::part_of(kind));
-        let term = |kind: ErrorKind, grade: u8| -> Result<Term, StandardOrEffect> {
+        let tolerance = |kind: ErrorKind, grade: u8| -> Result<PartError, StandardOrEffect> {
             let deviation = class::deviation_of(kind);
             let missing = || StandardError::NoSuchDeviation { standard, deviation };
             let (limiting, sized) = standard.that_limits(deviation).zip(of(kind)).ok_or_else(missing)?;
             let permissible = limiting.permissible(deviation, grade, &sized.wheel)?;
-            let delta_cd = class::delta_cd(deviation, permissible.length(), &sized.meshing, model)?;
-            Ok(Term { kind, delta_cd, is_tolerance: true })
+            Ok(class::tolerance(kind, &permissible, &sized.meshing)?)
         };
         let mut fatal: Option<StandardOrEffect> = None;
-        let search = GradeSearch::new(standard, limit, |grade| {
-            let terms: Result<Vec<_>, _> = kinds.iter().map(|kind| term(*kind, grade)).collect();
-            terms.map_err(|error| {
+        let basis = spec.map(Spec::basis).transpose()?.unwrap_or_default();
+        let search = GradeSearch::new(standard, limit, &basis, |grade| {
+            let tolerances: Result<Vec<_>, _> = kinds.iter().map(|kind| tolerance(*kind, grade)).collect();
+            tolerances.map_err(|error| {
                 let text = error.to_string();
                 if !error.is_of_grade() {
                     fatal.get_or_insert(error);

@@ -6,6 +6,7 @@ use crate::decision::uncertainty::{self, Part, Propagation, Uncertainties, Uncer
 use crate::decision::{Evaluation, Limits, Rule};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::PartError;
+use crate::judge::bound::Basis;
 use crate::report::UncertaintyPart;
 use crate::spec::Spec;
 
@@ -74,10 +75,16 @@ impl DecisionArgs {
         &self,
         spec: &Spec,
         errors: &[PartError],
+        basis: &Basis,
         evaluation: &mut Evaluation,
     ) -> Result<Option<UncertaintyPart>, Failure> {
+        if evaluation.combined.interval(evaluation.stack).is_err() {
+            // what is open has no uncertainty
+            return Ok(None);
+        }
         let over_pin = spec.over_pin();
-        let part = Part { errors, over_pin: over_pin.as_ref(), model: evaluation.model, stack: evaluation.stack };
+        let part =
+            Part { errors, over_pin: over_pin.as_ref(), model: evaluation.model, stack: evaluation.stack, basis };
         let known = self.known(&part, spec, &spec.limits())?;
         let rule = self.rule(spec);
         if known.is_some() || rule != Rule::Simple {

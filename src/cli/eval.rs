@@ -8,6 +8,7 @@ use super::output::{Failure, Output, Status};
 use crate::decision::{self, Evaluation, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
+use crate::judge::bound::Basis;
 use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
 use crate::spec::Spec;
 
@@ -44,12 +45,11 @@ pub(super) struct Args {
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
 pub(super) enum StackArg {
-    /// What these errors can do at some point of the stroke.
+    /// The worst case: what these errors can do wherever on the teeth they are.
     #[default]
+    #[value(alias = "worst")]
     Range,
-    /// The sum of magnitudes, either way.
-    Worst,
-    /// The root of the sum of squares, either way.
+    /// Mean ± 3 standard deviations; no bound.
     Rss,
 }
 
@@ -66,7 +66,6 @@ impl From<StackArg> for Stack {
     fn from(stack: StackArg) -> Self {
         match stack {
             StackArg::Range => Self::Range,
-            StackArg::Worst => Self::WorstCase,
             StackArg::Rss => Self::Rss,
         }
     }
@@ -90,13 +89,14 @@ impl Args {
             })?,
         };
         let spec = super::read_spec(&path)?;
-        let (evaluation, uncertainty) = judged(&spec, &self.decision, self.model.into(), self.stack.into())?;
-        for target in evaluation.unjudged() {
+        let basis = spec.basis()?;
+        let (evaluation, uncertainty) = judged(&spec, &basis, &self.decision, self.model.into(), self.stack.into())?;
+        for target in evaluation.not_given() {
             output.diagnostic(&unjudged(&spec, target));
         }
-        let rack_is_helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
+        let missing = spec.missing_geometry();
         let mut report =
-            EvaluationReport::new(spec.title.as_deref(), &evaluation, rack_is_helical).with_classes(spec.classes()?);
+            EvaluationReport::new(spec.title.as_deref(), &evaluation, &missing).with_classes(spec.classes()?);
         report.rule = self.decision.rule(&spec);
         report.uncertainty = uncertainty;
         if self.mesh {
@@ -107,17 +107,19 @@ impl Args {
     }
 }
 
-/// Evaluates the spec's errors and decides by its rule, with what is known of their uncertainty.
+/// Evaluates the spec's errors by what is known of the pair and decides by its rule, with what is known of their
+/// uncertainty.
 pub(super) fn judged(
     spec: &Spec,
+    basis: &Basis,
     decision: &DecisionArgs,
     model: Model,
     stack: Stack,
 ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
     let errors = spec.part_errors()?;
-    let mut evaluation =
-        decision::evaluate(&errors, &spec.limits(), model, stack).map_err(|failure| spec.explain_failure(&failure))?;
-    let uncertainty = decision.judge(spec, &errors, &mut evaluation)?;
+    let mut evaluation = decision::evaluate(&errors, &spec.limits(), model, stack, basis)
+        .map_err(|failure| spec.explain_failure(&failure))?;
+    let uncertainty = decision.judge(spec, &errors, basis, &mut evaluation)?;
     Ok((evaluation, uncertainty))
 }
 

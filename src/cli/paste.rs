@@ -12,6 +12,7 @@ use crate::decision::uncertainty::Source as Uncertain;
 use crate::decision::{Evaluation, LimitTarget, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::judge::bound::Basis;
 use crate::report::{
     EvaluationReport, Format, MeshReport, PartRow, PartsReport, Report, SpacesReport, Together, UncertaintyPart,
     WithReading,
@@ -136,14 +137,15 @@ impl Args {
         }
     }
 
-    fn evaluate(&self, read: &Read, errors: &[(ErrorKind, ErrorValue)]) -> Result<Judged, Failure> {
+    fn evaluate(&self, read: &Read, basis: &Basis, errors: &[(ErrorKind, ErrorValue)]) -> Result<Judged, Failure> {
         let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
         let of_every_part = read.spec.errors_of_every_part(&in_table)?;
         let all = errors.iter().copied().chain(of_every_part.iter().map(|error| (error.kind(), error.value())));
         let mut all: Vec<_> = all.collect();
         all.sort_by_key(|(kind, _)| *kind);
         let spec = read.spec.with_errors(&all);
-        let (mut evaluation, uncertainty) = eval::judged(&spec, &self.decision, self.model.into(), self.stack.into())?;
+        let (mut evaluation, uncertainty) =
+            eval::judged(&spec, basis, &self.decision, self.model.into(), self.stack.into())?;
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
             evaluation.leave_open(LimitTarget::CenterDistance);
         }
@@ -182,14 +184,14 @@ impl Args {
             output.diagnostic(&eval::unjudged(&read.spec, target));
         }
         let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| status.severity());
-        let helical = read.spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
+        let missing = read.spec.missing_geometry();
         let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
         match rows.as_mut_slice() {
             [PartRow { evaluation: Some(evaluation), name, uncertainty, .. }] => {
                 let title =
                     read.reading.columns.iter().any(|column| column.role == "part_id").then(|| format!("part {name}"));
                 let title = title.as_deref().or(read.spec.title.as_deref());
-                let mut report = EvaluationReport::new(title, evaluation, helical);
+                let mut report = EvaluationReport::new(title, evaluation, &missing);
                 report.rule = self.decision.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
                 report.without.clone_from(&without);
@@ -228,6 +230,7 @@ impl Args {
         let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
         let unreadable =
             |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
+        let basis = read.spec.basis()?;
         let mut rows: Vec<PartRow> = Vec::new();
         for block in table.blocks().map_err(unreadable)? {
             if let Some(contradiction) = &block.contradiction {
@@ -251,7 +254,7 @@ impl Args {
                 }
                 let errors: Vec<_> =
                     kinds.iter().enumerate().map(|(column, kind)| (*kind, block.values(column)[index])).collect();
-                let judged = if faults.is_empty() { Some(self.evaluate(read, &errors)?) } else { None };
+                let judged = if faults.is_empty() { Some(self.evaluate(read, &basis, &errors)?) } else { None };
                 let (evaluation, uncertainty) =
                     judged.map_or((None, None), |judged| (Some(judged.evaluation), judged.uncertainty));
                 let part = block.name(index).filter(|name| !name.is_empty()).map(std::borrow::Cow::into_owned);
@@ -365,7 +368,7 @@ fn part_status(evaluation: Option<&Evaluation>) -> Status {
 
 fn unjudged(rows: &[PartRow]) -> Vec<LimitTarget> {
     let mut targets = Vec::new();
-    for target in rows.iter().filter_map(|row| row.evaluation.as_ref()).flat_map(Evaluation::unjudged) {
+    for target in rows.iter().filter_map(|row| row.evaluation.as_ref()).flat_map(Evaluation::not_given) {
         if !targets.contains(&target) {
             targets.push(target);
         }

@@ -107,12 +107,13 @@ impl Args {
 
     /// The part of `[errors]`.
     fn evaluation(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
-        let (evaluation, uncertainty) = eval::judged(spec, &self.decision, self.model.into(), self.stack.into())?;
-        for target in evaluation.unjudged() {
+        let (evaluation, uncertainty) =
+            eval::judged(spec, &spec.basis()?, &self.decision, self.model.into(), self.stack.into())?;
+        for target in evaluation.not_given() {
             output.diagnostic(&eval::unjudged(spec, target));
         }
-        let helical = spec.rack.helix_angle.as_ref().is_some_and(|angle| !angle.value.is_zero());
-        let mut report = EvaluationReport::new(None, &evaluation, helical).with_classes(spec.classes()?);
+        let missing = spec.missing_geometry();
+        let mut report = EvaluationReport::new(None, &evaluation, &missing).with_classes(spec.classes()?);
         report.rule = self.decision.rule(spec);
         report.uncertainty = uncertainty;
         let blocks = without_verdict(report.blocks(), page, "this part");
@@ -315,8 +316,8 @@ impl Args {
         let model: crate::formula::Model = self.model.into();
         let notes = [
             format!("Formulas: the {model} model. Lengths and angles are exact decimals; a result is rounded once, and one that equals a limit is inside it."),
-            format!("Verdicts judge the {stack}. The range is what the errors can do at some point of the stroke: over-roller and radial errors act always, with their sign; pitch and lead errors between 0 and their value."),
-            "The worst case is the sum of magnitudes and RSS the root of the sum of squares, both to either side.".to_owned(),
+            format!("Verdicts judge the {stack}. The worst case is a bound: wherever on the teeth that their extents allow the errors are, the exact mesh of the same errors stays inside it."),
+            "The statistical sum (RSS) is no bound: mean ± 3 standard deviations, errors independent, tolerances normal with 3 standard deviations.".to_owned(),
             "The exact mesh is free of backlash, of rigid teeth, minimised over the pinion's rotation; the curve is exact to 1e-6 mm between its points.".to_owned(),
         ];
         Section { heading: "Assumptions".to_owned(), blocks: notes.map(Block::Note).into(), ..Section::default() }
@@ -339,12 +340,11 @@ fn no_table() -> Diagnostic {
     Diagnostic::error(Code::BadTable, "there is no table that can be read")
 }
 
-/// The result that is judged: the name of its upper and, for a range, of its lower end.
-fn judged_names(stack: Stack) -> (&'static str, Option<&'static str>) {
+/// The result that is judged: the names of its upper and its lower end.
+fn judged_names(stack: Stack) -> (&'static str, &'static str) {
     match stack {
-        Stack::Range => ("range_upper_mm", Some("range_lower_mm")),
-        Stack::WorstCase => ("worst_case_mm", None),
-        Stack::Rss => ("rss_mm", None),
+        Stack::Range => ("range_upper_mm", "range_lower_mm"),
+        Stack::Rss => ("rss_upper_mm", "rss_lower_mm"),
     }
 }
 
@@ -408,8 +408,7 @@ impl RunChart {
         if self.header.is_none() {
             let header: Vec<String> = record.iter().map(str::to_owned).collect();
             let find = |name: &str| header.iter().position(|column| column == name);
-            let names =
-                [("range_lower_mm", "range_upper_mm"), ("worst_case_mm", "worst_case_mm"), ("rss_mm", "rss_mm")];
+            let names = [("range_lower_mm", "range_upper_mm"), ("rss_lower_mm", "rss_upper_mm")];
             self.stack = names.iter().find_map(|(low, high)| Some((find(low)?, find(high)?)));
             self.header = Some(header);
             return;

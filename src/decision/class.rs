@@ -6,7 +6,7 @@
 
 use crate::deviation::{ErrorKind, ErrorValue, Part};
 use crate::formula::law::lead_slope;
-use crate::formula::{Law, Model};
+use crate::formula::{Law, Model, PartError};
 use crate::quantity::{Angle, DomainError, Length};
 use crate::standard::{Deviation, Permissible};
 use crate::trig;
@@ -197,6 +197,26 @@ pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: 
             Err(NoEffect::NoFormula)
         }
     }
+}
+
+/// The tolerance that a permissible deviation is of a kind of error: on each tooth any from minus to plus it.
+///
+/// # Errors
+/// [`NoEffect`] if something that the law needs is missing or outside its domain.
+pub fn tolerance(kind: ErrorKind, permissible: &Permissible, meshing: &Meshing) -> Result<PartError, NoEffect> {
+    let helix_angle = meshing.helix_angle.unwrap_or(Angle::ZERO);
+    let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
+    let law = match kind {
+        ErrorKind::RackOverRoller => Law::rack_over_roller(),
+        ErrorKind::PinionRadial => Law::pinion_radial(),
+        ErrorKind::RackPitch => Law::rack_pitch(pressure_angle()?, helix_angle)?,
+        ErrorKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, helix_angle)?,
+        ErrorKind::RackLead => {
+            let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
+            Law::rack_lead(pressure_angle()?, helix_angle, face_width)?
+        }
+    };
+    Ok(PartError::within(law, error_value(kind, permissible, meshing.face_width)?))
 }
 
 /// The error that a permissible deviation stands for.

@@ -5,9 +5,10 @@ use thiserror::Error;
 
 use super::rule::{Decision, Rule, decide};
 use super::uncertainty::Propagation;
-use super::{Combined, Limit, LimitTarget, Limits, Stack, Term, Verdict};
-use crate::deviation::{ErrorKind, ErrorValue};
+use super::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdict};
+use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::formula::{Model, PartError};
+use crate::judge::bound::{Basis, ErrorRange, Note, Open};
 use crate::quantity::{DomainError, Length, QuantityError};
 
 /// What one error contributes.
@@ -17,23 +18,23 @@ pub struct Contribution {
     pub kind: ErrorKind,
     /// The error's value.
     pub value: ErrorValue,
-    /// Its ΔCD by the exact model.
+    /// On which teeth it is.
+    pub extent: Extent,
+    /// Its ΔCD by the exact formula.
     pub exact: Length,
     /// Its ΔCD by the paper's formula.
     pub paper: Length,
-    /// Its share of the worst case, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
+    /// What it can do alone, wherever it is.
+    pub range: Result<Interval, Open>,
+    /// How many of its steps add up at most, of a pitch on many teeth.
+    pub in_contact: Option<u32>,
+    /// Its share of the sum of magnitudes, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
     pub share: Option<f64>,
     /// Whether the value is a permissible deviation, whose sign is not known, in place of a measured one.
     pub is_tolerance: bool,
 }
 
 impl Contribution {
-    /// The term that it is in a combination.
-    #[must_use]
-    pub fn term(&self, model: Model) -> Term {
-        Term { kind: self.kind, delta_cd: self.delta_cd(model), is_tolerance: self.is_tolerance }
-    }
-
     /// ΔCD by `model`.
     #[must_use]
     pub fn delta_cd(&self, model: Model) -> Length {
@@ -48,6 +49,23 @@ impl Contribution {
     pub fn models_differ(&self) -> bool {
         self.exact != self.paper
     }
+
+    /// Its extent in words, with how many steps add up.
+    #[must_use]
+    pub fn extent_in_words(&self) -> String {
+        self.extent.words(self.kind.unit(), self.in_contact)
+    }
+}
+
+/// Why there is nothing to hold against a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unjudged {
+    /// The limited error is not given.
+    NotGiven,
+    /// Errors that the spec asks for are not there.
+    Lacking,
+    /// There is no finite range.
+    Open(Open),
 }
 
 /// One limit, the interval of ΔCD held against it, and how that ended.
@@ -57,8 +75,8 @@ pub struct LimitCheck {
     pub on: LimitTarget,
     /// The limit.
     pub limit: Limit,
-    /// The result from its lowest to its highest value, `None` if the limited error is not given.
-    pub result: Option<(Length, Length)>,
+    /// The result from its lowest to its highest value.
+    pub result: Result<Interval, Unjudged>,
     /// The verdict, `None` if there is no result to judge.
     pub verdict: Option<Verdict>,
     /// How a decision rule came to it; `None` while the value alone decides and nothing is known of its uncertainty.
@@ -76,6 +94,8 @@ pub struct Evaluation {
     pub contributions: Vec<Contribution>,
     /// The combinations.
     pub combined: Combined,
+    /// What they rest on.
+    pub notes: Vec<Note>,
     /// One per limit.
     pub limits: Vec<LimitCheck>,
     /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else
@@ -85,8 +105,8 @@ pub struct Evaluation {
 
 impl Evaluation {
     /// The limits that could not be judged, because the error they are on is not given.
-    pub fn unjudged(&self) -> impl Iterator<Item = LimitTarget> + '_ {
-        self.limits.iter().filter(|check| check.verdict.is_none()).map(|check| check.on)
+    pub fn not_given(&self) -> impl Iterator<Item = LimitTarget> + '_ {
+        self.limits.iter().filter(|check| check.result == Err(Unjudged::NotGiven)).map(|check| check.on)
     }
 
     /// Judges every limit again by a decision rule, with the uncertainty of the results and, if they were simulated,
@@ -101,8 +121,8 @@ impl Evaluation {
         simulated: Option<&[f64]>,
     ) -> Result<(), QuantityError> {
         for (index, check) in self.limits.iter_mut().enumerate() {
-            let Some(result) = check.result else { continue };
-            let ends = propagation.and_then(|propagation| propagation.ends(check.on));
+            let Ok(result) = check.result else { continue };
+            let ends = propagation.and_then(|propagation| propagation.ends(check.on, result));
             let probability = simulated.and_then(|inside| inside.get(index)).copied().filter(|p| !p.is_nan());
             let decision = decide(rule, &check.limit, result, ends.as_ref(), probability)?;
             check.verdict = Some(decision.verdict);
@@ -115,6 +135,7 @@ impl Evaluation {
     /// Takes the verdict on a limit back: what it is on is not all there.
     pub fn leave_open(&mut self, on: LimitTarget) {
         for check in self.limits.iter_mut().filter(|check| check.on == on) {
+            check.result = Err(Unjudged::Lacking);
             (check.verdict, check.decision) = (None, None);
         }
         self.verdict = overall(self.limits.iter().map(|check| check.verdict));
@@ -138,8 +159,8 @@ pub struct EvaluationError {
     pub problem: Box<DomainError>,
 }
 
-/// Evaluates `errors` by `model`, combines them, and judges the combination picked by `stack`, and the
-/// ΔCD of single errors, against `limits`.
+/// Evaluates `errors` by `model`, combines them by what is known of the pair, and judges the combination picked by
+/// `stack`, and what single errors can do, against `limits`.
 ///
 /// # Errors
 /// [`EvaluationError`] if a ΔCD is outside its formula's domain, or a result overflows.
@@ -148,45 +169,51 @@ pub fn evaluate(
     limits: &Limits,
     model: Model,
     stack: Stack,
+    basis: &Basis,
 ) -> Result<Evaluation, EvaluationError> {
+    let of_sum = |problem: QuantityError| EvaluationError { error: None, problem: Box::new(problem.into()) };
+    let bound = basis.bound_of(errors);
     let mut contributions = Vec::with_capacity(errors.len());
-    for error in errors {
+    for (error, range) in errors.iter().zip(&bound.errors) {
         let of_error = |problem: DomainError| EvaluationError { error: Some(error.kind()), problem: Box::new(problem) };
-        let exact = error.delta_cd(Model::Exact).map_err(of_error)?;
-        let paper = error.delta_cd(Model::Paper).map_err(of_error)?;
         contributions.push(Contribution {
             kind: error.kind(),
             value: error.value(),
-            exact,
-            paper,
+            extent: error.extent(),
+            exact: error.delta_cd(Model::Exact).map_err(of_error)?,
+            paper: error.delta_cd(Model::Paper).map_err(of_error)?,
+            range: Interval::of(range.map(ErrorRange::alone)).map_err(|problem| of_error(problem.into()))?,
+            in_contact: range.ok().and_then(|range| range.in_contact),
             share: None,
             is_tolerance: error.is_tolerance(),
         });
     }
-    let terms: Vec<_> = contributions.iter().map(|contribution| contribution.term(model)).collect();
-    let combined =
-        Combined::of(&terms).map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
-    if !combined.worst_case.is_zero() {
+    let sum: f64 = contributions.iter().map(|contribution| contribution.delta_cd(model).abs().mm()).sum();
+    if sum > 0.0 {
         for contribution in &mut contributions {
-            let magnitude = contribution.delta_cd(model).abs();
-            contribution.share = Some(magnitude.mm() / combined.worst_case.mm());
+            contribution.share = Some(contribution.delta_cd(model).abs().mm() / sum);
         }
     }
+    let combined = Combined {
+        range: Interval::of(bound.total).map_err(of_sum)?,
+        rss: Interval::of(bound.statistical).map_err(of_sum)?,
+    };
     let limits: Vec<_> = limits
         .iter()
         .map(|(on, limit)| {
             let result = match on {
-                LimitTarget::CenterDistance => Some(combined.interval(stack)),
-                LimitTarget::Error(kind) => {
-                    contributions.iter().find(|c| c.kind == *kind).map(|c| c.term(model).interval())
-                }
+                LimitTarget::CenterDistance => combined.interval(stack).map_err(Unjudged::Open),
+                LimitTarget::Error(kind) => match contributions.iter().find(|one| one.kind == *kind) {
+                    Some(one) => one.range.map_err(Unjudged::Open),
+                    None => Err(Unjudged::NotGiven),
+                },
             };
-            let verdict = result.map(|(lower, upper)| limit.judge(lower, upper));
+            let verdict = result.ok().map(|result| limit.judge(result));
             LimitCheck { on: *on, limit: *limit, result, verdict, decision: None }
         })
         .collect();
     let verdict = overall(limits.iter().map(|check| check.verdict));
-    Ok(Evaluation { model, stack, contributions, combined, limits, verdict })
+    Ok(Evaluation { model, stack, contributions, combined, notes: bound.notes, limits, verdict })
 }
 
 /// Of the verdicts on all limits, `None` where one could not be judged: fail if any fails; open if there are none or one
@@ -227,8 +254,9 @@ mod tests {
             PartError::new(Law::pinion_pitch(angle("45"), angle("0")).unwrap(), length("0.03")),
             PartError::new(Law::rack_over_roller(), length("0.02")),
         ];
-        let verdict =
-            |limit: &str| evaluate(&errors, &center_distance(limit), Model::Exact, Stack::Range).unwrap().verdict;
+        let verdict = |limit: &str| {
+            evaluate(&errors, &center_distance(limit), Model::Exact, Stack::Range, &Basis::default()).unwrap().verdict
+        };
         assert_eq!(verdict("0.05"), Some(Verdict::Pass));
         assert_eq!(verdict("0.049999999999"), Some(Verdict::Fail));
     }
@@ -236,14 +264,28 @@ mod tests {
     #[test]
     fn the_stack_picks_what_is_judged() {
         let errors = [
-            PartError::new(Law::rack_over_roller(), length("0.03")),
-            PartError::new(Law::pinion_radial(), length("-0.04")),
+            PartError::within(Law::rack_over_roller(), length("0.03")),
+            PartError::within(Law::pinion_radial(), length("0.04")),
         ];
-        let verdict =
-            |stack| evaluate(&errors, &center_distance("0.05"), Model::Exact, stack).unwrap().verdict.unwrap();
-        assert_eq!(verdict(Stack::Range), Verdict::Pass);
+        let verdict = |stack| {
+            let limits = center_distance("0.05");
+            evaluate(&errors, &limits, Model::Exact, stack, &Basis::default()).unwrap().verdict.unwrap()
+        };
         assert_eq!(verdict(Stack::Rss), Verdict::Pass);
-        assert_eq!(verdict(Stack::WorstCase), Verdict::Fail);
+        assert_eq!(verdict(Stack::Range), Verdict::Fail);
+    }
+
+    #[test]
+    fn what_has_no_bound_is_open() {
+        let error = PartError::new(Law::rack_pitch(angle("20"), angle("0")).unwrap(), length("0.001"));
+        let limits = center_distance("0.05");
+        let with = |extent| {
+            let errors = [error.with_extent(extent)];
+            evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default()).unwrap()
+        };
+        assert_eq!(with(Extent::One).verdict, Some(Verdict::Pass));
+        let open = with(Extent::Each);
+        assert_eq!((open.verdict, open.limits[0].result), (None, Err(Unjudged::Open(Open::TeethInContactUnknown))));
     }
 
     #[test]
@@ -251,8 +293,8 @@ mod tests {
         let errors = [PartError::new(Law::rack_over_roller(), length("0.01"))];
         let mut limits = center_distance("0.05");
         limits.push((LimitTarget::Error(ErrorKind::RackLead), Limit::symmetric(length("0.01"))));
-        let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range).unwrap();
+        let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default()).unwrap();
         assert_eq!(evaluation.verdict, None);
-        assert_eq!(evaluation.unjudged().collect::<Vec<_>>(), [LimitTarget::Error(ErrorKind::RackLead)]);
+        assert_eq!(evaluation.not_given().collect::<Vec<_>>(), [LimitTarget::Error(ErrorKind::RackLead)]);
     }
 }

@@ -3,8 +3,10 @@
 //! `class --obtained` and `class --for-delta-cd` call it. It asks a standard for its permissible values grade by
 //! grade; it knows no formula of ΔCD itself.
 
-use super::{Combined, Term};
+use super::{Combined, Limit, Stack, Verdict};
 use crate::deviation::Part;
+use crate::formula::PartError;
+use crate::judge::bound::Basis;
 use crate::quantity::{Length, QuantityError};
 use crate::standard::{Deviation, Permissible, Standard, StandardError, Wheel};
 
@@ -84,19 +86,20 @@ pub struct GradeSearch {
 }
 
 impl GradeSearch {
-    /// Combines what `terms` gives for each grade of `standard`.
+    /// Combines the tolerances that `errors` gives for each grade of `standard`, of a pair of which this is known.
     ///
     /// # Errors
     /// [`QuantityError`] if a sum is beyond the range of `f64`.
     pub fn new(
         standard: Standard,
         limit: Length,
-        mut terms: impl FnMut(u8) -> Result<Vec<Term>, String>,
+        basis: &Basis,
+        mut errors: impl FnMut(u8) -> Result<Vec<PartError>, String>,
     ) -> Result<Self, QuantityError> {
         let mut steps = Vec::new();
         for grade in standard.grades() {
-            let combined = match terms(grade) {
-                Ok(terms) => Ok(Combined::of(&terms)?),
+            let combined = match errors(grade) {
+                Ok(errors) => Ok(Combined::of(&errors, basis)?),
                 Err(reason) => Err(reason),
             };
             steps.push(GradeStep { grade, combined });
@@ -107,18 +110,20 @@ impl GradeSearch {
     /// The coarsest grade whose worst case does not exceed the limit.
     #[must_use]
     pub fn by_worst_case(&self) -> Option<u8> {
-        self.coarsest(|combined| combined.worst_case)
+        self.coarsest(Stack::Range)
     }
 
     /// The coarsest grade whose RSS does not exceed the limit.
     #[must_use]
     pub fn by_rss(&self) -> Option<u8> {
-        self.coarsest(|combined| combined.rss)
+        self.coarsest(Stack::Rss)
     }
 
-    fn coarsest(&self, of: impl Fn(&Combined) -> Length) -> Option<u8> {
-        let within =
-            self.steps.iter().filter(|step| step.combined.as_ref().is_ok_and(|combined| of(combined) <= self.limit));
+    fn coarsest(&self, stack: Stack) -> Option<u8> {
+        let limit = Limit::symmetric(self.limit);
+        let is_within =
+            |combined: &Combined| combined.interval(stack).is_ok_and(|interval| limit.judge(interval) == Verdict::Pass);
+        let within = self.steps.iter().filter(|step| step.combined.as_ref().is_ok_and(is_within));
         within.map(|step| step.grade).max()
     }
 }
@@ -126,7 +131,7 @@ impl GradeSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deviation::ErrorKind;
+    use crate::formula::Law;
 
     fn wheel() -> Wheel {
         Wheel {
@@ -170,10 +175,10 @@ mod tests {
     fn the_coarsest_grade_within_a_limit() {
         let standard = Standard::Iso1328Part1Of2013;
         let search = |limit: &str| {
-            GradeSearch::new(standard, limit.parse().unwrap(), |grade| {
+            GradeSearch::new(standard, limit.parse().unwrap(), &Basis::default(), |grade| {
                 let value = standard.permissible(Deviation::SinglePitch, grade, &wheel()).map_err(|e| e.to_string())?;
-                let term = |kind| Term { kind, delta_cd: value.length(), is_tolerance: true };
-                Ok(vec![term(ErrorKind::RackOverRoller), term(ErrorKind::PinionRadial)])
+                let within = |law| PartError::within(law, value.length());
+                Ok(vec![within(Law::rack_over_roller()), within(Law::pinion_radial())])
             })
             .unwrap()
         };

@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use super::Interval;
 use crate::deviation::ErrorKind;
 use crate::quantity::Length;
 
@@ -77,11 +78,11 @@ impl Limit {
         Self { lower: Some(-magnitude.abs()), upper: Some(magnitude.abs()) }
     }
 
-    /// Whether every value from `lower` to `upper` is permitted.
+    /// Whether every value of a result is permitted.
     #[must_use]
-    pub fn judge(&self, lower: Length, upper: Length) -> Verdict {
-        let above = self.lower.is_none_or(|limit| limit <= lower);
-        let below = self.upper.is_none_or(|limit| upper <= limit);
+    pub fn judge(&self, result: Interval) -> Verdict {
+        let above = self.lower.is_none_or(|limit| limit <= result.lower);
+        let below = self.upper.is_none_or(|limit| result.upper <= limit);
         if above && below { Verdict::Pass } else { Verdict::Fail }
     }
 }
@@ -111,10 +112,10 @@ mod tests {
             let limit: Length = format!("0.{step:04}").parse().unwrap();
             let deviation = measured - nominal;
             for (lower, upper) in [(deviation, deviation), (-deviation, deviation)] {
-                assert_eq!(Limit::symmetric(limit).judge(lower, upper), Verdict::Pass, "{measured:?}");
+                assert_eq!(Limit::symmetric(limit).judge(Interval { lower, upper }), Verdict::Pass, "{measured:?}");
             }
             let beyond = deviation + Length::from_fm(1);
-            assert_eq!(Limit::symmetric(limit).judge(beyond, beyond), Verdict::Fail, "{measured:?}");
+            assert_eq!(Limit::symmetric(limit).judge(Interval::value(beyond)), Verdict::Fail, "{measured:?}");
         }
     }
 
@@ -130,8 +131,9 @@ mod tests {
     #[test]
     fn an_open_end_permits_everything() {
         let limit = Limit { lower: None, upper: Some("0.05".parse().unwrap()) };
-        assert_eq!(limit.judge("-9".parse().unwrap(), "0.05".parse().unwrap()), Verdict::Pass);
-        assert_eq!(limit.judge("-9".parse().unwrap(), "0.0500001".parse().unwrap()), Verdict::Fail);
+        let up_to = |upper: &str| Interval { lower: "-9".parse().unwrap(), upper: upper.parse().unwrap() };
+        assert_eq!(limit.judge(up_to("0.05")), Verdict::Pass);
+        assert_eq!(limit.judge(up_to("0.0500001")), Verdict::Fail);
     }
 
     #[test]

@@ -22,9 +22,9 @@ pub mod uncertainty;
 
 #[cfg(feature = "batch")]
 pub(crate) use evaluation::overall;
-pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, evaluate};
+pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, Unjudged, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
 pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};
 pub use prediction::{Predicted, Prediction};
 pub use rule::Rule;
-pub use stack::{Combined, Stack, Term};
+pub use stack::{Combined, Interval, Stack};

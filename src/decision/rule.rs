@@ -3,7 +3,7 @@
 //! Called after an evaluation with the uncertainty of its results; propagates nothing itself.
 
 use super::statistics::{bivariate_normal_cdf, normal_cdf};
-use super::{Limit, Verdict};
+use super::{Interval, Limit, Verdict};
 use crate::quantity::{Length, QuantityError};
 
 /// Guard band of ISO 14253-1 in standard uncertainties: 95 % one-sided, as the standard rounds it.
@@ -160,7 +160,7 @@ pub struct Decision {
 pub fn decide(
     rule: &Rule,
     limit: &Limit,
-    result: (Length, Length),
+    result: Interval,
     ends: Option<&Ends>,
     simulated: Option<f64>,
 ) -> Result<Decision, QuantityError> {
@@ -188,7 +188,7 @@ pub(crate) struct Judgement {
 pub(crate) fn verdict(
     rule: &Rule,
     limit: &Limit,
-    result: (Length, Length),
+    result: Interval,
     standard_mm: (f64, f64),
     simulated: Option<f64>,
 ) -> Result<Judgement, QuantityError> {
@@ -224,13 +224,13 @@ impl Rule {
 
 /// Holds a result, from its lower to its upper end, against a limit with guard bands: inside the limit moved inwards it
 /// passes, outside the limit moved outwards it fails.
-fn judge(limit: &Limit, result: (Length, Length), guard: Option<(Length, Length)>) -> Verdict {
-    let Some((at_lower, at_upper)) = guard else { return limit.judge(result.0, result.1) };
+fn judge(limit: &Limit, result: Interval, guard: Option<(Length, Length)>) -> Verdict {
+    let Some((at_lower, at_upper)) = guard else { return limit.judge(result) };
     let moved = |lower: Length, upper: Length| Limit {
         lower: limit.lower.map(|end| end + lower),
         upper: limit.upper.map(|end| end - upper),
     };
-    match (moved(at_lower, at_upper).judge(result.0, result.1), moved(-at_lower, -at_upper).judge(result.0, result.1)) {
+    match (moved(at_lower, at_upper).judge(result), moved(-at_lower, -at_upper).judge(result)) {
         (Verdict::Pass, _) => Verdict::Pass,
         (_, Verdict::Fail) => Verdict::Fail,
         _ => Verdict::Indeterminate,
@@ -248,7 +248,9 @@ mod tests {
     fn verdict(rule: &str, value: &str, u: f64) -> Verdict {
         let value = length(value);
         let limit = Limit::symmetric(length("0.05"));
-        decide(&rule.parse().unwrap(), &limit, (value, value), Some(&Ends::value(value.mm(), u)), None).unwrap().verdict
+        decide(&rule.parse().unwrap(), &limit, Interval::value(value), Some(&Ends::value(value.mm(), u)), None)
+            .unwrap()
+            .verdict
     }
 
     #[test]
@@ -309,7 +311,7 @@ mod tests {
     fn a_simulated_probability_decides_where_there_is_one() {
         let (value, limit) = (length("0.049"), Limit::symmetric(length("0.05")));
         for (probability, expected) in [(0.96, Verdict::Pass), (0.94, Verdict::Indeterminate), (0.04, Verdict::Fail)] {
-            let decision = decide(&Rule::Iso14253, &limit, (value, value), None, Some(probability)).unwrap();
+            let decision = decide(&Rule::Iso14253, &limit, Interval::value(value), None, Some(probability)).unwrap();
             assert_eq!(decision.verdict, expected);
             let conformance = decision.conformance.unwrap();
             assert!(conformance.simulated);

@@ -1,34 +1,45 @@
 #![doc = include_str!("stack.md")]
 //!
-//! Called by the evaluation; judges nothing.
+//! Called by the evaluation and by whoever judges many parts; judges nothing.
 
 use std::fmt;
 
-use crate::deviation::ErrorKind;
+use crate::formula::PartError;
+use crate::judge::bound::{Basis, ExtendedError, Open, Range};
 use crate::quantity::{Length, QuantityError};
 
 /// How errors are combined to the result that is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Stack {
-    /// What these measured errors can do at some point of the stroke: over-roller and radial errors
-    /// always act, with their sign; pitch and lead errors add between 0 and their value.
+    /// The worst case: no placement of these errors on the teeth leaves it.
     #[default]
     Range,
-    /// The sum of magnitudes, to either side.
-    WorstCase,
-    /// The root of the sum of squares, to either side.
+    /// Statistical: all but a few of many such parts, at any one stroke.
     Rss,
 }
 
 impl Stack {
-    /// `range`, `worst` or `rss`.
+    /// Every one.
+    pub const ALL: [Self; 2] = [Self::Range, Self::Rss];
+
+    /// `range` or `rss`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Range => "range",
-            Self::WorstCase => "worst",
             Self::Rss => "rss",
+        }
+    }
+
+    /// Both ends of the combination, mm.
+    ///
+    /// # Errors
+    /// [`Open`] if there is none.
+    pub fn ends(self, errors: &[ExtendedError], basis: &Basis) -> Result<Range, Open> {
+        match self {
+            Self::Range => basis.total(errors),
+            Self::Rss => basis.statistical(errors),
         }
     }
 }
@@ -36,167 +47,152 @@ impl Stack {
 impl fmt::Display for Stack {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Range => "range",
-            Self::WorstCase => "worst case",
-            Self::Rss => "RSS",
+            Self::Range => "worst case",
+            Self::Rss => "statistical (RSS)",
         })
     }
 }
 
-/// One ΔCD of a sum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Term {
-    /// The kind of error that it comes from.
-    pub kind: ErrorKind,
-    /// ΔCD.
-    pub delta_cd: Length,
-    /// Whether the error is a permissible deviation, whose sign is not known.
-    pub is_tolerance: bool,
+/// ΔCD from a lowest to a highest value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Interval {
+    /// The lowest.
+    pub lower: Length,
+    /// The highest.
+    pub upper: Length,
 }
 
-impl Term {
-    /// From lowest to highest, ΔCD while the error acts: a permissible over-roller or radial deviation may
-    /// act either way.
-    #[must_use]
-    pub fn interval(&self) -> (Length, Length) {
-        if self.is_tolerance && self.kind.always_acts() {
-            (-self.delta_cd.abs(), self.delta_cd.abs())
-        } else {
-            (self.delta_cd, self.delta_cd)
+impl Interval {
+    /// The nearest decimals of a range: errors that are decimals themselves then meet a decimal limit exactly.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] if an end is beyond the largest length.
+    pub fn nearest(range: Range) -> Result<Self, QuantityError> {
+        let nearest = |mm: f64| Length::nearest(mm * FM_PER_MM, "the sum of ΔCD");
+        Ok(Self { lower: nearest(range.lower)?, upper: nearest(range.upper)? })
+    }
+
+    /// The same of a range that may be open.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] if an end is beyond the largest length.
+    pub fn of(range: Result<Range, Open>) -> Result<Result<Self, Open>, QuantityError> {
+        match range {
+            Ok(range) => Self::nearest(range).map(Ok),
+            Err(open) => Ok(Err(open)),
         }
+    }
+
+    /// A single value.
+    #[must_use]
+    pub const fn value(value: Length) -> Self {
+        Self { lower: value, upper: value }
+    }
+
+    /// The end that is farther from 0.
+    #[must_use]
+    pub fn largest(&self) -> Length {
+        if self.lower.abs() > self.upper.abs() { self.lower } else { self.upper }
     }
 }
 
-/// The combinations of several ΔCD.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+const FM_PER_MM: f64 = 1e12;
+
+/// The combinations of several errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Combined {
-    /// The lower end of the range: the sum of the signed errors.
-    pub range_lower: Length,
-    /// The upper end of the range: the lower end plus every pitch and lead error.
-    pub range_upper: Length,
-    /// The sum of magnitudes.
-    pub worst_case: Length,
-    /// The root of the sum of squares.
-    pub rss: Length,
+    /// The worst case.
+    pub range: Result<Interval, Open>,
+    /// The statistical combination.
+    pub rss: Result<Interval, Open>,
 }
 
 impl Combined {
-    /// Combines the ΔCD of each error, measured or permissible.
+    /// Combines a part's errors, of a pair of which this is known.
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] if a sum is beyond the largest length.
-    pub fn of(terms: &[Term]) -> Result<Self, QuantityError> {
-        // one way through the terms: a batch combines those of every row
-        let (mut lower, mut upper, mut magnitudes, mut squares) = (0_i128, 0_i128, 0_i128, 0_u128);
-        for term in terms {
-            let interval = term.interval();
-            if term.kind.always_acts() {
-                lower += i128::from(interval.0.fm());
-            }
-            upper += i128::from(interval.1.fm());
-            let magnitude = term.delta_cd.fm().unsigned_abs();
-            magnitudes += i128::from(magnitude);
-            squares += u128::from(magnitude).pow(2);
-        }
-        let sum = |fm: i128| Length::of_sum(fm, "the sum of ΔCD");
-        Ok(Self {
-            range_lower: sum(lower)?,
-            range_upper: sum(upper)?,
-            worst_case: sum(magnitudes)?,
-            rss: root(squares),
-        })
+    pub fn of(errors: &[PartError], basis: &Basis) -> Result<Self, QuantityError> {
+        let bound = basis.bound_of(errors);
+        Ok(Self { range: Interval::of(bound.total)?, rss: Interval::of(bound.statistical)? })
     }
 
-    /// The interval of ΔCD that a stack-up claims, from lower to upper.
-    #[must_use]
-    pub fn interval(&self, stack: Stack) -> (Length, Length) {
+    /// The combination that is judged.
+    ///
+    /// # Errors
+    /// [`Open`] if there is none.
+    pub fn interval(&self, stack: Stack) -> Result<Interval, Open> {
         match stack {
-            Stack::Range => (self.range_lower, self.range_upper),
-            Stack::WorstCase => (-self.worst_case, self.worst_case),
-            Stack::Rss => (-self.rss, self.rss),
+            Stack::Range => self.range,
+            Stack::Rss => self.rss,
         }
     }
-}
-
-/// The root of a sum of squares, to the nearest step of the grid: that of 0.03² + 0.04² is 0.05.
-fn root(squares: u128) -> Length {
-    // a double is within 1 of the root of what ΔCD are; whole numbers tell which is nearest
-    #[expect(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a start for whole numbers"
-    )]
-    let mut root = (squares as f64).sqrt() as u64;
-    let square = |root: u64| u128::from(root) * u128::from(root);
-    // (n ± 1/2)² = n² ± n + 1/4
-    while squares > square(root) + u128::from(root) {
-        root += 1;
-    }
-    while square(root) > squares + u128::from(root) - u128::from(root > 0) {
-        root -= 1;
-    }
-    Length::from_fm(i64::try_from(root).unwrap_or(i64::MAX))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deviation::Extent;
+    use crate::formula::Law;
+    use crate::quantity::Angle;
 
-    fn combined(terms: &[(ErrorKind, &str)]) -> Combined {
-        let term = |(kind, text): &(ErrorKind, &str)| Term {
-            kind: *kind,
-            delta_cd: text.parse().unwrap(),
-            is_tolerance: false,
-        };
-        Combined::of(&terms.iter().map(term).collect::<Vec<_>>()).unwrap()
+    fn combined(errors: &[PartError]) -> Combined {
+        Combined::of(errors, &Basis::default()).unwrap()
+    }
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn interval(lower: &str, upper: &str) -> Interval {
+        Interval { lower: length(lower), upper: length(upper) }
+    }
+
+    fn pitch(value: &str) -> PartError {
+        // cos 30° / (2 tan 30°) = 3/4
+        let angle: Angle = "30".parse().unwrap();
+        PartError::new(Law::rack_pitch(angle, angle).unwrap(), length(value))
     }
 
     #[test]
-    fn signed_errors_act_always_and_pushing_errors_sometimes() {
+    fn sizes_act_with_their_sign_and_steps_either_way() {
         let c = combined(&[
-            (ErrorKind::RackOverRoller, "-0.03"),
-            (ErrorKind::PinionRadial, "+0.01"),
-            (ErrorKind::RackPitch, "0.04"),
-            (ErrorKind::RackLead, "0.005"),
+            PartError::new(Law::rack_over_roller(), length("-0.03")),
+            PartError::new(Law::pinion_radial(), length("0.01")),
+            pitch("0.04"),
         ]);
-        assert_eq!((c.range_lower.mm(), c.range_upper.mm()), (-0.02, 0.025));
-        assert_eq!(c.worst_case.mm(), 0.085);
-        assert_eq!(c.interval(Stack::WorstCase).0.mm(), -0.085);
+        assert_eq!(c.range, Ok(interval("-0.06", "0.01")));
     }
 
     #[test]
-    fn a_permissible_deviation_acts_either_way() {
-        let term = |kind, text: &str, is_tolerance| Term { kind, delta_cd: text.parse().unwrap(), is_tolerance };
-        let c = Combined::of(&[
-            term(ErrorKind::RackOverRoller, "0.03", true),
-            term(ErrorKind::PinionRadial, "0.01", false),
-            term(ErrorKind::RackPitch, "0.04", true),
-        ])
-        .unwrap();
-        assert_eq!((c.range_lower.mm(), c.range_upper.mm()), (-0.02, 0.08));
-        assert_eq!(c.worst_case.mm(), 0.08);
+    fn decimals_meet_decimals() {
+        for step in 0..=2000 {
+            let size = |fm: i64| PartError::new(Law::rack_over_roller(), Length::from_fm(fm));
+            let c = combined(&[size(step * 100_000_000), size(30_000_000_000), pitch("0.02")]);
+            let expected = Length::from_fm(step * 100_000_000 + 45_000_000_000);
+            assert_eq!(c.range.unwrap().upper, expected);
+        }
     }
 
     #[test]
-    fn a_decimal_root_is_exact() {
-        let c = combined(&[(ErrorKind::RackOverRoller, "0.03"), (ErrorKind::RackPitch, "0.04")]);
-        assert_eq!(c.rss, "0.05".parse().unwrap());
+    fn tolerances_combine_by_their_spread() {
+        let tolerance = |law, value| PartError::within(law, length(value));
+        let c = combined(&[tolerance(Law::rack_over_roller(), "0.03"), tolerance(Law::pinion_radial(), "0.04")]);
+        assert_eq!(c.range, Ok(interval("-0.07", "0.07")));
+        assert_eq!(c.rss, Ok(interval("-0.05", "0.05")));
     }
 
     #[test]
-    fn an_irrational_root_is_the_nearest_step() {
-        let one = combined(&[(ErrorKind::RackOverRoller, "1"), (ErrorKind::RackPitch, "1")]).rss;
-        assert_eq!(one, "1.414213562373".parse().unwrap());
-        let three = combined(&[(ErrorKind::RackOverRoller, "1"), (ErrorKind::RackPitch, "1.4142135623731")]).rss;
-        assert_eq!(three, "1.732050807569".parse().unwrap());
+    fn every_pitch_has_no_range_without_the_pair() {
+        let c = combined(&[pitch("0.01").with_extent(Extent::All)]);
+        assert_eq!((c.range, c.rss), (Err(Open::TeethInContactUnknown), Err(Open::TeethInContactUnknown)));
     }
 
     #[test]
     fn nothing_combines_to_nothing_and_overflow_is_an_error() {
-        assert!(combined(&[]).rss.is_zero());
-        let large = |kind| Term { kind, delta_cd: "9e5".parse().unwrap(), is_tolerance: false };
-        let error = Combined::of(&[large(ErrorKind::RackPitch), large(ErrorKind::RackLead)]).unwrap_err();
+        assert_eq!(combined(&[]).range, Ok(Interval::default()));
+        let large = PartError::new(Law::rack_over_roller(), length("9e5"));
+        let error = Combined::of(&[large, large], &Basis::default()).unwrap_err();
         assert_eq!(error.to_string(), "the sum of ΔCD is too large: its magnitude must stay within 1e6 mm");
     }
 }

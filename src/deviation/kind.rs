@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use super::{Extent, Unit};
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
@@ -68,6 +69,25 @@ impl ErrorKind {
             Self::RackLead => "rack lead",
             Self::PinionRadial => "pinion radial",
             Self::PinionPitch => "pinion pitch",
+        }
+    }
+
+    /// The extent that a measured value has where nobody says.
+    #[must_use]
+    pub const fn usual_extent(self) -> Extent {
+        match self {
+            Self::RackOverRoller | Self::RackLead => Extent::All,
+            Self::RackPitch | Self::PinionRadial | Self::PinionPitch => Extent::One,
+        }
+    }
+
+    /// What its extent counts.
+    #[must_use]
+    pub const fn unit(self) -> Unit {
+        match self {
+            Self::RackOverRoller | Self::PinionRadial => Unit::Space,
+            Self::RackPitch | Self::PinionPitch => Unit::Pitch,
+            Self::RackLead => Unit::Tooth,
         }
     }
 

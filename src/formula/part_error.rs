@@ -2,7 +2,7 @@
 //! module; holds no number that the law does not.
 
 use super::{Law, Model, Sensitivity};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::quantity::{DomainError, Length};
 
 /// One error of a rack or pinion and its law.
@@ -10,20 +10,39 @@ use crate::quantity::{DomainError, Length};
 pub struct PartError {
     law: Law,
     value: ErrorValue,
+    extent: Extent,
     is_tolerance: bool,
 }
 
 impl PartError {
-    /// An error that was measured or given.
+    /// An error that was measured or given, on the teeth that [`ErrorKind::usual_extent`] says.
     #[must_use]
     pub fn new(law: Law, value: impl Into<ErrorValue>) -> Self {
-        Self { law, value: value.into(), is_tolerance: false }
+        Self { law, value: value.into(), extent: law.kind().usual_extent(), is_tolerance: false }
     }
 
-    /// A permissible deviation in place of a measured one: the error is any from minus to plus `value`.
+    /// A permissible deviation in place of a measured one: on each tooth the error is any from minus to plus `value`.
     #[must_use]
     pub fn within(law: Law, value: impl Into<ErrorValue>) -> Self {
-        Self { law, value: value.into(), is_tolerance: true }
+        Self { law, value: value.into(), extent: Extent::Each, is_tolerance: true }
+    }
+
+    /// The same error on other teeth.
+    #[must_use]
+    pub fn with_extent(self, extent: Extent) -> Self {
+        Self { extent, ..self }
+    }
+
+    /// The same kind of error on the same teeth with another value.
+    #[must_use]
+    pub fn with_value(self, value: impl Into<ErrorValue>) -> Self {
+        Self { value: value.into(), ..self }
+    }
+
+    /// On which teeth it is.
+    #[must_use]
+    pub const fn extent(&self) -> Extent {
+        self.extent
     }
 
     /// The kind of error.

@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::class_json;
+use super::evaluation::{class_json, interval_json, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table};
-use crate::decision::Limit;
 use crate::decision::budget::{Budget, Line, Rule};
 use crate::decision::class::ErrorClass;
+use crate::decision::{Limit, Stack};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Input, Model};
 use crate::quantity::{Length, LengthUnit};
@@ -66,8 +66,7 @@ fn sensitivities(budget: &Budget) -> Vec<(String, &'static str, f64)> {
 
 /// The ΔCD that an error may make, from lowest to highest, mm.
 fn swing(line: &Line) -> (f64, f64) {
-    let delta_cd = line.delta_cd.mm();
-    (if line.error.kind().always_acts() { -delta_cd } else { 0.0 }, delta_cd)
+    (line.range.lower.mm().min(0.0), line.range.upper.mm())
 }
 
 impl BudgetReport<'_> {
@@ -95,12 +94,10 @@ impl BudgetReport<'_> {
                 settings.seed
             ),
             (rule, _) => {
-                let (name, value) = match rule {
-                    Rule::Rss => ("RSS", &budget.combined.rss),
-                    _ => ("worst case", &budget.combined.worst_case),
-                };
-                let bound = budget.bound.as_ref().map_or_else(String::new, |bound| plain(bound.mm()));
-                format!("{name} ±{} mm of ±{bound} mm", truncated(value.mm(), 6))
+                let stack = if *rule == Rule::Rss { Stack::Rss } else { Stack::Range };
+                let interval = budget.combined.interval(stack);
+                let text = interval.map_or_else(|_| "open".to_owned(), |interval| interval_text(&interval));
+                format!("{stack} {text} mm, within {}", self.limit)
             }
         }
     }
@@ -179,6 +176,8 @@ impl Report for BudgetReport<'_> {
                     "fixed": line.is_fixed,
                     key: value,
                     "delta_cd_mm": value.map(|_| line.delta_cd.mm()),
+                    "extent": line.error.extent().name(),
+                    "range_mm": value.map(|_| interval_json(line.range)),
                     "share": line.share,
                     "at_own_limit": line.at_own_limit,
                     "class": class.map(class_json),
@@ -209,8 +208,8 @@ impl Report for BudgetReport<'_> {
             "feasible": feasible,
             "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
             "tolerances": tolerances,
-            "worst_case_mm": budget.combined.worst_case.mm(),
-            "rss_mm": budget.combined.rss.mm(),
+            "worst_case_mm": budget.combined.range.ok().map(interval_json),
+            "rss_mm": budget.combined.rss.ok().map(interval_json),
             "simulation": simulated,
             "sensitivities": sensitivities,
         })

@@ -2,11 +2,12 @@
 
 use serde_json::{Value, json};
 
+use super::evaluation::{interval_json, interval_text};
 use super::number::{millimetres, plain};
 use super::{Block, Column, Report, Table};
-use crate::decision::Combined;
 use crate::decision::class::{DiameterSource, Effect};
 use crate::decision::grade::{GradeSearch, Obtained, overall};
+use crate::decision::{Combined, Limit, Stack, Verdict};
 use crate::deviation::Part;
 use crate::quantity::{Length, LengthUnit};
 use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
@@ -375,10 +376,19 @@ pub struct GradeSearchReport {
     pub terms: Vec<String>,
 }
 
+/// Why a grade has no worst case.
+fn why_none(combined: &Result<Combined, String>) -> Option<String> {
+    match combined {
+        Ok(combined) => combined.range.err().map(|open| open.to_string()),
+        Err(reason) => Some(reason.clone()),
+    }
+}
+
 impl Report for GradeSearchReport {
     fn json(&self) -> Value {
-        let mm = |combined: &Result<Combined, String>, of: fn(&Combined) -> Length| {
-            combined.as_ref().ok().map(|combined| of(combined).mm())
+        let ends = |combined: &Result<Combined, String>, stack| {
+            let interval = combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
+            interval.map(interval_json)
         };
         let grades: Vec<_> = self
             .search
@@ -387,9 +397,9 @@ impl Report for GradeSearchReport {
             .map(|step| {
                 json!({
                     "grade": step.grade,
-                    "worst_case_mm": mm(&step.combined, |combined| combined.worst_case),
-                    "rss_mm": mm(&step.combined, |combined| combined.rss),
-                    "missing": step.combined.as_ref().err(),
+                    "worst_case_mm": ends(&step.combined, Stack::Range),
+                    "rss_mm": ends(&step.combined, Stack::Rss),
+                    "missing": why_none(&step.combined),
                 })
             })
             .collect();
@@ -405,29 +415,40 @@ impl Report for GradeSearchReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let mut rows = vec![["grade", "worst_case_mm", "rss_mm", "missing"].map(str::to_owned).to_vec()];
+        let mut rows = vec![
+            ["grade", "worst_case_lower_mm", "worst_case_upper_mm", "rss_lower_mm", "rss_upper_mm", "missing"]
+                .map(str::to_owned)
+                .to_vec(),
+        ];
         for step in &self.search.steps {
-            let (worst, rss, missing) = match &step.combined {
-                Ok(combined) => (plain(combined.worst_case.mm()), plain(combined.rss.mm()), String::new()),
-                Err(reason) => (String::new(), String::new(), reason.clone()),
-            };
-            rows.push(vec![step.grade.to_string(), worst, rss, missing]);
+            let mut row = vec![step.grade.to_string()];
+            for stack in Stack::ALL {
+                let interval = step.combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
+                let ends = interval.map(|interval| [plain(interval.lower.mm()), plain(interval.upper.mm())]);
+                row.extend(ends.unwrap_or_default());
+            }
+            row.push(why_none(&step.combined).unwrap_or_default());
+            rows.push(row);
         }
         rows
     }
 
     fn blocks(&self) -> Vec<Block> {
         let limit = self.search.limit;
-        let mark = |length: Length| if length <= limit { "within" } else { "beyond" }.to_owned();
-        let rows = self.search.steps.iter().map(|step| match &step.combined {
-            Ok(combined) => vec![
-                step.grade.to_string(),
-                unsigned(combined.worst_case.mm()),
-                mark(combined.worst_case),
-                unsigned(combined.rss.mm()),
-                mark(combined.rss),
-            ],
-            Err(_) => vec![step.grade.to_string(), "-".to_owned(), "-".to_owned(), "-".to_owned(), "-".to_owned()],
+        let both_ways = Limit::symmetric(limit);
+        let rows = self.search.steps.iter().map(|step| {
+            let mut row = vec![step.grade.to_string()];
+            for stack in Stack::ALL {
+                let interval = step.combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
+                let is_within = |interval| both_ways.judge(interval) == Verdict::Pass;
+                row.extend(match interval {
+                    Some(interval) => {
+                        [interval_text(&interval), if is_within(interval) { "within" } else { "beyond" }.to_owned()]
+                    }
+                    None => ["-".to_owned(), "-".to_owned()],
+                });
+            }
+            row
         });
         let columns = vec![
             Column::number("grade"),
@@ -449,7 +470,7 @@ impl Report for GradeSearchReport {
             grade(self.search.by_rss())
         )));
         blocks.extend(self.terms.iter().map(|term| Block::Note(format!("combined: {term}"))));
-        let mut reasons: Vec<&String> = self.search.steps.iter().filter_map(|s| s.combined.as_ref().err()).collect();
+        let mut reasons: Vec<String> = self.search.steps.iter().filter_map(|step| why_none(&step.combined)).collect();
         reasons.dedup();
         if let Some(reason) = reasons.first() {
             blocks.push(Block::Note(format!("note: grades without a value: {reason}")));

@@ -7,10 +7,11 @@ use super::number::{millimetres, plain, signed, tidy};
 use super::uncertainty::{UncertaintyPart, decision_json, indeterminate_sentence, rule_name};
 use super::{Block, Column, Report, Table, judged_without};
 use crate::decision::class::ErrorClass;
-use crate::decision::{Evaluation, LimitCheck, Rule, Stack, Verdict};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::decision::{Evaluation, Interval, LimitCheck, Rule, Stack, Unjudged, Verdict};
+use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::formula::Model;
 use crate::formula::law::equation;
+use crate::judge::bound::Note;
 use crate::mesh::Summary;
 use crate::quantity::{Length, LengthUnit};
 
@@ -53,6 +54,8 @@ struct ContributionRow {
     deviation_mm: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_deg: Option<f64>,
+    extent: &'static str,
+    range_mm: Option<Value>,
     delta_cd_mm: f64,
     delta_cd_exact_mm: f64,
     delta_cd_paper_mm: f64,
@@ -79,6 +82,8 @@ impl EvaluationReport<'_> {
                 error: contribution.kind.key(),
                 deviation_mm,
                 deviation_deg,
+                extent: contribution.extent.name(),
+                range_mm: contribution.range.ok().map(interval_json),
                 delta_cd_mm: contribution.delta_cd(model).mm(),
                 delta_cd_exact_mm: contribution.exact.mm(),
                 delta_cd_paper_mm: contribution.paper.mm(),
@@ -100,7 +105,12 @@ impl EvaluationReport<'_> {
         if both {
             columns.push(Column::number(format!("ΔCD {other}\n[mm]")));
         }
-        columns.extend([Column::number("share"), Column::text(format!("formula ({model})"))]);
+        columns.extend([
+            Column::number("worst case\n[mm]"),
+            Column::text("on"),
+            Column::number("share"),
+            Column::text(format!("formula ({model})")),
+        ]);
         let rows = evaluation.contributions.iter().map(|contribution| {
             let deviation = match &contribution.value {
                 ErrorValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
@@ -108,13 +118,15 @@ impl EvaluationReport<'_> {
             };
             // a permissible deviation has no sign, and ΔCD has one only where it can push one way
             let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
-            let both_ways = contribution.is_tolerance && contribution.kind.always_acts();
+            let unsigned = contribution.is_tolerance || matches!(contribution.extent, Extent::Each | Extent::Total);
+            let both_ways = unsigned && contribution.kind.always_acts();
             let delta_cd = |model| either_way(millimetres(contribution.delta_cd(model).mm()), both_ways);
-            let mut row =
-                vec![contribution.kind.to_string(), either_way(deviation, contribution.is_tolerance), delta_cd(model)];
+            let mut row = vec![contribution.kind.to_string(), either_way(deviation, unsigned), delta_cd(model)];
             if both {
                 row.push(delta_cd(other));
             }
+            row.push(contribution.range.map_or_else(|_| "open".to_owned(), |range| interval_text(&range)));
+            row.push(contribution.extent_in_words());
             row.push(contribution.share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share)));
             row.push(equation(contribution.kind, model).to_owned());
             row
@@ -124,19 +136,18 @@ impl EvaluationReport<'_> {
 
     fn combination_table(&self) -> Table {
         let combined = &self.evaluation.combined;
-        let rows = [Stack::Range, Stack::WorstCase, Stack::Rss].into_iter().map(|stack| {
-            let (lower, upper) = combined.interval(stack);
+        let rows = Stack::ALL.into_iter().map(|stack| {
+            let end = |end: fn(&Interval) -> Length| match combined.interval(stack) {
+                Ok(interval) => millimetres(end(&interval).mm()),
+                Err(_) => "open".to_owned(),
+            };
             vec![
                 stack.to_string(),
-                millimetres(lower.mm()),
-                millimetres(upper.mm()),
+                end(|interval| interval.lower),
+                end(|interval| interval.upper),
                 match stack {
-                    Stack::Range if self.evaluation.contributions.iter().any(|c| c.is_tolerance) => {
-                        "over-roller, radial: always, by class ±; pitch, lead: 0 … value"
-                    }
-                    Stack::Range => "over-roller, radial: always; pitch, lead: 0 … value",
-                    Stack::WorstCase => "sum of magnitudes, either way",
-                    Stack::Rss => "root of the sum of squares, either way",
+                    Stack::Range => "wherever on the teeth the errors are",
+                    Stack::Rss => "mean ± 3 standard deviations; independent, tolerances normal, 3σ",
                 }
                 .to_owned(),
             ]
@@ -167,7 +178,7 @@ impl EvaluationReport<'_> {
                 check.on.to_string(),
                 end(&check.limit.lower),
                 end(&check.limit.upper),
-                check.result.as_ref().map_or_else(|| "not given".to_owned(), interval_text),
+                check.result.as_ref().map_or_else(|unjudged| unjudged_text(*unjudged).to_owned(), interval_text),
                 verdict_name(check.verdict).unwrap_or("open").to_owned(),
             ]
         });
@@ -190,14 +201,17 @@ impl EvaluationReport<'_> {
             let sentence = failure_sentence(failed, evaluation.stack);
             return Some(Block::Verdict(Verdict::Fail, format!("{sentence}{without}")));
         }
-        let unjudged: Vec<_> = evaluation.unjudged().collect();
-        let is_partial = |check: &LimitCheck| check.verdict.is_none() && check.result.is_some();
-        if evaluation.limits.iter().any(is_partial) {
-            return Some(Block::Open("the sum lacks errors that the spec asks for".to_owned()));
-        }
-        if !unjudged.is_empty() {
-            let names: Vec<_> = unjudged.iter().map(ToString::to_string).collect();
-            return Some(Block::Open(format!("there is no value for {}", names.join(", "))));
+        let not_given: Vec<_> = evaluation.not_given().map(|target| target.to_string()).collect();
+        let unjudged = evaluation.limits.iter().find_map(|check| check.result.err());
+        match unjudged {
+            Some(Unjudged::NotGiven) => {
+                return Some(Block::Open(format!("there is no value for {}", not_given.join(", "))));
+            }
+            Some(Unjudged::Lacking) => {
+                return Some(Block::Open("the sum lacks errors that the spec asks for".to_owned()));
+            }
+            Some(Unjudged::Open(open)) => return Some(Block::Open(open.to_string())),
+            None => {}
         }
         if let Some(open) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Indeterminate)) {
             let sentence = indeterminate_sentence(open, &self.rule, evaluation.stack);
@@ -213,6 +227,40 @@ impl EvaluationReport<'_> {
             count => format!("all {count} limits are met"),
         };
         Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule}){without}", evaluation.stack)))
+    }
+}
+
+/// What a bound rests on, in words.
+pub(super) fn note_text(note: &Note, missing: &[&str]) -> String {
+    match note {
+        Note::GeometryNarrows => format!("the pair's geometry would narrow the worst case: {} missing", listed(missing)),
+        Note::BothFlanksNarrows => {
+            "so would `contact = \"both flanks\"` below [pair], if a tooth of either part always carries with both flanks"
+                .to_owned()
+        }
+        Note::OwnCurveUnknown => {
+            "the pair without errors is taken to have ΔCD = 0: no undercut, a contact ratio of 1 or more".to_owned()
+        }
+        Note::AssumedHeight(height_mm) => format!(
+            "flanks are taken to touch within {} mm over and under the reference plane, for the lead error",
+            plain(tidy(*height_mm))
+        ),
+        Note::WholeTeeth => {
+            "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, give F_p with \
+             extent = \"total\""
+                .to_owned()
+        }
+    }
+}
+
+fn listed(keys: &[&str]) -> String {
+    match keys {
+        [] => "part of it is".to_owned(),
+        [one] => format!("`{one}` is"),
+        several => {
+            let keys: Vec<_> = several.iter().map(|key| format!("`{key}`")).collect();
+            format!("{} are", keys.join(", "))
+        }
     }
 }
 
@@ -234,7 +282,20 @@ fn verdict_name(verdict: Option<Verdict>) -> Option<&'static str> {
     verdict.map(Verdict::name)
 }
 
-fn interval_text((lower, upper): &(Length, Length)) -> String {
+fn unjudged_text(unjudged: Unjudged) -> &'static str {
+    match unjudged {
+        Unjudged::NotGiven => "not given",
+        Unjudged::Lacking => "not complete",
+        Unjudged::Open(_) => "open",
+    }
+}
+
+/// Both ends, for programs.
+pub(super) fn interval_json(interval: Interval) -> Value {
+    json!({ "lower": interval.lower.mm(), "upper": interval.upper.mm() })
+}
+
+pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
     if lower == upper {
         millimetres(upper.mm())
     } else {
@@ -248,7 +309,7 @@ fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
         crate::decision::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
         crate::decision::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
     };
-    let Some((lower, upper)) = check.result else { return what };
+    let Ok(Interval { lower, upper }) = check.result else { return what };
     let above = check.limit.upper.filter(|limit| upper > *limit).map(|limit| (upper, limit, "above"));
     let below = check.limit.lower.filter(|limit| lower < *limit).map(|limit| (lower, limit, "below"));
     let parts: Vec<_> = [above, below]
@@ -279,8 +340,8 @@ impl Report for EvaluationReport<'_> {
                     "on": check.on.key(),
                     "lower_mm": check.limit.lower.map(Length::mm),
                     "upper_mm": check.limit.upper.map(Length::mm),
-                    "result_lower_mm": check.result.as_ref().map(|(lower, _)| lower.mm()),
-                    "result_upper_mm": check.result.as_ref().map(|(_, upper)| upper.mm()),
+                    "result_lower_mm": check.result.ok().map(|result| result.lower.mm()),
+                    "result_upper_mm": check.result.ok().map(|result| result.upper.mm()),
                     "verdict": verdict_name(check.verdict),
                     "decision": decision_json(check.decision.as_ref()),
                 })
@@ -291,9 +352,9 @@ impl Report for EvaluationReport<'_> {
             "model": evaluation.model.name(),
             "contributions": self.contributions().collect::<Vec<_>>(),
             "combined": {
-                "range_mm": { "lower": combined.range_lower.mm(), "upper": combined.range_upper.mm() },
-                "worst_case_mm": combined.worst_case.mm(),
-                "rss_mm": combined.rss.mm(),
+                "range_mm": combined.range.ok().map(interval_json),
+                "worst_case_mm": combined.range.ok().map(interval_json),
+                "rss_mm": combined.rss.ok().map(interval_json),
             },
             "stack": evaluation.stack.name(),
             "rule": self.rule.to_string(),
@@ -315,9 +376,10 @@ impl Report for EvaluationReport<'_> {
     /// One row per error, then one per combination, then one per limit; columns that a row has no value
     /// for are empty.
     fn rows(&self) -> Vec<Vec<String>> {
-        const HEADER: [&str; 15] = [
+        const HEADER: [&str; 16] = [
             "kind",
             "name",
+            "extent",
             "deviation_mm",
             "deviation_deg",
             "delta_cd_mm",
@@ -343,6 +405,7 @@ impl Report for EvaluationReport<'_> {
             rows.push(vec![
                 "error".to_owned(),
                 row.error.to_owned(),
+                row.extent.to_owned(),
                 number(row.deviation_mm),
                 number(row.deviation_deg),
                 plain(row.delta_cd_mm),
@@ -351,8 +414,8 @@ impl Report for EvaluationReport<'_> {
                 row.model.to_owned(),
                 row.formula.to_owned(),
                 number(row.share),
-                empty(),
-                empty(),
+                mm(contribution.range.ok().map(|range| range.lower)),
+                mm(contribution.range.ok().map(|range| range.upper)),
                 empty(),
                 empty(),
                 empty(),
@@ -363,7 +426,7 @@ impl Report for EvaluationReport<'_> {
         }
         let mut interval_row = |kind: &str, name: &str, ends: [String; 4], verdict: String| {
             let mut row = vec![kind.to_owned(), name.to_owned()];
-            row.extend(std::iter::repeat_with(empty).take(5));
+            row.extend(std::iter::repeat_with(empty).take(6));
             row.push(self.evaluation.model.name().to_owned());
             row.extend([empty(), empty()]);
             row.extend(ends);
@@ -371,9 +434,10 @@ impl Report for EvaluationReport<'_> {
             row.extend(CLASS_HEADER.map(|_| empty()));
             rows.push(row);
         };
-        for stack in [Stack::Range, Stack::WorstCase, Stack::Rss] {
-            let (lower, upper) = self.evaluation.combined.interval(stack);
-            interval_row("combined", stack.name(), [plain(lower.mm()), plain(upper.mm()), empty(), empty()], empty());
+        for stack in Stack::ALL {
+            let interval = self.evaluation.combined.interval(stack).ok();
+            let ends = [mm(interval.map(|ends| ends.lower)), mm(interval.map(|ends| ends.upper)), empty(), empty()];
+            interval_row("combined", stack.name(), ends, empty());
         }
         if let Some(MeshPart { summary, .. }) = &self.mesh {
             let ends = [plain(tidy(summary.min_mm)), plain(tidy(summary.max_mm)), empty(), empty()];
@@ -381,8 +445,8 @@ impl Report for EvaluationReport<'_> {
         }
         for check in &self.evaluation.limits {
             let ends = [
-                mm(check.result.map(|(lower, _)| lower)),
-                mm(check.result.map(|(_, upper)| upper)),
+                mm(check.result.ok().map(|result| result.lower)),
+                mm(check.result.ok().map(|result| result.upper)),
                 mm(check.limit.lower),
                 mm(check.limit.upper),
             ];
@@ -435,14 +499,11 @@ impl EvaluationReport<'_> {
 }
 
 impl<'a> EvaluationReport<'a> {
-    /// The report, with the remarks that the results call for.
+    /// The report, with the remarks that the results call for; the keys of the pair's geometry that are `missing` are named
+    /// where they would narrow a range.
     #[must_use]
-    pub fn new(title: Option<&'a str>, evaluation: &'a Evaluation, rack_is_helical: bool) -> Self {
-        let has_lead = evaluation.contributions.iter().any(|c| c.kind == ErrorKind::RackLead);
-        let mut notes = Vec::new();
-        if has_lead && rack_is_helical {
-            notes.push("note: for a helical rack the formula of the lead error holds within about 2 %".to_owned());
-        }
+    pub fn new(title: Option<&'a str>, evaluation: &'a Evaluation, missing: &[&str]) -> Self {
+        let notes = evaluation.notes.iter().map(|note| format!("note: {}", note_text(note, missing))).collect();
         Self {
             title,
             evaluation,

@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
-use crate::decision::{Limit, Prediction, Verdict};
+use crate::decision::{Interval, Limit, Prediction, Verdict};
 use crate::mesh::{Curve, Mesh, Summary};
 use crate::quantity::Length;
 
@@ -50,7 +50,7 @@ impl MeshReport<'_> {
     pub fn verdict(&self) -> Option<Verdict> {
         let summary = self.summary()?;
         let length = |mm: f64| format!("{mm:.JUDGED_DECIMALS$}").parse::<Length>().ok();
-        Some(self.limit?.judge(length(summary.min_mm)?, length(summary.max_mm)?))
+        Some(self.limit?.judge(Interval { lower: length(summary.min_mm)?, upper: length(summary.max_mm)? }))
     }
 
     /// How far the curve's own points can be trusted.

@@ -6,7 +6,7 @@ use super::number::{millimetres, plain, signed};
 use super::uncertainty::micrometres;
 use super::{Block, Column, Report, Table, UncertaintyPart, judged_without};
 use crate::decision::uncertainty::{Linear, Propagation};
-use crate::decision::{Evaluation, Limit, MeasuredPart, Stack, Verdict};
+use crate::decision::{Evaluation, Interval, Limit, MeasuredPart, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::law::equation;
 use crate::quantity::{Length, LengthUnit};
@@ -77,10 +77,18 @@ fn kinds_and_ends(kinds: &[ErrorKind], stack: Stack) -> Vec<(String, Of)> {
     let mut all: Vec<_> = kinds.iter().map(|kind| (format!("delta_cd_{}", kind.key()), Of::Error(*kind))).collect();
     match stack {
         Stack::Range => all.extend([("range_lower".to_owned(), Of::Lower), ("range_upper".to_owned(), Of::Upper)]),
-        Stack::WorstCase => all.push(("worst_case".to_owned(), Of::Upper)),
-        Stack::Rss => all.push(("rss".to_owned(), Of::Upper)),
+        Stack::Rss => all.extend([("rss_lower".to_owned(), Of::Lower), ("rss_upper".to_owned(), Of::Upper)]),
     }
     all
+}
+
+/// The ends of the combinations, by the names that `batch` gives them.
+const ENDS: [&str; 4] = ["range_lower_mm", "range_upper_mm", "rss_lower_mm", "rss_upper_mm"];
+
+fn ends(evaluation: Option<&Evaluation>) -> [Option<Length>; 4] {
+    let interval = |stack| evaluation.and_then(|evaluation| evaluation.combined.interval(stack).ok());
+    let (range, rss): (Option<Interval>, Option<Interval>) = (interval(Stack::Range), interval(Stack::Rss));
+    [range.map(|r| r.lower), range.map(|r| r.upper), rss.map(|r| r.lower), rss.map(|r| r.upper)]
 }
 
 fn delta_cd(evaluation: &Evaluation, kind: ErrorKind) -> Option<Length> {
@@ -103,11 +111,9 @@ impl Report for PartsReport<'_> {
                     let value = evaluation.and_then(|evaluation| delta_cd(evaluation, *kind)).map(Length::mm);
                     part.insert(format!("delta_cd_{}_mm", kind.key()), value.into());
                 }
-                let combined = evaluation.map(|evaluation| &evaluation.combined);
-                part.insert("range_lower_mm".to_owned(), combined.map(|c| c.range_lower.mm()).into());
-                part.insert("range_upper_mm".to_owned(), combined.map(|c| c.range_upper.mm()).into());
-                part.insert("worst_case_mm".to_owned(), combined.map(|c| c.worst_case.mm()).into());
-                part.insert("rss_mm".to_owned(), combined.map(|c| c.rss.mm()).into());
+                for (name, end) in ENDS.into_iter().zip(ends(evaluation)) {
+                    part.insert(name.to_owned(), end.map(Length::mm).into());
+                }
                 let verdict = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name);
                 part.insert("verdict".to_owned(), verdict.into());
                 if let Some(uncertainty) = &row.uncertainty {
@@ -123,8 +129,7 @@ impl Report for PartsReport<'_> {
         let kinds = self.kinds();
         let mut header = vec!["part_id".to_owned()];
         header.extend(kinds.iter().map(|kind| format!("delta_cd_{}_mm", kind.key())));
-        let fixed = ["range_lower_mm", "range_upper_mm", "worst_case_mm", "rss_mm", "verdict"];
-        header.extend(fixed.map(str::to_owned));
+        header.extend(ENDS.into_iter().chain(["verdict"]).map(str::to_owned));
         let first = self.rows.iter().find_map(|row| row.uncertainty.as_ref());
         let results = first.map_or_else(Vec::new, |known| kinds_and_ends(&kinds, known.propagation.stack));
         for (name, _) in &results {
@@ -137,8 +142,7 @@ impl Report for PartsReport<'_> {
             if let Some(evaluation) = &part.evaluation {
                 let mm = |length: Length| plain(length.mm());
                 row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map(mm).unwrap_or_default()));
-                let combined = &evaluation.combined;
-                row.extend([combined.range_lower, combined.range_upper, combined.worst_case, combined.rss].map(mm));
+                row.extend(ends(Some(evaluation)).map(|end| end.map(mm).unwrap_or_default()));
                 row.push(evaluation.verdict.map(Verdict::name).unwrap_or_default().to_owned());
             }
             for (_, result) in &results {
@@ -171,10 +175,11 @@ impl Report for PartsReport<'_> {
             if let Some(evaluation) = &part.evaluation {
                 let mm = |length: Length| millimetres(length.mm());
                 row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map_or_else(|| "-".to_owned(), mm)));
-                let (from, to) = evaluation.combined.interval(evaluation.stack);
+                let interval = evaluation.combined.interval(evaluation.stack).ok();
+                let (from, to) = (interval.map(|ends| ends.lower), interval.map(|ends| ends.upper));
                 let propagation = part.uncertainty.as_ref().map(|part| &part.propagation);
                 for (end, linear) in [(from, propagation.map(|p| &p.lower)), (to, propagation.map(|p| &p.upper))] {
-                    row.push(mm(end));
+                    row.push(end.map_or_else(|| "open".to_owned(), mm));
                     if self.is_uncertain() {
                         row.push(linear.map_or_else(|| "-".to_owned(), |linear| micrometres(linear.expanded_mm())));
                     }
@@ -193,9 +198,8 @@ impl Report for PartsReport<'_> {
         blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
         if let Some(evaluation) = self.rows.iter().find_map(|row| row.evaluation.as_ref()) {
             let stack = match evaluation.stack {
-                Stack::Range => "from … to: the range at some point of the stroke",
-                Stack::WorstCase => "from … to: the worst case, either way",
-                Stack::Rss => "from … to: the root of the sum of squares, either way",
+                Stack::Range => "from … to: the worst case, wherever on the teeth the errors are",
+                Stack::Rss => "from … to: statistical, mean ± 3 standard deviations",
             };
             blocks.push(Block::Note(format!("{stack}; formulas: {} model", evaluation.model)));
             if self.is_uncertain() {
@@ -246,7 +250,7 @@ impl SpacesReport<'_> {
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {
         let (low, high) = self.measured.range();
-        self.limit.map(|limit| limit.judge(low, high))
+        self.limit.map(|limit| limit.judge(Interval { lower: low, upper: high }))
     }
 
     const fn place(&self) -> &'static str {

@@ -10,7 +10,7 @@ use super::Located;
 use super::keys;
 use super::reader::{SectionReader, similar};
 use crate::decision::uncertainty as uncertain;
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{ErrorKind, ErrorValue, Extent, Unit};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::quantity::Length;
@@ -43,6 +43,8 @@ pub(super) struct Errors {
     pub(super) unmeasured: Vec<(ErrorKind, Range<usize>)>,
     /// The errors whose value is that of every part.
     pub(super) every_part: Vec<ErrorKind>,
+    /// On which teeth errors are, where that is written.
+    pub(super) extents: Vec<(ErrorKind, Extent)>,
     /// The evaluation length of f_Hβ.
     pub(super) evaluation_length: Option<Length>,
 }
@@ -60,8 +62,9 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> Errors {
     let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
     let every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
     let values = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
+    let extents = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect();
     let evaluation_length = read_evaluation_length(reader);
-    Errors { values, nominals, unmeasured, every_part, evaluation_length }
+    Errors { values, nominals, unmeasured, every_part, extents, evaluation_length }
 }
 
 /// The length beside f_Hβ; one that cannot be read is reported with the value.
@@ -83,6 +86,28 @@ fn is_of_every_part(reader: &mut SectionReader<'_>, kind: ErrorKind) -> bool {
     }
     reader.wrong_type(keys::EVERY_PART, value, "true or false");
     false
+}
+
+/// On which teeth an error is, if that is written.
+fn read_extent(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Extent> {
+    let value = reader.table?.get(kind.key())?.get_ref().as_table()?.get(keys::EXTENT)?;
+    let DeValue::String(text) = value.get_ref() else {
+        reader.wrong_type(keys::EXTENT, value, "text in quotes");
+        return None;
+    };
+    let refusal = match text.parse::<Extent>() {
+        Ok(Extent::Total) if kind.unit() != Unit::Pitch => "only a pitch has a total cumulative deviation".to_owned(),
+        Ok(extent) => return Some(extent),
+        Err(unknown) => unknown.to_string(),
+    };
+    let message = format!("`{}.{}`: {refusal}", kind.key(), keys::EXTENT);
+    reader.report(Diagnostic::error(Code::BadErrorEntry, message), value.span(), "");
+    None
+}
+
+/// Whether a key of an entry stands beside a value and makes none: of an uncertainty, or the extent.
+fn is_beside(key: &str) -> bool {
+    key == keys::EXTENT || keys::UNCERTAINTY_KEYS.contains(&key)
 }
 
 /// Reads one entry of `[errors]`.
@@ -114,8 +139,8 @@ pub(super) fn read_error_value(
 /// The entry of an error that has nothing but a nominal value.
 fn only_nominal<'t>(table: &'t DeTable<'_>, kind: ErrorKind) -> Option<&'t DeTable<'t>> {
     let entry = table.get(kind.key())?.get_ref().as_table()?;
-    let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
-    (entry.len() == 1 + uncertain && entry.contains_key("nominal")).then_some(entry)
+    let beside = entry.iter().filter(|(key, _)| is_beside(key.get_ref().as_ref())).count();
+    (entry.len() == 1 + beside && entry.contains_key("nominal")).then_some(entry)
 }
 
 /// The nominal value in an entry of `[errors]`. A value that cannot be read is reported here if it stands alone, and
@@ -139,12 +164,11 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Locat
     Some(Located { value: nominal?, span: value.span() })
 }
 
-/// Reads an entry of an error that has nothing but an uncertainty: where it stands.
+/// Reads an entry of an error that has nothing but an uncertainty or an extent: where it stands.
 fn read_unmeasured(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Range<usize>> {
     let written = reader.table?.get(kind.key())?;
     let entry = written.get_ref().as_table()?;
-    let only =
-        !entry.is_empty() && entry.iter().all(|(key, _)| keys::UNCERTAINTY_KEYS.contains(&key.get_ref().as_ref()));
+    let only = !entry.is_empty() && entry.iter().all(|(key, _)| is_beside(key.get_ref().as_ref()));
     if !only {
         return None;
     }
@@ -184,7 +208,7 @@ fn read_error_table(
     let mut known = true;
     for (key, _) in entry {
         let name = key.get_ref().as_ref();
-        let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART]);
+        let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART, keys::EXTENT]);
         let all = forms.iter().flat_map(|form| form.iter().copied()).chain(beside);
         if !all.clone().any(|candidate| candidate == name) {
             known = false;
@@ -201,7 +225,7 @@ fn read_error_table(
     }
     let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
     let every_part = entry.contains_key(keys::EVERY_PART);
-    let beside = uncertain + usize::from(every_part);
+    let beside = uncertain + usize::from(every_part) + usize::from(entry.contains_key(keys::EXTENT));
     let makes = |form: &&&[&str]| form.len() + beside == entry.len() && form.iter().all(|k| entry.contains_key(*k));
     let Some(form) = forms.iter().find(makes) else {
         let message = format!("`{}` is a table that makes no error", kind.key());

@@ -1,6 +1,8 @@
 //! `[rack]`, `[pinion]` and `[support]` as written, and what `[pair]` comes to. Read by [`Spec::parse`](super::Spec::parse);
 //! what they mean together is decided where it is asked for.
 
+use std::ops::Range;
+
 use super::Located;
 use super::deviations::{self, TipRelief, WrittenPinionDeviation};
 use super::reader::SectionReader;
@@ -14,6 +16,8 @@ pub struct PairSection {
     pub normal_module: Option<Located<Length>>,
     /// α_n
     pub normal_pressure_angle: Option<Located<Angle>>,
+    /// Where it is stated that a tooth of either part always carries with both flanks.
+    pub both_flanks: Option<Range<usize>>,
 }
 
 /// `[rack]`: nominal geometry of the rack.

@@ -136,6 +136,9 @@ pub(crate) const TOP: Section = Section {
 /// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
 pub(crate) const EVERY_PART: &str = "every_part";
 
+/// In an entry of `[errors]`, beside its value or alone: on which teeth it is.
+pub(crate) const EXTENT: &str = "extent";
+
 /// The keys of an uncertainty, beside the value that it is of.
 pub(crate) const UNCERTAINTY_KEYS: [&str; 6] = ["u", "U", "k", "half_width", "distribution", "dof"];
 
@@ -189,8 +192,18 @@ pub(crate) const PAIR: Section = Section {
             "Magnitude of the shaft angle Σ = β_r + β_p, against which the helix angles are checked; 0° where the pinion's axis \
              lies square across the rack.",
         ),
+        key(
+            "contact",
+            Kind::Word(&[BOTH_FLANKS]),
+            "\"both flanks\" states, where the geometry is not given, that a tooth of the rack and one of the pinion always carry \
+             with both flanks: ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|, ε and c being length and offset of the path of contact in \
+             pitches.",
+        ),
     ],
 };
+
+/// What `[pair] contact` may state.
+pub(crate) const BOTH_FLANKS: &str = "both flanks";
 
 pub(crate) const RACK: Section = Section {
     name: "rack",
@@ -288,7 +301,7 @@ pub(crate) const PINION: Section = Section {
 pub(crate) const ERRORS: Section = Section {
     name: "errors",
     doc: "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
-          error of every part of a table.",
+          error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on which teeth.",
     keys: &[
         key(
             "rack_over_roller",

@@ -7,9 +7,8 @@ use std::ops::Range;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenPinionDeviation};
 use crate::deviation::{
-    ErrorKind, ErrorValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, PinionToothRow,
-    RackDeviation, RackDeviationKind, RackFlanks, RackForm, RackSpaceRow, ToothRange, pinion_flanks_from_rows,
-    rack_flanks_from_spaces,
+    ErrorKind, ErrorValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow, RackDeviation,
+    RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows, rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartError;
@@ -148,7 +147,7 @@ impl Spec {
         Ok(MeshInput { mesh, origin, warnings, rack_deviations, pinion_deviations, rack_rows, pinion_rows })
     }
 
-    fn support(&self) -> Result<Support, Diagnostics> {
+    pub(super) fn support(&self) -> Result<Support, Diagnostics> {
         if self.support.roll.as_ref().is_none_or(|roll| roll.value == "fixed") {
             return Ok(Support::Fixed);
         }
@@ -180,16 +179,7 @@ impl Spec {
             Some(table) => Diagnostic::error(Code::BadTable, format!("{}: {error}", table.name)),
             None => self.bad_value(&error, 0..0),
         };
-        let (relief, start) = self
-            .rack
-            .tip_relief
-            .as_ref()
-            .map_or((0.0, 0.0), |relief| (relief.value.amount.mm(), relief.value.start.mm()));
-        let form = RackForm {
-            crowning_mm: self.rack.crowning.as_ref().map_or(0.0, |crowning| crowning.value.mm()),
-            tip_relief_mm: relief,
-            tip_relief_start_mm: start,
-        };
+        let form = self.rack_form();
         let form_span = self.rack.tip_relief.as_ref().map(|relief| relief.span.clone());
         let form_span = form_span.or_else(|| self.rack.crowning.as_ref().map(|crowning| crowning.span.clone()));
         RackFlanks::new(pair, deviations)
@@ -229,10 +219,7 @@ impl Spec {
             Some(table) => Diagnostic::error(Code::BadTable, format!("{}: {error}", table.name)),
             None => self.bad_value(&error, 0..0),
         };
-        let form = PinionForm {
-            crowning_mm: self.pinion.crowning.as_ref().map_or(0.0, |crowning| crowning.value.mm()),
-            profile_slope_mm: self.pinion.profile_slope.as_ref().map_or(0.0, |slope| slope.value.mm()),
-        };
+        let form = self.pinion_form();
         let form_span = self.pinion.profile_slope.as_ref().map(|slope| slope.span.clone());
         let measured = pinion_flanks_from_rows(pair, rows).map_err(in_table)?;
         PinionFlanks::new(pair, &of_teeth)

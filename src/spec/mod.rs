@@ -6,6 +6,7 @@
 //! its place. Resolution asks for what a
 //! result needs, and only then is a key required. Nothing below this module knows TOML.
 
+mod basis;
 mod batch;
 mod budget;
 mod class;
@@ -48,7 +49,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::decision::uncertainty as uncertain;
 use crate::decision::{Limit, LimitTarget, Rule};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::Length;
 use keys::{SECTIONS, Section};
@@ -93,6 +94,8 @@ pub struct Spec {
     /// The entries of `[errors]` with `every_part = true`: their value is that of every part of a batch or a pasted
     /// block.
     pub every_part: Vec<ErrorKind>,
+    /// On which teeth errors are, where `[errors]` says so.
+    pub extents: Vec<(ErrorKind, Extent)>,
     /// The length over which `[errors]` evaluates f_Hβ.
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
@@ -141,7 +144,7 @@ impl Spec {
             standard: reader.standard("standard"),
             diameter: reader.rack_diameter("diameter"),
         });
-        let errors::Errors { values: errors, nominals, unmeasured, every_part, evaluation_length } =
+        let errors::Errors { values: errors, nominals, unmeasured, every_part, extents, evaluation_length } =
             sections.read(&keys::ERRORS, errors::read);
         let limits = sections.read(&keys::LIMITS, limits::read);
         let batch = sections.read(&keys::BATCH, batch::read);
@@ -163,6 +166,7 @@ impl Spec {
                 nominals,
                 unmeasured,
                 every_part,
+                extents,
                 evaluation_length,
                 limits,
                 batch,

@@ -1,5 +1,6 @@
 //! Reads `[pair]`: the normal module from whichever module is given, and a shaft angle, which only checks the helix angles.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::Located;
@@ -36,6 +37,7 @@ pub(super) struct WrittenPair {
     transverse_module: Option<Located<Length>>,
     normal_pressure_angle: Option<Located<Angle>>,
     shaft_angle: Option<Located<Angle>>,
+    both_flanks: Option<Range<usize>>,
 }
 
 /// Reads `[pair]`.
@@ -45,6 +47,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> WrittenPair {
         normal_pressure_angle: reader.angle("normal_pressure_angle"),
         transverse_module: reader.length("transverse_module"),
         shaft_angle: reader.angle("shaft_angle"),
+        both_flanks: reader.word("contact").map(|word| word.span),
     }
 }
 
@@ -69,6 +72,7 @@ impl WrittenPair {
         PairSection {
             normal_module: self.normal_module.or(converted),
             normal_pressure_angle: self.normal_pressure_angle,
+            both_flanks: self.both_flanks,
         }
     }
 }

@@ -30,7 +30,7 @@ impl Spec {
         }
         let without_value = self.unmeasured.iter().find(|(kind, _)| self.errors.iter().all(|(other, _)| other != kind));
         if let Some((kind, place)) = without_value {
-            let message = format!("`{}` has an uncertainty, but no value", kind.key());
+            let message = format!("`{}` has no value", kind.key());
             return Err(Diagnostic::error(Code::BadErrorEntry, message)
                 .at(&self.source, place.clone(), "")
                 .help("add `value = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
@@ -70,7 +70,7 @@ impl Spec {
                 self.part_error(*kind, written, &mut missing)
             };
             match error {
-                Some(Ok(error)) => errors.push(error),
+                Some(Ok(error)) => errors.push(self.extended(error)),
                 Some(Err(error)) => diagnostics.push(self.contradiction(written, &error)),
                 // the key that it needs is among the missing ones
                 None => {}
@@ -78,6 +78,13 @@ impl Spec {
         }
         diagnostics.extend(missing.diagnostics(&self.source));
         if diagnostics.is_empty() { Ok(errors) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// An error on the teeth that `[errors]` says, if it says so.
+    #[must_use]
+    pub fn extended(&self, error: PartError) -> PartError {
+        let extent = self.extents.iter().find(|(kind, _)| *kind == error.kind());
+        extent.map_or(error, |(_, extent)| error.with_extent(*extent))
     }
 
     /// The same spec with other errors, as measured on a part; their formulas ask for gear data as if they

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use serde_json::{Map, Value, json};
 
 use super::errors::{LARGEST_CLASS, error_table_forms, is_of_a_part};
-use super::keys::{EVERY_PART, Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
+use super::keys::{EVERY_PART, EXTENT, Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use super::uncertainty::source_of;
 use crate::decision::uncertainty::Source;
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, Extent};
 use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
 use crate::standard::Standard;
 
@@ -163,6 +163,10 @@ fn uncertainty_properties() -> Map<String, Value> {
         .collect()
 }
 
+fn extent() -> Value {
+    json!({ "enum": Extent::EVERY.map(Extent::name) })
+}
+
 fn length_text() -> Value {
     json!({ "type": "string", "pattern": length_pattern(r"[+\-−]?") })
 }
@@ -185,6 +189,7 @@ fn error(kind: ErrorKind) -> Value {
         if *form != ["class"] {
             properties.extend(uncertainty_properties());
         }
+        properties.insert(EXTENT.to_owned(), extent());
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
         }
@@ -195,12 +200,14 @@ fn error(kind: ErrorKind) -> Value {
             "properties": properties,
         }));
     }
-    // the uncertainty of values that come from a table
+    // the uncertainty and extent of values that come from a table
+    let mut properties = uncertainty_properties();
+    properties.insert(EXTENT.to_owned(), extent());
     forms.push(json!({
         "type": "object",
         "additionalProperties": false,
         "minProperties": 1,
-        "properties": uncertainty_properties(),
+        "properties": properties,
     }));
     json!({ "anyOf": forms })
 }

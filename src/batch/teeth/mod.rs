@@ -18,7 +18,7 @@ use super::run::{Progress, RunError, Sinks};
 use super::statistics::{Moving, Statistics};
 use super::{buffer::Buffer, write};
 use crate::decision::rule::decide;
-use crate::decision::{Limit, LimitTarget, Rule, Verdict};
+use crate::decision::{Interval, Limit, LimitTarget, Rule, Verdict};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::mesh::{CarryingStrokes, Summary};
 use crate::parallel;
@@ -420,7 +420,7 @@ impl<'a> Teeth<'a> {
         let Some(limit) = self.limit else { return Ok(None) };
         let lower = Length::from_mm(solved.summary.min_mm).map_err(|error| error.to_string())?;
         let upper = Length::from_mm(solved.summary.max_mm).map_err(|error| error.to_string())?;
-        let decision = decide(&self.request.rule, limit, (lower, upper), None, None);
+        let decision = decide(&self.request.rule, limit, Interval { lower, upper }, None, None);
         decision.map(|decision| Some(decision.verdict)).map_err(|error| error.to_string())
     }
 

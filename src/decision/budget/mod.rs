@@ -10,9 +10,10 @@ mod tests;
 
 use thiserror::Error;
 
-use super::{Combined, EvaluationError, Limit, Term};
+use super::{Combined, EvaluationError, Interval, Limit, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Law, Model, PartError, Sensitivity};
+use crate::judge::bound::{Basis, Open};
 use crate::quantity::{DomainError, Length};
 use simulation::{Assembly, Simulated, Simulation};
 
@@ -20,9 +21,9 @@ use simulation::{Assembly, Simulated, Simulation};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Rule {
-    /// The sum of magnitudes.
+    /// The worst case.
     WorstCase,
-    /// The root of the sum of squares.
+    /// The statistical sum.
     Rss,
     /// A fraction of random assemblies.
     Simulation(Simulation),
@@ -82,6 +83,8 @@ pub struct Request {
     pub rule: Rule,
     /// The formulas' reading.
     pub model: Model,
+    /// What is known of the pair.
+    pub basis: Basis,
 }
 
 /// One error of a finished budget.
@@ -91,6 +94,8 @@ pub struct Line {
     pub error: PartError,
     /// Its ΔCD.
     pub delta_cd: Length,
+    /// What it can do alone, wherever it is.
+    pub range: Interval,
     /// Whether the tolerance was given.
     pub is_fixed: bool,
     /// Whether the error's own limit, not the budget, stops it.
@@ -108,8 +113,6 @@ pub struct Budget {
     pub lines: Vec<Line>,
     /// The tolerances combined as `eval` does.
     pub combined: Combined,
-    /// The ΔCD that was distributed: the nearer end of the limit.
-    pub bound: Option<Length>,
     /// What the simulation of these tolerances gave.
     pub simulated: Option<Simulated>,
     /// Errors without which the fixed tolerances would leave something: empty if the budget is feasible.
@@ -129,8 +132,13 @@ impl Budget {
 #[non_exhaustive]
 pub enum BudgetError {
     /// The limit does not allow ΔCD to be zero, or allows nothing else.
-    #[error("the limit of ΔCD leaves nothing to distribute: 0 must lie inside it, with room to either side")]
+    #[error(
+        "the limit of ΔCD leaves nothing to distribute: the pair without errors must lie inside it, with room to the sides that the errors move ΔCD to"
+    )]
     NoRoom,
+    /// Tolerances of every tooth have no bound.
+    #[error(transparent)]
+    Open(#[from] Open),
     /// Nothing stops the free tolerances.
     #[error("the limit does not stop the free tolerances: give it an upper end")]
     Unbounded,
@@ -154,35 +162,37 @@ fn of_kind(kind: ErrorKind) -> impl Fn(DomainError) -> BudgetError {
     move |problem| BudgetError::Formula { kind, problem: Box::new(problem) }
 }
 
-/// Finds the tolerances.
+/// Finds the tolerances: the largest scale of the free ones at which all conform.
 ///
 /// # Errors
 /// [`BudgetError`] if the limit gives nothing to distribute or a formula has no result. Fixed tolerances that take
 /// more than the limit are no error: the budget then names what breaks it.
 pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
+    if request.limit.lower.is_none() && request.limit.upper.is_none() {
+        return Err(BudgetError::NoLimit);
+    }
     match request.rule {
-        Rule::WorstCase | Rule::Rss => by_sum(request),
-        Rule::Simulation(settings) => by_simulation(request, &settings),
+        Rule::WorstCase => by_scale(request, &|errors| conforms(request, Stack::Range, errors), None),
+        Rule::Rss => by_scale(request, &|errors| conforms(request, Stack::Rss, errors), None),
+        Rule::Simulation(settings) => {
+            let assembly = Assembly::new(request, &settings);
+            by_scale(request, &|errors| assembly.count(errors) >= assembly.needed(), Some(&assembly))
+        }
     }
 }
 
-/// The largest W for which −W … +W lies inside the limit.
-fn symmetric_bound(limit: &Limit) -> Result<Length, BudgetError> {
-    let lower = limit.lower.map(|lower| -lower);
-    let bound = match (lower, limit.upper) {
-        (None, None) => return Err(BudgetError::NoLimit),
-        (Some(bound), None) | (None, Some(bound)) => bound,
-        (Some(lower), Some(upper)) => lower.min(upper),
-    };
-    if bound > Length::ZERO { Ok(bound) } else { Err(BudgetError::NoRoom) }
+/// Whether a combination of tolerances lies inside the limit.
+fn conforms(request: &Request, stack: Stack, errors: &[PartError]) -> bool {
+    let interval = Combined::of(errors, &request.basis).ok().and_then(|combined| combined.interval(stack).ok());
+    interval.is_some_and(|interval| request.limit.judge(interval) == Verdict::Pass)
 }
 
-/// The largest ΔCD that the error's own limit allows.
-fn own_bound(request: &Request, kind: ErrorKind) -> Option<Length> {
-    let (_, limit) = request.own_limits.iter().find(|(of, _)| *of == kind)?;
-    let lower = limit.lower.filter(|_| kind.always_acts()).map(|lower| -lower);
-    let bound = [lower, limit.upper].into_iter().flatten().min()?;
-    Some(bound.max(Length::ZERO))
+/// Whether an error alone stays inside its own limit, if it has one.
+fn within_own_limit(request: &Request, error: &PartError) -> bool {
+    let Some((_, limit)) = request.own_limits.iter().find(|(of, _)| *of == error.kind()) else { return true };
+    let range = request.basis.bound_of(&[*error]).errors.first().copied().and_then(Result::ok);
+    let range = range.and_then(|range| Interval::nearest(range.alone()).ok());
+    range.is_some_and(|range| limit.judge(range) == Verdict::Pass)
 }
 
 /// The ratio in which a free error's ΔCD stands to the others'.
@@ -195,13 +205,18 @@ fn ratio(freedom: Freedom, rule: Rule) -> f64 {
 }
 
 /// The largest tolerance of which ΔCD does not exceed `delta_cd`.
-fn largest_tolerance(law: Law, delta_cd: Length, model: Model) -> Result<PartError, DomainError> {
-    Ok(PartError::new(law, law.largest_error(delta_cd, model)?))
+fn largest_tolerance(law: Law, delta_cd: Length, model: Model) -> Result<PartError, BudgetError> {
+    match law.largest_error(delta_cd, model) {
+        Ok(value) => Ok(PartError::within(law, value)),
+        // beyond what any angle does: as good as unbounded
+        Err(DomainError::NeverReached { .. }) => Err(BudgetError::Unbounded),
+        Err(error) => Err(of_kind(law.kind())(error)),
+    }
 }
 
 /// An error of nothing.
 fn nothing(law: Law) -> PartError {
-    PartError::new(law, ErrorValue::zero(law.kind()))
+    PartError::within(law, ErrorValue::zero(law.kind()))
 }
 
 /// The magnitude of ΔCD of an error's tolerance.
@@ -209,216 +224,153 @@ fn magnitude(error: &PartError, model: Model) -> Result<Length, BudgetError> {
     Ok(error.delta_cd(model).map_err(of_kind(error.kind()))?.abs())
 }
 
-/// What a ΔCD takes of the sum that the rule forms, in fm or fm².
-fn taken(delta_cd: Length, squares: bool) -> i128 {
-    let magnitude = i128::from(delta_cd.fm());
-    if squares { magnitude * magnitude } else { magnitude }
-}
-
-/// The largest ΔCD that takes no more than that.
-fn affordable(left: i128, squares: bool) -> Length {
-    let fm = if squares { left.isqrt() } else { left };
-    Length::from_fm(i64::try_from(fm).unwrap_or(i64::MAX))
-}
-
-/// Worst case and RSS: sums of magnitudes, or of squares.
-fn by_sum(request: &Request) -> Result<Budget, BudgetError> {
-    let squares = request.rule == Rule::Rss;
-    let bound = symmetric_bound(&request.limit)?;
-    let mut fixed: Vec<(ErrorKind, i128)> = Vec::new();
-    let mut free: Vec<Free> = Vec::new();
-    for entry in &request.entries {
-        match entry {
-            Entry::Fixed(error) => fixed.push((error.kind(), taken(magnitude(error, request.model)?, squares))),
-            Entry::Free(law, freedom) => free.push(Free {
-                law: *law,
-                ratio: ratio(*freedom, request.rule),
-                own: own_bound(request, law.kind()),
-                delta_cd: Length::ZERO,
-                at_own_limit: false,
-            }),
-        }
-    }
-    let mut broken_by = beyond_own_limits(request)?;
-    let nothing_left = |left: i128| left < 0 || (left == 0 && !free.is_empty());
-    let mut left = taken(bound, squares) - fixed.iter().map(|(_, taken)| taken).sum::<i128>();
-    if nothing_left(left) {
-        // the largest first, until what remains fits
-        fixed.sort_by_key(|(_, taken)| std::cmp::Reverse(*taken));
-        for (kind, taken) in fixed {
-            if !nothing_left(left) {
-                break;
-            }
-            left += taken;
-            broken_by.push(kind);
-        }
-    } else {
-        share_out(&mut free, left, squares);
-    }
-    let feasible = broken_by.is_empty();
-    let mut lines = Vec::new();
-    for entry in &request.entries {
-        lines.push(match entry {
-            Entry::Fixed(error) => line(*error, true, false, request.model)?,
-            Entry::Free(law, _) => {
-                let found = free.iter().find(|free| free.law.kind() == law.kind());
-                let error = match found.filter(|_| feasible) {
-                    Some(free) => largest_tolerance(*law, free.delta_cd, request.model).map_err(of_kind(law.kind()))?,
-                    None => nothing(*law),
-                };
-                line(error, false, found.is_some_and(|free| free.at_own_limit), request.model)?
-            }
-        });
-    }
-    finish(lines, Some(bound), squares, None, broken_by)
-}
-
-/// A free error while shares are found.
-struct Free {
-    law: Law,
-    ratio: f64,
-    own: Option<Length>,
-    delta_cd: Length,
-    at_own_limit: bool,
-}
-
-/// Divides `left`, in fm or fm², among the free errors in their ratios, none beyond its own limit.
-#[expect(clippy::cast_precision_loss, reason = "cut off to what is left afterwards")]
-fn share_out(free: &mut [Free], mut left: i128, squares: bool) {
-    let weight = |ratio: f64| if squares { ratio * ratio } else { ratio };
-    loop {
-        let mut open: Vec<&mut Free> = free.iter_mut().filter(|free| !free.at_own_limit).collect();
-        let sum: f64 = open.iter().map(|free| weight(free.ratio)).sum();
-        if sum == 0.0 {
-            return;
-        }
-        let mut rest = left;
-        let mut stopped = false;
-        for free in &mut open {
-            let part = left as f64 * (weight(free.ratio) / sum);
-            // never more in all than there is to share
-            free.delta_cd = cut_off(if squares { part.sqrt() } else { part }).min(affordable(rest, squares));
-            rest -= taken(free.delta_cd, squares);
-            if let Some(own) = free.own.filter(|own| *own < free.delta_cd) {
-                free.delta_cd = own;
-                free.at_own_limit = true;
-                stopped = true;
-            }
-        }
-        if !stopped {
-            return;
-        }
-        // start again with what those at their own limits leave
-        left -= open.iter().filter(|free| free.at_own_limit).map(|free| taken(free.delta_cd, squares)).sum::<i128>();
-    }
-}
-
-/// A share in fm, cut off to the grid; a whole number that rounding left just below itself is that number.
-#[expect(clippy::cast_possible_truncation, reason = "saturates, and no more than what is left is taken")]
-fn cut_off(fm: f64) -> Length {
-    const ROUNDING: f64 = 8.0 * f64::EPSILON;
-    Length::from_fm((fm * (1.0 + ROUNDING)).floor() as i64)
-}
-
 /// Fixed errors whose own limit their tolerance exceeds.
-fn beyond_own_limits(request: &Request) -> Result<Vec<ErrorKind>, BudgetError> {
-    let mut beyond = Vec::new();
-    for entry in &request.entries {
-        if let Entry::Fixed(error) = entry
-            && let Some(own) = own_bound(request, error.kind())
-            && magnitude(error, request.model)? > own
-        {
-            beyond.push(error.kind());
-        }
-    }
-    Ok(beyond)
+fn beyond_own_limits(request: &Request) -> Vec<ErrorKind> {
+    let fixed = request.entries.iter().filter_map(|entry| match entry {
+        Entry::Fixed(error) => Some(error),
+        Entry::Free(..) => None,
+    });
+    fixed.filter(|error| !within_own_limit(request, error)).map(PartError::kind).collect()
 }
 
-fn line(error: PartError, is_fixed: bool, at_own_limit: bool, model: Model) -> Result<Line, BudgetError> {
-    let delta_cd = magnitude(&error, model)?;
-    let sensitivities = error.sensitivities(model).map_err(of_kind(error.kind()))?;
-    Ok(Line { error, delta_cd, is_fixed, at_own_limit, share: 0.0, sensitivities })
+fn line(error: PartError, is_fixed: bool, request: &Request) -> Result<Line, BudgetError> {
+    let delta_cd = magnitude(&error, request.model)?;
+    let sensitivities = error.sensitivities(request.model).map_err(of_kind(error.kind()))?;
+    let range = request.basis.bound_of(&[error]).errors.first().copied().unwrap_or(Err(Open::TooLarge))?;
+    let range = Interval::nearest(range.alone()).map_err(|problem| of_kind(error.kind())(problem.into()))?;
+    Ok(Line { error, delta_cd, range, is_fixed, at_own_limit: false, share: 0.0, sensitivities })
 }
 
-fn finish(
-    mut lines: Vec<Line>,
-    bound: Option<Length>,
-    squares: bool,
-    simulated: Option<Simulated>,
-    mut broken_by: Vec<ErrorKind>,
-) -> Result<Budget, BudgetError> {
-    let sum: i128 = lines.iter().map(|line| taken(line.delta_cd, squares)).sum();
-    for line in &mut lines {
-        #[expect(clippy::cast_precision_loss, reason = "16 digits of a share")]
-        if sum != 0 {
-            line.share = taken(line.delta_cd, squares) as f64 / sum as f64;
-        }
-    }
-    let terms: Vec<Term> = lines
-        .iter()
-        .map(|line| Term { kind: line.error.kind(), delta_cd: line.delta_cd, is_tolerance: true })
-        .collect();
-    let combined =
-        Combined::of(&terms).map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
-    broken_by.sort();
-    broken_by.dedup();
-    Ok(Budget { lines, combined, bound, simulated, broken_by })
-}
+/// Whether tolerances conform.
+type Conforms<'a> = &'a dyn Fn(&[PartError]) -> bool;
 
-/// A target fraction of random assemblies.
-fn by_simulation(request: &Request, settings: &Simulation) -> Result<Budget, BudgetError> {
-    if request.limit.lower.is_none() && request.limit.upper.is_none() {
-        return Err(BudgetError::NoLimit);
-    }
-    let assembly = Assembly::new(request, settings);
-    let mut broken_by = beyond_own_limits(request)?;
-    // the free tolerances for a scale of their ratios, mm
-    let at = |scale: f64| -> Result<Vec<PartError>, BudgetError> {
-        let mut errors = Vec::new();
-        for entry in &request.entries {
-            errors.push(match entry {
-                Entry::Fixed(error) => *error,
-                Entry::Free(law, freedom) => {
-                    let share = Length::from_mm(scale * ratio(*freedom, request.rule));
-                    let share = share.map_err(|error| of_kind(law.kind())(error.into()))?;
-                    let own = own_bound(request, law.kind());
-                    let share = own.filter(|own| *own < share).unwrap_or(share);
-                    match largest_tolerance(*law, share, request.model) {
-                        Ok(error) => error,
-                        // beyond what any angle does: as good as unbounded
-                        Err(DomainError::NeverReached { .. }) => return Err(BudgetError::Unbounded),
-                        Err(error) => return Err(of_kind(law.kind())(error)),
-                    }
-                }
-            });
-        }
-        Ok(errors)
-    };
-    let conforms = |errors: &[PartError]| assembly.count(errors) >= assembly.needed();
-    let none = at(0.0)?;
+fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembly>) -> Result<Budget, BudgetError> {
+    let scaled = Scaled::new(request)?;
+    let none = scaled.at(0.0)?;
+    let mut broken_by = beyond_own_limits(request);
     let has_free = request.entries.iter().any(|entry| matches!(entry, Entry::Free(..)));
     let errors = if !conforms(&none) {
-        broken_by.extend(breaking_terms(&assembly, request)?);
+        broken_by.extend(breaking(request, conforms)?);
         none
     } else if has_free && broken_by.is_empty() {
-        simulation::largest_scale(at, conforms)?
+        let errors = simulation::largest_scale(|scale| scaled.at(scale), conforms)?;
+        let errors = scaled.with_short_decimals(errors, conforms)?;
+        let gets_something = |(entry, error): (&Entry, &PartError)| match entry {
+            Entry::Free(_, freedom) => ratio(*freedom, request.rule) == 0.0 || !error.value().is_zero(),
+            Entry::Fixed(_) => true,
+        };
+        if !request.entries.iter().zip(&errors).all(gets_something) {
+            return Err(BudgetError::NoRoom);
+        }
+        errors
     } else {
         none
     };
-    let simulated = assembly.outcome(&errors);
-    let mut lines = Vec::new();
-    for (entry, error) in request.entries.iter().zip(errors) {
-        let own = own_bound(request, error.kind());
-        let mut line = line(error, matches!(entry, Entry::Fixed(_)), false, request.model)?;
-        // a tolerance rounded towards zero stops within an ulp below its limit
-        line.at_own_limit = !line.is_fixed && own.is_some_and(|own| line.delta_cd.mm() >= own.mm() * (1.0 - 1e-12));
+    let mut lines = Vec::with_capacity(errors.len());
+    for (entry, error) in request.entries.iter().zip(&errors) {
+        let mut line = line(*error, matches!(entry, Entry::Fixed(_)), request)?;
+        line.at_own_limit = !line.is_fixed && scaled.is_at_own_limit(&line);
         lines.push(line);
     }
-    finish(lines, symmetric_bound(&request.limit).ok(), true, Some(simulated), broken_by)
+    let squares = request.rule != Rule::WorstCase;
+    set_shares(&mut lines, squares);
+    let combined = Combined::of(&errors, &request.basis)
+        .map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
+    broken_by.sort();
+    broken_by.dedup();
+    Ok(Budget { lines, combined, simulated: assembly.map(|assembly| assembly.outcome(&errors)), broken_by })
 }
 
-/// The fixed errors, largest first, without which enough assemblies would conform.
-fn breaking_terms(assembly: &Assembly, request: &Request) -> Result<Vec<ErrorKind>, BudgetError> {
+/// The free tolerances of a request at one scale of their ratios, in mm of ΔCD.
+struct Scaled<'a> {
+    request: &'a Request,
+    /// Of each entry, the ΔCD that its own limit allows its tolerance.
+    own: Vec<Option<Length>>,
+}
+
+impl<'a> Scaled<'a> {
+    fn new(request: &'a Request) -> Result<Self, BudgetError> {
+        let mut scaled = Self { request, own: vec![None; request.entries.len()] };
+        // a bound of every tooth's tolerance takes what is known of the pair
+        const SMALL_MM: f64 = 1e-3;
+        if let Err(open @ Open::TeethInContactUnknown) = request.basis.bound_of(&scaled.at(SMALL_MM)?).total {
+            return Err(open.into());
+        }
+        for (index, entry) in request.entries.iter().enumerate() {
+            let is_limited = request.own_limits.iter().any(|(kind, _)| *kind == entry.kind());
+            if let Entry::Free(law, _) = entry
+                && is_limited
+            {
+                let at = |scale: f64| {
+                    let share = Length::from_mm(scale).map_err(|error| of_kind(law.kind())(error.into()))?;
+                    Ok(vec![largest_tolerance(*law, share, request.model)?])
+                };
+                let own = simulation::largest_scale(at, |errors| within_own_limit(request, &errors[0]));
+                scaled.own[index] = match own {
+                    Ok(errors) => Some(magnitude(&errors[0], request.model)?),
+                    Err(BudgetError::Unbounded) => None,
+                    Err(error) => return Err(error),
+                };
+            }
+        }
+        Ok(scaled)
+    }
+
+    fn at(&self, scale: f64) -> Result<Vec<PartError>, BudgetError> {
+        let entries = self.request.entries.iter().zip(&self.own);
+        let at = |(entry, own): (&Entry, &Option<Length>)| match entry {
+            Entry::Fixed(error) => Ok(*error),
+            Entry::Free(law, freedom) => {
+                let share = Length::from_mm(scale * ratio(*freedom, self.request.rule));
+                let share = share.map_err(|error| of_kind(law.kind())(error.into()))?;
+                largest_tolerance(*law, own.map_or(share, |own| own.min(share)), self.request.model)
+            }
+        };
+        entries.map(at).collect()
+    }
+
+    /// The same tolerances, each a little larger if fewer decimals conform as well.
+    fn with_short_decimals(
+        &self,
+        mut errors: Vec<PartError>,
+        conforms: Conforms<'_>,
+    ) -> Result<Vec<PartError>, BudgetError> {
+        for index in 0..errors.len() {
+            let Entry::Free(law, _) = self.request.entries[index] else { continue };
+            let share = magnitude(&errors[index], self.request.model)?;
+            let rounded = Length::from_fm((share.fm() + ROUNDED_FM - 1) / ROUNDED_FM * ROUNDED_FM);
+            let longer = std::mem::replace(&mut errors[index], largest_tolerance(law, rounded, self.request.model)?);
+            if !(conforms(&errors) && within_own_limit(self.request, &errors[index])) {
+                errors[index] = longer;
+            }
+        }
+        Ok(errors)
+    }
+
+    fn is_at_own_limit(&self, line: &Line) -> bool {
+        let own = self.request.entries.iter().zip(&self.own).find(|(entry, _)| entry.kind() == line.error.kind());
+        // a tolerance rounded towards zero stops within a decimal below its limit
+        own.and_then(|(_, own)| *own).is_some_and(|own| line.delta_cd.mm() >= own.mm() * (1.0 - 1e-9))
+    }
+}
+
+/// Tolerances whose ΔCD is this near to fewer decimals take them: 1e-9 mm.
+const ROUNDED_FM: i64 = 1_000;
+
+/// What each line takes of the sum of magnitudes, or of squares.
+fn set_shares(lines: &mut [Line], squares: bool) {
+    let taken = |line: &Line| {
+        let magnitude = line.delta_cd.mm();
+        if squares { magnitude * magnitude } else { magnitude }
+    };
+    let sum: f64 = lines.iter().map(taken).sum();
+    for line in lines {
+        line.share = if sum > 0.0 { taken(line) / sum } else { 0.0 };
+    }
+}
+
+/// The fixed errors, largest first, without which the rest conforms.
+fn breaking(request: &Request, conforms: Conforms<'_>) -> Result<Vec<ErrorKind>, BudgetError> {
     let mut fixed = Vec::new();
     for entry in &request.entries {
         if let Entry::Fixed(error) = entry {
@@ -438,9 +390,9 @@ fn breaking_terms(assembly: &Assembly, request: &Request) -> Result<Vec<ErrorKin
                 Entry::Free(law, _) => nothing(*law),
             })
             .collect();
-        if assembly.count(&rest) >= assembly.needed() {
-            break;
+        if conforms(&rest) {
+            return Ok(without);
         }
     }
-    Ok(without)
+    Err(BudgetError::NoRoom)
 }

@@ -1,15 +1,16 @@
 //! Random assemblies: which fraction conforms.
 //!
 //! Each error is drawn from its distribution within plus and minus its tolerance, independently of the others. An
-//! assembly conforms if the range of its ΔCD — over-roller and radial errors always, pitch and lead errors between
-//! nothing and their value — lies inside the limit, which is what `eval` judges of measured parts. The draws are the
+//! assembly conforms if the worst case of its errors lies inside the limit, which is what `eval` judges: a drawn size or lead is
+//! that of every tooth, a drawn pitch deviation the largest of any sign on every tooth. The draws are the
 //! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
 //! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
-use super::{BudgetError, Entry, Request};
+use super::{BudgetError, Request};
 use crate::decision::monte_carlo::{BLOCK, Random, Ziggurat};
-use crate::deviation::ErrorKind;
-use crate::formula::{Law, Model, PartError};
+use crate::deviation::{ErrorKind, Extent};
+use crate::formula::PartError;
+use crate::judge::bound::{Basis, Range, Scales};
 use crate::parallel;
 use crate::quantity::Length;
 
@@ -71,17 +72,14 @@ pub struct Simulated {
 #[derive(Debug)]
 pub(super) struct Assembly {
     settings: Simulation,
-    model: Model,
-    lower_mm: f64,
-    upper_mm: f64,
-    kinds: Vec<ErrorKind>,
+    limit: Range,
+    basis: Basis,
     /// Per block, per error: draws in −1 … +1.
     blocks: Vec<Vec<Vec<f64>>>,
 }
 
 impl Assembly {
     pub(super) fn new(request: &Request, settings: &Simulation) -> Self {
-        let kinds: Vec<ErrorKind> = request.entries.iter().map(Entry::kind).collect();
         let draws = u64::from(settings.draws.max(1));
         let ziggurat = Ziggurat::new();
         let blocks = (0..draws.div_ceil(BLOCK))
@@ -89,17 +87,14 @@ impl Assembly {
                 let mut random = Random::of_block(settings.seed, block);
                 let count = BLOCK.min(draws - block * BLOCK);
                 let column = || (0..count).map(|_| draw(&mut random, &ziggurat, settings.spread)).collect();
-                std::iter::repeat_with(column).take(kinds.len()).collect()
+                std::iter::repeat_with(column).take(request.entries.len()).collect()
             })
             .collect();
-        Self {
-            settings: *settings,
-            model: request.model,
-            lower_mm: request.limit.lower.map_or(f64::NEG_INFINITY, Length::mm),
-            upper_mm: request.limit.upper.map_or(f64::INFINITY, Length::mm),
-            kinds,
-            blocks,
-        }
+        let limit = Range {
+            lower: request.limit.lower.map_or(f64::NEG_INFINITY, Length::mm),
+            upper: request.limit.upper.map_or(f64::INFINITY, Length::mm),
+        };
+        Self { settings: *settings, limit, basis: request.basis.clone(), blocks }
     }
 
     /// How many assemblies must conform.
@@ -110,38 +105,44 @@ impl Assembly {
         needed
     }
 
-    /// How many assemblies with these tolerances conform.
+    /// How many assemblies with these tolerances conform; none for tolerances that have no bound.
     pub(super) fn count(&self, errors: &[PartError]) -> u64 {
-        let tolerances: Vec<(Law, f64)> =
-            errors.iter().map(|error| (error.law(), error.value().abs().base())).collect();
-        let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &tolerances);
+        let drawn: Vec<_> = errors.iter().map(|error| error.with_extent(drawn_extent(error.kind()))).collect();
+        let Ok(scales) = self.basis.scales(&drawn) else { return 0 };
+        let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &scales);
         parallel::map(parallel::cores(), self.blocks.len(), || (), count).0.into_iter().sum()
     }
 
-    fn count_block(&self, block: &[Vec<f64>], tolerances: &[(Law, f64)]) -> u64 {
+    fn count_block(&self, block: &[Vec<f64>], scales: &Scales) -> u64 {
+        /// Sums of doubles that should meet a limit lie this near to it, mm.
+        const ROUNDING_MM: f64 = 1e-12;
         let draws = block.first().map_or(0, Vec::len);
-        let (mut lower, mut upper) = (vec![0.0; draws], vec![0.0; draws]);
-        for ((kind, column), (law, tolerance)) in self.kinds.iter().zip(block).zip(tolerances) {
-            if *tolerance == 0.0 {
-                continue;
+        let mut shares = vec![0.0; block.len()];
+        let mut inside = 0;
+        for draw in 0..draws {
+            for (share, column) in shares.iter_mut().zip(block) {
+                *share = column[draw];
             }
-            let always = kind.always_acts();
-            for ((u, lower), upper) in column.iter().zip(&mut lower).zip(&mut upper) {
-                let delta_cd = law.delta_cd_mm(u * tolerance, self.model);
-                *upper += delta_cd;
-                if always {
-                    *lower += delta_cd;
-                }
+            let range = scales.total(&shares);
+            if range.lower >= self.limit.lower - ROUNDING_MM && range.upper <= self.limit.upper + ROUNDING_MM {
+                inside += 1;
             }
         }
-        let inside = lower.iter().zip(&upper).filter(|(low, high)| **low >= self.lower_mm && **high <= self.upper_mm);
-        inside.count() as u64
+        inside
     }
 
     pub(super) fn outcome(&self, errors: &[PartError]) -> Simulated {
         #[expect(clippy::cast_precision_loss, reason = "at most 2³²")]
         let conforming = self.count(errors) as f64 / f64::from(self.settings.draws.max(1));
         Simulated { settings: self.settings, conforming }
+    }
+}
+
+/// A drawn error's teeth: a size or lead is that of the part, the largest pitch deviation may be on any of them.
+const fn drawn_extent(kind: ErrorKind) -> Extent {
+    match kind {
+        ErrorKind::RackPitch | ErrorKind::PinionPitch => Extent::Each,
+        _ => Extent::All,
     }
 }
 
@@ -165,8 +166,8 @@ pub(super) fn largest_scale(
     conforms: impl Fn(&[PartError]) -> bool,
 ) -> Result<Vec<PartError>, BudgetError> {
     const LARGEST_MM: f64 = 1e3;
-    /// The interval of the scale becomes this narrow, relative to itself: far below the 1 % that must be felt.
-    const NARROW: f64 = 1e-9;
+    /// The interval of the scale becomes this narrow, relative to itself.
+    const NARROW: f64 = 1e-10;
     let (mut low, mut high) = (0.0, 1e-3);
     let mut best = at(low)?;
     loop {

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::decision::{LimitTarget, Stack, Verdict, evaluate};
+use crate::judge::bound::{GivenGeometry, GivenPair, KnownPairs};
 use crate::quantity::Angle;
 
 fn length(text: &str) -> Length {
@@ -21,12 +22,25 @@ fn formulas(alpha: &str, beta: &str, width: &str) -> [Law; 5] {
     ]
 }
 
+/// The paper's pair.
+fn pair() -> Basis {
+    let given = GivenPair::plain(crate::reproduction::pair().unwrap());
+    Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..Basis::default() }
+}
+
 fn weight(number: u32) -> Freedom {
     Freedom::Weight(f64::from(number))
 }
 
 fn request(entries: Vec<Entry>, limit: &str, rule: Rule) -> Request {
-    Request { entries, limit: Limit::symmetric(length(limit)), own_limits: Vec::new(), rule, model: Model::Exact }
+    Request {
+        entries,
+        limit: Limit::symmetric(length(limit)),
+        own_limits: Vec::new(),
+        rule,
+        model: Model::Exact,
+        basis: pair(),
+    }
 }
 
 /// An error read again from the double that is printed.
@@ -49,8 +63,8 @@ fn verdict(budget: &Budget, request: &Request, enlarged: Option<usize>) -> Verdi
         .collect();
     let mut limits = vec![(LimitTarget::CenterDistance, request.limit)];
     limits.extend(request.own_limits.iter().map(|(kind, limit)| (LimitTarget::Error(*kind), *limit)));
-    let stack = if request.rule == Rule::Rss { Stack::Rss } else { Stack::WorstCase };
-    evaluate(&errors, &limits, request.model, stack).unwrap().verdict.unwrap()
+    let stack = if request.rule == Rule::Rss { Stack::Rss } else { Stack::Range };
+    evaluate(&errors, &limits, request.model, stack, &request.basis).unwrap().verdict.unwrap()
 }
 
 /// Meets the limit, and not if any free tolerance grows by 1 %.

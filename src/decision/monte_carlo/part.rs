@@ -2,11 +2,13 @@
 //! combination out. In plain `f64`, a few operations per error: a draw needs no exact decimals.
 
 use super::{Band, MonteCarloError, Outcome, Settings, Simulated, Simulation, Variables, simulate};
+use crate::decision::uncertainty::gear::{Gear, Varied, ends};
 use crate::decision::uncertainty::{Distribution, Part, Source, Uncertainties, UncertaintyError};
 use crate::decision::{Limit, LimitTarget, Limits, Stack};
 use crate::deviation::ErrorKind;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, PartError};
+use crate::judge::bound::{Basis, ExtendedError, Range};
 use crate::quantity::{DomainError, Length};
 use crate::trig;
 
@@ -87,15 +89,6 @@ fn band(on: LimitTarget, limit: &Limit, kinds: &[ErrorKind]) -> Option<Band> {
     Some(Band { low, high, lower, upper })
 }
 
-/// The gear data of a part, mm and degrees; what no error needs is 0.
-#[derive(Debug, Clone, Copy, Default)]
-struct Gear {
-    alpha: f64,
-    rack_helix: f64,
-    pinion_helix: f64,
-    face_width: f64,
-}
-
 /// The inputs of an over-roller nominal, mm.
 #[derive(Debug, Clone, Copy)]
 struct Nominal {
@@ -113,8 +106,8 @@ struct Nominal {
 struct PartValue {
     law: Law,
     value: f64,
-    /// Whether it is a permissible deviation, which acts either way.
-    is_tolerance: bool,
+    /// The error for the bound; `None` if it is too large for one.
+    varied: Option<Varied>,
 }
 
 struct PartModel {
@@ -123,20 +116,13 @@ struct PartModel {
     nominal: Option<Nominal>,
     model: Model,
     stack: Stack,
+    basis: Basis,
     /// The columns that vary, by source.
     columns: Vec<Source>,
 }
 
 fn radians(degrees: f64) -> f64 {
     degrees * (std::f64::consts::PI / 180.0)
-}
-
-impl Gear {
-    /// The law for this gear.
-    fn of(&self, law: Law) -> Law {
-        let helix = if law.kind() == ErrorKind::PinionPitch { self.pinion_helix } else { self.rack_helix };
-        law.drawn(self.alpha, helix, self.face_width)
-    }
 }
 
 impl Nominal {
@@ -161,33 +147,16 @@ impl Nominal {
 
 impl PartModel {
     fn new(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Self, DomainError> {
-        // where no formula needs an angle its gain is not used: any valid one will do
-        let mut gear = Gear { alpha: 20.0, ..Gear::default() };
-        for error in part.errors {
-            if let Some(geometry) = error.law().geometry() {
-                gear.alpha = geometry.pressure_angle.degrees();
-                match error.kind() {
-                    ErrorKind::PinionPitch => gear.pinion_helix = geometry.helix_angle.degrees(),
-                    _ => gear.rack_helix = geometry.helix_angle.degrees(),
-                }
-                gear.face_width = geometry.face_width.map_or(gear.face_width, Length::mm);
-            }
-        }
-        if let Some(over_pin) = part.over_pin {
-            gear.alpha = over_pin.normal_pressure_angle.degrees();
-        }
-        let value = |error: &PartError| PartValue {
-            law: error.law(),
-            value: error.value().base(),
-            is_tolerance: error.is_tolerance(),
-        };
+        let value =
+            |error: &PartError| PartValue { law: error.law(), value: error.value().base(), varied: Varied::new(error) };
         let errors = part.errors.iter().map(value).collect();
         Ok(Self {
             errors,
-            gear,
+            gear: Gear::new(part.errors, part.over_pin),
             nominal: part.over_pin.map(Nominal::new).transpose()?,
             model: part.model,
             stack: part.stack,
+            basis: part.basis.clone(),
             columns: uncertainties.inputs().iter().map(|(source, _)| *source).collect(),
         })
     }
@@ -221,12 +190,8 @@ impl PartModel {
     fn gear_at(&self, inputs: &[Vec<f64>], draw: usize) -> Gear {
         let mut gear = self.gear;
         for (source, column) in self.columns.iter().zip(inputs) {
-            match source {
-                Source::NormalPressureAngle => gear.alpha = column[draw],
-                Source::RackHelixAngle => gear.rack_helix = column[draw],
-                Source::PinionHelixAngle => gear.pinion_helix = column[draw],
-                Source::FaceWidth => gear.face_width = column[draw],
-                _ => {}
+            if let Some(value) = gear.of_source(*source) {
+                *value = column[draw];
             }
         }
         gear
@@ -250,13 +215,6 @@ impl PartModel {
     }
 }
 
-/// Maps a column in place.
-fn each(column: &mut [f64], f: impl Fn(f64) -> f64) {
-    for x in column {
-        *x = f(*x);
-    }
-}
-
 impl Simulated for PartModel {
     fn outputs(&self) -> usize {
         self.errors.len() + 2
@@ -268,51 +226,45 @@ impl Simulated for PartModel {
         const NOMINAL: [Source; 5] =
             [Source::NormalPressureAngle, Source::NormalModule, Source::ToothThickness, Source::Datum, Source::Roller];
         let gear_varies = self.varies(&GEAR);
-        for (PartValue { law, value, .. }, out) in self.errors.iter().zip(outputs.iter_mut()) {
+        let nominal = self.nominal.as_ref().filter(|_| self.varies(&NOMINAL));
+        let (errors, ends) = outputs.split_at_mut(self.errors.len());
+        let [lower, upper] = ends else { return };
+        for (PartValue { law, value, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
             match self.column(Source::Error(law.kind()), inputs) {
                 Some(column) => out.copy_from_slice(column),
                 None => out.fill(*value),
             }
-            match &self.nominal {
-                Some(nominal) if law.kind() == ErrorKind::RackOverRoller && self.varies(&NOMINAL) => {
-                    for (draw, x) in out.iter_mut().enumerate() {
-                        *x -= self.nominal_shift(nominal, inputs, draw);
-                    }
+            if let Some(nominal) = nominal.filter(|_| law.kind() == ErrorKind::RackOverRoller) {
+                for (draw, x) in out.iter_mut().enumerate() {
+                    *x -= self.nominal_shift(nominal, inputs, draw);
                 }
-                _ if gear_varies => {
-                    for (draw, x) in out.iter_mut().enumerate() {
-                        *x = self.gear_at(inputs, draw).of(*law).delta_cd_mm(*x, self.model);
-                    }
-                }
-                _ => each(out, |x| law.delta_cd_mm(x, self.model)),
             }
         }
-        let (errors, ends) = outputs.split_at_mut(self.errors.len());
-        let [lower, upper] = ends else { return };
-        lower.fill(0.0);
-        upper.fill(0.0);
-        for (error, values) in self.errors.iter().zip(errors.iter()) {
-            match self.stack {
-                Stack::Range if error.is_tolerance && error.law.kind().always_acts() => {
-                    upper.iter_mut().zip(values).for_each(|(sum, x)| *sum += x.abs());
-                    lower.iter_mut().zip(values).for_each(|(sum, x)| *sum -= x.abs());
-                }
-                Stack::Range => {
-                    upper.iter_mut().zip(values).for_each(|(sum, x)| *sum += x);
-                    if error.law.kind().always_acts() {
-                        lower.iter_mut().zip(values).for_each(|(sum, x)| *sum += x);
-                    }
-                }
-                Stack::WorstCase => upper.iter_mut().zip(values).for_each(|(sum, x)| *sum += x.abs()),
-                Stack::Rss => upper.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * x),
+        // the outputs still hold the errors' values
+        for draw in 0..lower.len() {
+            let gear = if gear_varies { self.gear_at(inputs, draw) } else { self.gear };
+            let Range { lower: low, upper: high } = self.ends_at(errors, draw, gear_varies.then_some(&gear));
+            (lower[draw], upper[draw]) = (low, high);
+            for (PartValue { law, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
+                let law = if gear_varies { gear.law(*law) } else { *law };
+                out[draw] = law.delta_cd_mm(out[draw], self.model);
             }
         }
-        if self.stack == Stack::Rss {
-            each(upper, f64::sqrt);
+    }
+}
+
+impl PartModel {
+    /// Both ends of the combination for the errors' values of one draw; of the part's own gear unless another is given.
+    fn ends_at(&self, values: &[Vec<f64>], draw: usize, gear: Option<&Gear>) -> Range {
+        let mut errors = [ExtendedError::NONE; ErrorKind::ALL.len()];
+        for ((error, part), column) in errors.iter_mut().zip(&self.errors).zip(values) {
+            let Some(varied) = &part.varied else { return Range { lower: f64::NAN, upper: f64::NAN } };
+            *error = match gear {
+                Some(gear) => varied.at(column[draw], gear),
+                None => varied.with_value(column[draw]),
+            };
         }
-        if self.stack != Stack::Range {
-            lower.iter_mut().zip(upper.iter()).for_each(|(lower, upper)| *lower = -upper);
-        }
+        ends(self.stack, &errors[..self.errors.len()], &self.basis)
     }
 }
 
@@ -320,7 +272,7 @@ impl Simulated for PartModel {
 mod tests {
     use super::*;
     use crate::decision::uncertainty::Uncertainty;
-    use crate::decision::uncertainty::tests::{SOURCES, Scene};
+    use crate::decision::uncertainty::tests::{SOURCES, Scene, UNKNOWN};
 
     /// Each draw gives what the formulas give for a part with the drawn values.
     #[test]
@@ -331,7 +283,13 @@ mod tests {
                 let uncertain = sources.iter().map(|source| (*source, Uncertainty::standard(1.0))).collect();
                 let uncertainties = Uncertainties::new(uncertain, &[]).unwrap();
                 let (errors, over_pin) = (scene.errors(), scene.over_pin());
-                let part = Part { errors: &errors, over_pin: Some(&over_pin), model: scene.model, stack: scene.stack };
+                let part = Part {
+                    errors: &errors,
+                    over_pin: Some(&over_pin),
+                    model: scene.model,
+                    stack: scene.stack,
+                    basis: &UNKNOWN,
+                };
                 let model = PartModel::new(&part, &uncertainties).unwrap();
                 assert_eq!(model.outputs(), 7);
                 let mut inputs: Vec<Vec<f64>> = vec![Vec::new(); sources.len()];

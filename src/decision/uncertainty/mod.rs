@@ -5,6 +5,7 @@
 //! Where a result is folded at zero, [`Linear::folded`] says so.
 
 mod coverage;
+pub(super) mod gear;
 mod inputs;
 mod propagation;
 mod result;
@@ -15,7 +16,7 @@ pub(super) mod tests;
 pub use coverage::{COVERAGE, coverage_factor, effective_dof};
 pub use inputs::{Uncertainties, UncertaintyError};
 pub use propagation::{Part, Point, Propagator, Spread, Spreads, propagate};
-pub use result::{InputContribution, Linear, Propagation};
+pub use result::{EndWeights, InputContribution, Linear, Propagation};
 pub use source::{Distribution, Source, Uncertainty};
 
 /// A magnitude whose error is nearer to zero than this many standard uncertainties is not linear: at three the ends of

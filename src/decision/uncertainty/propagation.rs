@@ -7,14 +7,17 @@
 //! ```text
 //! ∂ΔCD/∂x = ΔCD · ∂(ln gain)/∂x        for the gear's x
 //! ```
+//!
+//! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
-use super::{FOLD, InputContribution, Linear, Propagation, Source, Uncertainties, UncertaintyError};
-use crate::decision::{Combined, Stack, Term};
-use crate::deviation::ErrorKind;
+use super::gear::{Gear, Varied, ends};
+use super::{EndWeights, FOLD, InputContribution, Linear, Propagation, Source, Uncertainties, UncertaintyError};
+use crate::decision::Stack;
+use crate::deviation::{ErrorKind, Extent};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Input, Law, Model, PartError, Sensitivity};
-use crate::quantity::DomainError;
+use crate::judge::bound::{Basis, ExtendedError, Range};
 
 const KINDS: usize = ErrorKind::ALL.len();
 
@@ -36,6 +39,8 @@ pub struct Part<'a> {
     pub model: Model,
     /// How the errors are combined.
     pub stack: Stack,
+    /// What is known of the pair.
+    pub basis: &'a Basis,
 }
 
 /// Propagates `uncertainties` through the laws of a part, linearly.
@@ -64,6 +69,8 @@ pub struct Spread {
 pub struct Spreads {
     /// Of each error's ΔCD, in the order of the errors.
     pub errors: [Spread; KINDS],
+    /// How both ends of what each error can do alone follow from its ΔCD.
+    pub weights: [EndWeights; KINDS],
     /// Of the lower end of the combination that is judged.
     pub lower: Spread,
     /// Of its upper end.
@@ -85,8 +92,10 @@ pub struct Point {
 #[derive(Debug, Clone)]
 struct Derivatives {
     law: Law,
-    /// Whether the value is a permissible deviation, which acts either way.
-    is_tolerance: bool,
+    /// Its extent.
+    extent: Extent,
+    /// The error for the bound; `None` if it is too large for one.
+    varied: Option<Varied>,
     /// The input that is the error itself, and its standard uncertainty, mm or degrees.
     own: Option<(usize, f64)>,
     /// ∂(ln ΔCD)/∂x of each input.
@@ -123,7 +132,14 @@ pub struct Propagator {
     dofs: Vec<f64>,
     /// Coverage factors by whole degrees of freedom, where any are finite.
     factors: Vec<f64>,
+    basis: Basis,
+    /// The gear data of the errors' laws.
+    gear: Gear,
 }
+
+/// How far inputs are varied, mm or degrees: ends are linear nearly everywhere, so that this may be much more than what
+/// their digits lose.
+const VARIED_BY: f64 = 1e-6;
 
 impl Propagator {
     /// Prepares the uncertainties of parts with the errors of this one, whatever their values.
@@ -138,7 +154,16 @@ impl Propagator {
         let dofs = if finite { inputs.iter().map(|(_, uncertainty)| uncertainty.dof).collect() } else { Vec::new() };
         let kept = if finite { KEPT_FACTORS } else { 0 };
         let factors = (0..kept).map(|dof| coverage_factor(f64::from(dof))).collect();
-        Ok(Self { uncertainties, derivatives, model: part.model, stack: part.stack, dofs, factors })
+        Ok(Self {
+            uncertainties,
+            derivatives,
+            model: part.model,
+            stack: part.stack,
+            dofs,
+            factors,
+            basis: part.basis.clone(),
+            gear: Gear::new(part.errors, part.over_pin),
+        })
     }
 
     /// What is uncertain.
@@ -155,6 +180,9 @@ impl Propagator {
         for (spread, gradient) in spreads.errors.iter_mut().zip(&gradients.errors).take(points.len()) {
             *spread = self.spread(gradient);
         }
+        for ((weights, of), point) in spreads.weights.iter_mut().zip(&self.derivatives).zip(points) {
+            *weights = self.weights(of, point.error);
+        }
         spreads.lower = self.spread(&gradients.lower);
         spreads.upper = self.spread(&gradients.upper);
         spreads.end_correlation = self.end_correlation(&gradients, &spreads.lower, &spreads.upper);
@@ -167,24 +195,24 @@ impl Propagator {
     /// [`UncertaintyError::Domain`] if a ΔCD or their combination has no value.
     pub fn propagation(&self, errors: &[PartError]) -> Result<Propagation, UncertaintyError> {
         let mut points = [Point::default(); KINDS];
-        let mut terms = Vec::with_capacity(errors.len());
         for (point, error) in points.iter_mut().zip(errors) {
-            let delta_cd = error.delta_cd(self.model)?;
-            *point = Point { error: error.value().base(), delta_cd_mm: delta_cd.mm() };
-            terms.push(Term { kind: error.kind(), delta_cd, is_tolerance: error.is_tolerance() });
+            *point = Point { error: error.value().base(), delta_cd_mm: error.delta_cd(self.model)?.mm() };
         }
-        let points = &points[..terms.len()];
+        let points = &points[..errors.len()];
         let gradients = self.gradients(points);
-        let (lower, upper) = Combined::of(&terms).map_err(DomainError::from)?.interval(self.stack);
-        let of_errors = terms.iter().zip(points).zip(&gradients.errors);
+        let ends = self.ends(&self.values(points), None);
         let correlation =
             self.end_correlation(&gradients, &self.spread(&gradients.lower), &self.spread(&gradients.upper));
         Ok(Propagation {
-            errors: of_errors
-                .map(|((term, point), gradient)| (term.kind, self.linear(point.delta_cd_mm, gradient)))
+            errors: errors
+                .iter()
+                .zip(points)
+                .zip(&gradients.errors)
+                .map(|((error, point), gradient)| (error.kind(), self.linear(point.delta_cd_mm, gradient)))
                 .collect(),
-            lower: self.linear(lower.mm(), &gradients.lower),
-            upper: self.linear(upper.mm(), &gradients.upper),
+            weights: self.derivatives.iter().zip(points).map(|(of, point)| self.weights(of, point.error)).collect(),
+            lower: self.linear(ends.lower, &gradients.lower),
+            upper: self.linear(ends.upper, &gradients.upper),
             stack: self.stack,
             end_correlation: correlation,
         })
@@ -193,31 +221,86 @@ impl Propagator {
     fn gradients(&self, points: &[Point]) -> Gradients {
         let count = self.uncertainties.inputs().len();
         let mut gradients = Gradients { errors: [NO_GRADIENT; KINDS], lower: NO_GRADIENT, upper: NO_GRADIENT };
-        let squares: f64 = points.iter().map(|point| point.delta_cd_mm * point.delta_cd_mm).sum();
         for (index, (of, point)) in self.derivatives.iter().zip(points).enumerate() {
             let gradient = &mut gradients.errors[index];
             for input in 0..count {
                 gradient.by_input[input] = of.constant[input] + point.delta_cd_mm * of.relative[input];
             }
+            let mut folds = false;
             if let Some((own, standard)) = of.own {
                 gradient.by_input[own] += of.law.slope(point.error, self.model);
-                gradient.folded[index] = !of.law.kind().always_acts() && point.error.abs() < FOLD * standard;
+                folds = point.error.abs() < FOLD * standard;
+                gradient.folded[index] = !of.law.kind().always_acts() && folds;
             }
-            let error = *gradient;
-            // magnitudes fold what the law does not
-            let folds =
-                self.stack != Stack::Range && point.delta_cd_mm.abs() < FOLD * self.variance(&error.by_input).sqrt();
-            for (is_upper, end) in [(false, &mut gradients.lower), (true, &mut gradients.upper)] {
-                let weight =
-                    stack_weight(self.stack, is_upper, of.law.kind(), of.is_tolerance, point.delta_cd_mm, squares);
-                let Some(weight) = weight else { continue };
-                for input in 0..count {
-                    end.by_input[input] += weight * error.by_input[input];
-                }
-                end.folded[index] = error.folded[index] || folds;
-            }
+            // a size on some of the teeth acts only one way
+            let at_ends = folds && !(of.law.kind().always_acts() && of.extent == Extent::All);
+            gradients.lower.folded[index] = at_ends;
+            gradients.upper.folded[index] = at_ends;
+        }
+        let values = self.values(points);
+        let centre = self.ends(&values, None);
+        for input in 0..count {
+            let Range { lower, upper } = self.by_input(input, &values, centre);
+            gradients.lower.by_input[input] = lower;
+            gradients.upper.by_input[input] = upper;
         }
         gradients
+    }
+
+    fn weights(&self, of: &Derivatives, value: f64) -> EndWeights {
+        let alone = |value: f64| of.varied.and_then(|varied| self.basis.alone(&varied.with_value(value)).ok());
+        let step = if value < 0.0 { -VARIED_BY } else { VARIED_BY };
+        let (Some(here), Some(there)) = (alone(value), alone(value + step)) else { return EndWeights::default() };
+        let per_delta_cd = 1.0 / (step * of.law.slope(value, self.model));
+        EndWeights {
+            lower: (there.lower_mm - here.lower_mm) * per_delta_cd,
+            upper: (there.upper_mm - here.upper_mm) * per_delta_cd,
+        }
+    }
+
+    fn values(&self, points: &[Point]) -> [f64; KINDS] {
+        let mut values = [0.0; KINDS];
+        for (value, point) in values.iter_mut().zip(points) {
+            *value = point.error;
+        }
+        values
+    }
+
+    /// ∂(both ends)/∂x of one input: away from zero of an error, whose magnitude has a kink there, and otherwise from both
+    /// sides.
+    fn by_input(&self, input: usize, values: &[f64; KINDS], centre: Range) -> Range {
+        let own = self.derivatives.iter().position(|of| of.own.is_some_and(|(own, _)| own == input));
+        if let Some(index) = own {
+            let step = if values[index] < 0.0 { -VARIED_BY } else { VARIED_BY };
+            let ends = self.ends(values, Some((input, step)));
+            return Range { lower: (ends.lower - centre.lower) / step, upper: (ends.upper - centre.upper) / step };
+        }
+        let (above, below) =
+            (self.ends(values, Some((input, VARIED_BY))), self.ends(values, Some((input, -VARIED_BY))));
+        let slope = |above: f64, below: f64| (above - below) / (2.0 * VARIED_BY);
+        Range { lower: slope(above.lower, below.lower), upper: slope(above.upper, below.upper) }
+    }
+
+    /// Both ends of the combination for errors of these values, with one input off by so much.
+    fn ends(&self, values: &[f64; KINDS], off: Option<(usize, f64)>) -> Range {
+        let mut gear = self.gear;
+        let shifted = off.and_then(|(input, step)| {
+            let (source, _) = self.uncertainties.inputs()[input];
+            gear.of_source(source).map(|value| *value += step)
+        });
+        let mut errors = [ExtendedError::NONE; KINDS];
+        for ((error, of), value) in errors.iter_mut().zip(&self.derivatives).zip(values) {
+            let Some(varied) = &of.varied else { return Range { lower: f64::NAN, upper: f64::NAN } };
+            let own = off.map_or(0.0, |(input, step)| {
+                let is_own = of.own.is_some_and(|(own, _)| own == input);
+                (of.constant[input] + if is_own { 1.0 } else { 0.0 }) * step
+            });
+            *error = match shifted {
+                Some(()) => varied.at(value + own, &gear),
+                None => varied.with_value(value + own),
+            };
+        }
+        ends(self.stack, &errors[..self.derivatives.len()], &self.basis)
     }
 
     /// c_i u(x_i) of every input.
@@ -333,29 +416,8 @@ impl Derivatives {
             }
         }
         let own = index(Source::Error(kind)).map(|own| (own, inputs[own].1.standard));
-        Ok(Self { law, is_tolerance: error.is_tolerance(), own, relative, constant })
+        Ok(Self { law, extent: error.extent(), varied: Varied::new(error), own, relative, constant })
     }
-}
-
-/// ∂(end of the combination)/∂ΔCD of one error; `None` if that end does not follow from it. `squares` is the sum of the
-/// squares of all ΔCD, mm².
-pub(super) fn stack_weight(
-    stack: Stack,
-    is_upper: bool,
-    kind: ErrorKind,
-    is_tolerance: bool,
-    value_mm: f64,
-    squares: f64,
-) -> Option<f64> {
-    let sign = if value_mm < 0.0 { -1.0 } else { 1.0 };
-    let weight = match stack {
-        Stack::Range if is_tolerance && kind.always_acts() => return Some(if is_upper { sign } else { -sign }),
-        Stack::Range => return (is_upper || kind.always_acts()).then_some(1.0),
-        Stack::WorstCase => sign,
-        Stack::Rss if squares > 0.0 => value_mm / squares.sqrt(),
-        Stack::Rss => 1.0,
-    };
-    Some(if is_upper { weight } else { -weight })
 }
 
 fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {

@@ -5,7 +5,7 @@ use super::Source;
 use super::coverage::whole_dof;
 use crate::decision::rule::Ends;
 use crate::decision::statistics::student_quantile;
-use crate::decision::{LimitTarget, Stack};
+use crate::decision::{Interval, LimitTarget, Stack};
 use crate::deviation::ErrorKind;
 
 /// What one input contributes to a result's uncertainty.
@@ -58,11 +58,37 @@ impl Linear {
     }
 }
 
+/// ∂(end)/∂ΔCD of both ends of what one error can do alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EndWeights {
+    /// Of the lower end.
+    pub lower: f64,
+    /// Of the upper end.
+    pub upper: f64,
+}
+
+impl EndWeights {
+    /// Both ends of a result with their uncertainty, where that of ΔCD is known.
+    #[must_use]
+    pub fn ends(&self, result: Interval, standard_mm: f64) -> Ends {
+        let both = self.lower * self.upper;
+        Ends {
+            lower_mm: result.lower.mm(),
+            upper_mm: result.upper.mm(),
+            lower_standard_mm: self.lower.abs() * standard_mm,
+            upper_standard_mm: self.upper.abs() * standard_mm,
+            correlation: if both == 0.0 { 0.0 } else { both.signum() },
+        }
+    }
+}
+
 /// The linear results for a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagation {
     /// Of each error's ΔCD, in the order of the errors.
     pub errors: Vec<(ErrorKind, Linear)>,
+    /// How both ends of what each error can do alone follow from its ΔCD.
+    pub weights: Vec<EndWeights>,
     /// Of the lower end of the combination that is judged.
     pub lower: Linear,
     /// Of its upper end: with the range, the sum of all.
@@ -74,20 +100,21 @@ pub struct Propagation {
 }
 
 impl Propagation {
-    /// What a limit on `target` is held against, with its uncertainty.
+    /// The result that a limit on `target` is held against, with its uncertainty.
     #[must_use]
-    pub fn ends(&self, target: LimitTarget) -> Option<Ends> {
+    pub fn ends(&self, target: LimitTarget, result: Interval) -> Option<Ends> {
+        let (lower_mm, upper_mm) = (result.lower.mm(), result.upper.mm());
         match target {
             LimitTarget::CenterDistance => Some(Ends {
-                lower_mm: self.lower.value_mm,
-                upper_mm: self.upper.value_mm,
+                lower_mm,
+                upper_mm,
                 lower_standard_mm: self.lower.standard_mm,
                 upper_standard_mm: self.upper.standard_mm,
                 correlation: self.end_correlation,
             }),
             LimitTarget::Error(kind) => {
-                let (_, linear) = self.errors.iter().find(|(other, _)| *other == kind)?;
-                Some(Ends::value(linear.value_mm, linear.standard_mm))
+                let index = self.errors.iter().position(|(other, _)| *other == kind)?;
+                Some(self.weights[index].ends(result, self.errors[index].1.standard_mm))
             }
         }
     }

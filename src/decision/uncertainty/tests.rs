@@ -1,12 +1,12 @@
 //! The linear propagation against differences, printed examples and closed forms.
 
-use super::propagation::stack_weight;
 use super::*;
 use crate::decision::statistics::student_quantile;
-use crate::decision::{Combined, Stack, Term};
-use crate::deviation::ErrorKind;
+use crate::decision::{Combined, Interval, Stack};
+use crate::deviation::{ErrorKind, Extent};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, PartError};
+use crate::judge::bound::{Basis, GivenGeometry};
 use crate::quantity::{Angle, Length};
 
 fn length(text: &str) -> Length {
@@ -28,8 +28,12 @@ fn five(pitch: &str, lead: &str) -> Vec<PartError> {
     ]
 }
 
+/// A pair of which nothing is known.
+pub(in crate::decision) static UNKNOWN: Basis =
+    Basis { geometry: GivenGeometry::Unknown, rolls: false, normal_module_mm: None };
+
 fn part(errors: &[PartError]) -> Part<'_> {
-    Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range }
+    Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN }
 }
 
 /// Every quantity that can be uncertain, in the order of a [`Scene`]'s values.
@@ -89,29 +93,26 @@ impl Scene {
             PartError::new(Law::pinion_pitch(alpha, pinion).unwrap(), mm(4)),
         ];
         let within = |error: PartError| {
-            if self.tolerances { PartError::within(error.law(), error.value()) } else { error }
+            if self.tolerances && error.kind().always_acts() {
+                PartError::within(error.law(), error.value())
+            } else {
+                error
+            }
         };
         errors.into_iter().map(within).collect()
     }
 
     /// ΔCD of each error, and the lower and upper end of all, mm.
     pub(in crate::decision) fn delta_cd(&self) -> Vec<f64> {
-        let terms: Vec<_> = self
-            .errors()
-            .iter()
-            .map(|error| {
-                let delta_cd = error.delta_cd(self.model).unwrap();
-                Term { kind: error.kind(), delta_cd, is_tolerance: error.is_tolerance() }
-            })
-            .collect();
-        let (lower, upper) = Combined::of(&terms).unwrap().interval(self.stack);
-        let each = terms.iter().map(|term| term.delta_cd.mm());
+        let errors = self.errors();
+        let Interval { lower, upper } = Combined::of(&errors, &UNKNOWN).unwrap().interval(self.stack).unwrap();
+        let each = errors.iter().map(|error| error.delta_cd(self.model).unwrap().mm());
         each.chain([lower.mm(), upper.mm()]).collect()
     }
 
     pub(in crate::decision) fn all() -> impl Iterator<Item = Self> {
         let models = [Model::Exact, Model::Paper].into_iter();
-        let stacks = move |model| [Stack::Range, Stack::WorstCase, Stack::Rss].map(|stack| (model, stack));
+        let stacks = move |model| Stack::ALL.map(|stack| (model, stack));
         models.flat_map(stacks).flat_map(|(model, stack)| {
             let scene = |thickness| Self { values: Self::VALUES, thickness, tolerances: !thickness, model, stack };
             [scene(true), scene(false)]
@@ -125,7 +126,13 @@ fn sensitivities_are_those_of_differences() {
     for scene in Scene::all() {
         let inputs = SOURCES.map(|source| (source, Uncertainty::standard(1e-7))).to_vec();
         let (errors, over_pin) = (scene.errors(), scene.over_pin());
-        let part = Part { errors: &errors, over_pin: Some(&over_pin), model: scene.model, stack: scene.stack };
+        let part = Part {
+            errors: &errors,
+            over_pin: Some(&over_pin),
+            model: scene.model,
+            stack: scene.stack,
+            basis: &UNKNOWN,
+        };
         let linear = propagate(&part, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
         let results: Vec<_> =
             linear.errors.iter().map(|(_, linear)| linear).chain([&linear.lower, &linear.upper]).collect();
@@ -153,15 +160,15 @@ fn sensitivities_are_those_of_differences() {
     }
 }
 
-/// The root of squares of nothing has the slope of a single error, so that the uncertainty is not lost.
+/// A step of nothing acts either way once it is something, so that the uncertainty is not lost.
 #[test]
-fn the_root_of_squares_at_zero() {
-    let errors = [PartError::new(Law::rack_over_roller(), Length::ZERO)];
-    let inputs = vec![(Source::Error(ErrorKind::RackOverRoller), Uncertainty::standard(0.001))];
-    let rss = Part { stack: Stack::Rss, ..part(&errors) };
-    let result = propagate(&rss, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
-    assert_eq!((result.upper.standard_mm, result.lower.standard_mm), (0.001, 0.001));
-    assert_eq!(result.end_correlation, -1.0);
+fn the_ends_at_no_error() {
+    let errors = five("0", "0.0255");
+    let inputs = vec![(Source::Error(ErrorKind::RackPitch), Uncertainty::standard(0.001))];
+    let result = propagate(&part(&errors[1..2]), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+    let expected = 0.001 * 1.343_719_222_954_923;
+    assert!((result.upper.standard_mm - expected).abs() < 1e-12 && (result.lower.standard_mm - expected).abs() < 1e-12);
+    assert!((result.end_correlation + 1.0).abs() < 1e-9);
 }
 
 /// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom
@@ -183,14 +190,16 @@ fn correlated_inputs_of_few_degrees_of_freedom_have_no_effective_one() {
 /// Exactly three standard uncertainties from zero is far enough, and what has no uncertainty does not fold.
 #[test]
 fn three_standard_uncertainties_are_far_enough() {
-    let errors = [PartError::new(Law::rack_over_roller(), length("0.375"))];
-    let worst = Part { stack: Stack::WorstCase, ..part(&errors) };
-    let with = |u| Uncertainties::new(vec![(SOURCES[0], Uncertainty::standard(u))], &[]).unwrap();
-    assert!(propagate(&worst, &with(0.125)).unwrap().folded().is_empty());
-    assert!(!propagate(&worst, &with(0.126)).unwrap().folded().is_empty());
+    let errors = [PartError::new(Law::pinion_radial(), length("0.375"))];
+    let with = |u| Uncertainties::new(vec![(SOURCES[3], Uncertainty::standard(u))], &[]).unwrap();
+    assert!(propagate(&part(&errors), &with(0.125)).unwrap().folded().is_empty());
+    assert!(!propagate(&part(&errors), &with(0.126)).unwrap().folded().is_empty());
+    // the size of all spaces acts with its sign
+    let all = [errors[0].with_extent(Extent::All)];
+    assert!(propagate(&part(&all), &with(0.126)).unwrap().folded().is_empty());
     let zero = five("0", "0");
-    let result = propagate(&Part { stack: Stack::WorstCase, ..part(&zero) }, &with(0.001)).unwrap();
-    assert_eq!(result.folded(), []);
+    let size = Uncertainties::new(vec![(SOURCES[0], Uncertainty::standard(0.001))], &[]).unwrap();
+    assert_eq!(propagate(&part(&zero), &size).unwrap().folded(), []);
 }
 
 #[test]
@@ -222,9 +231,11 @@ fn contributions_add_up_in_squares() {
     assert!((shares - 1.0).abs() < 1e-12);
     assert_eq!(result.upper.coverage_factor, 2.0);
     assert!(result.folded().is_empty());
-    // the lower end is the over-roller and radial error alone
-    assert!((result.lower.standard_mm - 0.0008).abs() < 1e-15);
-    assert!((result.end_correlation - 0.0008 / result.upper.standard_mm).abs() < 1e-12);
+    // steps and leads act either way: what they add to one end they take from the other, all but the over-roller error
+    let variance = |standard: f64| standard * standard;
+    assert!((result.lower.standard_mm - result.upper.standard_mm).abs() < 1e-9);
+    let expected = 2.0 * variance(0.0008) / variance(result.upper.standard_mm) - 1.0;
+    assert!((result.end_correlation - expected).abs() < 1e-6);
     // the pitch error alone: cos 12° / (2 tan 20°) of its own, and its share of the pressure angle's
     let (_, pitch) = &result.errors[1];
     let gain = 0.978_147_600_733_805_6 / (2.0 * 0.363_970_234_266_202_4);
@@ -271,13 +282,6 @@ fn near_zero_the_linear_result_says_that_it_is_none() {
         // and is still an upper bound: the gain times u
         assert!((result.errors[1].1.standard_mm - u * 1.343_719_222_954_923).abs() < 1e-12, "{pitch}");
     }
-    // the worst case folds signed errors too
-    let errors = [PartError::new(Law::rack_over_roller(), length("0.0001"))];
-    let inputs = vec![(Source::Error(ErrorKind::RackOverRoller), Uncertainty::standard(u))];
-    let uncertainties = Uncertainties::new(inputs, &[]).unwrap();
-    let worst = Part { stack: Stack::WorstCase, ..part(&errors) };
-    assert!(!propagate(&worst, &uncertainties).unwrap().folded().is_empty());
-    assert!(propagate(&part(&errors), &uncertainties).unwrap().folded().is_empty());
 }
 
 #[test]
@@ -313,23 +317,6 @@ fn what_does_not_reach_a_result_leaves_it_certain() {
     // the error itself has a derivative, but no share of nothing
     let [only] = &found.upper.contributions[..] else { panic!("{:?}", found.upper.contributions) };
     assert_eq!((only.sensitivity, only.contribution_mm, only.share), (1.0, 0.0, None));
-}
-
-/// At no ΔCD, the derivative of a magnitude is that on the positive side.
-#[test]
-fn weights_at_zero() {
-    let weight = |stack, is_upper, is_tolerance, value_mm, squares| {
-        stack_weight(stack, is_upper, ErrorKind::PinionRadial, is_tolerance, value_mm, squares)
-    };
-    for value_mm in [0.0, 0.5] {
-        assert_eq!(weight(Stack::WorstCase, true, false, value_mm, 1.0), Some(1.0));
-        assert_eq!(weight(Stack::WorstCase, false, false, value_mm, 1.0), Some(-1.0));
-        assert_eq!(weight(Stack::Range, true, true, value_mm, 1.0), Some(1.0));
-        assert_eq!(weight(Stack::Range, false, true, value_mm, 1.0), Some(-1.0));
-    }
-    assert_eq!(weight(Stack::WorstCase, true, false, -0.5, 1.0), Some(-1.0));
-    assert_eq!(weight(Stack::Rss, false, false, 0.5, 4.0), Some(-0.25));
-    assert_eq!(weight(Stack::Rss, true, false, 0.0, 0.0), Some(1.0));
 }
 
 /// Rounding makes neither the coverage factor nor an interval wider by a whole degree of freedom.

@@ -2,8 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::sum::{bound, reached_at_least, statistical, total};
-use super::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Open, Range, Reach};
+use super::sum::{bound, range_of, reached_at_least, statistical, total};
+use super::{Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Open, Range, Reach};
+use crate::formula::PartError;
 
 /// What a bound rests on.
 #[derive(Debug, Clone, Default)]
@@ -79,7 +80,8 @@ impl KnownPairs {
     }
 
     fn step(&self, step: usize) -> Result<&KnownPair, Open> {
-        let known = self.steps[step].get_or_init(|| KnownPair::new(self.given, reach(step)).map_err(|_| Open::NoFlanks));
+        let known =
+            self.steps[step].get_or_init(|| KnownPair::new(self.given, reach(step)).map_err(|_| Open::NoFlanks));
         known.as_ref().map_err(|open| *open)
     }
 }
@@ -103,8 +105,27 @@ impl Basis {
     pub fn bound(&self, errors: &[ExtendedError]) -> Bound {
         match self.knowledge(errors) {
             Ok(knowledge) => bound(errors, &knowledge),
-            Err(open) => Bound::open(errors, open),
+            Err(open) => Bound::open(errors.len(), open),
         }
+    }
+
+    /// The bound of a part's errors.
+    #[must_use]
+    pub fn bound_of(&self, errors: &[PartError]) -> Bound {
+        let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
+        match extended {
+            Ok(extended) => self.bound(&extended),
+            // a value of the wrong dimension has no ΔCD either
+            Err(_) => Bound::open(errors.len(), Open::TooLarge),
+        }
+    }
+
+    /// What one error can do alone, the pair's own curve not counted.
+    ///
+    /// # Errors
+    /// [`Open`] if there is no bound.
+    pub fn alone(&self, error: &ExtendedError) -> Result<ErrorRange, Open> {
+        range_of(error, &self.knowledge(std::slice::from_ref(error))?)
     }
 
     /// Its total alone.

@@ -1,9 +1,8 @@
 //! An error with its extent and the gear data that its effect follows from. Made by whoever reads errors, read by the
 //! bound; computes no range.
 
-use crate::deviation::{Extent, Unit};
-use crate::deviation::{ErrorKind, ErrorValue, Part};
-use crate::formula::{Law, Model};
+use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
+use crate::formula::{Law, Model, PartError};
 use crate::gear::Pair;
 use crate::quantity::Length;
 use crate::trig;
@@ -71,6 +70,9 @@ const LARGEST_LEAD: f64 = std::f64::consts::FRAC_PI_4;
 const LONGEST: f64 = 1e6;
 
 impl ExtendedError {
+    /// An error of nothing, for lists of a fixed length.
+    pub(crate) const NONE: Self = Self { effect: Effect::Size { part: Part::Rack, value: 0.0 }, extent: Extent::All };
+
     /// An error of one of the five kinds with a [`Law`]. Signed if it is measured; of a tolerance
     /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
     ///
@@ -106,6 +108,49 @@ impl ExtendedError {
             _ => return Err(ErrorInputError::WrongDimension),
         };
         Self { effect, extent }.checked()
+    }
+
+    /// The error of a part.
+    ///
+    /// # Errors
+    /// [`ErrorInputError`] as [`ExtendedError::new`].
+    pub fn of(error: &PartError) -> Result<Self, ErrorInputError> {
+        Self::new(error.law(), error.value(), error.extent())
+    }
+
+    /// The same error of a gear whose data lie on no grid, as they are drawn or varied, in degrees and mm.
+    pub(crate) fn of_gear(mut self, law: Law, pressure_angle: f64, helix_angle: f64, face_width_mm: f64) -> Self {
+        match &mut self.effect {
+            Effect::Pitch(pitch) => {
+                pitch.gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
+            }
+            Effect::RackLead { rack, .. } => {
+                let tan_alpha = trig::tan(pressure_angle.to_radians());
+                *rack = RackLines { tan_alpha, helix: helix_angle.to_radians(), face_width: face_width_mm };
+            }
+            Effect::Size { .. } | Effect::PinionLead { .. } => {}
+        }
+        self
+    }
+
+    /// The same error at a share of its value.
+    pub(super) fn scaled(self, share: f64) -> Self {
+        let (Effect::Size { value, .. }
+        | Effect::Pitch(PitchEffect { value, .. })
+        | Effect::RackLead { value, .. }
+        | Effect::PinionLead { value }) = self.effect;
+        self.with_value(share * value)
+    }
+
+    /// The same error with another value, in mm or rad.
+    pub(crate) fn with_value(mut self, new: f64) -> Self {
+        match &mut self.effect {
+            Effect::Size { value, .. }
+            | Effect::Pitch(PitchEffect { value, .. })
+            | Effect::RackLead { value, .. }
+            | Effect::PinionLead { value } => *value = new,
+        }
+        self
     }
 
     /// A helix slope deviation f_Hβ of the pinion over its face width b:
@@ -170,25 +215,6 @@ impl ExtendedError {
             Effect::Size { part, .. } | Effect::Pitch(PitchEffect { part, .. }) => part,
             Effect::RackLead { .. } => Part::Rack,
             Effect::PinionLead { .. } => Part::Pinion,
-        }
-    }
-
-    /// What its extent counts.
-    #[must_use]
-    pub const fn unit(&self) -> Unit {
-        match self.effect {
-            Effect::Size { .. } => Unit::Space,
-            Effect::Pitch(_) => Unit::Pitch,
-            Effect::RackLead { .. } | Effect::PinionLead { .. } => Unit::Tooth,
-        }
-    }
-
-    /// The extent that a measured value of a kind has where nobody says.
-    #[must_use]
-    pub const fn usual_extent(kind: ErrorKind) -> Extent {
-        match kind {
-            ErrorKind::RackOverRoller | ErrorKind::RackLead => Extent::All,
-            ErrorKind::RackPitch | ErrorKind::PinionRadial | ErrorKind::PinionPitch => Extent::One,
         }
     }
 }

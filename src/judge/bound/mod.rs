@@ -12,6 +12,7 @@ mod lead;
 mod moments;
 mod pitch;
 mod profile;
+mod scales;
 mod sum;
 #[cfg(test)]
 mod tests;
@@ -21,6 +22,7 @@ pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownPairError, Reach};
 pub use moments::{Moments, moments};
+pub use scales::Scales;
 pub use sum::{Bound, bound};
 
 use crate::deviation::Extent;
@@ -60,6 +62,12 @@ impl ErrorRange {
 
     fn signed(value: f64) -> Self {
         Self::within(value, value)
+    }
+
+    /// What it can do alone.
+    #[must_use]
+    pub const fn alone(self) -> Range {
+        Range { lower: self.lower_mm, upper: self.upper_mm }
     }
 }
 
@@ -106,6 +114,9 @@ pub enum Open {
     /// The errors are larger than those that the known pair was made for.
     #[error("the errors are larger than what the pair's geometry was prepared for")]
     BeyondReach,
+    /// An error is no deviation that a bound can be given for: a lead of 45° and more.
+    #[error("an error is too large for a bound: a lead of 45° or more, or of teeth that then lie across the rack")]
+    TooLarge,
     /// Errors as large leave nothing of the pair's flanks.
     #[error("errors as large as these leave no flanks that mesh")]
     NoFlanks,

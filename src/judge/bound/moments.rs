@@ -1,7 +1,8 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
 use super::error::{Effect, PitchEffect};
-use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge};
+use super::sum::range_of;
+use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, Open};
 use crate::deviation::Part;
 
 /// Mean and standard deviation of ΔCD, mm.
@@ -18,17 +19,20 @@ pub struct Moments {
 const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
 const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 
-/// Mean and spread of one error, whose range is `range`, at any one stroke. A tolerance is 3σ of a normal distribution.
+/// Mean and spread of one error at any one stroke. A tolerance is 3σ of a normal distribution.
 /// A measured size or lead acts with its value; a measured step acts during its share of the stroke, or always if the
 /// geometry is not known.
-#[must_use]
-pub fn moments(error: &ExtendedError, range: &ErrorRange, knowledge: &Knowledge) -> Moments {
+///
+/// # Errors
+/// [`Open`] if it follows from a range that there is not.
+pub fn moments(error: &ExtendedError, knowledge: &Knowledge) -> Result<Moments, Open> {
+    let range = || range_of(error, knowledge);
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
     let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
-    match (error.effect, error.extent) {
+    Ok(match (error.effect, error.extent) {
         (Effect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
         (Effect::Size { value, .. }, _) => fixed(value),
-        (Effect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range.upper_mm / 3.0 },
+        (Effect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range()?.upper_mm / 3.0 },
         (Effect::Pitch(PitchEffect { value, gain, .. }), Extent::Each) => folded(gain * value.abs()),
         (Effect::Pitch(PitchEffect { part, value, gain, .. }), Extent::One) => {
             let share = share_of_stroke(part, value, knowledge);
@@ -36,10 +40,13 @@ pub fn moments(error: &ExtendedError, range: &ErrorRange, knowledge: &Knowledge)
             Moments { mean_mm: step * share, deviation_mm: step * (share * (1.0 - share)).sqrt() }
         }
         // between the least and the most of what adds up
-        (Effect::Pitch(_), _) => fixed(0.5 * (range.lower_mm + range.upper_mm)),
-        (Effect::RackLead { .. } | Effect::PinionLead { .. }, Extent::Each) => folded(range.upper_mm),
-        (Effect::RackLead { .. } | Effect::PinionLead { .. }, _) => fixed(range.upper_mm),
-    }
+        (Effect::Pitch(_), _) => {
+            let ErrorRange { lower_mm, upper_mm, .. } = range()?;
+            fixed(0.5 * (lower_mm + upper_mm))
+        }
+        (Effect::RackLead { .. } | Effect::PinionLead { .. }, Extent::Each) => folded(range()?.upper_mm),
+        (Effect::RackLead { .. } | Effect::PinionLead { .. }, _) => fixed(range()?.upper_mm),
+    })
 }
 
 /// The pitches of stroke during which a step acts, at most one.

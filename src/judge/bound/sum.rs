@@ -45,7 +45,7 @@ pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
 }
 
 /// What one error can do alone.
-fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
     let range = match error.effect {
         Effect::Size { part, value } => size(part, value, error.extent, knowledge),
         Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
@@ -148,7 +148,7 @@ fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
 
 /// What errors of both parts add up to.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sum {
+pub(super) struct Sum {
     raw_lower_mm: f64,
     raw_upper_mm: f64,
     /// How much better the lower end of one error is than its raw one, at most, and how much lower its upper end.
@@ -179,7 +179,7 @@ impl Sum {
         Ok(sum)
     }
 
-    fn add(&mut self, part: Part, range: ErrorRange) {
+    pub(super) fn add(&mut self, part: Part, range: ErrorRange) {
         self.raw_lower_mm += range.raw_lower_mm;
         self.raw_upper_mm += range.raw_upper_mm;
         self.better_mm = self.better_mm.max(range.lower_mm - range.raw_lower_mm);
@@ -195,7 +195,7 @@ impl Sum {
     }
 
     /// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
-    fn with_own(&self, own: Range) -> Range {
+    pub(super) fn with_own(&self, own: Range) -> Range {
         Range {
             lower: own.lower + self.raw_lower_mm + self.better_mm,
             upper: own.upper + self.raw_upper_mm - self.spared_mm,
@@ -220,10 +220,13 @@ pub(super) fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<R
 
 /// Where ΔCD lies at one stroke for all but a few parts: [`Bound::statistical`] alone.
 pub(super) fn statistical(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
-    let own = own(&Sum::of(errors, knowledge)?, knowledge)?;
+    let own = match knowledge.geometry {
+        Geometry::Known(_) => own(&Sum::of(errors, knowledge)?, knowledge)?,
+        Geometry::Unknown | Geometry::BothFlanks => Range { lower: 0.0, upper: 0.0 },
+    };
     let (mut mean, mut variance) = (0.0, 0.0);
     for error in errors {
-        let Moments { mean_mm, deviation_mm } = moments(error, &range_of(error, knowledge)?, knowledge);
+        let Moments { mean_mm, deviation_mm } = moments(error, knowledge)?;
         mean += mean_mm;
         variance += deviation_mm * deviation_mm;
     }
@@ -259,8 +262,8 @@ pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
 
 impl Bound {
     /// Of errors that have none.
-    pub(super) fn open(errors: &[ExtendedError], open: Open) -> Self {
-        Self { errors: vec![Err(open); errors.len()], total: Err(open), statistical: Err(open), notes: Vec::new() }
+    pub(super) fn open(errors: usize, open: Open) -> Self {
+        Self { errors: vec![Err(open); errors], total: Err(open), statistical: Err(open), notes: Vec::new() }
     }
 }
 

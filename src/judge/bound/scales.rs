@@ -1,0 +1,80 @@
+//! The bound of errors that are shares of given ones, for many shares: a table of each error's range. Read by
+//! simulations; computes no range of its own.
+
+use super::sum::{Sum, range_of};
+use super::{Basis, ErrorRange, ExtendedError, Geometry, Knowledge, Open, Range};
+use crate::deviation::Part;
+use crate::formula::PartError;
+
+/// Ranges of errors at shares −1 … +1 of their values.
+#[derive(Debug, Clone)]
+pub struct Scales {
+    own: Range,
+    errors: Vec<Scale>,
+}
+
+#[derive(Debug, Clone)]
+struct Scale {
+    part: Part,
+    ranges: Vec<ErrorRange>,
+}
+
+/// Intervals of a table. Ranges are convex in the error between 0 and its value, up to what a lead's angle bends: chords
+/// hold them.
+const INTERVALS: usize = 64;
+
+impl Basis {
+    /// The ranges of these errors, each at every share of its value.
+    ///
+    /// # Errors
+    /// [`Open`] if there is no bound.
+    pub fn scales(&self, errors: &[PartError]) -> Result<Scales, Open> {
+        let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
+        let extended = extended.map_err(|_| Open::TooLarge)?;
+        let knowledge = self.knowledge(&extended)?;
+        let own = match knowledge.geometry {
+            Geometry::Known(known) => known.own_mm(),
+            Geometry::Unknown | Geometry::BothFlanks => Range { lower: 0.0, upper: 0.0 },
+        };
+        let errors = extended.iter().map(|error| Scale::new(error, &knowledge)).collect::<Result<_, _>>()?;
+        Ok(Scales { own, errors })
+    }
+}
+
+impl Scale {
+    fn new(error: &ExtendedError, knowledge: &Knowledge) -> Result<Self, Open> {
+        #[expect(clippy::cast_precision_loss, reason = "a few intervals")]
+        let at = |index: usize| range_of(&error.scaled(index as f64 / (INTERVALS / 2) as f64 - 1.0), knowledge);
+        Ok(Self { part: error.part(), ranges: (0..=INTERVALS).map(at).collect::<Result<_, _>>()? })
+    }
+
+    fn at(&self, share: f64) -> ErrorRange {
+        #[expect(clippy::cast_precision_loss, reason = "a few intervals")]
+        let place = ((share + 1.0) * (INTERVALS / 2) as f64).clamp(0.0, INTERVALS as f64);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let index = (place as usize).min(INTERVALS - 1);
+        #[expect(clippy::cast_precision_loss, reason = "a few intervals")]
+        let share = place - index as f64;
+        let (a, b) = (&self.ranges[index], &self.ranges[index + 1]);
+        let between = |a: f64, b: f64| a + share * (b - a);
+        ErrorRange {
+            raw_lower_mm: between(a.raw_lower_mm, b.raw_lower_mm),
+            lower_mm: between(a.lower_mm, b.lower_mm),
+            upper_mm: between(a.upper_mm, b.upper_mm),
+            raw_upper_mm: between(a.raw_upper_mm, b.raw_upper_mm),
+            in_contact: None,
+        }
+    }
+}
+
+impl Scales {
+    /// The bound of all errors, each at this share of its value.
+    #[must_use]
+    pub fn total(&self, shares: &[f64]) -> Range {
+        let mut sum = Sum::default();
+        for (scale, share) in self.errors.iter().zip(shares) {
+            sum.add(scale.part, scale.at(*share));
+        }
+        sum.with_own(self.own)
+    }
+}
