@@ -90,7 +90,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec)?;
+        let spec = super::read_spec(&self.spec, output)?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let (entries, classes) = spec.budget_entries()?;
         let request = Request {

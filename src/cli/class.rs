@@ -103,7 +103,7 @@ struct Sized {
 impl Args {
     pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
         let path = self.obtained.take().map(|path| (path, true)).or_else(|| Some((self.spec.take()?, false)));
-        let spec = path.as_ref().map(|(path, _)| super::read_spec(path)).transpose()?;
+        let spec = path.as_ref().map(|(path, _)| super::read_spec(path, output)).transpose()?;
         let written = spec.as_ref().and_then(|spec| spec.tolerance.standard.as_ref());
         let Some(standard) = self.standard.or(written.map(|standard| standard.value)) else {
             let known = Standard::ALL.map(Standard::id).join(", ");

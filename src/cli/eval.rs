@@ -88,7 +88,7 @@ impl Args {
                 Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
-        let spec = super::read_spec(&path)?;
+        let spec = super::read_spec(&path, output)?;
         let basis = spec.basis()?;
         let (evaluation, uncertainty) = judged(&spec, &basis, &self.decision, self.model.into(), self.stack.into())?;
         for target in evaluation.not_given() {
@@ -97,6 +97,7 @@ impl Args {
         let missing = spec.missing_geometry();
         let mut report =
             EvaluationReport::new(spec.title.as_deref(), &evaluation, &missing).with_classes(spec.classes()?);
+        report.notes.extend(spec.suspicions_in_words());
         report.rule = self.decision.rule(&spec);
         report.uncertainty = uncertainty;
         if self.mesh {

@@ -52,7 +52,7 @@ const MOST: i64 = 10_000_000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec)?;
+        let spec = super::read_spec(&self.spec, output)?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let mesh = &input.mesh;
         let report = match self.part {

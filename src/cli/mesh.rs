@@ -221,7 +221,7 @@ const MOST_LISTED: u64 = 1000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec)?;
+        let spec = super::read_spec(&self.spec, output)?;
         let strokes = self.strokes()?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
@@ -235,6 +235,7 @@ impl Args {
         let prediction = prediction(&input);
         let mut notes = notes(&input);
         notes.extend(sinks(&input, &curve, &prediction));
+        notes.extend(spec.suspicions_in_words());
         let mut listed: Vec<ListedPoint> = Vec::new();
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
             if strokes.count <= MOST_LISTED {

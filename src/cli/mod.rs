@@ -143,7 +143,7 @@ pub fn run() -> ExitCode {
 const LARGEST_SPEC: u64 = 16 << 20;
 
 /// Reads and parses the spec at `path`; `-` is standard input.
-fn read_spec(path: &str) -> Result<Spec, Failure> {
+fn read_spec(path: &str, output: &mut Output) -> Result<Spec, Failure> {
     let mut bytes = Vec::new();
     let (name, read) = if path == "-" {
         ("<stdin>", std::io::stdin().lock().take(LARGEST_SPEC + 1).read_to_end(&mut bytes))
@@ -159,7 +159,11 @@ fn read_spec(path: &str) -> Result<Spec, Failure> {
         return Err(unreadable("it is larger than 16 MiB".to_owned()).into());
     }
     match String::from_utf8(bytes) {
-        Ok(text) => Ok(Spec::parse(name, &text)?),
+        Ok(text) => {
+            let spec = Spec::parse(name, &text)?;
+            spec.suspicions().iter().for_each(|found| output.diagnostic(found));
+            Ok(spec)
+        }
         Err(error) => {
             let at = error.utf8_error().valid_up_to();
             Err(unreadable(format!("it is not text in UTF-8 (byte {at})")).into())

@@ -45,7 +45,7 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec)?;
+        let spec = super::read_spec(&self.spec, output)?;
         let (scatter, classes) = spec.scatter()?;
         let input = spec.mesh(&mesh::measured_tables(&spec, &self.spec)?)?;
         let settings = RackSettings {

@@ -79,7 +79,7 @@ struct Read {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = Arc::new(super::read_spec(&self.spec)?);
+        let spec = Arc::new(super::read_spec(&self.spec, output)?);
         let interruption = long::interrupted();
         if let Some(path) = &self.output {
             target::refuse_inputs(path, &self.inputs(&spec).iter().map(String::as_str).collect::<Vec<_>>())?;
@@ -91,7 +91,8 @@ impl Args {
         if let Some(refused) = refusal(&table.strangers, &table.still_missing) {
             return Err(refused.into());
         }
-        let read = Read { spec, reading: table.reading.clone(), notes };
+        let mut read = Read { spec, reading: table.reading.clone(), notes };
+        read.notes.extend(read.spec.suspicions_in_words());
         if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
     }
 

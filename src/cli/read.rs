@@ -40,7 +40,7 @@ impl Args {
         let is_spec = |path: &&String| path.to_ascii_lowercase().ends_with(".toml");
         let named = self.spec.as_ref().or(self.files.iter().find(is_spec));
         let spec = Arc::new(match named {
-            Some(path) => super::read_spec(path)?,
+            Some(path) => super::read_spec(path, output)?,
             None => Spec::parse("no spec", "")?,
         });
         let interruption = long::interrupted();

@@ -68,7 +68,7 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec)?;
+        let spec = super::read_spec(&self.spec, output)?;
         let inputs = self.inputs(&spec);
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         if let Some(path) = &self.output {
@@ -114,6 +114,7 @@ impl Args {
         }
         let missing = spec.missing_geometry();
         let mut report = EvaluationReport::new(None, &evaluation, &missing).with_classes(spec.classes()?);
+        report.notes.extend(spec.suspicions_in_words());
         report.rule = self.decision.rule(spec);
         report.uncertainty = uncertainty;
         let blocks = without_verdict(report.blocks(), page, "this part");
@@ -217,6 +218,7 @@ impl Args {
             self.parts(&mut found, &interruption)?
         };
         let Lot { mut outcome, basis, charts, small_charts } = done;
+        outcome.notes.extend(spec.suspicions_in_words());
         outcome.notes.extend(outcome.duplicates.note());
         for path in tables::files_read(&self.files) {
             page.inputs.push(hashed(&path)?);

@@ -59,7 +59,7 @@ impl Args {
     }
 
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let mut spec = super::read_spec(&self.spec)?;
+        let mut spec = super::read_spec(&self.spec, output)?;
         if let Some(spacing) = &self.spacing {
             spec.simulation.parameters.spacing_mm = spacing.mm();
         }

@@ -11,6 +11,7 @@ mod form;
 mod kind;
 mod measured;
 mod pinion;
+pub mod plausible;
 mod rack;
 mod tooth_range;
 

@@ -47,6 +47,8 @@ codes! {
     BadQuantity = "bad-quantity",
     /// A value outside its domain.
     OutOfDomain = "out-of-domain",
+    /// A value that no part has, or hardly any: a unit or a size may be mistaken.
+    Implausible = "implausible",
     /// Teeth that cannot be.
     BadGeometry = "bad-geometry",
     /// A key that a requested result needs is not there.

@@ -19,6 +19,7 @@ mod measured;
 mod mesh;
 mod obtained;
 mod pair;
+mod plausible;
 mod qdas;
 mod reader;
 mod resolve;
@@ -153,7 +154,7 @@ impl Spec {
         let rule = sections.read(&keys::DECISION, |reader| reader.rule("rule"));
         let pair = pair.with(pair::HelixAngles::of(&rack, &pinion), &source, &mut diagnostics);
         if diagnostics.is_empty() {
-            Ok(Self {
+            let spec = Self {
                 source,
                 title,
                 pair,
@@ -175,7 +176,9 @@ impl Spec {
                 rule,
                 uncertainties,
                 correlations,
-            })
+            };
+            let impossible = spec.impossibilities();
+            if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }
         } else {
             diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
             Err(Diagnostics(diagnostics))

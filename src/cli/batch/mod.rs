@@ -150,7 +150,7 @@ struct Ending<'a> {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = Arc::new(super::read_spec(&self.spec)?);
+        let spec = Arc::new(super::read_spec(&self.spec, output)?);
         let interruption = long::interrupted();
         let mut files = self.files.iter().map(String::as_str).collect::<Vec<_>>();
         if files.is_empty() {
@@ -234,6 +234,7 @@ impl Args {
     ) -> Result<Status, Failure> {
         let Ending { spec, targets, failed, basis, interruption, inputs } = ending;
         written?;
+        outcome.notes.extend(spec.suspicions_in_words());
         outcome.notes.extend(outcome.duplicates.note());
         outcome.is_cut |= !failed.is_empty();
         let is_complete = !outcome.interrupted && !outcome.is_cut;

@@ -1,0 +1,325 @@
+//! Which values make sense as a deviation of teeth or as gear data, and what was probably meant by one that does not. The
+//! one rule behind `eval`, `calc`, `mesh` and tables, which only say where the value stands.
+//!
+//! A value is impossible where no part with teeth can have it, and suspicious where none that is made does. The usual
+//! mistakes are a measured size where a deviation belongs, µm written as mm, radians and arc minutes written as degrees.
+//!
+//! | quantity | suspicious | impossible | why |
+//! |---|---|---|---|
+//! | deviation of length | from 1 mm, or a quarter of the module if that is less | above the module | The coarsest class of the standards permits less than a tenth of a module, and less than 1 mm up to module 40. A flank that is a module off belongs to another tooth. |
+//! | lead error | from 2° | above 45° | The coarsest class permits less than 0.4° on a face of 10 mm. |
+//! | pressure angle | below 5° | below 1° | At 5° a pinion below 263 teeth is undercut, at 1° one below 6566. Above 45° the formulas have no value. |
+//! | helix angle | 0.087° to 0.873° either way | | As radians these are 5° to 50°, the angles that gears have. An angle so small gives no overlap, but may be meant. |
+//! | normal module | above 100 mm | | The largest of the standards is 50 mm to 70 mm. |
+//! | face width | above 1 m, or 100 modules if that is less | | A usual face is 5 to 20 modules wide. |
+
+use std::fmt;
+
+use super::ErrorValue;
+use crate::quantity::{Angle, Length};
+
+/// A whole number of millimetres.
+const fn mm(value: i64) -> Length {
+    Length::from_fm(value * 1_000_000_000_000)
+}
+
+/// From here on a deviation is suspicious, whatever the module.
+const MUCH: Length = mm(1);
+/// The share of the module from which a deviation is suspicious: a quarter.
+const MUCH_OF_MODULE: i64 = 4;
+/// From here on a lead error is suspicious, degrees.
+const MUCH_LEAD: f64 = 2.0;
+/// A lead error above this is impossible, degrees.
+const LARGEST_LEAD: f64 = 45.0;
+/// A pressure angle below this is suspicious, degrees.
+const SMALL_PRESSURE_ANGLE: f64 = 5.0;
+/// A pressure angle below this is impossible, degrees.
+const SMALLEST_PRESSURE_ANGLE: f64 = 1.0;
+/// Pressure angles of 10° to 45° in radians.
+const PRESSURE_ANGLES_RAD: std::ops::RangeInclusive<f64> = 0.17..=0.79;
+/// Helix angles of 5° to 50° in radians.
+const HELIX_ANGLES_RAD: std::ops::RangeInclusive<f64> = 0.087..=0.873;
+/// A normal module above this is suspicious.
+const LARGE_MODULE: Length = mm(100);
+/// A face width above this is suspicious.
+const LARGE_FACE_WIDTH: Length = mm(1000);
+/// A face wider than so many modules is suspicious.
+const WIDE_IN_MODULES: i64 = 100;
+/// Nobody measures below 0.1 µm: a number with finer digits is no number of micrometres, but a size in mm.
+const FINEST_IN_MICROMETRES: i64 = mm(1).fm() / 10;
+
+/// How large the values of an error may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// Of a length.
+    pub length: Length,
+    /// Of an angle.
+    pub angle: Angle,
+    /// Of the tangent of an angle.
+    pub slope: f64,
+}
+
+impl Reach {
+    /// What a deviation can be; any length where the module is not known.
+    #[must_use]
+    pub fn possible(module: Option<Length>) -> Self {
+        Self { length: module.unwrap_or(Length::LARGEST), angle: degrees(LARGEST_LEAD), slope: 1.0 }
+    }
+
+    /// What a deviation is below unless it is suspicious.
+    #[must_use]
+    pub fn usual(module: Option<Length>) -> Self {
+        let length = module.map_or(MUCH, |module| MUCH.min(Length::from_fm(module.fm() / MUCH_OF_MODULE)));
+        let angle = degrees(MUCH_LEAD);
+        Self { length, angle, slope: crate::trig::tan(angle.radians()) }
+    }
+
+    /// The same, and no length beyond `length`.
+    #[must_use]
+    pub fn within(self, length: Length) -> Self {
+        Self { length: self.length.min(length), ..self }
+    }
+
+    /// Whether a value is beyond it.
+    #[must_use]
+    #[inline]
+    pub fn is_exceeded_by(&self, value: ErrorValue) -> bool {
+        match value {
+            ErrorValue::Length(length) => length.abs() > self.length,
+            ErrorValue::Angle(angle) => angle.abs() > self.angle,
+            ErrorValue::Slope(slope) => slope.abs() > self.slope,
+        }
+    }
+
+    /// Whether a value is beyond it or at its end.
+    #[must_use]
+    #[inline]
+    pub fn is_reached_by(&self, value: ErrorValue) -> bool {
+        match value {
+            ErrorValue::Length(length) => length.abs() >= self.length,
+            ErrorValue::Angle(angle) => angle.abs() >= self.angle,
+            ErrorValue::Slope(slope) => slope.abs() >= self.slope,
+        }
+    }
+}
+
+/// A few whole degrees, which every angle holds.
+fn degrees(value: f64) -> Angle {
+    Angle::from_degrees(value).unwrap_or(Angle::LARGEST)
+}
+
+/// What a value is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// A deviation of length, with the module if it is known.
+    Deviation(Option<Length>),
+    /// A lead error.
+    Lead,
+    /// The normal pressure angle.
+    PressureAngle,
+    /// A helix angle.
+    HelixAngle,
+    /// The normal module.
+    NormalModule,
+    /// A face width.
+    FaceWidth,
+}
+
+/// What was probably meant by a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Meant {
+    /// The same number in another unit, by its symbol in a spec.
+    Unit(&'static str),
+    /// A measured size.
+    Size,
+    /// f_Hβ or its length in another unit.
+    Slope,
+    /// Nothing that the number tells.
+    Unknown,
+}
+
+/// Where a value stands, which decides how the right one is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Written {
+    /// In a spec.
+    Spec,
+    /// Among the arguments.
+    Argument,
+}
+
+/// A value that makes no sense, or hardly any.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Doubt {
+    /// What it is of.
+    pub quantity: Quantity,
+    /// The value.
+    pub value: ErrorValue,
+    /// Whether no part can have it; else it is suspicious.
+    pub is_impossible: bool,
+    /// What was probably meant.
+    pub meant: Meant,
+}
+
+/// The doubt about the value of an error.
+#[must_use]
+pub fn deviation(value: ErrorValue, module: Option<Length>) -> Option<Doubt> {
+    let usual = Reach::usual(module);
+    if !usual.is_reached_by(value) {
+        return None;
+    }
+    let (quantity, meant) = match value {
+        ErrorValue::Length(length) => (Quantity::Deviation(module), size_or_micrometres(length, usual.length)),
+        ErrorValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => {
+            (Quantity::Lead, Meant::Unit("arcmin"))
+        }
+        ErrorValue::Angle(_) => (Quantity::Lead, Meant::Unknown),
+        ErrorValue::Slope(_) => (Quantity::Lead, Meant::Slope),
+    };
+    let is_impossible = Reach::possible(module).is_exceeded_by(value);
+    Some(Doubt { quantity, value, is_impossible, meant })
+}
+
+/// What was meant by a length that is much for a deviation.
+fn size_or_micrometres(length: Length, usual: Length) -> Meant {
+    if !length.is_negative() && length.fm() % FINEST_IN_MICROMETRES != 0 {
+        Meant::Size
+    } else if Length::from_fm(length.fm() / 1000).abs() < usual {
+        Meant::Unit("um")
+    } else {
+        Meant::Unknown
+    }
+}
+
+/// The doubt about a normal pressure angle.
+#[must_use]
+pub fn pressure_angle(angle: Angle) -> Option<Doubt> {
+    let value = angle.degrees();
+    (value < SMALL_PRESSURE_ANGLE).then(|| Doubt {
+        quantity: Quantity::PressureAngle,
+        value: ErrorValue::Angle(angle),
+        is_impossible: value < SMALLEST_PRESSURE_ANGLE,
+        meant: if PRESSURE_ANGLES_RAD.contains(&value) { Meant::Unit("rad") } else { Meant::Unknown },
+    })
+}
+
+/// The doubt about a helix angle that is written without its unit.
+#[must_use]
+pub fn helix_angle(angle: Angle) -> Option<Doubt> {
+    HELIX_ANGLES_RAD.contains(&angle.abs().degrees()).then_some(Doubt {
+        quantity: Quantity::HelixAngle,
+        value: ErrorValue::Angle(angle),
+        is_impossible: false,
+        meant: Meant::Unit("rad"),
+    })
+}
+
+/// The doubt about a normal module.
+#[must_use]
+pub fn normal_module(module: Length) -> Option<Doubt> {
+    (module > LARGE_MODULE).then_some(large(Quantity::NormalModule, module))
+}
+
+/// The doubt about a face width.
+#[must_use]
+pub fn face_width(width: Length, module: Option<Length>) -> Option<Doubt> {
+    let wide = |module: Length| Length::from_fm(module.fm().saturating_mul(WIDE_IN_MODULES));
+    let largest = module.map_or(LARGE_FACE_WIDTH, |module| LARGE_FACE_WIDTH.min(wide(module)));
+    (width > largest).then_some(large(Quantity::FaceWidth, width))
+}
+
+fn large(quantity: Quantity, value: Length) -> Doubt {
+    Doubt { quantity, value: ErrorValue::Length(value), is_impossible: false, meant: Meant::Unit("um") }
+}
+
+impl Doubt {
+    /// The same of a measured value less its nominal one, whose difference tells nothing of either.
+    #[must_use]
+    pub fn of_difference(self) -> Self {
+        Self { meant: Meant::Unknown, ..self }
+    }
+
+    /// What to write.
+    #[must_use]
+    pub fn remedy(&self, written: Written) -> String {
+        let number = self.value.base();
+        match (self.meant, written) {
+            (Meant::Unit(unit), Written::Spec) => format!("if that is {}, write \"{number} {unit}\"", name(unit)),
+            (Meant::Unit(unit), Written::Argument) => format!("if that is {}, write {number}{unit}", name(unit)),
+            (Meant::Size, Written::Spec) => {
+                format!("if that is a measured size, write {{ measured = {number}, nominal = … }}")
+            }
+            (Meant::Size, Written::Argument) => {
+                format!("if that is a measured size, write --measured {number} --nominal …")
+            }
+            (Meant::Slope, _) => "check the units of f_Hβ and of its evaluation length: a number alone is mm".to_owned(),
+            (Meant::Unknown, _) => "check the unit and the decimal mark".to_owned(),
+        }
+    }
+}
+
+/// A unit in words.
+fn name(unit: &'static str) -> &'static str {
+    match unit {
+        "um" => "µm",
+        "arcmin" => "arc minutes",
+        "rad" => "radians",
+        other => other,
+    }
+}
+
+/// A value as it is shown: the angle of a slope with few digits.
+struct Shown(ErrorValue);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            ErrorValue::Length(length) => length.fmt(f),
+            ErrorValue::Angle(angle) => angle.fmt(f),
+            slope @ ErrorValue::Slope(_) => write!(f, "{:.2}°", slope.base()),
+        }
+    }
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let too = if self.is_impossible { "too " } else { "" };
+        let value = Shown(self.value);
+        match self.quantity {
+            Quantity::Deviation(None) => write!(f, "{value} is {too}much for a deviation"),
+            Quantity::Deviation(Some(module)) => {
+                write!(f, "{value} is {too}much for a deviation (the module is {module})")
+            }
+            Quantity::Lead => write!(f, "{value} is {too}much for a lead error"),
+            Quantity::PressureAngle => write!(f, "{value} is {too}small for a pressure angle"),
+            Quantity::HelixAngle => write!(f, "{value} is {too}small for a helix angle"),
+            Quantity::NormalModule => write!(f, "{value} is {too}large for a module"),
+            Quantity::FaceWidth => write!(f, "{value} is {too}large for a face width"),
+        }
+    }
+}
+
+/// The values of a column that are suspicious.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DoubtedColumn {
+    /// What is usual.
+    pub usual: Reach,
+    /// Whether the column holds lead errors.
+    pub is_lead: bool,
+    /// How many of its values are not usual.
+    pub count: u64,
+}
+
+impl fmt::Display for DoubtedColumn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { usual, is_lead, count } = self;
+        let values = if *count == 1 { "1 value is" } else { &*format!("{count} values are") };
+        if *is_lead {
+            write!(f, "{values} much for a lead error, {} or more: check the unit", usual.angle)
+        } else {
+            let length = usual.length;
+            write!(f, "{values} much for a deviation, {length} or more: check the unit, and whether these are sizes")
+        }
+    }
+}

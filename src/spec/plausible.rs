@@ -1,0 +1,262 @@
+//! Whether the values of a spec make sense, by the one rule of [`plausible`](crate::deviation::plausible). Called by
+//! [`Spec::parse`], which refuses what is impossible, and by whoever shows results; changes no value.
+
+use std::ops::Range;
+
+use super::errors::WrittenError;
+use super::resolve::MissingKeys;
+use super::{Located, Spec, WrittenPinionDeviation};
+use crate::deviation::plausible::{self, Doubt, Written};
+use crate::deviation::{ErrorKind, ErrorValue, PinionDeviationKind, RackDeviationKind};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::quantity::{Angle, Length, parse_f64};
+
+/// A doubt about the value of a key.
+struct DoubtedKey {
+    name: String,
+    span: Range<usize>,
+    doubt: Doubt,
+}
+
+impl Spec {
+    /// What in it is suspicious, in its order: there is a result, but it may be that of a mistaken unit.
+    #[must_use]
+    pub fn suspicions(&self) -> Vec<Diagnostic> {
+        let mut all = self.doubts();
+        all.retain(|diagnostic| diagnostic.severity == Severity::Warning);
+        all
+    }
+
+    /// The same as sentences, for the notes of a result.
+    #[must_use]
+    pub fn suspicions_in_words(&self) -> Vec<String> {
+        let sentence = |found: Diagnostic| match found.help {
+            Some(help) => format!("{}; {help}", found.message),
+            None => found.message,
+        };
+        self.suspicions().into_iter().map(sentence).collect()
+    }
+
+    /// What in it is impossible.
+    pub(super) fn impossibilities(&self) -> Vec<Diagnostic> {
+        let mut all = self.doubts();
+        all.retain(|diagnostic| diagnostic.severity == Severity::Error);
+        all
+    }
+
+    fn doubts(&self) -> Vec<Diagnostic> {
+        let mut found = self.doubted_sizes();
+        found.extend(self.errors.iter().filter_map(|(kind, written)| self.doubted_error(*kind, written)));
+        found.extend(self.doubted_teeth());
+        found.sort_by_key(|doubted| doubted.span.start);
+        found.into_iter().map(|doubted| self.diagnostic(&doubted)).collect()
+    }
+
+    fn diagnostic(&self, doubted: &DoubtedKey) -> Diagnostic {
+        let DoubtedKey { name, span, doubt } = doubted;
+        let message = format!("`{name}`: {doubt}");
+        let diagnostic = if doubt.is_impossible {
+            Diagnostic::error(Code::Implausible, message)
+        } else {
+            Diagnostic::warning(Code::Implausible, message)
+        };
+        let diagnostic = diagnostic.help(doubt.remedy(Written::Spec));
+        if span.is_empty() { diagnostic } else { diagnostic.at(&self.source, span.clone(), "") }
+    }
+
+    fn module(&self) -> Option<Length> {
+        self.pair.normal_module.as_ref().map(|module| module.value)
+    }
+
+    /// The gear data that make no sense.
+    fn doubted_sizes(&self) -> Vec<DoubtedKey> {
+        fn of<T: Copy>(
+            name: &str,
+            written: Option<&Located<T>>,
+            rule: impl Fn(T) -> Option<Doubt>,
+        ) -> Option<DoubtedKey> {
+            let written = written?;
+            Some(DoubtedKey { name: name.to_owned(), span: written.span.clone(), doubt: rule(written.value)? })
+        }
+        let module = self.module();
+        let face_width = |width| plausible::face_width(width, module);
+        let bare = |angle: &&Located<Angle>| self.is_bare(&angle.span);
+        [
+            of("normal_module", self.pair.normal_module.as_ref(), plausible::normal_module),
+            of("normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), plausible::pressure_angle),
+            of("helix_angle", self.rack.helix_angle.as_ref().filter(bare), plausible::helix_angle),
+            of("face_width", self.rack.face_width.as_ref(), face_width),
+            of("helix_angle", self.pinion.helix_angle.as_ref().filter(bare), plausible::helix_angle),
+            of("face_width", self.pinion.face_width.as_ref(), face_width),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// Whether a value is written without a unit.
+    fn is_bare(&self, span: &Range<usize>) -> bool {
+        let text = self.source.text.get(span.clone()).unwrap_or_default();
+        parse_f64(text.trim_matches(['"', '\''])).is_ok()
+    }
+
+    /// The doubt about an entry of `[errors]`; a class is the standard's.
+    fn doubted_error(&self, kind: ErrorKind, written: &Located<WrittenError>) -> Option<DoubtedKey> {
+        let (value, is_difference) = match written.value {
+            WrittenError::Value(value) => (value, self.nominals.iter().any(|(of, _)| *of == kind)),
+            WrittenError::OverRoller { measured, roller } => {
+                let need = || (kind.key().to_owned(), None);
+                let over_pin = self.over_pin_of(roller, &mut MissingKeys::default(), &need)?;
+                (ErrorValue::Length(measured - over_pin.measure().ok()?), true)
+            }
+            WrittenError::Class(_) => return None,
+        };
+        let doubt = plausible::deviation(value, self.module())?;
+        let doubt = if is_difference { doubt.of_difference() } else { doubt };
+        Some(DoubtedKey { name: kind.key().to_owned(), span: written.span.clone(), doubt })
+    }
+
+    /// The doubts about deviations of single teeth.
+    fn doubted_teeth(&self) -> Vec<DoubtedKey> {
+        let module = self.module();
+        let doubted = |name: &str, value: Option<ErrorValue>, span: &Range<usize>| {
+            let doubt = plausible::deviation(value?, module)?;
+            Some(DoubtedKey { name: name.to_owned(), span: span.clone(), doubt })
+        };
+        let rack = self
+            .rack
+            .deviations
+            .iter()
+            .filter_map(|written| doubted("rack.deviation", of_rack(written.value.kind), &written.span));
+        let pinion = self
+            .pinion
+            .deviations
+            .iter()
+            .filter_map(|written| doubted("pinion.deviation", of_pinion(&written.value), &written.span));
+        rack.chain(pinion).collect()
+    }
+}
+
+/// The value of a deviation of rack teeth.
+fn of_rack(kind: RackDeviationKind) -> Option<ErrorValue> {
+    use RackDeviationKind::{Lead, Left, OverRoller, Pitch, Right, Shift, Thickness};
+    match kind {
+        OverRoller(mm) | Pitch(mm) | Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) => length(mm),
+        Lead(rad) => angle(rad),
+    }
+}
+
+/// The value of a deviation of the pinion.
+fn of_pinion(deviation: &WrittenPinionDeviation) -> Option<ErrorValue> {
+    use PinionDeviationKind::{Lead, Left, Radial, Right, Shift, Thickness};
+    match deviation {
+        WrittenPinionDeviation::Teeth(of_teeth) => match of_teeth.kind {
+            Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) | Radial(mm) => length(mm),
+            Lead(rad) => angle(rad),
+        },
+        WrittenPinionDeviation::Eccentricity(eccentricity) => length(eccentricity.amount_mm),
+    }
+}
+
+fn length(mm: f64) -> Option<ErrorValue> {
+    Length::from_mm(mm).ok().map(ErrorValue::Length)
+}
+
+fn angle(rad: f64) -> Option<ErrorValue> {
+    Angle::from_degrees(rad * (180.0 / std::f64::consts::PI)).ok().map(ErrorValue::Angle)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::spec::Spec;
+
+    fn said(text: &str) -> Vec<String> {
+        match Spec::parse("spec.toml", text) {
+            Ok(spec) => spec
+                .suspicions()
+                .into_iter()
+                .map(|found| format!("{found}; {}", found.help.clone().unwrap_or_default()))
+                .collect(),
+            Err(problems) => problems
+                .0
+                .into_iter()
+                .map(|found| format!("{found}; {}", found.help.clone().unwrap_or_default()))
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn each_mistake_is_said_where_it_stands_with_what_to_write() {
+        for (text, expected) in [
+            (
+                "[errors]\nrack_pitch = 12",
+                "spec.toml:2:14: warning[implausible]: `rack_pitch`: 12 mm is much for a deviation; if that is µm, write \"12 um\"",
+            ),
+            (
+                "[pair]\nnormal_module = 1.83\n[errors]\nrack_pitch = 12",
+                "spec.toml:4:14: error[implausible]: `rack_pitch`: 12 mm is too much for a deviation (the module is 1.83 mm); \
+                 if that is µm, write \"12 um\"",
+            ),
+            (
+                "[errors]\nrack_over_roller = 25.013",
+                "spec.toml:2:20: warning[implausible]: `rack_over_roller`: 25.013 mm is much for a deviation; \
+                 if that is a measured size, write { measured = 25.013, nominal = … }",
+            ),
+            (
+                "[errors]\nrack_over_roller = { measured = 25.013, nominal = 22 }",
+                "spec.toml:2:20: warning[implausible]: `rack_over_roller`: 3.013 mm is much for a deviation; \
+                 check the unit and the decimal mark",
+            ),
+            (
+                "[errors]\nrack_lead = 15",
+                "spec.toml:2:13: warning[implausible]: `rack_lead`: 15° is much for a lead error; \
+                 if that is arc minutes, write \"15 arcmin\"",
+            ),
+            (
+                "[errors]\nrack_lead = { f_h_beta = 8, length = 18 }",
+                "spec.toml:2:13: warning[implausible]: `rack_lead`: 23.96° is much for a lead error; \
+                 check the units of f_Hβ and of its evaluation length: a number alone is mm",
+            ),
+            (
+                "[pair]\nnormal_pressure_angle = 0.349",
+                "spec.toml:2:25: error[implausible]: `normal_pressure_angle`: 0.349° is too small for a pressure angle; \
+                 if that is radians, write \"0.349 rad\"",
+            ),
+            (
+                "[rack]\nhelix_angle = -0.436",
+                "spec.toml:2:15: warning[implausible]: `helix_angle`: -0.436° is small for a helix angle; \
+                 if that is radians, write \"-0.436 rad\"",
+            ),
+            (
+                "[pair]\nnormal_module = 1830",
+                "spec.toml:2:17: warning[implausible]: `normal_module`: 1830 mm is large for a module; \
+                 if that is µm, write \"1830 um\"",
+            ),
+            (
+                "[pinion]\nface_width = 18000",
+                "spec.toml:2:14: warning[implausible]: `face_width`: 18000 mm is large for a face width; \
+                 if that is µm, write \"18000 um\"",
+            ),
+            (
+                "[[rack.deviation]]\nteeth = \"3\"\npitch = 12",
+                "spec.toml:1:1: warning[implausible]: `rack.deviation`: 12 mm is much for a deviation; \
+                 if that is µm, write \"12 um\"",
+            ),
+        ] {
+            assert_eq!(said(text), [expected], "{text}");
+        }
+    }
+
+    #[test]
+    fn what_parts_have_and_what_is_said_with_its_unit_is_not_doubted() {
+        for text in [
+            "[pair]\nnormal_module = 1.83\nnormal_pressure_angle = 20\n[errors]\nrack_pitch = 0.02\nrack_lead = 0.0017",
+            "[rack]\nhelix_angle = \"0.5 deg\"",
+            "[rack]\nhelix_angle = 0\nface_width = 20",
+            "[errors]\nrack_over_roller = { measured = 25.013, nominal = 25 }",
+            "[tolerance]\nstandard = \"iso1328-1-2013\"\n[errors]\nrack_pitch = { class = 7 }",
+        ] {
+            assert_eq!(said(text), [String::new(); 0], "{text}");
+        }
+    }
+}
