@@ -13,6 +13,7 @@ use super::statistics::Statistics;
 use super::uncertain::RowUncertainty;
 use crate::decision::Verdict;
 use crate::decision::uncertainty::Spreads;
+use crate::deviation::plausible::Reach;
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::quantity::shown;
 use crate::table::{Block, Fault};
@@ -63,6 +64,8 @@ pub(super) struct Evaluator<'a> {
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
     deviations: [ErrorValue; KINDS],
+    /// Which deviations are not suspicious.
+    usual: Reach,
     /// Whether rejected rows are kept at all.
     keeps_rejects: bool,
 }
@@ -83,6 +86,7 @@ impl<'a> Evaluator<'a> {
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
             deviations,
+            usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
         }
     }
@@ -103,6 +107,9 @@ impl<'a> Evaluator<'a> {
         let mut faults = block.faults().iter().peekable();
         let columns: Vec<_> =
             self.layout.columns.iter().map(|column| column.map(|column| block.values(column))).collect();
+        for (doubted, column) in self.tally.doubted.iter_mut().zip(&columns) {
+            *doubted = column.map_or(0, |values| self.usual.doubted(values));
+        }
         for index in 0..block.rows() {
             if self.plan.request.strict && self.tally.counts.rejected > 0 {
                 return;

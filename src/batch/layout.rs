@@ -1,7 +1,9 @@
 //! Where one table has what the plan needs. Made once per table; reads no row.
 
 use super::output::Output;
-use super::plan::{Plan, missing};
+use super::plan::{Plan, Source, missing};
+use crate::deviation::ErrorKind;
+use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Reading;
 use crate::table::{Nominal, Table, Wanted};
@@ -70,6 +72,18 @@ impl Layout {
         }
         let titles = table.columns.iter().map(|column| column.title.clone()).collect();
         Ok(Self { columns, titles, copied })
+    }
+
+    /// A sentence for each column that has suspicious values, of which `counts` has one number per source of the plan.
+    pub(super) fn doubts(&self, plan: &Plan, table: &str, counts: &[u64]) -> Vec<String> {
+        let usual = Reach::usual(plan.spec.module());
+        let sources = plan.sources.iter().zip(&self.columns).zip(counts).filter(|(_, count)| **count > 0);
+        let sentence = |((source, column), count): ((&Source, &Option<usize>), &u64)| {
+            let title = self.titles.get((*column)?)?;
+            let is_lead = source.law.kind() == ErrorKind::RackLead;
+            Some(format!("{table}: `{title}`: {}", DoubtedColumn { usual, is_lead, count: *count }))
+        };
+        sources.filter_map(sentence).collect()
     }
 
     /// What is wanted of the table's rows.

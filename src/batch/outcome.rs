@@ -6,6 +6,7 @@ use std::fmt;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
+use super::results::KINDS;
 use super::statistics::{Moving, Statistics};
 use crate::decision::{LimitTarget, Verdict};
 use crate::diagnostic::Code;
@@ -283,6 +284,8 @@ pub(super) struct Tally {
     pub(super) asides: Vec<AsideReading>,
     /// A cell that contradicts how the table is read.
     pub(super) contradiction: Option<Contradiction>,
+    /// How many values of each source are suspicious.
+    pub(super) doubted: [u64; KINDS],
     /// The names of the parts, while they are looked at.
     pub(super) names: Names,
     /// One per result that is held against a limit, where statistics are kept.
@@ -309,6 +312,8 @@ pub(super) struct Total<'a> {
     /// Records that are no parts.
     pub(super) asides: Vec<AsideReading>,
     pub(super) contradiction: Option<Contradiction>,
+    /// How many values of each source are suspicious.
+    pub(super) doubted: [u64; KINDS],
     pub(super) problems_kept: usize,
     pub(super) failures_kept: usize,
 }
@@ -354,6 +359,9 @@ impl Total<'_> {
         if let Some(mut contradiction) = tally.contradiction.take() {
             contradiction.line += lines;
             self.contradiction.get_or_insert(contradiction);
+        }
+        for (doubted, more) in self.doubted.iter_mut().zip(tally.doubted) {
+            *doubted += more;
         }
         self.outcome.duplicates.add(&tally.names);
         self.lines += if self.is_relative { tally.lines } else { 0 };

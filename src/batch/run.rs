@@ -114,6 +114,7 @@ impl<'a> Batch<'a> {
             place,
             asides: Vec::new(),
             contradiction: None,
+            doubted: Default::default(),
             problems_kept: plan.request.problems_kept,
             failures_kept: plan.request.failures_kept,
         };
@@ -152,7 +153,7 @@ impl<'a> Batch<'a> {
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
         let (error, contradiction) = (order.error, order.total.contradiction);
-        let asides = order.total.asides;
+        let (asides, doubted) = (order.total.asides, order.total.doubted);
         self.worst = order.total.worst;
         self.outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -163,6 +164,7 @@ impl<'a> Batch<'a> {
         self.outcome.interrupted |= stop.load(Ordering::Relaxed);
         let mut reading = reading;
         reading.asides.extend(asides);
+        reading.notes.extend(layout.doubts(plan, &name, &doubted));
         self.outcome.readings.push(reading);
         self.outcome.is_cut |= contradiction.is_some() || waiting.error.is_some();
         match (error, contradiction, waiting.error) {

@@ -10,6 +10,7 @@ use super::tables::{self, Opened, ReadArgs};
 use super::{batch, mesh, office, page, target, terminal};
 use crate::decision::uncertainty::Source as Uncertain;
 use crate::decision::{Evaluation, LimitTarget, Verdict};
+use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::bound::Basis;
@@ -232,6 +233,8 @@ impl Args {
         let unreadable =
             |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
         let basis = read.spec.basis()?;
+        let usual = Reach::usual(read.spec.module());
+        let mut doubted = vec![0; kinds.len()];
         let mut rows: Vec<PartRow> = Vec::new();
         for block in table.blocks().map_err(unreadable)? {
             if let Some(contradiction) = &block.contradiction {
@@ -239,6 +242,9 @@ impl Args {
                 return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
             }
             read.reading.asides.extend(block.asides.iter().cloned());
+            for (column, doubted) in doubted.iter_mut().enumerate() {
+                *doubted += usual.doubted(block.values(column));
+            }
             for index in 0..block.rows() {
                 if rows.len() == MOST_PARTS {
                     let message = format!("{name} has more than {MOST_PARTS} parts");
@@ -267,6 +273,10 @@ impl Args {
                     uncertainty,
                 });
             }
+        }
+        for ((kind, title), count) in kinds.iter().zip(&titles).zip(doubted).filter(|(_, count)| *count > 0) {
+            let column = DoubtedColumn { usual, is_lead: *kind == ErrorKind::RackLead, count };
+            read.reading.notes.push(format!("{name}: `{title}`: {column}"));
         }
         Ok(rows)
     }

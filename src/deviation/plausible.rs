@@ -91,6 +91,12 @@ impl Reach {
         }
     }
 
+    /// How many of a column's values are suspicious, if this is what is usual.
+    #[must_use]
+    pub fn doubted(&self, values: &[ErrorValue]) -> u64 {
+        values.iter().filter(|value| self.is_reached_by(**value)).count() as u64
+    }
+
     /// Whether a value is beyond it or at its end.
     #[must_use]
     #[inline]
@@ -171,9 +177,7 @@ pub fn deviation(value: ErrorValue, module: Option<Length>) -> Option<Doubt> {
     }
     let (quantity, meant) = match value {
         ErrorValue::Length(length) => (Quantity::Deviation(module), size_or_micrometres(length, usual.length)),
-        ErrorValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => {
-            (Quantity::Lead, Meant::Unit("arcmin"))
-        }
+        ErrorValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => (Quantity::Lead, Meant::Unit("arcmin")),
         ErrorValue::Angle(_) => (Quantity::Lead, Meant::Unknown),
         ErrorValue::Slope(_) => (Quantity::Lead, Meant::Slope),
     };
@@ -196,7 +200,7 @@ fn size_or_micrometres(length: Length, usual: Length) -> Meant {
 #[must_use]
 pub fn pressure_angle(angle: Angle) -> Option<Doubt> {
     let value = angle.degrees();
-    (value < SMALL_PRESSURE_ANGLE).then(|| Doubt {
+    (value > 0.0 && value < SMALL_PRESSURE_ANGLE).then(|| Doubt {
         quantity: Quantity::PressureAngle,
         value: ErrorValue::Angle(angle),
         is_impossible: value < SMALLEST_PRESSURE_ANGLE,
@@ -253,7 +257,9 @@ impl Doubt {
             (Meant::Size, Written::Argument) => {
                 format!("if that is a measured size, write --measured {number} --nominal …")
             }
-            (Meant::Slope, _) => "check the units of f_Hβ and of its evaluation length: a number alone is mm".to_owned(),
+            (Meant::Slope, _) => {
+                "check the units of f_Hβ and of its evaluation length: a number alone is mm".to_owned()
+            }
             (Meant::Unknown, _) => "check the unit and the decimal mark".to_owned(),
         }
     }
@@ -300,7 +306,7 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// The values of a column that are suspicious.
+/// What is said once of a column with suspicious values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoubtedColumn {
     /// What is usual.
@@ -321,5 +327,109 @@ impl fmt::Display for DoubtedColumn {
             let length = usual.length;
             write!(f, "{values} much for a deviation, {length} or more: check the unit, and whether these are sizes")
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(text: &str) -> Length {
+        text.parse().expect(text)
+    }
+
+    fn angle(text: &str) -> Angle {
+        text.parse().expect(text)
+    }
+
+    /// What is said of a value: nothing, or how bad it is and what was meant.
+    fn said(doubt: Option<Doubt>) -> Option<(bool, Meant)> {
+        doubt.map(|doubt| (doubt.is_impossible, doubt.meant))
+    }
+
+    #[test]
+    fn lengths() {
+        const MICROMETRES: Meant = Meant::Unit("um");
+        for (value, module, expected) in [
+            ("0.999999", None, None),
+            ("1", None, Some((false, MICROMETRES))),
+            ("-12", None, Some((false, MICROMETRES))),
+            ("999", None, Some((false, MICROMETRES))),
+            ("1000", None, Some((false, Meant::Unknown))),
+            ("25.013", None, Some((false, Meant::Size))),
+            ("-25.013", None, Some((false, MICROMETRES))),
+            ("13.1", None, Some((false, MICROMETRES))),
+            ("0.499999", Some("2"), None),
+            ("0.5", Some("2"), Some((false, MICROMETRES))),
+            ("2", Some("2"), Some((false, MICROMETRES))),
+            ("2.01", Some("2"), Some((true, Meant::Size))),
+            ("-12", Some("2"), Some((true, MICROMETRES))),
+            ("1", Some("20"), Some((false, MICROMETRES))),
+        ] {
+            let found = deviation(ErrorValue::Length(length(value)), module.map(length));
+            assert_eq!(said(found), expected, "{value} {module:?}");
+        }
+    }
+
+    #[test]
+    fn leads() {
+        for (value, expected) in [
+            (ErrorValue::Angle(angle("0.0017")), None),
+            (ErrorValue::Angle(angle("-1.999")), None),
+            (ErrorValue::Angle(angle("2")), Some((false, Meant::Unit("arcmin")))),
+            (ErrorValue::Angle(angle("-15")), Some((false, Meant::Unit("arcmin")))),
+            (ErrorValue::Angle(angle("45")), Some((false, Meant::Unit("arcmin")))),
+            (ErrorValue::Angle(angle("46")), Some((true, Meant::Unit("arcmin")))),
+            (ErrorValue::Angle(angle("120")), Some((true, Meant::Unknown))),
+            (ErrorValue::Slope(0.034), None),
+            (ErrorValue::Slope(-0.035), Some((false, Meant::Slope))),
+            (ErrorValue::Slope(1.0), Some((false, Meant::Slope))),
+            (ErrorValue::Slope(1.01), Some((true, Meant::Slope))),
+        ] {
+            assert_eq!(said(deviation(value, Some(length("2")))), expected, "{value:?}");
+        }
+    }
+
+    #[test]
+    fn gear_data() {
+        const RADIANS: Meant = Meant::Unit("rad");
+        for (value, expected) in [
+            ("0", None),
+            ("0.1", Some((true, Meant::Unknown))),
+            ("0.349", Some((true, RADIANS))),
+            ("1", Some((false, Meant::Unknown))),
+            ("4.9", Some((false, Meant::Unknown))),
+            ("5", None),
+            ("20", None),
+        ] {
+            assert_eq!(said(pressure_angle(angle(value))), expected, "{value}");
+        }
+        for (value, expected) in
+            [("0", false), ("0.08", false), ("0.436", true), ("-0.436", true), ("0.88", false), ("-12", false)]
+        {
+            assert_eq!(helix_angle(angle(value)).is_some(), expected, "{value}");
+        }
+        assert!(normal_module(length("100")).is_none());
+        assert!(normal_module(length("1830")).is_some_and(|doubt| !doubt.is_impossible));
+        for (value, module, expected) in [
+            ("1000", None, false),
+            ("18000", None, true),
+            ("183", Some("1.83"), false),
+            ("184", Some("1.83"), true),
+            ("1001", Some("100"), true),
+        ] {
+            assert_eq!(face_width(length(value), module.map(length)).is_some(), expected, "{value} {module:?}");
+        }
+    }
+
+    #[test]
+    fn what_to_write_is_what_reads_as_meant() {
+        let doubt = deviation(ErrorValue::Length(length("12")), None).expect("much");
+        assert_eq!(doubt.remedy(Written::Spec), "if that is µm, write \"12 um\"");
+        assert_eq!(doubt.remedy(Written::Argument), "if that is µm, write 12um");
+        assert_eq!(doubt.of_difference().remedy(Written::Spec), "check the unit and the decimal mark");
+        assert_eq!(length("12 um"), length("0.012"));
+        let size = deviation(ErrorValue::Length(length("25.013")), None).expect("much");
+        assert_eq!(size.remedy(Written::Argument), "if that is a measured size, write --measured 25.013 --nominal …");
     }
 }

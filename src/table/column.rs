@@ -8,6 +8,7 @@ use super::number::{DecimalMark, Marks, marks, normalise};
 use super::shape::{Measurement, Series};
 use super::strangers::unit_in;
 use super::want::Want;
+use crate::deviation::plausible::{self, Reach};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::lead_slope;
@@ -65,7 +66,9 @@ pub(crate) struct Column {
     /// The nominal value that the spec gives, where the table has its own.
     stated: Option<ErrorValue>,
     /// How far a measured value may be from its nominal one, and a deviation from 0.
-    farthest: Option<ErrorValue>,
+    farthest: Reach,
+    /// The normal module, if it is known.
+    module: Option<Length>,
     /// How far the file says that it may be, mm or degrees.
     tolerance: Option<f64>,
     pub(crate) mark: DecimalMark,
@@ -89,7 +92,7 @@ pub(crate) struct Companion {
 pub(crate) struct Plain {
     unit: Unit,
     nominal: ErrorValue,
-    farthest: Length,
+    farthest: Reach,
     /// The evaluation length of f_Hβ.
     over: Option<Length>,
 }
@@ -103,12 +106,13 @@ impl Plain {
                 let deviation = Length::of_number(number, unit).ok()? - nominal;
                 match self.over {
                     Some(over) => lead_slope(deviation, over).ok(),
-                    None => (deviation.abs() <= self.farthest).then_some(ErrorValue::Length(deviation)),
+                    None => Some(ErrorValue::Length(deviation)),
                 }
             }
             (Unit::Angle(unit), nominal) => Some(ErrorValue::Angle(Angle::of_number(number, unit).ok()?).less(nominal)),
             _ => None,
         }
+        .filter(|deviation| !self.farthest.is_exceeded_by(*deviation))
     }
 }
 
@@ -160,7 +164,8 @@ impl Column {
             nominal: Nominal::None,
             evaluated: Evaluated::No,
             stated: None,
-            farthest: None,
+            farthest: Reach::possible(None),
+            module: None,
             tolerance: None,
             mark,
             mark_is_open: false,
@@ -193,8 +198,9 @@ impl Column {
 
     /// Decides what is taken from a value.
     fn take_nominal(&mut self, kind: ErrorKind, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
+        self.module = want.module;
+        self.farthest = Reach::possible(want.module);
         if self.holds == Some(Holds::Deviation) {
-            self.farthest = want.module.map(ErrorValue::Length);
             return Ok(());
         }
         let in_spec = want.given(kind).and_then(|given| given.nominal.clone());
@@ -213,11 +219,9 @@ impl Column {
                 ))
                 .into());
         }
-        self.farthest = match self.nominal {
-            Nominal::Fixed(nominal) => farthest(nominal, want.module),
-            Nominal::None => want.module.map(ErrorValue::Length),
-            Nominal::Beside => None,
-        };
+        if let Nominal::Fixed(nominal) = self.nominal {
+            self.farthest = near(nominal, self.farthest);
+        }
         Ok(())
     }
 
@@ -244,16 +248,12 @@ impl Column {
     /// What a plain number of this column is; `None` if a row has more to say.
     pub(crate) fn plain(&self) -> Option<Plain> {
         let nominal = self.nominal_of_every_part()?;
-        let farthest = match self.farthest {
-            Some(ErrorValue::Length(farthest)) => farthest,
-            _ => Length::LARGEST,
-        };
         let over = match self.evaluated {
             Evaluated::No => None,
             Evaluated::Over(over) => Some(over),
             Evaluated::Beside => return None,
         };
-        self.is_plain().then_some(Plain { unit: self.unit, nominal, farthest, over })
+        self.is_plain().then_some(Plain { unit: self.unit, nominal, farthest: self.farthest, over })
     }
 
     /// The deviation that a cell means; `None` if it says that there is none.
@@ -272,9 +272,7 @@ impl Column {
             Nominal::Beside => self.nominal_beside(beside.nominal)?,
         };
         let deviation = value.less(nominal);
-        if farthest(nominal, None).is_some()
-            && (self.is_far(deviation) || is_farther(deviation, farthest(nominal, None)))
-        {
+        if near(nominal, self.farthest).is_exceeded_by(deviation) {
             return Err(Problem::Far(format!("{value} is far from the nominal value {nominal}")));
         }
         self.check(cell, deviation, &beside)?;
@@ -298,16 +296,17 @@ impl Column {
 
     /// A deviation that stands for itself.
     fn deviation(&self, cell: &Cell, value: ErrorValue, beside: &Companions<&Cell>) -> Result<ErrorValue, Problem> {
-        if self.is_far(value) {
-            let module = self.farthest.map_or_else(String::new, |farthest| format!(" (the module is {farthest})"));
-            return Err(Problem::TooLarge(format!("{value} is too much for a deviation{module}")));
-        }
+        self.possible(value)?;
         self.check(cell, value, beside)?;
         Ok(value)
     }
 
-    fn is_far(&self, deviation: ErrorValue) -> bool {
-        is_farther(deviation, self.farthest)
+    /// Refuses what no deviation can be.
+    fn possible(&self, value: ErrorValue) -> Result<(), Problem> {
+        match plausible::deviation(value, self.module).filter(|doubt| doubt.is_impossible) {
+            Some(doubt) => Err(Problem::TooLarge(doubt.to_string())),
+            None => Ok(()),
+        }
     }
 
     /// The quantity in a cell.
@@ -419,7 +418,9 @@ impl Column {
                 _ => return Err(Problem::Bad("there is no evaluation length for this f_Hβ".to_owned())),
             },
         };
-        lead_slope(deviation, over).map_err(|error| Problem::Bad(error.to_string()))
+        let slope = lead_slope(deviation, over).map_err(|error| Problem::Bad(error.to_string()))?;
+        self.possible(slope)?;
+        Ok(slope)
     }
 
     fn nominal_beside(&self, cell: Option<&Cell>) -> Result<ErrorValue, Problem> {
@@ -521,19 +522,13 @@ fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
     }
 }
 
-/// How far a measured value may be from its nominal one: a tenth of it, and no further than a module.
-fn farthest(nominal: ErrorValue, module: Option<Length>) -> Option<ErrorValue> {
-    let ErrorValue::Length(nominal) = nominal else { return None };
-    let tenth = Length::from_fm(nominal.abs().fm() / 10);
-    let bound = module.map_or(tenth, |module| module.min(tenth));
-    (!bound.is_zero()).then_some(ErrorValue::Length(bound))
-}
-
-#[inline]
-fn is_farther(deviation: ErrorValue, farthest: Option<ErrorValue>) -> bool {
-    match (deviation, farthest) {
-        (ErrorValue::Length(deviation), Some(ErrorValue::Length(farthest))) => deviation.abs() > farthest,
-        _ => false,
+/// How far a measured value may be from its nominal one: a tenth of it, and no further than any deviation.
+fn near(nominal: ErrorValue, possible: Reach) -> Reach {
+    match nominal {
+        ErrorValue::Length(nominal) if !nominal.is_zero() => {
+            possible.within(Length::from_fm((nominal.abs().fm() / 10).max(1)))
+        }
+        _ => possible,
     }
 }
 
