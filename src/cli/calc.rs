@@ -6,6 +6,7 @@ use super::eval::ModelArg;
 use super::explain::for_screen;
 use super::output::{Failure, Output, Status};
 use crate::deviation::ErrorValue;
+use crate::deviation::plausible::{self, Doubt, Written};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::formula::over_pin::OverPin;
@@ -330,6 +331,31 @@ impl Args {
     }
 }
 
+/// Says what is suspicious about an argument, and refuses what is impossible.
+fn sensible(output: &mut Output, name: &str, doubt: Option<Doubt>) -> Result<(), Failure> {
+    let Some(doubt) = doubt else { return Ok(()) };
+    let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(Written::Argument));
+    if doubt.is_impossible {
+        return Err(Diagnostic::error(Code::Implausible, message).help(help).into());
+    }
+    output.diagnostic(&Diagnostic::warning(Code::Implausible, message).help(help));
+    Ok(())
+}
+
+fn sensible_angles(output: &mut Output, pressure_angle: Angle, helix_angle: Angle) -> Result<(), Failure> {
+    sensible(output, "--pressure-angle", plausible::pressure_angle(pressure_angle))?;
+    sensible(output, "--helix-angle", plausible::helix_angle(helix_angle))
+}
+
+/// Says what is suspicious about the error that is asked about; what the law has no value for, the law refuses.
+fn sensible_error(output: &mut Output, law: Law, given: &Given, asked: &Asked) -> Result<(), Failure> {
+    let Asked::DeltaCd(error) = asked else { return Ok(()) };
+    by_law(law, asked, Model::Exact).map_err(|error| refused(&error))?;
+    let doubt = plausible::deviation(*error, None);
+    let doubt = if given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
+    sensible(output, "the error", doubt)
+}
+
 /// A result of a formula in its base unit.
 fn calculation(formula: &'static FormulaPage, result: impl Into<ErrorValue>) -> Calculation {
     let result = result.into();
@@ -352,17 +378,15 @@ fn by_law(law: Law, asked: &Asked, model: Model) -> Result<ErrorValue, DomainErr
 fn signed(args: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
     let asked = args.given.asked::<Length>()?;
     let result = by_law(law, &asked, Model::Exact).map_err(|error| refused(&error))?;
+    sensible_error(output, law, &args.given, &asked)?;
     args.common.print(output, Calculation { is_bound: asked.is_bound(), ..calculation(law.page(), result) })
 }
 
 fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Result<Status, Failure> {
-    by_models(
-        output,
-        &args.common,
-        law.map_err(|error| refused(&error))?,
-        &args.given.asked::<Length>()?,
-        args.model.into(),
-    )
+    let (law, asked) = (law.map_err(|error| refused(&error))?, args.given.asked::<Length>()?);
+    sensible_angles(output, args.pressure_angle, args.helix_angle)?;
+    sensible_error(output, law, &args.given, &asked)?;
+    by_models(output, &args.common, law, &asked, args.model.into())
 }
 
 /// The chosen model's value and the other's.
@@ -384,6 +408,9 @@ fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
     };
     let law =
         Law::rack_lead(args.pressure_angle, args.helix_angle, args.face_width).map_err(|error| refused(&error))?;
+    sensible_angles(output, args.pressure_angle, args.helix_angle)?;
+    sensible(output, "--face-width", plausible::face_width(args.face_width, None))?;
+    sensible_error(output, law, &args.given, &asked)?;
     by_models(output, &args.common, law, &asked, args.model.into())
 }
 
@@ -394,7 +421,10 @@ fn page(name: &str) -> &'static FormulaPage {
 
 fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {
     let diameter = ideal_pin::diameter(args.normal_module, args.pressure_angle, args.tooth_thickness);
-    args.common.print(output, calculation(page("ideal-pin"), diameter.map_err(|error| refused(&error))?))
+    let diameter = diameter.map_err(|error| refused(&error))?;
+    sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
+    sensible(output, "--normal-module", plausible::normal_module(args.normal_module))?;
+    args.common.print(output, calculation(page("ideal-pin"), diameter))
 }
 
 fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> {
@@ -405,10 +435,15 @@ fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> 
         pin_diameter: args.pin,
         datum: args.datum,
     };
-    args.common.print(output, calculation(page("over-pin"), over_pin.measure().map_err(|error| refused(&error))?))
+    let measure = over_pin.measure().map_err(|error| refused(&error))?;
+    sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
+    sensible(output, "--normal-module", plausible::normal_module(args.normal_module))?;
+    args.common.print(output, calculation(page("over-pin"), measure))
 }
 
 fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status, Failure> {
     let difference = roller_change::difference(args.from, args.to, args.pressure_angle);
-    args.common.print(output, calculation(page("roller-change"), difference.map_err(|error| refused(&error))?))
+    let difference = difference.map_err(|error| refused(&error))?;
+    sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
+    args.common.print(output, calculation(page("roller-change"), difference))
 }
