@@ -7,7 +7,8 @@ use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use crate::decision::{LimitTarget, Prediction, Verdict};
-use crate::deviation::RackDeviationKind;
+use crate::deviation::plausible::{DoubtedColumn, Reach};
+use crate::deviation::{ErrorValue, PinionToothRow, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::{CarryingStrokes, Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
@@ -197,7 +198,22 @@ pub(super) fn notes(input: &MeshInput) -> Vec<String> {
         );
     }
     notes.extend(input.warnings.iter().map(ToString::to_string));
+    notes.extend(doubted_rows(input));
     notes
+}
+
+/// Remarks on measured rows whose deviations are suspicious.
+fn doubted_rows(input: &MeshInput) -> Vec<String> {
+    let usual = Reach::usual(Length::from_mm(input.mesh.pair().normal_module_mm()).ok());
+    let note = |part: &str, values: Vec<f64>| {
+        let values = values.into_iter().filter_map(|mm| Length::from_mm(mm).ok()).map(ErrorValue::Length);
+        let count = usual.doubted(&values.collect::<Vec<_>>());
+        (count > 0).then(|| format!("the {part}'s table: {}", DoubtedColumn { usual, is_lead: false, count }))
+    };
+    let of_pinion = |row: &PinionToothRow| [row.radial_mm, row.left_pitch_mm, row.right_pitch_mm];
+    let rack = note("rack", input.rack_rows.iter().map(|row| row.height_mm).collect());
+    let pinion = note("pinion", input.pinion_rows.iter().flat_map(of_pinion).flatten().collect());
+    rack.into_iter().chain(pinion).collect()
 }
 
 /// A remark where a pinion tooth carries alone in a space that is too wide, which the formulas do not know.

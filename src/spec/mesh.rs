@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenPinionDeviation};
+use crate::deviation::plausible;
 use crate::deviation::{
     ErrorKind, ErrorValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow, RackDeviation,
     RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows, rack_flanks_from_spaces,
@@ -137,6 +138,9 @@ impl Spec {
             Some(spaces) => self.rack_rows(spaces, &pair)?,
             None => Vec::new(),
         };
+        if let Some(teeth) = &tables.pinion {
+            self.check_pinion_rows(teeth)?;
+        }
         let pinion_rows = tables.pinion.as_ref().map(pinion_rows).unwrap_or_default();
         let rack = self.rack_flanks(&pair, &rack_deviations, &rack_rows, tables)?;
         let pinion = self.pinion_flanks(&pair, &pinion_deviations, &pinion_rows, tables)?;
@@ -240,6 +244,30 @@ impl Spec {
         if span.is_empty() { diagnostic } else { diagnostic.at(&self.source, span, "") }
     }
 
+    /// Refuses a table of a pinion with a deviation that no tooth can have.
+    fn check_pinion_rows(&self, teeth: &PinionTeeth) -> Result<(), Diagnostic> {
+        for row in &teeth.rows {
+            let length = |length: Option<Length>| length.map(ErrorValue::Length);
+            for (what, value) in [
+                ("radial deviation", length(row.radial)),
+                ("left pitch deviation", length(row.left_pitch)),
+                ("right pitch deviation", length(row.right_pitch)),
+                ("lead deviation", row.lead.map(ErrorValue::Angle)),
+            ] {
+                if let Some(diagnostic) = self.impossible_row(&teeth.name, row.line, what, value) {
+                    return Err(diagnostic.help("check the unit of the column"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Why a row of a table has no deviation, if it is impossible.
+    fn impossible_row(&self, table: &str, line: u64, what: &str, value: Option<ErrorValue>) -> Option<Diagnostic> {
+        let doubt = plausible::deviation(value?, self.module()).filter(|doubt| doubt.is_impossible)?;
+        Some(Diagnostic::error(Code::Implausible, format!("{table}, line {line}: {what}: {doubt}")))
+    }
+
     /// Measured values less their nominal ones.
     fn rack_rows(&self, spaces: &RackSpaces, pair: &Pair) -> Result<Vec<RackSpaceRow>, Diagnostics> {
         let absolute = spaces.rows.iter().find(|row| matches!(row.over_pin, Some(Measured::Absolute(_))));
@@ -254,14 +282,9 @@ impl Spec {
                 (Some(Measured::Absolute(length)), Some(nominal)) => (length - nominal).mm(),
                 _ => 0.0,
             };
-            if height.abs() > pair.normal_module_mm() {
-                let message = format!(
-                    "{}, line {}: over-pin differs from its nominal value by {height:.4} mm, more than a module",
-                    spaces.name, row.line
-                );
-                let diagnostic =
-                    Diagnostic::error(Code::OutOfDomain, message).help("check the units, `rack.pin` and `rack.datum`");
-                return Err(diagnostic.into());
+            let deviation = Length::from_mm(height).ok().map(ErrorValue::Length);
+            if let Some(diagnostic) = self.impossible_row(&spaces.name, row.line, "over-pin", deviation) {
+                return Err(diagnostic.help("check the units, `rack.pin` and `rack.datum`").into());
             }
             // tooth indices are far below 2⁵³
             #[expect(clippy::cast_precision_loss, reason = "tooth numbers are small")]
