@@ -22,6 +22,7 @@ mod mesh_work;
 mod multibody;
 mod multibody_friction;
 mod multibody_sweep;
+mod plausible;
 mod process;
 mod reading;
 mod readme;
