@@ -10,13 +10,13 @@ use crate::trig;
 /// An error that may be on any teeth that its extent allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExtendedError {
-    pub(super) effect: Effect,
+    pub(in crate::judge) effect: Effect,
     pub(super) extent: Extent,
 }
 
 /// What an error does, in mm and rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Effect {
+pub(in crate::judge) enum Effect {
     /// Both flanks of a space stand out so that the space sits higher by this.
     Size { part: Part, value: f64 },
     /// Steps from tooth to tooth.
@@ -29,22 +29,22 @@ pub(super) enum Effect {
 
 /// A pitch error: each step moves ΔCD by `gain` times its value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PitchEffect {
-    pub(super) part: Part,
-    pub(super) value: f64,
-    pub(super) gain: f64,
+pub(in crate::judge) struct PitchEffect {
+    pub(in crate::judge) part: Part,
+    pub(in crate::judge) value: f64,
+    pub(in crate::judge) gain: f64,
     /// Number of teeth of a pinion, if known.
-    pub(super) teeth: Option<u32>,
+    pub(in crate::judge) teeth: Option<u32>,
     /// The total cumulative deviation of whole teeth, if known.
-    pub(super) cap: Option<f64>,
+    pub(in crate::judge) cap: Option<f64>,
 }
 
 /// The gear data behind a lead error of the rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct RackLines {
-    pub(super) tan_alpha: f64,
-    pub(super) helix: f64,
-    pub(super) face_width: f64,
+pub(in crate::judge) struct RackLines {
+    pub(in crate::judge) tan_alpha: f64,
+    pub(in crate::judge) helix: f64,
+    pub(in crate::judge) face_width: f64,
 }
 
 /// Why a value and an extent make no error.
@@ -210,7 +210,7 @@ impl ExtendedError {
         self.extent
     }
 
-    pub(super) const fn part(&self) -> Part {
+    pub(in crate::judge) const fn part(&self) -> Part {
         match self.effect {
             Effect::Size { part, .. } | Effect::Pitch(PitchEffect { part, .. }) => part,
             Effect::RackLead { .. } => Part::Rack,

@@ -31,9 +31,7 @@ impl ContactPath {
     /// Of a pair without errors.
     #[must_use]
     pub fn nominal(pair: &Pair) -> Self {
-        let line_distance = line_distance(pair);
-        let low = Profile::new(pair, line_distance, 0.0).lowest_line();
-        Field::new(pair, Rolls { low, high: pair.pinion().tip_roll_rad }, 0.0).path()
+        Field::nominal(pair).path()
     }
 
     /// Whether a tooth of the rack always carries on both flanks: then no shifts of whole teeth sink the pinion.
@@ -51,19 +49,19 @@ impl ContactPath {
 
 /// A point of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spot {
-    pub(super) roll: f64,
-    pub(super) w: f64,
+pub(in crate::judge) struct Spot {
+    pub(in crate::judge) roll: f64,
+    pub(in crate::judge) w: f64,
     /// Stroke, pitches from that of the rack tooth.
-    pub(super) stroke: f64,
+    pub(in crate::judge) stroke: f64,
     /// Place across the rack and height over the reference plane, mm.
-    pub(super) y: f64,
-    pub(super) z: f64,
+    pub(in crate::judge) y: f64,
+    pub(in crate::judge) z: f64,
 }
 
 /// The corners of a convex field of contact.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Field {
+pub(in crate::judge) struct Field {
     corners: Vec<Spot>,
 }
 
@@ -99,9 +97,15 @@ impl Spot {
 }
 
 impl Field {
+    /// Of a pair without errors.
+    pub(in crate::judge) fn nominal(pair: &Pair) -> Self {
+        let low = Profile::new(pair, line_distance(pair), 0.0).lowest_line();
+        Self::new(pair, Rolls { low, high: pair.pinion().tip_roll_rad }, 0.0)
+    }
+
     /// Of points with roll angles within `rolls`, between the pinion's end faces, and between the rack's if those are
     /// `wider` mm farther out on either side.
-    pub(super) fn new(pair: &Pair, rolls: Rolls, wider: f64) -> Self {
+    pub(in crate::judge) fn new(pair: &Pair, rolls: Rolls, wider: f64) -> Self {
         if rolls.low > rolls.high {
             return Self { corners: Vec::new() };
         }
@@ -130,17 +134,17 @@ impl Field {
     }
 
     /// Those that pass between two strokes, in pitches.
-    pub(super) fn between(&self, strokes: Range) -> Self {
+    pub(in crate::judge) fn between(&self, strokes: Range) -> Self {
         self.clipped(|spot| spot.stroke - strokes.lower).clipped(|spot| strokes.upper - spot.stroke)
     }
 
     /// The least and the most of a linear function; `None` of an empty field.
-    pub(super) fn extremes(&self, function: impl Fn(&Spot) -> f64) -> Option<Range> {
+    pub(in crate::judge) fn extremes(&self, function: impl Fn(&Spot) -> f64) -> Option<Range> {
         let ranges = self.corners.iter().map(function).map(|value| Range { lower: value, upper: value });
         ranges.reduce(|a, b| Range { lower: a.lower.min(b.lower), upper: a.upper.max(b.upper) })
     }
 
-    pub(super) fn path(&self) -> ContactPath {
+    pub(in crate::judge) fn path(&self) -> ContactPath {
         let none = Range { lower: 0.0, upper: 0.0 };
         let strokes = self.extremes(|spot| spot.stroke).unwrap_or(none);
         ContactPath { ratio: strokes.upper - strokes.lower, offset: 0.5 * (strokes.lower + strokes.upper) }
@@ -148,19 +152,19 @@ impl Field {
 }
 
 /// The centre distance at which lines of contact fit, mm: nominal teeth that are thicker than the standard ones move it.
-pub(super) fn line_distance(pair: &Pair) -> f64 {
+pub(in crate::judge) fn line_distance(pair: &Pair) -> f64 {
     pair.nominal_center_distance_mm() + thickness_offset(pair)
 }
 
 /// ΔCD of nominal teeth that are thicker than the standard ones, mm.
-pub(super) fn thickness_offset(pair: &Pair) -> f64 {
+pub(in crate::judge) fn thickness_offset(pair: &Pair) -> f64 {
     let thicker = pair.rack().tooth_thickness_mm - 0.5 * PI * pair.normal_module_mm();
     let cos_p = trig::cos(pair.pinion().helix_angle_rad);
     (thicker + thickness_deviation(pair) * cos_p) / (2.0 * trig::tan(pair.normal_pressure_angle_rad()))
 }
 
 /// How much thicker the pinion's teeth are than standard ones, as an arc at the reference circle, mm.
-pub(super) fn thickness_deviation(pair: &Pair) -> f64 {
+pub(in crate::judge) fn thickness_deviation(pair: &Pair) -> f64 {
     let pinion = pair.pinion();
     let tan_n = trig::tan(pair.normal_pressure_angle_rad());
     let standard = (0.5 * PI + 2.0 * pinion.profile_shift * tan_n) * pair.normal_module_mm();

@@ -12,7 +12,7 @@ use crate::trig;
 /// What a turned flank asks for, in mm of ΔCD: a share of the place across the rack, of the height, and of the place
 /// along the pinion's axis.
 #[derive(Debug, Clone, Copy)]
-struct Slopes {
+pub(in crate::judge) struct Slopes {
     across: f64,
     up: f64,
     along: f64,
@@ -62,11 +62,10 @@ impl Leads {
 
     /// What flanks ask for that are turned by a value; the pinion's face has half this width.
     fn turned(&self, value: f64, half_face: f64) -> Slopes {
-        let Some(lines) = self.lines else { return Slopes { across: 0.0, up: 0.0, along: value / half_face } };
-        let (sin, cos) = trig::sin_cos(value);
-        let (sin_turned, cos_turned) = trig::sin_cos(lines.helix + value);
-        let fall = sin_turned / cos_turned * sin - (1.0 - cos);
-        Slopes { across: sin / (cos_turned * lines.tan_alpha), up: -fall, along: 0.0 }
+        self.lines.map_or_else(
+            || Slopes::of_pinion(value, half_face),
+            |lines| Slopes::of_rack(value, lines.tan_alpha, lines.helix),
+        )
     }
 
     /// Their range for any pair whose flanks touch up to this height over and under the reference plane.
@@ -188,7 +187,26 @@ struct Cell {
 }
 
 impl Slopes {
-    fn at(&self, spot: &Spot) -> f64 {
+    /// Of a rack flank whose tooth line turns by an angle, rad.
+    pub(in crate::judge) fn of_rack(turn: f64, tan_alpha: f64, helix: f64) -> Self {
+        let (sin, cos) = trig::sin_cos(turn);
+        let (sin_turned, cos_turned) = trig::sin_cos(helix + turn);
+        let fall = sin_turned / cos_turned * sin - (1.0 - cos);
+        Self { across: sin / (cos_turned * tan_alpha), up: -fall, along: 0.0 }
+    }
+
+    /// Of a pinion flank whose lead is this ΔCD over the whole face, mm; half of the face is so wide.
+    pub(in crate::judge) fn of_pinion(value: f64, half_face: f64) -> Self {
+        Self { across: 0.0, up: 0.0, along: value / half_face }
+    }
+
+    /// Of both turned flanks that meet.
+    pub(in crate::judge) fn with(&self, other: &Self) -> Self {
+        let Self { across, up, along } = *other;
+        Self { across: self.across + across, up: self.up + up, along: self.along + along }
+    }
+
+    pub(in crate::judge) fn at(&self, spot: &Spot) -> f64 {
         self.across * spot.y + self.up * spot.z + self.along * spot.w
     }
 

@@ -5,17 +5,17 @@
 //! know files, limits or reports.
 
 mod basis;
-mod error;
-mod field;
+pub(in crate::judge) mod error;
+pub(in crate::judge) mod field;
 mod known;
-mod lead;
+pub(in crate::judge) mod lead;
 mod moments;
 mod pitch;
-mod profile;
+pub(in crate::judge) mod profile;
 mod scales;
 mod sum;
 #[cfg(test)]
-mod tests;
+pub(in crate::judge) mod tests;
 
 pub use basis::{Basis, GivenGeometry, KnownPairs};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};

@@ -15,7 +15,7 @@ use crate::trig;
 
 /// The profiles of a pair at a centre distance.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Profile {
+pub(in crate::judge) struct Profile {
     base_radius: f64,
     alpha_t: f64,
     start_roll: f64,
@@ -31,7 +31,7 @@ const HALVINGS: u32 = 32;
 
 impl Profile {
     /// Of a pair at a centre distance, or as much below it as the rack's teeth stand out more by `deeper_mm`.
-    pub(super) fn new(pair: &Pair, center_distance_mm: f64, deeper_mm: f64) -> Self {
+    pub(in crate::judge) fn new(pair: &Pair, center_distance_mm: f64, deeper_mm: f64) -> Self {
         let pinion = pair.pinion();
         Self {
             base_radius: pinion.base_radius_mm,
@@ -54,7 +54,7 @@ impl Profile {
 
     /// ν: what the flank pair asks for beyond its contact line at the roll angle t. Past the generator nearest to the
     /// line, A falls and B rises, so that the best one is where they meet.
-    pub(super) fn beyond_line(&self, t: f64) -> f64 {
+    pub(in crate::judge) fn beyond_line(&self, t: f64) -> f64 {
         let first = 0.0_f64.clamp(self.start_roll - t, self.tip_roll - t);
         let last = (self.tip_roll - t).min(1.0);
         let ends = |delta: f64| (self.by_flank(t + delta, delta), self.by_tip(t + delta, delta));
@@ -77,7 +77,7 @@ impl Profile {
     }
 
     /// The lowest roll angle of the contact line: the involute's start or the rack's tip edge.
-    pub(super) fn lowest_line(&self) -> f64 {
+    pub(in crate::judge) fn lowest_line(&self) -> f64 {
         let (sin, cos) = trig::sin_cos(self.alpha_t);
         let rack_tip = (-self.tip_plane / self.base_radius - cos) / sin;
         rack_tip.max(self.start_roll)
@@ -85,7 +85,7 @@ impl Profile {
 
     /// The largest ν: above 0 where the rack reaches below the base circle. It is that of the involute's start, where the
     /// flank and the tip plane ask for the same: a higher point of the involute loses more by A than it gains by B.
-    pub(super) fn largest_excess(&self) -> f64 {
+    pub(in crate::judge) fn largest_excess(&self) -> f64 {
         let flank = |delta: f64| self.by_flank(self.start_roll, delta).max(0.0);
         let reaches = |delta: f64| self.by_tip(self.start_roll, delta) >= flank(delta);
         if reaches(0.0) { flank(last_within(FAR, reaches)) } else { 0.0 }
@@ -93,7 +93,7 @@ impl Profile {
 
     /// The roll angles of contact lines at which a flank pair still carries that stands out by `error` mm more than its
     /// neighbours: ν ≥ −error.
-    pub(super) fn carrying(&self, error: f64) -> Rolls {
+    pub(in crate::judge) fn carrying(&self, error: f64) -> Rolls {
         let carries = |t: f64| self.beyond_line(t) >= -error;
         let lowest = self.lowest_carrying(error);
         Rolls {
@@ -114,7 +114,7 @@ impl Profile {
     }
 
     /// How far a point of contact lies from the contact line at most when the pair carries so, mm.
-    pub(super) fn off_line(&self, error: f64) -> f64 {
+    pub(in crate::judge) fn off_line(&self, error: f64) -> f64 {
         let scale = self.base_radius / trig::sin(self.alpha_t);
         self.base_radius * (2.0 * error * self.tip_roll.max(0.1) / scale).sqrt()
     }
@@ -136,7 +136,7 @@ fn last_within(farthest: f64, holds: impl Fn(f64) -> bool) -> f64 {
 
 /// Roll angles from one to another.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Rolls {
-    pub(super) low: f64,
-    pub(super) high: f64,
+pub(in crate::judge) struct Rolls {
+    pub(in crate::judge) low: f64,
+    pub(in crate::judge) high: f64,
 }

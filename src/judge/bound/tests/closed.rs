@@ -156,7 +156,7 @@ fn an_error_needs_a_value_and_an_extent_that_fit() {
     assert_eq!(ExtendedError::new(lead, length, Extent::All), Err(ErrorInputError::WrongDimension));
     let steep: Angle = "50 deg".parse().unwrap();
     assert!(matches!(ExtendedError::new(lead, steep, Extent::All), Err(ErrorInputError::OutOfDomain { .. })));
-    assert_eq!(ExtendedError::usual_extent(ErrorKind::RackPitch), Extent::One);
+    assert_eq!(ErrorKind::RackPitch.usual_extent(), Extent::One);
 }
 
 /// A known pair is for so much error and no more; a rack that may roll keeps the upper ends.
@@ -184,8 +184,7 @@ fn mean_and_spread_for_a_statistical_sum() {
     let of_one = |error: ExtendedError| {
         let known = KnownPair::for_errors(GivenPair::plain(pair), &[error]).unwrap();
         let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
-        let range = bound(&[error], &knowledge).errors[0].unwrap();
-        let found = moments(&error, &range, &knowledge);
+        let found = moments(&error, &knowledge).unwrap();
         (found.mean_mm, found.deviation_mm)
     };
     assert_eq!(of_one(error(&pair, 0, Extent::All, -0.03)), (-0.03, 0.0));

@@ -1,6 +1,6 @@
 //! The bound against closed forms and against the exact mesh.
 
 mod closed;
-mod property;
-mod random;
+pub(in crate::judge) mod property;
+pub(in crate::judge) mod random;
 mod tight;

@@ -1,7 +1,8 @@
 //! Errors on random teeth through the exact mesh: never outside their bound.
 
-use super::random::{self, Drawn, Placed, Random};
+use super::random::{self, Drawn, Random};
 use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Range, bound};
+use crate::judge::reached::placed::Placed;
 use crate::mesh::{Ending, Mesh, Sampler, Support};
 use crate::parallel;
 
@@ -16,7 +17,7 @@ const LONG: usize = 100_000;
 const ROLLING: u64 = 40;
 
 /// The lowest and highest ΔCD that the mesh has over the strokes on which placed teeth carry.
-pub(super) fn extremes(mesh: &Mesh, per_pitch: u32) -> Option<Range> {
+pub(in crate::judge) fn extremes(mesh: &Mesh, per_pitch: u32) -> Option<Range> {
     let pitch = mesh.pair().rack().pitch_mm;
     let mut sampler = Sampler::new(mesh);
     let mut at = |stroke: f64| {
@@ -87,7 +88,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     for drawn in &drawn {
         placed.put(&mut random, drawn);
     }
-    let mesh = placed.mesh(&given)?;
+    let mesh = placed.mesh(&given).ok()?;
     let reached = extremes(&mesh, if rolls { 5 } else { 24 })?;
     let mut failures = Vec::new();
     let ranges = wider.iter().filter_map(|(name, bound)| Some((*name, bound.total.ok()?)));

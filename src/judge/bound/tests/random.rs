@@ -1,24 +1,21 @@
 //! Random pairs, errors, and places for them on teeth.
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use crate::deviation::{
-    ErrorKind, Part, PinionFlank, PinionFlanks, PinionForm, PinionTooth, RackFlank, RackFlanks, RackForm, RackTooth,
-};
+use crate::deviation::{ErrorKind, Part, PinionForm, RackForm};
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::error::{Effect, PitchEffect};
-use crate::judge::bound::{ExtendedError, Extent, GivenPair, pinion_lead_angle_rad};
-use crate::mesh::Mesh;
+use crate::judge::bound::{ExtendedError, Extent, GivenPair};
+use crate::judge::reached::placed::{BySide, Placed};
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
 /// A generator (splitmix64).
-pub(super) struct Random(pub(super) u64);
+pub(in crate::judge) struct Random(pub(in crate::judge) u64);
 
 impl Random {
-    pub(super) fn next(&mut self) -> u64 {
+    pub(in crate::judge) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -27,23 +24,23 @@ impl Random {
     }
 
     #[expect(clippy::cast_precision_loss, reason = "53 bits")]
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(in crate::judge) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    pub(super) fn range(&mut self, low: f64, high: f64) -> f64 {
+    pub(in crate::judge) fn range(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    pub(super) fn chance(&mut self, share: f64) -> bool {
+    pub(in crate::judge) fn chance(&mut self, share: f64) -> bool {
         self.unit() < share
     }
 
-    pub(super) fn below(&mut self, count: u32) -> u32 {
+    pub(in crate::judge) fn below(&mut self, count: u32) -> u32 {
         u32::try_from(self.next() % u64::from(count)).unwrap_or(0)
     }
 
-    pub(super) fn sign(&mut self) -> f64 {
+    pub(in crate::judge) fn sign(&mut self) -> f64 {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 }
@@ -51,7 +48,7 @@ impl Random {
 const DEGREE: f64 = PI / 180.0;
 
 /// A pair that can be made: undercut, short teeth, thick and thin ones, any shaft angle.
-pub(super) fn pair(random: &mut Random) -> Pair {
+pub(in crate::judge) fn pair(random: &mut Random) -> Pair {
     loop {
         let m = random.range(1.0, 4.0);
         let alpha = random.range(14.5, 25.0) * DEGREE;
@@ -90,7 +87,7 @@ pub(super) fn pair(random: &mut Random) -> Pair {
 }
 
 /// The same pair with flank form.
-pub(super) fn with_form(random: &mut Random, given: GivenPair) -> GivenPair {
+pub(in crate::judge) fn with_form(random: &mut Random, given: GivenPair) -> GivenPair {
     let mut amount = |share: f64, low: f64| if random.chance(share) { random.range(low, 0.015) } else { 0.0 };
     let addendum = given.pair.rack().addendum_mm;
     let rack_form = RackForm {
@@ -104,11 +101,11 @@ pub(super) fn with_form(random: &mut Random, given: GivenPair) -> GivenPair {
 
 /// An error as its user knows it, beside what the bound is given.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drawn {
-    pub(super) error: ExtendedError,
+pub(in crate::judge) struct Drawn {
+    pub(in crate::judge) error: ExtendedError,
     /// mm; rad for a rack lead; f_Hβ in mm for a pinion lead.
-    pub(super) value: f64,
-    pub(super) cap: Option<f64>,
+    pub(in crate::judge) value: f64,
+    pub(in crate::judge) cap: Option<f64>,
 }
 
 fn length(mm: f64) -> Length {
@@ -120,7 +117,7 @@ fn angle(rad: f64) -> Angle {
 }
 
 /// An error of this kind (5: the pinion's lead) and extent.
-pub(super) fn drawn(pair: &Pair, kind: u32, extent: Extent, value: f64, cap: Option<f64>) -> Drawn {
+pub(in crate::judge) fn drawn(pair: &Pair, kind: u32, extent: Extent, value: f64, cap: Option<f64>) -> Drawn {
     let alpha = angle(pair.normal_pressure_angle_rad());
     let (rack, pinion) = (pair.rack(), pair.pinion());
     let law = match kind {
@@ -152,7 +149,7 @@ pub(super) fn drawn(pair: &Pair, kind: u32, extent: Extent, value: f64, cap: Opt
 }
 
 /// An error of any kind and extent.
-pub(super) fn error(random: &mut Random, pair: &Pair) -> Drawn {
+pub(in crate::judge) fn error(random: &mut Random, pair: &Pair) -> Drawn {
     let kind = random.below(6);
     let is_pitch = matches!(kind, 1 | 4);
     let extent = Extent::EVERY[random.below(if is_pitch { 5 } else { 4 }) as usize];
@@ -162,51 +159,20 @@ pub(super) fn error(random: &mut Random, pair: &Pair) -> Drawn {
     drawn(pair, kind, extent, value, cap)
 }
 
-/// Rack teeth that are placed.
-pub(super) const TEETH: std::ops::RangeInclusive<i64> = -30..=36;
 /// A tooth in the middle of the strokes that are solved.
 const MIDDLE: i64 = 2;
-
-/// Both parts' flanks with errors put on.
-pub(super) struct Placed {
-    pair: Pair,
-    rack: BTreeMap<i64, RackTooth>,
-    pinion: Vec<PinionTooth>,
-    /// Per pinion tooth, left and right: the sum of slope deviations, mm.
-    slopes: Vec<[f64; 2]>,
-}
 
 fn value_within(random: &mut Random, value: f64) -> f64 {
     if random.chance(0.6) { random.sign() * value } else { random.range(-1.0, 1.0) * value.abs() }
 }
 
 impl Placed {
-    pub(super) fn new(pair: &Pair) -> Self {
-        let z = pair.pinion().teeth as usize;
-        let rack = TEETH.map(|tooth| (tooth, RackTooth::default())).collect();
-        Self { pair: *pair, rack, pinion: vec![PinionTooth::default(); z], slopes: vec![[0.0; 2]; z] }
-    }
-
-    pub(super) fn mesh(&self, given: &GivenPair) -> Option<Mesh> {
-        let mut pinion = self.pinion.clone();
-        for (tooth, slopes) in pinion.iter_mut().zip(&self.slopes) {
-            tooth.left.lead_rad = pinion_lead_angle_rad(&self.pair, slopes[0]);
-            tooth.right.lead_rad = pinion_lead_angle_rad(&self.pair, slopes[1]);
-        }
-        let rack = RackFlanks::nominal(&self.pair).with_measured(self.rack.clone()).unwrap();
-        let rack = rack.with_form(&self.pair, given.rack_form).unwrap();
-        let pinion = PinionFlanks::nominal(&self.pair).with_measured(&pinion).unwrap();
-        let pinion = pinion.with_form(given.pinion_form).unwrap();
-        Mesh::new(self.pair, rack, pinion, given.support).ok()
-    }
-
     /// Puts an error on teeth that its extent allows.
-    pub(super) fn put(&mut self, random: &mut Random, drawn: &Drawn) {
+    pub(in crate::judge) fn put(&mut self, random: &mut Random, drawn: &Drawn) {
         match drawn.error.effect {
             Effect::Size { part, value } => {
                 let on = Self::teeth_of(random, drawn.error.extent);
-                let spaces = self.count(part);
-                for space in spaces {
+                for space in self.teeth(part) {
                     let value = match drawn.error.extent {
                         Extent::Each => value_within(random, value),
                         _ if self.is_on(part, &on, space) => value,
@@ -220,76 +186,18 @@ impl Placed {
                 let on = Self::teeth_of(random, drawn.error.extent);
                 let part =
                     if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
-                for tooth in self.count(part) {
+                for tooth in self.teeth(part) {
                     let mut value = || match drawn.error.extent {
                         Extent::Each => value_within(random, drawn.value),
                         _ => drawn.value,
                     };
-                    let values = [value(), value()];
+                    let values = BySide { left: value(), right: value() };
                     if drawn.error.extent != Extent::Each && !self.is_on(part, &on, tooth) {
                         continue;
                     }
                     self.turn(part, tooth, values);
                 }
             }
-        }
-    }
-
-    /// Puts an error alone where it lifts the pinion most: a few patterns that the theory knows as the worst, and random ones.
-    pub(super) fn put_worst(&mut self, random: &mut Random, drawn: &Drawn, pattern: u64) {
-        let step = MIDDLE + i64::try_from(pattern / 6).unwrap() % 3;
-        let sign = if pattern.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let extent = drawn.error.extent;
-        match drawn.error.effect {
-            Effect::Size { part, value } if extent == Extent::Each => {
-                self.count(part).into_iter().for_each(|space| self.raise_space(part, space, value.abs()));
-            }
-            Effect::Pitch(PitchEffect { part, value, .. }) if extent == Extent::Total => {
-                let z = self.count(part).len();
-                #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
-                let mean = if part == Part::Pinion { value.abs() / z as f64 } else { 0.0 };
-                for tooth in self.count(part) {
-                    let own = if tooth == step { value.abs() } else { 0.0 };
-                    let next = if pattern.is_multiple_of(2) {
-                        own
-                    } else if tooth == step + 1 {
-                        value.abs()
-                    } else {
-                        0.0
-                    };
-                    self.shift(part, tooth, -(next - mean), own - mean);
-                }
-            }
-            Effect::Pitch(PitchEffect { part: Part::Pinion, value, .. }) if extent == Extent::One => {
-                let half = i64::try_from(self.pinion.len()).unwrap() / 2;
-                let first = if pattern.is_multiple_of(2) { step } else { step - half };
-                (first..first + half).for_each(|tooth| self.shift(Part::Pinion, tooth, value, value));
-            }
-            Effect::Pitch(PitchEffect { part, value, .. }) if extent == Extent::Each || part == Part::Pinion => {
-                let half = i64::try_from(self.count(part).len()).unwrap() / 2;
-                for tooth in self.count(part) {
-                    #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
-                    let steps = match part {
-                        Part::Rack => (tooth - step).clamp(-7, 7) as f64,
-                        Part::Pinion => {
-                            let along = (tooth - step).rem_euclid(2 * half);
-                            along.min(2 * half - along) as f64
-                        }
-                    };
-                    let limit = drawn.cap.unwrap_or(f64::INFINITY);
-                    let by = match part {
-                        Part::Rack => (steps * value.abs()).clamp(-0.5 * limit, 0.5 * limit),
-                        Part::Pinion => (steps * value.abs()).min(limit),
-                    };
-                    self.shift(part, tooth, sign * by, sign * by);
-                }
-            }
-            Effect::RackLead { .. } | Effect::PinionLead { .. } if extent == Extent::Each => {
-                let part =
-                    if matches!(drawn.error.effect, Effect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
-                self.count(part).into_iter().for_each(|tooth| self.turn(part, tooth, [sign * drawn.value; 2]));
-            }
-            _ => self.put(random, drawn),
         }
     }
 
@@ -306,15 +214,8 @@ impl Placed {
         }
     }
 
-    fn count(&self, part: Part) -> Vec<i64> {
-        match part {
-            Part::Rack => TEETH.collect(),
-            Part::Pinion => (0..i64::from(self.pair.pinion().teeth)).collect(),
-        }
-    }
-
     fn is_on(&self, part: Part, on: &std::ops::Range<i64>, tooth: i64) -> bool {
-        let z = i64::from(self.pair.pinion().teeth);
+        let z = self.teeth(Part::Pinion).end() + 1;
         match part {
             Part::Rack => on.contains(&tooth),
             Part::Pinion if on.start == i64::MIN => true,
@@ -322,67 +223,12 @@ impl Placed {
         }
     }
 
-    fn raise_space(&mut self, part: Part, space: i64, value: f64) {
-        match part {
-            Part::Rack => {
-                if let Some(tooth) = self.rack.get_mut(&space) {
-                    tooth.right.along_z_mm += value;
-                }
-                if let Some(tooth) = self.rack.get_mut(&(space + 1)) {
-                    tooth.left.along_z_mm += value;
-                }
-            }
-            Part::Pinion => {
-                let arc = value * trig::tan(self.pair.pinion().transverse_pressure_angle_rad);
-                self.pinion_tooth(space).right.arc_mm += arc;
-                self.pinion_tooth(space + 1).left.arc_mm -= arc;
-            }
-        }
-    }
-
-    fn pinion_tooth(&mut self, tooth: i64) -> &mut PinionTooth {
-        let z = i64::try_from(self.pinion.len()).unwrap();
-        &mut self.pinion[usize::try_from(tooth.rem_euclid(z)).unwrap()]
-    }
-
-    fn turn(&mut self, part: Part, tooth: i64, values: [f64; 2]) {
-        match part {
-            Part::Rack => {
-                let RackTooth { left, right } = self.rack.get_mut(&tooth).unwrap();
-                left.lead_rad += values[0];
-                right.lead_rad += values[1];
-            }
-            Part::Pinion => {
-                let slopes = &mut self.slopes[usize::try_from(tooth).unwrap()];
-                slopes[0] += values[0];
-                slopes[1] += values[1];
-            }
-        }
-    }
-
-    fn shift(&mut self, part: Part, tooth: i64, left: f64, right: f64) {
-        match part {
-            Part::Rack => {
-                let tooth = self.rack.get_mut(&tooth).unwrap();
-                let add = |flank: &mut RackFlank, by: f64| flank.along_x_mm += by;
-                add(&mut tooth.left, left);
-                add(&mut tooth.right, right);
-            }
-            Part::Pinion => {
-                let tooth = self.pinion_tooth(tooth);
-                let add = |flank: &mut PinionFlank, by: f64| flank.arc_mm += by;
-                add(&mut tooth.left, left);
-                add(&mut tooth.right, right);
-            }
-        }
-    }
-
     fn put_pitch(&mut self, random: &mut Random, drawn: &Drawn, part: Part, value: f64) {
-        let teeth = self.count(part);
+        let teeth: Vec<i64> = self.teeth(part).collect();
         if drawn.error.extent == Extent::Total {
             let sides = [(); 2].map(|()| total(random, teeth.len(), value.abs(), part == Part::Pinion));
             for (index, tooth) in teeth.into_iter().enumerate() {
-                self.shift(part, tooth, sides[0][index], sides[1][index]);
+                self.shift(part, tooth, BySide { left: sides[0][index], right: sides[1][index] });
             }
             return;
         }
@@ -411,7 +257,7 @@ impl Placed {
         };
         for (index, tooth) in teeth.into_iter().enumerate() {
             let tooth = if part == Part::Pinion { tooth + start } else { tooth };
-            self.shift(part, tooth, sums[index], sums[index]);
+            self.shift(part, tooth, BySide::both(sums[index]));
         }
     }
 }

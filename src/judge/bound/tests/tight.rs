@@ -1,14 +1,11 @@
 //! One error alone at the worst places that a search finds: the upper end is reached.
 
-use super::property::extremes;
-use super::random::{self, Drawn, Placed, Random};
-use crate::gear::Pair;
+use super::random::{self, Random};
 use crate::judge::bound::field::thickness_offset;
 use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPairs, bound};
+use crate::judge::reached::reached;
 use crate::parallel;
 
-/// Places tried for an error.
-const PLACES: u64 = 24;
 /// Pairs tried. Reached is what comes within 5 % of the error's upper end, and of what undercut lifts, or 0.1 µm.
 const PAIRS: usize = 600;
 
@@ -25,17 +22,6 @@ fn kind_of(error: &ExtendedError) -> usize {
     unit * 5 + Extent::EVERY.iter().position(|&extent| extent == error.extent()).unwrap()
 }
 
-fn highest(pair: &Pair, drawn: &Drawn) -> Option<f64> {
-    let mut best: Option<f64> = None;
-    for seed in 0..PLACES {
-        let mut placed = Placed::new(pair);
-        placed.put_worst(&mut Random(seed), drawn, seed);
-        let reached = extremes(&placed.mesh(&GivenPair::plain(*pair))?, 16)?.upper;
-        best = Some(best.map_or(reached, |best| best.max(reached)));
-    }
-    best
-}
-
 fn tried(seed: u64) -> Option<Tried> {
     let mut random = Random(seed ^ 0x7469_6768_7400_0000);
     let pair = random::pair(&mut random);
@@ -49,7 +35,7 @@ fn tried(seed: u64) -> Option<Tried> {
     let knowledge = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
     let bound = bound(&errors, &knowledge);
     let (total, ErrorRange { upper_mm, .. }) = (bound.total.ok()?, bound.errors[0].ok()?);
-    let highest = highest(&pair, &drawn)?;
+    let highest = reached(&errors, &GivenPair::plain(pair)).ok()??.upper_mm;
     let short = total.upper - highest;
     let text = format!(
         "seed {seed}: {short:.6} short of {upper_mm:.6}; own {:?} path {:?} {:?}",

@@ -1,0 +1,186 @@
+//! How far errors whose teeth are not known really push ΔCD: placements at the worst places, each in the exact mesh.
+//!
+//! Called by whoever wants to know how much of a [bound](super::bound) is used. A placement that reaches beyond a limit proves
+//! that parts with these errors may fail; one that does not proves nothing.
+//!
+//! One mesh in which a single tooth stands out says what flanks ask for along their path of contact. By that the search knows
+//! what a placement is about to do: for an upper end every error is put where it raises two flanks that carry together, for a
+//! lower end where all flanks that carry sink. The few placements that promise most are solved exactly; only that counts.
+//!
+//! Assumes a rack that does not roll. It must not know files, limits or reports.
+
+pub(in crate::judge) mod placed;
+mod search;
+mod seat;
+mod sketch;
+#[cfg(test)]
+mod tests;
+
+pub use seat::Run;
+
+use super::bound::{ExtendedError, GivenPair};
+use crate::deviation::{DeviationError, PinionFlanks, RackFlanks};
+use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
+use placed::{Flanks, Placed};
+use search::{Candidate, Search, Which};
+use sketch::{Sketch, is_solved, stroke};
+
+/// How far some errors push ΔCD when they sit at the worst places found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reached {
+    /// The lowest ΔCD found, mm.
+    pub lower_mm: f64,
+    /// The highest ΔCD found, mm.
+    pub upper_mm: f64,
+    /// Exact meshes solved to find them.
+    pub meshes: u32,
+    /// The errors' places for the lowest ΔCD.
+    pub lower: Placement,
+    /// The errors' places for the highest ΔCD.
+    pub upper: Placement,
+}
+
+/// Errors on teeth of both parts. They hold for strokes within a few pitches of the one named.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placement {
+    /// Where ΔCD is what was found, mm.
+    pub stroke_mm: f64,
+    /// The rack's flanks.
+    pub rack: RackFlanks,
+    /// The pinion's flanks.
+    pub pinion: PinionFlanks,
+    /// Where each error sits, in the order given. An error that is on no run deviates nowhere.
+    pub errors: Vec<Vec<Run>>,
+}
+
+/// Why nothing is found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReachedError {
+    /// Errors that no flanks can have.
+    #[error(transparent)]
+    Deviation(#[from] DeviationError),
+    /// The pair does not mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// No stroke has a solution without residual.
+    #[error("no stroke near {stroke_mm} mm is solved")]
+    Unsolved {
+        /// The stroke.
+        stroke_mm: f64,
+    },
+}
+
+/// Placements that are solved for each end, at most.
+const PLACEMENTS: usize = 8;
+/// Strokes that are solved on either side of the one expected, pitches, and to which tolerance of ΔCD, mm.
+const NEAR: f64 = 0.1;
+const TOLERANCE_MM: f64 = 1e-5;
+/// The same for the placement that is best.
+const WIDE: f64 = 0.5;
+const FINE_MM: f64 = 1e-7;
+
+/// An extreme of the exact mesh.
+#[derive(Debug, Clone, Copy)]
+struct Extreme {
+    stroke_mm: f64,
+    delta_cd_mm: f64,
+}
+
+/// How far these errors push ΔCD of a pair, each on the worst teeth that its extent allows; `None` if the rack may roll.
+/// Solves up to 19 meshes over parts of a pitch.
+///
+/// # Errors
+/// [`ReachedError`] if the errors leave no mesh.
+pub fn reached(errors: &[ExtendedError], given: &GivenPair) -> Result<Option<Reached>, ReachedError> {
+    if given.support != Support::Fixed {
+        return Ok(None);
+    }
+    let sketch = Sketch::new(given, errors)?;
+    let search = Search::new(given, errors, &sketch);
+    let mut solver = Solver { given, errors, search: &search, meshes: 1 };
+    let lower = solver.end(Which::Lower)?;
+    let upper = solver.end(Which::Upper)?;
+    Ok(Some(Reached {
+        lower_mm: lower.delta_cd_mm,
+        upper_mm: upper.delta_cd_mm,
+        meshes: solver.meshes,
+        lower: lower.placement,
+        upper: upper.placement,
+    }))
+}
+
+/// Solves candidates, and counts how many.
+struct Solver<'a> {
+    given: &'a GivenPair,
+    errors: &'a [ExtendedError],
+    search: &'a Search<'a>,
+    meshes: u32,
+}
+
+/// One end of what is reached.
+struct End {
+    delta_cd_mm: f64,
+    placement: Placement,
+}
+
+impl Solver<'_> {
+    /// The candidates are solved in the order of what is expected of them, until no other is expected to be better.
+    fn end(&mut self, which: Which) -> Result<End, ReachedError> {
+        let sign = which.sign();
+        let mut best: Option<(Candidate, Extreme)> = None;
+        let mut failure = ReachedError::Unsolved { stroke_mm: 0.0 };
+        for candidate in self.search.candidates(which, PLACEMENTS) {
+            let is_better =
+                |value: f64| best.as_ref().is_none_or(|(_, found)| sign * (value - found.delta_cd_mm) > 0.0);
+            if !is_better(candidate.expected_mm - sign * TOLERANCE_MM) {
+                break;
+            }
+            match self.solve(&candidate, which, NEAR, TOLERANCE_MM) {
+                Ok(found) if is_better(found.delta_cd_mm) => best = Some((candidate, found)),
+                Ok(_) => {}
+                Err(error) => failure = error,
+            }
+        }
+        let Some((candidate, near)) = best else { return Err(failure) };
+        let wide = self.solve(&candidate, which, WIDE, FINE_MM).unwrap_or(near);
+        let found = if sign * (wide.delta_cd_mm - near.delta_cd_mm) > 0.0 { wide } else { near };
+        let Flanks { rack, pinion } = self.placed(&candidate).flanks(self.given)?;
+        let errors = self.search.runs(&candidate);
+        Ok(End {
+            delta_cd_mm: found.delta_cd_mm,
+            placement: Placement { stroke_mm: found.stroke_mm, rack, pinion, errors },
+        })
+    }
+
+    fn placed(&self, candidate: &Candidate) -> Placed {
+        let mut placed = Placed::new(&self.given.pair);
+        for (error, runs) in self.errors.iter().zip(self.search.runs(candidate)) {
+            seat::put(&mut placed, error, &runs);
+        }
+        placed
+    }
+
+    /// The extreme within so many pitches of the expected stroke.
+    fn solve(
+        &mut self,
+        candidate: &Candidate,
+        which: Which,
+        pitches: f64,
+        tolerance_mm: f64,
+    ) -> Result<Extreme, ReachedError> {
+        self.meshes += 1;
+        let mesh = self.placed(candidate).mesh(self.given)?;
+        extreme(&mesh, which, stroke(candidate.stroke), pitches, tolerance_mm)
+    }
+}
+
+fn extreme(mesh: &Mesh, which: Which, stroke: f64, pitches: f64, tolerance_mm: f64) -> Result<Extreme, ReachedError> {
+    let pitch = mesh.pair().rack().pitch_mm;
+    let curve = mesh.curve(pitch * (stroke - pitches), pitch * (stroke + pitches), tolerance_mm)?;
+    let of = |point: &MeshPoint| Extreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
+    let sign = which.sign();
+    let extremes = curve.points.iter().filter(|point| is_solved(point)).map(of);
+    let extreme = extremes.max_by(|a, b| (sign * a.delta_cd_mm).total_cmp(&(sign * b.delta_cd_mm)));
+    extreme.ok_or(ReachedError::Unsolved { stroke_mm: pitch * stroke })
+}

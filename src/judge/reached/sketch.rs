@@ -1,0 +1,156 @@
+//! What one flank pair asks for along its path of contact: from one exact mesh in which a single rack tooth stands out.
+//! Tells the search which placements are worth an exact mesh of their own; no result comes from here.
+//!
+//! With ν(p) for what the flank pair of tooth 0 asks for at the stroke p beyond its error, the flank pair of tooth i asks
+//! for its error + ν(s − i) at the stroke s, and ΔCD is half the sum of the most that right and left flanks ask for.
+
+use super::ReachedError;
+use super::placed::{Asked, BySide, Placed};
+use crate::deviation::Part;
+use crate::gear::Pair;
+use crate::judge::bound::error::Effect;
+use crate::judge::bound::field::{ContactPath, Field};
+use crate::judge::bound::lead::Slopes;
+use crate::judge::bound::{ExtendedError, GivenPair, Range};
+use crate::mesh::{Ending, FlankSide, MeshPoint, Sampler};
+use crate::trig;
+
+/// Strokes looked at in each pitch.
+pub(super) const STEPS: i64 = 32;
+/// The tooth stands out by so many times what errors do, mm of ΔCD: so much of its edges is seen.
+const TIMES: f64 = 2.0;
+const LEAST_MM: f64 = 0.005;
+/// A tooth that stands out by more modules has another path of contact.
+const MOST_MODULES: f64 = 0.05;
+/// Strokes beyond the path of contact at which edges may carry, and the farthest at all, pitches.
+const BEYOND: f64 = 1.0;
+const FARTHEST: f64 = 12.0;
+/// Width of the part of the field of contact that stands for a stroke, pitches.
+const WIDTH: f64 = 1e-6;
+/// What a solve may be off by, mm.
+pub(super) const RESIDUAL_MM: f64 = 1e-9;
+
+#[derive(Debug, Clone)]
+pub(super) struct Sketch {
+    pair: Pair,
+    /// The first stroke of the samples.
+    first: i64,
+    samples: Vec<Sample>,
+}
+
+/// At one stroke of a rack tooth's path.
+#[derive(Debug, Clone)]
+struct Sample {
+    /// What its flanks ask for beyond their errors, mm; `None` where others carry.
+    right: Option<f64>,
+    left: Option<f64>,
+    /// Where the right flank touches; left empty if no error turns tooth lines.
+    spots: Option<Field>,
+}
+
+impl Sketch {
+    /// Of a pair, for errors of this size.
+    pub(super) fn new(given: &GivenPair, errors: &[ExtendedError]) -> Result<Self, ReachedError> {
+        let pair = given.pair;
+        let path = ContactPath::nominal(&pair);
+        let turns =
+            errors.iter().any(|error| matches!(error.effect, Effect::RackLead { .. } | Effect::PinionLead { .. }));
+        let out_mm = (TIMES * size(errors)).max(LEAST_MM).min(MOST_MODULES * pair.normal_module_mm());
+        let tan = trig::tan(pair.normal_pressure_angle_rad());
+        let along_x = out_mm * tan / trig::cos(pair.rack().helix_angle_rad);
+        let mut placed = Placed::new(&pair);
+        placed.shift(Part::Rack, 0, BySide { left: -along_x, right: along_x });
+        let mesh = placed.mesh(given)?;
+        let mut sampler = Sampler::new(&mesh);
+        #[expect(clippy::cast_possible_truncation, reason = "a few pitches")]
+        let end = STEPS * (0.5 * path.ratio + path.offset.abs() + BEYOND).min(FARTHEST).ceil() as i64;
+        let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth) / tan;
+        let field = Field::nominal(&pair);
+        let mut sample = |index: i64| {
+            let point = sampler.at(stroke(index) * pair.rack().pitch_mm).ok().filter(is_solved);
+            // a right flank that stands out turns the pinion back
+            let asked = |side: FlankSide, sign: f64| {
+                let point = point.filter(|point| carrier(point, side) == 0)?;
+                Some(point.delta_cd_mm + sign * per_rad * point.transmission_error_rad - out_mm)
+            };
+            let (right, left) = (asked(FlankSide::Right, -1.0), asked(FlankSide::Left, 1.0));
+            Sample { right, left, spots: turns.then(|| spots(&field, &path, stroke(index))) }
+        };
+        let samples = (-end..=end).map(&mut sample).collect();
+        Ok(Self { pair, first: -end, samples })
+    }
+
+    /// The teeth of the rack that can carry at strokes within the first pitch.
+    pub(super) fn teeth(&self) -> std::ops::RangeInclusive<i64> {
+        let carries = |sample: &Sample| sample.right.is_some() || sample.left.is_some();
+        let index = |place: Option<usize>| place.map_or(0, |place| self.first + i64::try_from(place).unwrap_or(0));
+        let (low, high) = (index(self.samples.iter().position(carries)), index(self.samples.iter().rposition(carries)));
+        (-high).div_euclid(STEPS)..=(STEPS - low).div_euclid(STEPS)
+    }
+
+    /// What a right flank asks for at a stroke, mm; `None` if it does not carry there.
+    pub(super) fn right(&self, stroke: i64, tooth: i64, asked: &Asked) -> Option<f64> {
+        let place = stroke - STEPS * tooth;
+        Some(self.sample(place)?.right? + asked.by_mm + self.turned(place, asked))
+    }
+
+    /// What a left flank asks for: it is a right one turned half about the vertical.
+    pub(super) fn left(&self, stroke: i64, tooth: i64, asked: &Asked) -> Option<f64> {
+        let place = stroke - STEPS * tooth;
+        Some(self.sample(place)?.left? + asked.by_mm + self.turned(-place, asked))
+    }
+
+    fn sample(&self, place: i64) -> Option<&Sample> {
+        usize::try_from(place - self.first).ok().and_then(|index| self.samples.get(index))
+    }
+
+    /// The most that a turned right flank asks for, mm.
+    fn turned(&self, place: i64, asked: &Asked) -> f64 {
+        if !asked.turns() {
+            return 0.0;
+        }
+        let Some(spots) = self.sample(place).and_then(|sample| sample.spots.as_ref()) else { return 0.0 };
+        let tan = trig::tan(self.pair.normal_pressure_angle_rad());
+        let rack = Slopes::of_rack(asked.rack_turn_rad, tan, self.pair.rack().helix_angle_rad);
+        let pinion = self.pair.pinion();
+        let cos_b = trig::cos(pinion.base_helix_angle_rad);
+        let over_face = asked.pinion_slope_mm * cos_b / (2.0 * trig::sin(self.pair.normal_pressure_angle_rad()));
+        let slopes = rack.with(&Slopes::of_pinion(over_face, 0.5 * pinion.face_width_mm));
+        spots.extremes(|spot| slopes.at(spot)).map_or(0.0, |range| range.upper)
+    }
+}
+
+/// A stroke in pitches.
+#[expect(clippy::cast_precision_loss, reason = "a few pitches")]
+pub(super) fn stroke(index: i64) -> f64 {
+    index as f64 / STEPS as f64
+}
+
+/// Whether a point is what the mesh really has.
+pub(super) fn is_solved(point: &MeshPoint) -> bool {
+    matches!(point.ending, Ending::Converged | Ending::BracketExhausted) && point.residual_mm.abs() < RESIDUAL_MM
+}
+
+fn carrier(point: &MeshPoint, side: FlankSide) -> i64 {
+    match side {
+        FlankSide::Right => point.right.rack_tooth,
+        FlankSide::Left => point.left.rack_tooth,
+    }
+}
+
+/// What the errors raise if each acts once, mm.
+fn size(errors: &[ExtendedError]) -> f64 {
+    let of_one = |error: &ExtendedError| match error.effect {
+        Effect::Size { value, .. } | Effect::PinionLead { value } => value.abs(),
+        Effect::Pitch(pitch) => 2.0 * pitch.gain * pitch.value.abs(),
+        Effect::RackLead { value, rack } => 0.5 * rack.face_width * value.abs() / rack.tan_alpha,
+    };
+    errors.iter().map(of_one).sum()
+}
+
+/// Where a right flank touches at a stroke; at the end of its path if it carries by an edge.
+fn spots(field: &Field, path: &ContactPath, stroke: f64) -> Field {
+    let half = (0.5 * path.ratio - WIDTH).max(0.0);
+    let stroke = stroke.clamp(path.offset - half, path.offset + half);
+    field.between(Range { lower: stroke - WIDTH, upper: stroke + WIDTH })
+}
