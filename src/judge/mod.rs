@@ -5,3 +5,4 @@
 
 pub mod bound;
 pub mod reached;
+pub mod strokes;

@@ -20,7 +20,7 @@ impl Spec {
             (None, Some(_)) => GivenGeometry::BothFlanks,
             (None, None) => GivenGeometry::Unknown,
         };
-        Ok(Basis { geometry, rolls, normal_module_mm })
+        Ok(Basis { geometry, known_teeth: None, rolls, normal_module_mm })
     }
 
     /// The keys that the pair's geometry still lacks.

@@ -30,7 +30,7 @@ fn five(pitch: &str, lead: &str) -> Vec<PartError> {
 
 /// A pair of which nothing is known.
 pub(in crate::decision) static UNKNOWN: Basis =
-    Basis { geometry: GivenGeometry::Unknown, rolls: false, normal_module_mm: None };
+    Basis { geometry: GivenGeometry::Unknown, known_teeth: None, rolls: false, normal_module_mm: None };
 
 fn part(errors: &[PartError]) -> Part<'_> {
     Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN }

@@ -11,10 +11,19 @@ use crate::formula::PartError;
 pub struct Basis {
     /// The pair's geometry.
     pub geometry: GivenGeometry,
+    /// What the teeth do that are known one by one; the errors are then those of the other part.
+    pub known_teeth: Option<KnownTeeth>,
     /// Whether the rack is free to roll; of a known pair its support says so.
     pub rolls: bool,
     /// Normal module, if it is known without the geometry, mm.
     pub normal_module_mm: Option<f64>,
+}
+
+/// Teeth that are known one by one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownTeeth {
+    /// The extremes of the exact mesh of these teeth with a part that has no errors.
+    pub range: Range,
 }
 
 /// What is given of the pair's geometry: [`Geometry`] before any errors are known.
@@ -61,16 +70,16 @@ impl KnownPairs {
         &self.given
     }
 
-    /// What is known for these errors, of the first step that holds them: the same for the same errors, whatever else was asked.
+    /// What is known for these errors beside known teeth, of the first step that holds them: the same for the same errors, whatever else was asked.
     ///
     /// # Errors
     /// [`Open`] if errors as large leave no pair.
-    pub fn for_errors(&self, errors: &[ExtendedError]) -> Result<&KnownPair, Open> {
+    pub fn for_errors(&self, errors: &[ExtendedError], teeth: Option<KnownTeeth>) -> Result<&KnownPair, Open> {
         let least = reached_at_least(errors);
         let mut step = (0..STEPS).find(|&step| reach(step).range.upper >= least).ok_or(Open::BeyondReach)?;
         loop {
             let known = self.step(step)?;
-            let reached = known.reached(errors);
+            let reached = known.reached(errors).with(teeth);
             if known.reach().holds(&reached) {
                 return Ok(known);
             }
@@ -95,9 +104,10 @@ impl Basis {
         let geometry = match &self.geometry {
             GivenGeometry::Unknown => Geometry::Unknown,
             GivenGeometry::BothFlanks => Geometry::BothFlanks,
-            GivenGeometry::Known(pairs) => Geometry::Known(pairs.for_errors(errors)?),
+            GivenGeometry::Known(pairs) => Geometry::Known(pairs.for_errors(errors, self.known_teeth)?),
         };
-        Ok(Knowledge { geometry, rolls: self.rolls, normal_module_mm: self.normal_module_mm })
+        let Self { known_teeth, rolls, normal_module_mm, .. } = *self;
+        Ok(Knowledge { geometry, known_teeth, rolls, normal_module_mm })
     }
 
     /// The bound of errors: [`bound`](super::bound()).

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::field::{ContactPath, Field, line_distance, thickness_deviation, thickness_offset};
 use super::profile::{Profile, Rolls};
-use super::{ExtendedError, Range};
+use super::{ExtendedError, KnownTeeth, Range};
 use crate::deviation::{DeviationError, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
@@ -60,6 +60,17 @@ impl Reach {
     fn grown(&self) -> Self {
         let Range { lower, upper } = self.range;
         Self { range: Range { lower: 1.2 * lower, upper: 1.2 * upper }, of_pinion_mm: 1.2 * self.of_pinion_mm }
+    }
+
+    /// Together with what known teeth do, which may be those of either part.
+    pub(super) fn with(self, teeth: Option<KnownTeeth>) -> Self {
+        let Some(KnownTeeth { range }) = teeth else { return self };
+        let of_teeth = range.upper.max(-range.lower).max(0.0);
+        let Range { lower, upper } = self.range;
+        Self {
+            range: Range { lower: lower - of_teeth, upper: upper + of_teeth },
+            of_pinion_mm: self.of_pinion_mm + of_teeth,
+        }
     }
 
     /// Whether it holds another one.

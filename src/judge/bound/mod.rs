@@ -17,7 +17,7 @@ mod sum;
 #[cfg(test)]
 pub(in crate::judge) mod tests;
 
-pub use basis::{Basis, GivenGeometry, KnownPairs};
+pub use basis::{Basis, GivenGeometry, KnownPairs, KnownTeeth};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownPairError, Reach};
@@ -89,6 +89,8 @@ pub enum Geometry<'a> {
 pub struct Knowledge<'a> {
     /// The geometry.
     pub geometry: Geometry<'a>,
+    /// What the teeth do that are known one by one; the errors are then those of the other part.
+    pub known_teeth: Option<KnownTeeth>,
     /// Whether the rack is free to roll; of a known pair its support says so.
     pub rolls: bool,
     /// Normal module, if it is known without the geometry, mm.

@@ -1,10 +1,14 @@
 //! The bound of each error and of their sum. Reads what the errors do from the rooms beside it; solves no mesh.
 
 use super::error::{Effect, PitchEffect, RackLines};
+use super::field::thickness_offset;
 use super::lead::Leads;
 use super::moments::{Moments, moments};
 use super::pitch;
-use super::{ContactPath, ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, Note, Open, Range, Reach};
+use super::{
+    ContactPath, ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, Note, Open, Range,
+    Reach,
+};
 use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::mesh::LARGEST_ROLL_RAD;
@@ -27,6 +31,7 @@ pub struct Bound {
 /// the face width.
 const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
+const NOTHING: Range = Range { lower: 0.0, upper: 0.0 };
 /// A statistical sum reaches so many standard deviations to either side of its mean.
 const DEVIATIONS: f64 = 3.0;
 /// Pairs are prepared for so much more than errors need.
@@ -194,6 +199,17 @@ impl Sum {
         Reach { range, of_pinion_mm: self.of_pinion_mm }
     }
 
+    /// Beside teeth that are known one by one every end is raw, and what undercut and gaps do counts once more: errors may
+    /// shift them against what the known teeth do.
+    fn beside(&self, teeth: KnownTeeth, knowledge: &Knowledge) -> Result<Range, Open> {
+        let own = own(self, knowledge)?;
+        let offset = known(knowledge).map_or(0.0, |known| thickness_offset(&known.given.pair));
+        Ok(Range {
+            lower: teeth.range.lower + self.raw_lower_mm + (own.lower - offset).min(0.0),
+            upper: teeth.range.upper + self.raw_upper_mm + (own.upper - offset).max(0.0),
+        })
+    }
+
     /// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
     pub(super) fn with_own(&self, own: Range) -> Range {
         Range {
@@ -206,23 +222,30 @@ impl Sum {
 /// The pair's own range, if these errors are within what the pair is known for.
 fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Range, Open> {
     match known(knowledge) {
-        Some(known) if !known.reach.holds(&sum.reach()) => Err(Open::BeyondReach),
+        Some(known) if !known.reach.holds(&sum.reach().with(knowledge.known_teeth)) => Err(Open::BeyondReach),
         Some(known) => Ok(known.own),
-        None => Ok(Range { lower: 0.0, upper: 0.0 }),
+        None => Ok(NOTHING),
     }
 }
 
 /// What errors can do together: [`Bound::total`] alone.
 pub(super) fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
-    let sum = Sum::of(errors, knowledge)?;
-    Ok(sum.with_own(own(&sum, knowledge)?))
+    match knowledge.known_teeth {
+        Some(teeth) if errors.is_empty() => Ok(teeth.range),
+        Some(teeth) => Sum::of(errors, knowledge)?.beside(teeth, knowledge),
+        None => {
+            let sum = Sum::of(errors, knowledge)?;
+            Ok(sum.with_own(own(&sum, knowledge)?))
+        }
+    }
 }
 
 /// Where ΔCD lies at one stroke for all but a few parts: [`Bound::statistical`] alone.
 pub(super) fn statistical(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
     let own = match knowledge.geometry {
+        _ if knowledge.known_teeth.is_some() => knowledge.known_teeth.map_or(NOTHING, |teeth| teeth.range),
         Geometry::Known(_) => own(&Sum::of(errors, knowledge)?, knowledge)?,
-        Geometry::Unknown | Geometry::BothFlanks => Range { lower: 0.0, upper: 0.0 },
+        Geometry::Unknown | Geometry::BothFlanks => NOTHING,
     };
     let (mut mean, mut variance) = (0.0, 0.0);
     for error in errors {

@@ -4,11 +4,11 @@
 use std::ops::RangeInclusive;
 
 use super::placed::{BySide, Placed, TEETH};
+use crate::deviation::Extent;
 use crate::deviation::Part;
 use crate::gear::Pair;
-use crate::judge::bound::error::{Effect, PitchEffect};
-use crate::deviation::Extent;
 use crate::judge::bound::ExtendedError;
+use crate::judge::bound::error::{Effect, PitchEffect};
 use crate::mesh::FlankSide;
 use crate::trig;
 

@@ -1,9 +1,9 @@
 //! What is reached against closed forms, and against the bound.
 
 use super::{Reached, reached};
+use crate::deviation::Extent;
 use crate::gear::Pair;
 use crate::judge::bound::tests::random::{self, Random};
-use crate::deviation::Extent;
 use crate::judge::bound::{ContactPath, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, bound};
 use crate::mesh::{Mesh, Support};
 use crate::parallel;

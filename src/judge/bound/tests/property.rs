@@ -73,7 +73,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     let pair = given.pair;
     let errors: Vec<ExtendedError> = drawn.iter().map(|drawn| drawn.error).collect();
     let known = KnownPair::for_errors(given, &errors).ok()?;
-    let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, normal_module_mm: None });
+    let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, ..Knowledge::default() });
     let of_known = with(Geometry::Known(&known));
     // errors that bring ever more teeth into play are open
     let total = of_known.total.ok()?;

@@ -28,7 +28,7 @@ fn tried(seed: u64) -> Option<Tried> {
     let drawn = random::error(&mut random, &pair);
     let errors = [drawn.error];
     let pairs = KnownPairs::new(GivenPair::plain(pair));
-    let known = pairs.for_errors(&errors).ok()?;
+    let known = pairs.for_errors(&errors, None).ok()?;
     if known.nominal_path().ratio < 1.1 {
         return None;
     }

@@ -1,0 +1,133 @@
+//! Which strokes say what deviated teeth can do, and the extremes of the exact mesh over them. Called where both parts'
+//! teeth are known; knows no limits.
+
+use std::collections::BTreeSet;
+use std::ops::Range as Strokes;
+
+use crate::deviation::RackDeviation;
+use crate::gear::Pair;
+use crate::judge::bound::Range;
+use crate::mesh::{CarryingStrokes, Mesh, MeshError};
+
+/// Which teeth are not nominal.
+#[derive(Debug, Clone)]
+pub struct DeviatedTeeth<'a> {
+    /// Deviations of the rack.
+    pub rack: &'a [RackDeviation],
+    /// Spaces of the rack that were measured; none if no table was.
+    pub spaces: &'a BTreeSet<i64>,
+    /// Whether teeth of the pinion deviate.
+    pub pinion: bool,
+}
+
+/// Why there are no strokes to judge.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StrokesError {
+    /// Flanks that were not measured can carry at every stroke.
+    #[error("there is no stroke at which every flank that can carry was measured: measure more spaces in a row")]
+    NotMeasured,
+    /// Measured spaces with a gap.
+    #[error(
+        "the measured spaces do not stand in one row, so that strokes between them are not covered: give each run of spaces by itself"
+    )]
+    Gap,
+    /// The pair has no contact.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// The strokes, mm, at which a deviated tooth can carry: around every tooth where the rack's deviations change, for a
+/// turn of the pinion if that has some; of a measured rack those at which every flank that can carry was measured.
+///
+/// # Errors
+/// [`StrokesError`] if measured spaces do not cover one stretch.
+pub fn judged_strokes(pair: &Pair, teeth: &DeviatedTeeth<'_>) -> Result<Vec<Strokes<f64>>, StrokesError> {
+    let pitch = pair.rack().pitch_mm;
+    let contact = (pair.contact_ratio().total + 2.0).ceil().max(3.0);
+    if let (Some(first), Some(last)) = (teeth.spaces.first(), teeth.spaces.last()) {
+        let carrying = CarryingStrokes::of(pair)?;
+        let around = around(*first, *last, contact, pitch);
+        let mut stretches = carrying.measured(teeth.spaces, around.start, around.end);
+        return match (stretches.pop(), stretches.pop()) {
+            (Some(one), None) => Ok(vec![one]),
+            (None, _) => Err(StrokesError::NotMeasured),
+            (Some(_), Some(_)) => Err(StrokesError::Gap),
+        };
+    }
+    let turn = if teeth.pinion { f64::from(pair.pinion().teeth) } else { 0.0 };
+    let ends = teeth.rack.iter().flat_map(|deviation| [deviation.teeth.first(), deviation.teeth.last()]);
+    let mut windows: Vec<_> = ends.flatten().map(|tooth| around(tooth, tooth, contact + turn, pitch)).collect();
+    windows.push(0.0..pitch * turn.max(contact));
+    windows.sort_by(|a, b| a.start.total_cmp(&b.start));
+    let mut merged: Vec<Strokes<f64>> = Vec::new();
+    for window in windows {
+        match merged.last_mut() {
+            Some(last) if window.start <= last.end => last.end = last.end.max(window.end),
+            _ => merged.push(window),
+        }
+    }
+    Ok(merged)
+}
+
+/// The strokes within so many pitches of some teeth, mm.
+fn around(first: i64, last: i64, pitches: f64, pitch: f64) -> Strokes<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "tooth numbers are below 2⁵³")]
+    let (first, last) = (first as f64, last as f64);
+    (first - pitches) * pitch..(last + 1.0 + pitches) * pitch
+}
+
+/// The lowest and the highest ΔCD over strokes, to a tolerance in mm.
+///
+/// # Errors
+/// [`MeshError`] of a stroke that has no solution.
+pub fn extremes(mesh: &Mesh, strokes: &[Strokes<f64>], tolerance_mm: f64) -> Result<Range, MeshError> {
+    let mut range = Range { lower: f64::INFINITY, upper: f64::NEG_INFINITY };
+    for window in strokes {
+        for point in mesh.curve(window.start, window.end, tolerance_mm)?.points {
+            let delta_cd = point.delta_cd_mm;
+            range = Range { lower: range.lower.min(delta_cd), upper: range.upper.max(delta_cd) };
+        }
+    }
+    Ok(range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::{PinionFlanks, RackDeviationKind, RackFlanks, ToothRange};
+    use crate::mesh::Support;
+
+    /// A step far along the rack is found where it is.
+    #[test]
+    fn a_step_at_any_tooth_is_judged() {
+        let pair = crate::reproduction::pair().unwrap();
+        let reached = |tooth: i64| {
+            let teeth = ToothRange::new(Some(tooth), None).unwrap();
+            let rack = [RackDeviation { teeth, kind: RackDeviationKind::Shift(0.02) }];
+            let none = BTreeSet::new();
+            let strokes = judged_strokes(&pair, &DeviatedTeeth { rack: &rack, spaces: &none, pinion: false }).unwrap();
+            let flanks = RackFlanks::new(&pair, &rack).unwrap();
+            let mesh = Mesh::new(pair, flanks, PinionFlanks::nominal(&pair), Support::Fixed).unwrap();
+            extremes(&mesh, &strokes, 1e-7).unwrap()
+        };
+        let near = reached(4);
+        assert!(near.upper > 0.02);
+        for tooth in [-7, 40, 1000] {
+            let far = reached(tooth);
+            assert!((far.upper - near.upper).abs() < 1e-6 && (far.lower - near.lower).abs() < 1e-6, "{tooth}");
+        }
+    }
+
+    #[test]
+    fn windows_that_touch_are_one() {
+        let pair = crate::reproduction::pair().unwrap();
+        let none = BTreeSet::new();
+        let of = |first, last| {
+            let teeth = ToothRange::new(Some(first), Some(last)).unwrap();
+            let rack = [RackDeviation { teeth, kind: RackDeviationKind::Shift(0.02) }];
+            judged_strokes(&pair, &DeviatedTeeth { rack: &rack, spaces: &none, pinion: false }).unwrap().len()
+        };
+        assert_eq!((of(2, 3), of(100, 103), of(100, 200)), (1, 2, 3));
+    }
+}
