@@ -27,7 +27,7 @@ pub(super) const ABOUT: &str = "Allocate a ΔCD tolerance to the errors: which t
   rack_lead = { weight = 2 }         # free: twice the ΔCD of a weight of 1
   pinion_pitch = \"free\"              # free, weight 1; { cost = 3 } instead makes the sum of costs smallest
 
-Without entries there, all five errors are free.
+Without entries there, the paper's five errors are free.
 
 Examples:
   rackmesh budget rack.toml

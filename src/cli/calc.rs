@@ -54,6 +54,10 @@ enum Formula {
     #[command(after_help = "Example:
   rackmesh calc pinion-pitch 15um --pressure-angle 20 --helix-angle 25")]
     PinionPitch(Pitch),
+    /// ΔCD from a helix slope deviation f_Hβ of the pinion.
+    #[command(after_help = "Example:
+  rackmesh calc pinion-lead 12um --pressure-angle 20 --helix-angle 25")]
+    PinionLead(Pitch),
     /// The ideal pin diameter for measuring a rack.
     #[command(after_help = "Example:
   rackmesh calc pin --normal-module 2 --pressure-angle 20")]
@@ -323,6 +327,7 @@ impl Args {
             Formula::PinionPitch(args) => {
                 pitch(&args, output, Law::pinion_pitch(args.pressure_angle, args.helix_angle))
             }
+            Formula::PinionLead(args) => pitch(&args, output, Law::pinion_lead(args.pressure_angle, args.helix_angle)),
             Formula::Lead(args) => lead(&args, output),
             Formula::Pin(args) => pin(&args, output),
             Formula::OverPin(args) => over_pin(&args, output),

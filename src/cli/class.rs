@@ -186,6 +186,7 @@ impl Args {
         let diameter_source = wheel.diameter.as_ref().map(|_| source);
         let written = spec.and_then(|spec| spec.pair.normal_pressure_angle.as_ref()).map(|angle| angle.value);
         let meshing = Meshing {
+            part,
             pressure_angle: self.pressure_angle.or(written),
             helix_angle: wheel.helix_angle,
             face_width: wheel.face_width,
@@ -311,10 +312,10 @@ impl Args {
         spec: Option<&Spec>,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        // with a spec: the errors that it gives, or all; without: what acts on the part's teeth independently
+        // with a spec: the errors that it gives, or the paper's; without: what acts on the part's teeth independently
         let kinds: Vec<ErrorKind> = match spec {
             Some(spec) if !spec.errors.is_empty() => spec.errors.iter().map(|(kind, _)| *kind).collect(),
-            Some(_) => ErrorKind::ALL.to_vec(),
+            Some(_) => ErrorKind::OF_PAPER.to_vec(),
             None => match self.part() {
                 Part::Rack => vec![ErrorKind::RackOverRoller, ErrorKind::RackPitch, ErrorKind::RackLead],
                 Part::Pinion => vec![ErrorKind::PinionRadial, ErrorKind::PinionPitch],
@@ -322,11 +323,11 @@ impl Args {
         };
         let mut sized = Vec::new();
         for part in [Part::Rack, Part::Pinion] {
-            if kinds.iter().any(|kind| class::part_of(*kind) == part) {
+            if kinds.iter().any(|kind| kind.part() == part) {
                 sized.push(self.sized(part, spec)?);
             }
         }
-        let of = |kind: ErrorKind| sized.iter().find(|sized| sized.part == class::part_of(kind));
+        let of = |kind: ErrorKind| sized.iter().find(|sized| sized.part == kind.part());
         let tolerance = |kind: ErrorKind, grade: u8| -> Result<PartError, StandardOrEffect> {
             let deviation = class::deviation_of(kind);
             let missing = || StandardError::NoSuchDeviation { standard, deviation };

@@ -159,6 +159,9 @@ pub(super) fn prediction(input: &MeshInput) -> Prediction {
             WrittenPinionDeviation::Eccentricity(eccentricity) => prediction.eccentricity(eccentricity),
         };
     }
+    if let Some(deviation_mm) = input.pinion_lead_mm {
+        prediction = prediction.pinion_lead(pair, deviation_mm);
+    }
     prediction.rack_rows(pair, &input.rack_rows).pinion_rows(pair, &input.pinion_rows)
 }
 
@@ -166,11 +169,11 @@ pub(super) fn prediction(input: &MeshInput) -> Prediction {
 pub(super) fn notes(input: &MeshInput) -> Vec<String> {
     let mut notes = Vec::new();
     if input.origin == Origin::Errors {
-        notes.push(
+        let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };
+        notes.push(format!(
             "the spec has no deviations per tooth, so the values in [errors] are put on the teeth: over-roller and \
-             radial on all, the rack's pitch and lead on teeth 4.., the pinion's pitch as one step half way round"
-                .to_owned(),
-        );
+             radial on all, the rack's pitch and lead on teeth 4.., the pinion's pitch as one step half way round{lead}"
+        ));
     }
     let ratio = input.mesh.pair().contact_ratio().total;
     let several_pitches = input.rack_deviations.iter().any(|deviation| {

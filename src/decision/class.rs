@@ -86,7 +86,7 @@ impl ErrorClass {
 pub const fn deviation_of(kind: ErrorKind) -> Deviation {
     match kind {
         ErrorKind::RackPitch | ErrorKind::PinionPitch => Deviation::SinglePitch,
-        ErrorKind::RackLead => Deviation::HelixSlope,
+        ErrorKind::RackLead | ErrorKind::PinionLead => Deviation::HelixSlope,
         ErrorKind::RackOverRoller | ErrorKind::PinionRadial => Deviation::Runout,
     }
 }
@@ -111,14 +111,24 @@ pub fn developed_diameter(toothed_length: Length) -> Result<Length, DomainError>
 }
 
 /// What a deviation's ΔCD needs beside the deviation.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Meshing {
+    /// The part that deviates.
+    pub part: Part,
     /// α_n
     pub pressure_angle: Option<Angle>,
     /// β of the part; 0 if not given
     pub helix_angle: Option<Angle>,
-    /// b, for the deviations of the helix
+    /// b, for the deviations of the rack's helix
     pub face_width: Option<Length>,
+}
+
+impl Meshing {
+    /// Of a part of which nothing else is known.
+    #[must_use]
+    pub const fn of(part: Part) -> Self {
+        Self { part, pressure_angle: None, helix_angle: None, face_width: None }
+    }
 }
 
 /// How a ΔCD follows from a deviation.
@@ -188,6 +198,9 @@ pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: 
         Deviation::SinglePitch | Deviation::SectorPitch | Deviation::TotalPitch => {
             Ok(Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
         }
+        Deviation::HelixSlope | Deviation::TotalHelix if meshing.part == Part::Pinion => {
+            Ok(Law::pinion_lead(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
+        }
         Deviation::HelixSlope | Deviation::TotalHelix => {
             let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
             let law = Law::rack_lead(pressure_angle()?, helix_angle, face_width)?;
@@ -215,6 +228,7 @@ pub fn tolerance(kind: ErrorKind, permissible: &Permissible, meshing: &Meshing) 
             let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
             Law::rack_lead(pressure_angle()?, helix_angle, face_width)?
         }
+        ErrorKind::PinionLead => Law::pinion_lead(pressure_angle()?, helix_angle)?,
     };
     Ok(PartError::within(law, error_value(kind, permissible, meshing.face_width)?))
 }
@@ -231,15 +245,6 @@ pub fn error_value(
     match (kind, face_width) {
         (ErrorKind::RackLead, Some(width)) => lead_slope(permissible.length(), width),
         _ => Ok(ErrorValue::Length(permissible.length())),
-    }
-}
-
-/// The part that a kind of error is on.
-#[must_use]
-pub const fn part_of(kind: ErrorKind) -> Part {
-    match kind {
-        ErrorKind::RackOverRoller | ErrorKind::RackPitch | ErrorKind::RackLead => Part::Rack,
-        ErrorKind::PinionRadial | ErrorKind::PinionPitch => Part::Pinion,
     }
 }
 
@@ -263,9 +268,13 @@ mod tests {
 
     #[test]
     fn each_deviation_has_its_effect() {
-        let meshing =
-            Meshing { pressure_angle: Some("45".parse().unwrap()), helix_angle: None, face_width: Some(length("20")) };
-        let effect = |deviation| delta_cd(deviation, length("0.02"), &meshing, Model::Exact);
+        let meshing = |part| Meshing {
+            pressure_angle: Some("45".parse().unwrap()),
+            face_width: Some(length("20")),
+            ..Meshing::of(part)
+        };
+        let of_part = |part, deviation| delta_cd(deviation, length("0.02"), &meshing(part), Model::Exact);
+        let effect = |deviation| of_part(Part::Rack, deviation);
         // 1/(2 tan 45°) = 1/2
         for deviation in [Deviation::SinglePitch, Deviation::SectorPitch, Deviation::TotalPitch] {
             assert_eq!(effect(deviation).unwrap(), length("0.01"));
@@ -276,11 +285,14 @@ mod tests {
         // b sin(atan(f/b)) / 2
         for deviation in [Deviation::HelixSlope, Deviation::TotalHelix] {
             assert!((effect(deviation).unwrap().mm() - 0.01).abs() < 1e-8);
+            // 1/(2 sin 45°) = 1/√2
+            let of_pinion = of_part(Part::Pinion, deviation).unwrap().mm();
+            assert!((of_pinion - 0.02 / 2.0_f64.sqrt()).abs() < 1e-12, "{of_pinion}");
         }
         for deviation in Deviation::ALL {
             assert_eq!(effect(deviation).is_err(), Effect::of(deviation) == Effect::None, "{deviation}");
         }
-        let bare = Meshing::default();
+        let bare = Meshing::of(Part::Rack);
         assert_eq!(
             delta_cd(Deviation::SinglePitch, length("0.02"), &bare, Model::Exact).unwrap_err().to_string(),
             "it needs the normal pressure angle α_n"

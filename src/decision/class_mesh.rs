@@ -8,6 +8,7 @@ use crate::deviation::{
     RackDeviationKind, RackFlanks, ToothRange,
 };
 use crate::gear::Pair;
+use crate::judge::bound::pinion_lead_angle_rad;
 use crate::mesh::{Mesh, MeshError, Support};
 use crate::standard::Deviation;
 use crate::trig;
@@ -109,7 +110,9 @@ pub fn largest_delta_cd_mm(
             rack = of_rack(RackDeviationKind::Lead(trig::atan(amount_mm / face_width_mm)))?;
         }
         (Deviation::HelixSlope, Part::Pinion) => {
-            let kind = PinionDeviationKind::Lead(trig::atan(amount_mm / face_width_mm));
+            // the same slope over the pinion's own width
+            let over_face_mm = amount_mm * pair.pinion().face_width_mm / face_width_mm;
+            let kind = PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, over_face_mm));
             pinion = PinionFlanks::new(pair, &[PinionDeviation { teeth: ToothRange::ALL, kind }])?;
         }
         (Deviation::Runout, Part::Rack) => rack = of_rack(RackDeviationKind::OverRoller(amount_mm))?,
@@ -172,12 +175,13 @@ mod tests {
         near(solved(21, Part::Pinion, Deviation::SinglePitch, 1), AMOUNT_MM);
     }
 
-    /// A helix slope over the whole face lifts by as much as it is; of a profile slope the flank at the pinion's tip asks
-    /// for 1/(2 sin α_n), √5/2 times as much as it is, and the one on the other side for a part of that.
+    /// A helix slope over the whole face lifts by as much as it is on the rack and by 1/(2 sin α_n), √5/2 times as much,
+    /// on the pinion; of a profile slope the flank at the pinion's tip asks for that, and the one on the other side for a
+    /// part of it.
     #[test]
     fn slopes_of_flanks() {
         near(solved(12, Part::Rack, Deviation::HelixSlope, 1), AMOUNT_MM);
-        near(solved(12, Part::Pinion, Deviation::HelixSlope, 1), AMOUNT_MM);
+        near(solved(12, Part::Pinion, Deviation::HelixSlope, 1), AMOUNT_MM * f64::sqrt(5.0) / 2.0);
         let found = solved(12, Part::Pinion, Deviation::ProfileSlope, 1);
         assert!(found.is_some_and(|found| found > 0.03 && found < AMOUNT_MM * f64::sqrt(5.0)), "{found:?}");
     }

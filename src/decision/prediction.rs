@@ -41,6 +41,8 @@ struct Gains {
     pinion: f64,
     /// k / (2 cos β_r tan α_n)
     lead: f64,
+    /// Along the transverse base tangent of the pinion: cos β_b / (2 sin α_n)
+    pinion_lead: f64,
 }
 
 impl Prediction {
@@ -98,10 +100,18 @@ impl Prediction {
                 PinionDeviationKind::Right(value) => self.signed(what("right flank"), all, value * gains.pinion),
                 PinionDeviationKind::Shift(_) if all => self.signed(what("shift"), true, 0.0),
                 PinionDeviationKind::Shift(value) => self.signed(what("pitch"), false, value.abs() * gains.pinion),
-                // the paper has no formula for the pinion's lead
+                // helices of single teeth are for the exact mesh
                 PinionDeviationKind::Lead(_) => {}
             }
         }
+        self
+    }
+
+    /// Adds a helix slope deviation f_Hβ of the pinion that is given as one value.
+    #[must_use]
+    pub fn pinion_lead(mut self, pair: &Pair, deviation_mm: f64) -> Self {
+        let upper = deviation_mm.abs() * Gains::new(pair).pinion_lead;
+        self.signed("pinion lead".to_owned(), false, upper);
         self
     }
 
@@ -170,6 +180,7 @@ impl Gains {
             rack: gain(ErrorKind::RackPitch, Model::Exact, rack),
             normal: gain(ErrorKind::RackPitch, Model::Paper, rack),
             pinion: gain(ErrorKind::PinionPitch, Model::Exact, pinion),
+            pinion_lead: gain(ErrorKind::PinionLead, Model::Exact, pinion),
             lead: pair.rack().face_width_mm * gain(ErrorKind::RackLead, Model::Exact, rack),
         }
     }

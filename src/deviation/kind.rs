@@ -41,12 +41,24 @@ pub enum ErrorKind {
     PinionRadial,
     /// Single pitch deviation of the pinion.
     PinionPitch,
+    /// Helix slope deviation f_Hβ of the pinion.
+    PinionLead,
 }
 
 impl ErrorKind {
-    /// Every kind, in the paper's order.
-    pub const ALL: [Self; 5] =
+    /// The kinds that the paper has a formula for, in its order.
+    pub const OF_PAPER: [Self; 5] =
         [Self::RackOverRoller, Self::RackPitch, Self::RackLead, Self::PinionRadial, Self::PinionPitch];
+
+    /// Every kind: the paper's in its order, then the others.
+    pub const ALL: [Self; 6] = [
+        Self::RackOverRoller,
+        Self::RackPitch,
+        Self::RackLead,
+        Self::PinionRadial,
+        Self::PinionPitch,
+        Self::PinionLead,
+    ];
 
     /// The key that specs, tables and results call it by: `rack_over_roller`.
     #[must_use]
@@ -57,6 +69,7 @@ impl ErrorKind {
             Self::RackLead => "rack_lead",
             Self::PinionRadial => "pinion_radial",
             Self::PinionPitch => "pinion_pitch",
+            Self::PinionLead => "pinion_lead",
         }
     }
 
@@ -69,6 +82,16 @@ impl ErrorKind {
             Self::RackLead => "rack lead",
             Self::PinionRadial => "pinion radial",
             Self::PinionPitch => "pinion pitch",
+            Self::PinionLead => "pinion lead",
+        }
+    }
+
+    /// The part that has the error.
+    #[must_use]
+    pub const fn part(self) -> Part {
+        match self {
+            Self::RackOverRoller | Self::RackPitch | Self::RackLead => Part::Rack,
+            Self::PinionRadial | Self::PinionPitch | Self::PinionLead => Part::Pinion,
         }
     }
 
@@ -76,7 +99,7 @@ impl ErrorKind {
     #[must_use]
     pub const fn usual_extent(self) -> Extent {
         match self {
-            Self::RackOverRoller | Self::RackLead => Extent::All,
+            Self::RackOverRoller | Self::RackLead | Self::PinionLead => Extent::All,
             Self::RackPitch | Self::PinionRadial | Self::PinionPitch => Extent::One,
         }
     }
@@ -87,7 +110,7 @@ impl ErrorKind {
         match self {
             Self::RackOverRoller | Self::PinionRadial => Unit::Space,
             Self::RackPitch | Self::PinionPitch => Unit::Pitch,
-            Self::RackLead => Unit::Tooth,
+            Self::RackLead | Self::PinionLead => Unit::Tooth,
         }
     }
 
@@ -105,7 +128,7 @@ impl fmt::Display for ErrorKind {
     }
 }
 
-/// The value of an error: a length, or an angle for a lead error.
+/// The value of an error: a length, or an angle for a lead error of the rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ErrorValue {
     /// A deviation in length.
@@ -195,7 +218,15 @@ mod tests {
 
     #[test]
     fn keys_are_those_of_a_spec() {
-        let keys = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch"];
+        let keys = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch", "pinion_lead"];
         assert_eq!(ErrorKind::ALL.map(ErrorKind::key), keys);
+        assert!(ErrorKind::ALL.starts_with(&ErrorKind::OF_PAPER));
+    }
+
+    #[test]
+    fn keys_begin_with_the_part() {
+        for kind in ErrorKind::ALL {
+            assert!(kind.key().starts_with(kind.part().name()), "{kind}");
+        }
     }
 }

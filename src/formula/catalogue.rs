@@ -40,8 +40,10 @@ pub(super) const PINION_RADIAL: FormulaPage =
     FormulaPage { name: "pinion-radial", aliases: &["radial"], text: include_str!("pinion_radial.md") };
 pub(super) const PINION_PITCH: FormulaPage =
     FormulaPage { name: "pinion-pitch", aliases: &[], text: include_str!("pinion_pitch.md") };
+pub(super) const PINION_LEAD: FormulaPage =
+    FormulaPage { name: "pinion-lead", aliases: &[], text: include_str!("pinion_lead.md") };
 
-/// Every formula, in the paper's order.
+/// Every formula: the paper's in its order, then the others.
 pub const CATALOGUE: &[FormulaPage] = &[
     FormulaPage { name: "ideal-pin", aliases: &["pin"], text: include_str!("ideal_pin.md") },
     OVER_PIN,
@@ -51,4 +53,5 @@ pub const CATALOGUE: &[FormulaPage] = &[
     RACK_LEAD,
     PINION_RADIAL,
     PINION_PITCH,
+    PINION_LEAD,
 ];

@@ -1,7 +1,7 @@
 //! The closed formulas: what one manufacturing error does to the operating centre distance.
 //!
 //! The formulas of the paper *Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing*, sections 2.1 and
-//! 2.2, each with a page of its equation, symbols, units, domain and source. Those of ΔCD are [laws](Law): value, inverse
+//! 2.2, and one for the pinion's lead, which it does not have; each with a page of its equation, symbols, units, domain and source. Those of ΔCD are [laws](Law): value, inverse
 //! (the largest error that stays within a ΔCD) and sensitivities (∂ΔCD/∂input) in one place. The decision module evaluates
 //! and combines them; they take validated quantities and know nothing of files or tables.
 //!
@@ -12,6 +12,7 @@
 //! | rack lead angle error | `k \|sin Δβ\| / (2 cos β_r tan α_n)` | [`Law::rack_lead`] |
 //! | pinion radial error | `r - r_nom` | [`Law::pinion_radial`] |
 //! | pinion single pitch error | `\|f_p\| cos β_p / (2 tan α_n)` | [`Law::pinion_pitch`] |
+//! | pinion helix slope deviation | `\|f_Hβ\| cos β_b / (2 sin α_n)` | [`Law::pinion_lead`] |
 //!
 //! The exact ones are derived in [`mesh::relations`](crate::mesh::relations).
 //!
@@ -43,7 +44,7 @@ pub enum Model {
     /// Exact for rigid teeth: the pressure angle is taken in the plane in which the error was measured.
     #[default]
     Exact,
-    /// The formula as the paper prints it.
+    /// The formula as the paper prints it; of the pinion's lead, which it has no formula for, the exact one.
     Paper,
 }
 
@@ -77,7 +78,7 @@ impl fmt::Display for Model {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Input {
-    /// The error itself (mm, or degrees for a lead error).
+    /// The error itself (mm, or degrees for a lead error of the rack).
     Error,
     /// Normal pressure angle α_n (degrees).
     NormalPressureAngle,

@@ -8,7 +8,7 @@ use super::{Block, Column, Report, Screen, Table};
 use crate::decision::budget::{Budget, Line, Rule};
 use crate::decision::class::ErrorClass;
 use crate::decision::{Limit, Stack};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{ErrorKind, ErrorValue, Part};
 use crate::formula::{Input, Model};
 use crate::quantity::{Length, LengthUnit};
 
@@ -39,7 +39,7 @@ fn input_name(kind: ErrorKind, input: Input) -> (String, &'static str) {
         Input::Error if kind == ErrorKind::RackLead => (kind.to_string(), "mm/°"),
         Input::Error => (kind.to_string(), "mm/mm"),
         Input::NormalPressureAngle => ("normal pressure angle α_n".to_owned(), "mm/°"),
-        Input::HelixAngle if kind == ErrorKind::PinionPitch => ("helix angle of the pinion β_p".to_owned(), "mm/°"),
+        Input::HelixAngle if kind.part() == Part::Pinion => ("helix angle of the pinion β_p".to_owned(), "mm/°"),
         Input::HelixAngle => ("helix angle of the rack β_r".to_owned(), "mm/°"),
         Input::FaceWidth => ("face width of the rack k".to_owned(), "mm/mm"),
         other => (format!("{other:?}"), "mm/mm"),

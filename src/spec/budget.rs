@@ -107,7 +107,7 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<
 }
 
 impl Spec {
-    /// The errors of the budget: those in `[budget]`, or all of them, free, if it names none. With them, what
+    /// The errors of the budget: those in `[budget]`, or all of the paper's, free, if it names none. With them, what
     /// classes came to.
     ///
     /// # Errors
@@ -115,7 +115,7 @@ impl Spec {
     pub fn budget_entries(&self) -> Result<(Vec<Entry>, Vec<ErrorClass>), Diagnostics> {
         if self.budget.errors.is_empty() {
             let free = |kind| Ok(Entry::Free(self.law(kind, "a budget")?, Freedom::Weight(1.0)));
-            return Ok((ErrorKind::ALL.into_iter().map(free).collect::<Result<_, Diagnostics>>()?, Vec::new()));
+            return Ok((ErrorKind::OF_PAPER.into_iter().map(free).collect::<Result<_, Diagnostics>>()?, Vec::new()));
         }
         let (mut entries, mut classes) = (Vec::new(), Vec::new());
         let mut diagnostics = Vec::new();

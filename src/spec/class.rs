@@ -84,7 +84,7 @@ impl Spec {
         missing: &mut MissingKeys,
     ) -> Option<Result<ErrorClass, Diagnostic>> {
         let deviation = deviation_of(kind);
-        let part = class::part_of(kind);
+        let part = kind.part();
         let need = || -> Need { (format!("`{}` of class {grade}", kind.key()), Some((span.clone(), String::new()))) };
         let standard = missing.take("tolerance", "standard", self.tolerance.standard.as_ref(), need)?;
         let Some(limiting) = standard.that_limits(deviation) else {

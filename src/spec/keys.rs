@@ -320,6 +320,11 @@ pub(crate) const ERRORS: Section = Section {
             Kind::Error(ErrorKind::PinionPitch),
             "Single pitch deviation f_p of the pinion, transverse, at the reference circle.",
         ),
+        key(
+            "pinion_lead",
+            Kind::Error(ErrorKind::PinionLead),
+            "Helix slope deviation f_Hβ of the pinion over its face width, along the transverse base tangent.",
+        ),
     ],
 };
 
@@ -333,6 +338,7 @@ pub(crate) const LIMITS: Section = Section {
         key("rack_lead", Kind::Limit, "Limits of ΔCD from the rack's lead angle error."),
         key("pinion_radial", Kind::Limit, "Limits of ΔCD from the pinion's radial error."),
         key("pinion_pitch", Kind::Limit, "Limits of ΔCD from the pinion's pitch error."),
+        key("pinion_lead", Kind::Limit, "Limits of ΔCD from the pinion's helix slope deviation."),
     ],
 };
 
@@ -481,6 +487,7 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
         key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle, its error, or f_Hβ."),
         key("pinion_radial", Kind::Table(&LENGTH_COLUMN), "The pinion's radial measure or error."),
         key("pinion_pitch", Kind::Table(&LENGTH_COLUMN), "The pinion's single pitch deviation."),
+        key("pinion_lead", Kind::Table(&LENGTH_COLUMN), "The pinion's helix slope deviation f_Hβ."),
     ],
 };
 
@@ -526,6 +533,11 @@ pub(crate) const BUDGET: Section = Section {
         key("rack_lead", Kind::Tolerance(ErrorKind::RackLead), "Tolerance of the rack's lead angle error."),
         key("pinion_radial", Kind::Tolerance(ErrorKind::PinionRadial), "Tolerance of the pinion's radial error."),
         key("pinion_pitch", Kind::Tolerance(ErrorKind::PinionPitch), "Tolerance of the pinion's pitch error."),
+        key(
+            "pinion_lead",
+            Kind::Tolerance(ErrorKind::PinionLead),
+            "Tolerance of the pinion's helix slope deviation; not among those sought where none is named.",
+        ),
     ],
 };
 

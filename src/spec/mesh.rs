@@ -15,6 +15,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartError;
 use crate::formula::over_pin::OverPin;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
+use crate::judge::bound::pinion_lead_angle_rad;
 use crate::mesh::{Mesh, Support};
 use crate::quantity::{Angle, Length};
 use crate::table::{Measured, PinionTeeth, RackSpaces};
@@ -52,6 +53,8 @@ pub struct MeshInput {
     pub rack_deviations: Vec<RackDeviation>,
     /// The pinion's deviations other than measured tables, for the formulas.
     pub pinion_deviations: Vec<WrittenPinionDeviation>,
+    /// f_Hβ of the pinion that `[errors]` gives and the mesh has, for the formulas; mm.
+    pub pinion_lead_mm: Option<f64>,
     /// The measured rows of the rack.
     pub rack_rows: Vec<RackSpaceRow>,
     /// The measured rows of the pinion.
@@ -120,7 +123,7 @@ impl Spec {
     ///
     /// Without deviations per tooth, the values in `[errors]` are put on the teeth: over-roller and radial
     /// errors on all of them, the rack's pitch and lead errors on the teeth from number 4 on, the pinion's
-    /// pitch error as one step half way round.
+    /// pitch error as one step half way round, its lead error on all of its teeth.
     ///
     /// # Errors
     /// Diagnostics for missing keys, geometry that cannot mesh, and deviations that cannot be.
@@ -131,8 +134,12 @@ impl Spec {
             self.pinion.deviations.iter().map(|deviation| deviation.value).collect(),
         );
         let origin = if self.has_deviations() || self.errors.is_empty() { Origin::Teeth } else { Origin::Errors };
+        let mut pinion_lead_mm = None;
         if origin == Origin::Errors {
-            (rack_deviations, pinion_deviations) = on_teeth(&self.part_errors()?, &pair);
+            let errors = self.part_errors()?;
+            (rack_deviations, pinion_deviations) = on_teeth(&errors, &pair);
+            let lead = errors.iter().find(|error| error.kind() == ErrorKind::PinionLead);
+            pinion_lead_mm = lead.map(|error| error.value().base());
         }
         let rack_rows = match &tables.rack {
             Some(spaces) => self.rack_rows(spaces, &pair)?,
@@ -148,7 +155,16 @@ impl Spec {
         let mesh = Mesh::new(pair, rack, pinion, support)
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
         let warnings = pair.warnings();
-        Ok(MeshInput { mesh, origin, warnings, rack_deviations, pinion_deviations, rack_rows, pinion_rows })
+        Ok(MeshInput {
+            mesh,
+            origin,
+            warnings,
+            rack_deviations,
+            pinion_deviations,
+            pinion_lead_mm,
+            rack_rows,
+            pinion_rows,
+        })
     }
 
     pub(super) fn support(&self) -> Result<Support, Diagnostics> {
@@ -426,13 +442,19 @@ fn on_teeth(errors: &[PartError], pair: &Pair) -> (Vec<RackDeviation>, Vec<Writt
                     kind: PinionDeviationKind::Shift(length.mm()),
                 }));
             }
+            (ErrorKind::PinionLead, ErrorValue::Length(length)) => {
+                pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
+                    teeth: ToothRange::ALL,
+                    kind: PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, length.mm())),
+                }));
+            }
             (_, ErrorValue::Angle(angle)) => {
                 rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(angle.radians()) });
             }
             (_, ErrorValue::Slope(tangent)) => {
                 rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(trig::atan(tangent)) });
             }
-            // a lead error is no length
+            // a lead error of the rack is no length
             (ErrorKind::RackLead, ErrorValue::Length(_)) => {}
         }
     }

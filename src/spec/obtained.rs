@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{MeasuredTables, Spec, WrittenError};
-use crate::decision::class::{deviation_of, part_of};
+use crate::decision::class::deviation_of;
 use crate::deviation::{ErrorValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length};
@@ -35,7 +35,7 @@ impl Spec {
         let mut values = Vec::new();
         if self.errors.iter().any(|(_, written)| !matches!(written.value, WrittenError::Class(_))) {
             for error in self.part_errors()?.iter().filter(|error| !error.is_tolerance()) {
-                let part = part_of(error.kind());
+                let part = error.kind().part();
                 let amount = match error.value() {
                     ErrorValue::Length(length) => length.abs(),
                     ErrorValue::Angle(angle) => self.slope(part, trig::tan_of(angle))?,

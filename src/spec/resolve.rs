@@ -158,6 +158,7 @@ impl Spec {
             ErrorKind::PinionRadial => Ok(Law::pinion_radial()),
             ErrorKind::RackPitch => Law::rack_pitch(pressure_angle()?, rack),
             ErrorKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, pinion),
+            ErrorKind::PinionLead => Law::pinion_lead(pressure_angle()?, pinion),
             ErrorKind::RackLead => {
                 let pressure_angle = pressure_angle();
                 let face_width = missing.take("rack", "face_width", self.rack.face_width.as_ref(), need);

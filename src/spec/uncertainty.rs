@@ -18,12 +18,13 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
 
 /// Every source that a spec can name.
-const SOURCES: [Source; 13] = [
+const SOURCES: [Source; 14] = [
     Source::Error(ErrorKind::RackOverRoller),
     Source::Error(ErrorKind::RackPitch),
     Source::Error(ErrorKind::RackLead),
     Source::Error(ErrorKind::PinionRadial),
     Source::Error(ErrorKind::PinionPitch),
+    Source::Error(ErrorKind::PinionLead),
     Source::NormalModule,
     Source::NormalPressureAngle,
     Source::RackHelixAngle,
@@ -307,13 +308,14 @@ impl Spec {
     pub fn uncertainties_of(&self, kinds: &[ErrorKind]) -> Result<Uncertainties, Diagnostics> {
         let given = |kind: ErrorKind| kinds.contains(&kind);
         let pitch = given(ErrorKind::RackPitch) || given(ErrorKind::RackLead);
+        let of_pinion = given(ErrorKind::PinionPitch) || given(ErrorKind::PinionLead);
         let nominal = given(ErrorKind::RackOverRoller) && self.over_pin().is_some();
         let counts = |source: Source| match source {
             Source::Error(kind) => given(kind),
-            Source::NormalPressureAngle => pitch || given(ErrorKind::PinionPitch) || nominal,
+            Source::NormalPressureAngle => pitch || of_pinion || nominal,
             Source::RackHelixAngle => pitch,
             Source::FaceWidth => given(ErrorKind::RackLead),
-            Source::PinionHelixAngle => given(ErrorKind::PinionPitch),
+            Source::PinionHelixAngle => of_pinion,
             Source::NormalModule | Source::ToothThickness | Source::Datum | Source::Roller => nominal,
         };
         let inputs: Vec<_> = self

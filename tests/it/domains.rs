@@ -133,6 +133,14 @@ const CASES: &[Case] = &[
         let formula = Law::pinion_pitch(deg(20.0), deg(12.0))?;
         MODELS.iter().try_for_each(|model| formula.largest_error(mm(v), *model).map(drop))
     }),
+    Case::pressure_angle("pinion lead", |v| Law::pinion_lead(deg(v), deg(12.0)).map(drop)),
+    Case::inclination("pinion lead", "helix angle of the pinion β_p", |v| {
+        Law::pinion_lead(deg(20.0), deg(v)).map(drop)
+    }),
+    Case::not_negative("pinion lead", "centre distance deviation of a pitch or lead error ΔCD", |v| {
+        let formula = Law::pinion_lead(deg(20.0), deg(12.0))?;
+        MODELS.iter().try_for_each(|model| formula.largest_error(mm(v), *model).map(drop))
+    }),
     Case::pressure_angle("rack lead", |v| Law::rack_lead(deg(v), deg(12.0), mm(19.7)).map(drop)),
     Case::inclination("rack lead", "helix angle of the rack β_r", |v| {
         Law::rack_lead(deg(20.0), deg(v), mm(19.7)).map(drop)
@@ -343,6 +351,7 @@ fn everything(lengths: &[f64; 4], angles: &[f64; 3]) -> Result<(), TestCaseError
         (Law::rack_lead(a_0, a_1, l_2), a_2.into()),
         (Ok(Law::pinion_radial()), l_1.into()),
         (Law::pinion_pitch(a_0, a_1), l_1.into()),
+        (Law::pinion_lead(a_0, a_1), l_2.into()),
     ];
     let mut errors = vec![];
     for (law, error) in laws {

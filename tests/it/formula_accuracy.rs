@@ -12,6 +12,7 @@ fn pitch_errors() {
 fn lead_errors() {
     formulas::rack_lead();
     formulas::rack_lead_by_slope();
+    formulas::pinion_lead();
 }
 
 #[test]

@@ -6,8 +6,10 @@ use crate::common::random::{self, Random};
 use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use rackmesh::deviation::*;
+use rackmesh::formula::Model;
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
 use rackmesh::mesh::{ContactKind, Mesh, MeshPoint, Support};
+use rackmesh::spec::{MeasuredTables, Spec};
 
 fn rack_with(pair: &Pair, teeth: ToothRange, kinds: &[RackDeviationKind]) -> RackFlanks {
     let list: Vec<_> = kinds.iter().map(|&kind| RackDeviation { teeth, kind }).collect();
@@ -422,5 +424,29 @@ fn a_nominal_curve_has_few_kinks_and_no_height() {
         assert!(curve.resolved);
         assert!(summary.peak_to_peak_mm < 1e-11, "seed {seed}: {summary:?}");
         assert!(curve.kinks.len() <= 40, "seed {seed}: {} kinks", curve.kinks.len());
+    }
+}
+
+/// A helix slope deviation of the pinion, as `[errors]` puts it on the teeth, where the rack covers its whole face.
+#[test]
+fn a_lead_of_the_pinion_moves_it_by_its_law() {
+    for (pinion_helix, rack_helix) in [("0", "0"), ("25", "0"), ("25", "-25"), ("-15", "15"), ("21", "4")] {
+        for deviation in ["8 um", "-20 um"] {
+            let text = format!(
+                "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\nface_width = 60\naddendum = 2\n\
+                 helix_angle = {rack_helix}\n[pinion]\nteeth = 24\nhelix_angle = {pinion_helix}\nface_width = 20\n\
+                 tip_diameter = {}\n[errors]\npinion_lead = \"{deviation}\"\n",
+                48.0 / pinion_helix.parse::<f64>().unwrap().to_radians().cos() + 4.0
+            );
+            let spec = Spec::parse("lead", &text).unwrap_or_else(|error| panic!("{error}"));
+            let law = spec.part_errors().unwrap()[0].delta_cd(Model::Exact).unwrap().mm();
+            let input = spec.mesh(&MeasuredTables::default()).unwrap_or_else(|error| panic!("{error}"));
+            let pitch = input.mesh.pair().rack().pitch_mm;
+            let strokes: Vec<f64> = (0..64).map(|i| f64::from(i) / 32.0 * pitch).collect();
+            for point in input.mesh.sample(&strokes).into_iter().flatten() {
+                let off = point.delta_cd_mm - law;
+                assert!(off.abs() < 1e-11, "β_p = {pinion_helix}°, β_r = {rack_helix}°, {deviation}: {off}");
+            }
+        }
     }
 }

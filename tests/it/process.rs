@@ -183,7 +183,9 @@ fn every_subcommands_help_shows_an_example() {
         let help = with_input(&[command, "--help"], b"");
         assert!(text(&help.stdout).contains(&format!("  rackmesh {command}")), "{command}");
     }
-    for formula in ["over-roller", "pitch", "lead", "radial", "pinion-pitch", "pin", "over-pin", "roller-change"] {
+    for formula in
+        ["over-roller", "pitch", "lead", "radial", "pinion-pitch", "pinion-lead", "pin", "over-pin", "roller-change"]
+    {
         let help = with_input(&["calc", formula, "--help"], b"");
         assert!(text(&help.stdout).contains(&format!("  rackmesh calc {formula} ")), "{formula}");
     }

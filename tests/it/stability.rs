@@ -30,13 +30,16 @@ fn deg(value: f64) -> Angle {
 type DeltaCd = fn(alpha: f64, beta: f64, width: f64, error: f64, model: Model) -> Result<f64, DomainError>;
 
 /// Every formula of an error as one function of plain numbers; what it does not need is ignored.
-const FORMULAS: [(&str, DeltaCd); 4] = [
+const FORMULAS: [(&str, DeltaCd); 5] = [
     ("over-roller", |_, _, _, error, model| Ok(Law::rack_over_roller().delta_cd(mm(error), model)?.mm())),
     ("rack pitch", |alpha, beta, _, error, model| {
         Ok(Law::rack_pitch(deg(alpha), deg(beta))?.delta_cd(mm(error), model)?.mm())
     }),
     ("pinion pitch", |alpha, beta, _, error, model| {
         Ok(Law::pinion_pitch(deg(alpha), deg(beta))?.delta_cd(mm(error), model)?.mm())
+    }),
+    ("pinion lead", |alpha, beta, _, error, model| {
+        Ok(Law::pinion_lead(deg(alpha), deg(beta))?.delta_cd(mm(error), model)?.mm())
     }),
     ("rack lead", |alpha, beta, width, error, model| {
         // a length as an angle: any number below 90
@@ -81,13 +84,13 @@ fn formulas_scale() {
         let (alpha, beta) = (random.range(0.01, 45.0), random.range(-80.0, 80.0));
         let error = random.range(1e-4, 1.0);
         let factor = 2.0_f64.powi(random.int(-10, 10) as i32);
-        for (name, formula) in &FORMULAS[..3] {
+        for (name, formula) in &FORMULAS[..4] {
             let at = |error| formula(alpha, beta, 1.0, error, Model::Exact).unwrap();
             let (one, scaled) = (at(error) * factor, at(error * factor));
             let grid = gain_of_a_step(alpha) * (1.0 + factor);
             assert!((one - scaled).abs() <= grid, "{name} {alpha} {beta} {error} {factor}");
         }
-        let lead = |width| (FORMULAS[3].1)(alpha, beta, width, error, Model::Exact).unwrap();
+        let lead = |width| (FORMULAS[4].1)(alpha, beta, width, error, Model::Exact).unwrap();
         let off = (lead(3.0) * factor - lead(3.0 * factor)).abs();
         assert!(off <= 1e-12 * (1.0 + factor) + 2.0 * f64::EPSILON * lead(3.0 * factor), "{off}");
     }

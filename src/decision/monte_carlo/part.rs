@@ -291,7 +291,7 @@ mod tests {
                     basis: &UNKNOWN,
                 };
                 let model = PartModel::new(&part, &uncertainties).unwrap();
-                assert_eq!(model.outputs(), 7);
+                assert_eq!(model.outputs(), ErrorKind::ALL.len() + 2);
                 let mut inputs: Vec<Vec<f64>> = vec![Vec::new(); sources.len()];
                 let mut expected = Vec::new();
                 for draw in 0..8_u8 {
@@ -310,7 +310,7 @@ mod tests {
                     }
                     expected.push(drawn.delta_cd());
                 }
-                let mut outputs = vec![vec![0.0; expected.len()]; 7];
+                let mut outputs = vec![vec![0.0; expected.len()]; model.outputs()];
                 model.evaluate(&inputs, &mut outputs);
                 for (draw, expected) in expected.iter().enumerate() {
                     for (which, expected) in expected.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::Source;
 use crate::decision::Stack;
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, Part};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartError};
 use crate::judge::bound::{Basis, ExtendedError, Open, Range};
@@ -36,11 +36,11 @@ impl Gear {
     }
 
     fn helix_mut(&mut self, kind: ErrorKind) -> &mut f64 {
-        if kind == ErrorKind::PinionPitch { &mut self.pinion_helix } else { &mut self.rack_helix }
+        if kind.part() == Part::Pinion { &mut self.pinion_helix } else { &mut self.rack_helix }
     }
 
     fn helix(&self, kind: ErrorKind) -> f64 {
-        if kind == ErrorKind::PinionPitch { self.pinion_helix } else { self.rack_helix }
+        if kind.part() == Part::Pinion { self.pinion_helix } else { self.rack_helix }
     }
 
     /// The number that a source is about, if it is one of these.

@@ -14,7 +14,7 @@ use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, Varied, ends};
 use super::{EndWeights, FOLD, InputContribution, Linear, Propagation, Source, Uncertainties, UncertaintyError};
 use crate::decision::Stack;
-use crate::deviation::{ErrorKind, Extent};
+use crate::deviation::{self, ErrorKind, Extent};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Input, Law, Model, PartError, Sensitivity};
 use crate::judge::bound::{Basis, ExtendedError, Range};
@@ -22,7 +22,7 @@ use crate::judge::bound::{Basis, ExtendedError, Range};
 const KINDS: usize = ErrorKind::ALL.len();
 
 /// As many inputs as there are.
-const INPUTS: usize = 13;
+const INPUTS: usize = 14;
 
 /// Coverage factors are kept up to so many degrees of freedom.
 const KEPT_FACTORS: u32 = 256;
@@ -424,7 +424,7 @@ fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {
     match input {
         Input::Error => Some(Source::Error(kind)),
         Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
-        Input::HelixAngle if kind == ErrorKind::PinionPitch => Some(Source::PinionHelixAngle),
+        Input::HelixAngle if kind.part() == deviation::Part::Pinion => Some(Source::PinionHelixAngle),
         Input::HelixAngle => Some(Source::RackHelixAngle),
         Input::FaceWidth => Some(Source::FaceWidth),
         _ => None,

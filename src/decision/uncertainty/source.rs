@@ -37,6 +37,7 @@ impl Source {
             Self::Error(ErrorKind::RackLead) => "errors.rack_lead",
             Self::Error(ErrorKind::PinionRadial) => "errors.pinion_radial",
             Self::Error(ErrorKind::PinionPitch) => "errors.pinion_pitch",
+            Self::Error(ErrorKind::PinionLead) => "errors.pinion_lead",
             Self::NormalModule => "pair.normal_module",
             Self::NormalPressureAngle => "pair.normal_pressure_angle",
             Self::RackHelixAngle => "rack.helix_angle",

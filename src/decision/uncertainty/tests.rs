@@ -37,7 +37,7 @@ fn part(errors: &[PartError]) -> Part<'_> {
 }
 
 /// Every quantity that can be uncertain, in the order of a [`Scene`]'s values.
-pub(in crate::decision) const SOURCES: [Source; 13] = [
+pub(in crate::decision) const SOURCES: [Source; 14] = [
     Source::Error(ErrorKind::RackOverRoller),
     Source::Error(ErrorKind::RackPitch),
     Source::Error(ErrorKind::RackLead),
@@ -51,12 +51,13 @@ pub(in crate::decision) const SOURCES: [Source; 13] = [
     Source::Datum,
     Source::Roller,
     Source::ToothThickness,
+    Source::Error(ErrorKind::PinionLead),
 ];
 
 /// A part of which every quantity may change; mm and degrees.
 #[derive(Clone, Copy)]
 pub(in crate::decision) struct Scene {
-    pub(in crate::decision) values: [f64; 13],
+    pub(in crate::decision) values: [f64; 14],
     pub(in crate::decision) thickness: bool,
     pub(in crate::decision) tolerances: bool,
     pub(in crate::decision) model: Model,
@@ -64,8 +65,8 @@ pub(in crate::decision) struct Scene {
 }
 
 impl Scene {
-    pub(in crate::decision) const VALUES: [f64; 13] =
-        [-0.013, 0.012, 0.0255, 0.004, -0.009, 20.0, 12.0, 21.0, 19.7, 2.5, 21.5, 5.0, 3.9];
+    pub(in crate::decision) const VALUES: [f64; 14] =
+        [-0.013, 0.012, 0.0255, 0.004, -0.009, 20.0, 12.0, 21.0, 19.7, 2.5, 21.5, 5.0, 3.9, 0.008];
 
     pub(in crate::decision) fn over_pin(&self) -> OverPin {
         let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
@@ -91,6 +92,7 @@ impl Scene {
             PartError::new(Law::rack_lead(alpha, rack, mm(8)).unwrap(), degrees(2)),
             PartError::new(Law::pinion_radial(), mm(3)),
             PartError::new(Law::pinion_pitch(alpha, pinion).unwrap(), mm(4)),
+            PartError::new(Law::pinion_lead(alpha, pinion).unwrap(), mm(13)),
         ];
         let within = |error: PartError| {
             if self.tolerances && error.kind().always_acts() {

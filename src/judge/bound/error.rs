@@ -24,7 +24,7 @@ pub(in crate::judge) enum Effect {
     /// The rack's tooth lines turn by this.
     RackLead { value: f64, rack: RackLines },
     /// The pinion's helices turn; over the whole face that is this ΔCD.
-    PinionLead { value: f64 },
+    PinionLead { value: f64, gain: f64 },
 }
 
 /// A pitch error: each step moves ΔCD by `gain` times its value.
@@ -73,7 +73,7 @@ impl ExtendedError {
     /// An error of nothing, for lists of a fixed length.
     pub(crate) const NONE: Self = Self { effect: Effect::Size { part: Part::Rack, value: 0.0 }, extent: Extent::All };
 
-    /// An error of one of the five kinds with a [`Law`]. Signed if it is measured; of a tolerance
+    /// An error of a kind with a [`Law`]. Signed if it is measured; of a tolerance
     /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
     ///
     /// # Errors
@@ -105,6 +105,9 @@ impl ExtendedError {
                 };
                 Effect::RackLead { value, rack }
             }
+            (ErrorKind::PinionLead, _, ErrorValue::Length(value)) => {
+                Effect::PinionLead { value: value.mm(), gain: law.slope(1.0, Model::Exact) }
+            }
             _ => return Err(ErrorInputError::WrongDimension),
         };
         Self { effect, extent }.checked()
@@ -124,11 +127,14 @@ impl ExtendedError {
             Effect::Pitch(pitch) => {
                 pitch.gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
             }
+            Effect::PinionLead { gain, .. } => {
+                *gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
+            }
             Effect::RackLead { rack, .. } => {
                 let tan_alpha = trig::tan(pressure_angle.to_radians());
                 *rack = RackLines { tan_alpha, helix: helix_angle.to_radians(), face_width: face_width_mm };
             }
-            Effect::Size { .. } | Effect::PinionLead { .. } => {}
+            Effect::Size { .. } => {}
         }
         self
     }
@@ -138,7 +144,7 @@ impl ExtendedError {
         let (Effect::Size { value, .. }
         | Effect::Pitch(PitchEffect { value, .. })
         | Effect::RackLead { value, .. }
-        | Effect::PinionLead { value }) = self.effect;
+        | Effect::PinionLead { value, .. }) = self.effect;
         self.with_value(share * value)
     }
 
@@ -148,26 +154,9 @@ impl ExtendedError {
             Effect::Size { value, .. }
             | Effect::Pitch(PitchEffect { value, .. })
             | Effect::RackLead { value, .. }
-            | Effect::PinionLead { value } => *value = new,
+            | Effect::PinionLead { value, .. } => *value = new,
         }
         self
-    }
-
-    /// A helix slope deviation f_Hβ of the pinion over its face width b:
-    /// ΔCD = f_Hβ cos β_b / (2 sin α_n), sin β_b = sin β_p cos α_n.
-    ///
-    /// # Errors
-    /// [`ErrorInputError`] as [`ExtendedError::new`].
-    pub fn pinion_lead(
-        deviation_mm: f64,
-        normal_pressure_angle_rad: f64,
-        pinion_helix_angle_rad: f64,
-        extent: Extent,
-    ) -> Result<Self, ErrorInputError> {
-        let (sin_n, cos_n) = trig::sin_cos(normal_pressure_angle_rad);
-        let sin_b = trig::sin(pinion_helix_angle_rad) * cos_n;
-        let value = deviation_mm * (1.0 - sin_b * sin_b).sqrt() / (2.0 * sin_n);
-        Self { effect: Effect::PinionLead { value }, extent }.checked()
     }
 
     /// The same pitch tolerance of every pitch, with the teeth's total cumulative deviation F_p known: no two teeth are
@@ -194,7 +183,7 @@ impl ExtendedError {
             return Err(ErrorInputError::NoTotal);
         }
         let (value, largest) = match self.effect {
-            Effect::Size { value, .. } | Effect::Pitch(PitchEffect { value, .. }) | Effect::PinionLead { value } => {
+            Effect::Size { value, .. } | Effect::Pitch(PitchEffect { value, .. }) | Effect::PinionLead { value, .. } => {
                 (value, LONGEST)
             }
             Effect::RackLead { value, rack } => {

@@ -57,8 +57,8 @@ pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<E
         Effect::RackLead { value, rack } => {
             leads(&Leads::none(Part::Rack).with(value, error.extent, Some(rack)), Some(&rack), knowledge)
         }
-        Effect::PinionLead { value } => {
-            leads(&Leads::none(Part::Pinion).with(value, error.extent, None), None, knowledge)
+        Effect::PinionLead { value, gain } => {
+            leads(&Leads::none(Part::Pinion).with(gain * value, error.extent, None), None, knowledge)
         }
     };
     Ok(supported(range, knowledge))
@@ -175,7 +175,7 @@ impl Sum {
                     lines = Some(rack);
                     of_rack = of_rack.with(value, error.extent, lines);
                 }
-                Effect::PinionLead { value } => of_pinion = of_pinion.with(value, error.extent, None),
+                Effect::PinionLead { value, gain } => of_pinion = of_pinion.with(gain * value, error.extent, None),
             }
         }
         for (part, all) in [(Part::Rack, &of_rack), (Part::Pinion, &of_pinion)] {
@@ -274,8 +274,8 @@ impl KnownPair {
 /// How far errors move ΔCD at least, whatever the pair, mm: no need to ask what is known of a pair for smaller ones.
 pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
     let least = |error: &ExtendedError| match error.effect {
-        Effect::Size { value, .. } | Effect::PinionLead { value } => value.abs(),
-        Effect::Pitch(PitchEffect { value, gain, .. }) => gain * value.abs(),
+        Effect::Size { value, .. } => value.abs(),
+        Effect::Pitch(PitchEffect { value, gain, .. }) | Effect::PinionLead { value, gain } => gain * value.abs(),
         Effect::RackLead { value, rack } => {
             Leads::none(Part::Rack).with(value, error.extent, Some(rack)).of_any_pair(0.0).upper_mm
         }
@@ -329,7 +329,8 @@ impl Reach {
         let (mut of_rack, mut of_pinion) = (0.0, 0.0);
         for error in errors {
             let either_way = match error.effect {
-                Effect::Size { value, .. } | Effect::PinionLead { value } => value.abs(),
+                Effect::Size { value, .. } => value.abs(),
+                Effect::PinionLead { value, gain } => gain * value.abs(),
                 Effect::Pitch(PitchEffect { value, gain, .. }) => {
                     gain * value.abs() * if error.extent == Extent::Total { 2.0 } else { most }
                 }

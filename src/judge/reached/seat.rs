@@ -10,7 +10,6 @@ use crate::gear::Pair;
 use crate::judge::bound::ExtendedError;
 use crate::judge::bound::error::{Effect, PitchEffect};
 use crate::mesh::FlankSide;
-use crate::trig;
 
 /// A value on successive spaces, steps or teeth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +87,7 @@ impl Run {
 /// The seats of every error.
 pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, window: Window) -> Vec<Seat> {
     let seats = errors.iter().enumerate().flat_map(|(index, error)| {
-        let choices = choices(error, &balance(errors, error), &Places::new(error.part(), window, pair), pair);
+        let choices = choices(error, &balance(errors, error), &Places::new(error.part(), window, pair));
         choices.into_iter().map(move |choices| Seat { error: index, choices })
     });
     seats.collect()
@@ -97,7 +96,7 @@ pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, window: Window) -> Ve
 /// The lead of either sign that takes back the leads which all teeth of the same part have.
 fn balance(errors: &[ExtendedError], error: &ExtendedError) -> Vec<f64> {
     let lead = |effect: &Effect| match *effect {
-        Effect::RackLead { value, .. } | Effect::PinionLead { value } => Some(value),
+        Effect::RackLead { value, .. } | Effect::PinionLead { value, .. } => Some(value),
         Effect::Size { .. } | Effect::Pitch(_) => None,
     };
     let Some(value) = lead(&error.effect) else { return Vec::new() };
@@ -107,23 +106,14 @@ fn balance(errors: &[ExtendedError], error: &ExtendedError) -> Vec<f64> {
 }
 
 /// The places of an error, or of its flank sides.
-fn choices(error: &ExtendedError, leads: &[f64], places: &Places, pair: &Pair) -> Vec<Vec<Vec<Run>>> {
+fn choices(error: &ExtendedError, leads: &[f64], places: &Places) -> Vec<Vec<Vec<Run>>> {
     match error.effect {
         Effect::Size { value, .. } => vec![places.of_teeth(value, error.extent())],
         Effect::Pitch(pitch) => places.of_pitch(&pitch, error.extent()),
-        Effect::RackLead { value, .. } => places.of_lead(value, error.extent(), leads),
-        Effect::PinionLead { value } => {
-            let per_value = slope_deviation(pair, 1.0);
-            let leads: Vec<f64> = leads.iter().map(|lead| lead * per_value).collect();
-            places.of_lead(value * per_value, error.extent(), &leads)
+        Effect::RackLead { value, .. } | Effect::PinionLead { value, .. } => {
+            places.of_lead(value, error.extent(), leads)
         }
     }
-}
-
-/// The slope deviation f_Hβ, mm, of this ΔCD over the pinion's whole face.
-fn slope_deviation(pair: &Pair, delta_cd_mm: f64) -> f64 {
-    let cos_b = trig::cos(pair.pinion().base_helix_angle_rad);
-    delta_cd_mm * 2.0 * trig::sin(pair.normal_pressure_angle_rad()) / cos_b
 }
 
 impl Places {

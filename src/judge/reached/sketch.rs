@@ -141,7 +141,8 @@ fn carrier(point: &MeshPoint, side: FlankSide) -> i64 {
 /// What the errors raise if each acts once, mm.
 fn size(errors: &[ExtendedError]) -> f64 {
     let of_one = |error: &ExtendedError| match error.effect {
-        Effect::Size { value, .. } | Effect::PinionLead { value } => value.abs(),
+        Effect::Size { value, .. } => value.abs(),
+        Effect::PinionLead { value, gain } => (gain * value).abs(),
         Effect::Pitch(pitch) => 2.0 * pitch.gain * pitch.value.abs(),
         Effect::RackLead { value, rack } => 0.5 * rack.face_width * value.abs() / rack.tan_alpha,
     };

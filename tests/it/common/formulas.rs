@@ -204,6 +204,18 @@ pub fn pinion_pitch() -> Checked {
     pitch("pinion pitch", Law::pinion_pitch)
 }
 
+pub fn pinion_lead() -> Checked {
+    run("pinion lead", |reference| {
+        let (alpha, beta, error) = (reference.pressure_angle(), reference.helix_angle(), reference.deviation());
+        let law = Law::pinion_lead(alpha, beta).unwrap();
+        let base_sine = reference.sin(beta) * reference.cos(alpha);
+        let base_cosine = (whole(1) - base_sine.clone() * base_sine).sqrt();
+        let exact = whole(error.fm()).abs() * base_cosine / (whole(2) * reference.sin(alpha));
+        check_inverse(law, error.abs(), Model::Exact);
+        vec![(law.delta_cd(error, Model::Exact), exact.clone()), (law.delta_cd(error, Model::Paper), exact)]
+    })
+}
+
 pub fn rack_lead() -> Checked {
     run("rack lead", |reference| {
         let (alpha, beta, width) = (reference.pressure_angle(), reference.helix_angle(), reference.size());
@@ -269,4 +281,4 @@ pub fn pins() -> Checked {
 }
 
 /// Every formula that is compared.
-pub const ALL: [fn() -> Checked; 5] = [rack_pitch, pinion_pitch, rack_lead, rack_lead_by_slope, pins];
+pub const ALL: [fn() -> Checked; 6] = [rack_pitch, pinion_pitch, pinion_lead, rack_lead, rack_lead_by_slope, pins];

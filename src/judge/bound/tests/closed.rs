@@ -112,7 +112,9 @@ fn a_space_acts_as_its_extent_says() {
 #[test]
 fn a_lead_of_every_tooth_acts_always() {
     let pair = spur();
-    let pinion = ExtendedError::pinion_lead(0.01, 20.0 * DEGREE, 25.0 * DEGREE, Extent::All).unwrap();
+    let law = Law::pinion_lead("20".parse().unwrap(), "25".parse().unwrap()).unwrap();
+    let deviation: Length = "10 um".parse().unwrap();
+    let pinion = ExtendedError::new(law, deviation, Extent::All).unwrap();
     let sin_b = trig::sin(25.0 * DEGREE) * trig::cos(20.0 * DEGREE);
     let expected = 0.01 * (1.0 - sin_b * sin_b).sqrt() / (2.0 * trig::sin(20.0 * DEGREE));
     near(unknown(&[pinion]).errors[0].unwrap().upper_mm, expected);

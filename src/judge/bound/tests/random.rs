@@ -131,11 +131,7 @@ pub(in crate::judge) fn drawn(pair: &Pair, kind: u32, extent: Extent, value: f64
         }
         3 => Law::pinion_radial(),
         4 => Law::pinion_pitch(alpha, angle(pinion.helix_angle_rad)).unwrap(),
-        _ => {
-            let (alpha, helix) = (pair.normal_pressure_angle_rad(), pinion.helix_angle_rad);
-            let error = ExtendedError::pinion_lead(value, alpha, helix, extent).unwrap();
-            return Drawn { error, value, cap };
-        }
+        _ => Law::pinion_lead(alpha, angle(pinion.helix_angle_rad)).unwrap(),
     };
     let value = length(value);
     let mut error = ExtendedError::new(law, value, extent).unwrap();
