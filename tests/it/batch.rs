@@ -257,6 +257,32 @@ fn ctrl_c_ends_with_what_is_there() {
     assert_eq!(summary["results"][0]["count"], rows);
 }
 
+/// cos β_b / (2 sin α_n) = 1.341678 at α_n = 20°, β_p = 25°; without its part f_Hβ is the rack's.
+#[test]
+fn a_lead_of_the_pinion_has_its_column() {
+    let spec = path("pinion-lead.toml");
+    let text_of = |columns: &str| {
+        format!(
+            "[pair]\nnormal_pressure_angle = 20\n[pinion]\nhelix_angle = 25\n[limits]\npinion_lead = \"±15 um\"\n{columns}"
+        )
+    };
+    std::fs::write(&spec, text_of("")).expect("it can be written");
+    let rows = "part_id,delta_cd_pinion_lead_mm,range_lower_mm,range_upper_mm,worst_case_mm,rss_mm,verdict\n\
+                P1,0.010733,0.000000,0.010733,0.010733,0.010733,pass\n\
+                P2,0.016100,0.000000,0.016100,0.016100,0.016100,fail\n";
+    let table = |name: &str| format!("part_id;{name}\nP1;8\nP2;-12\n");
+    for name in ["fHβ Ritzel [µm]", "pinion_lead [um]", "Flankenlinien-Winkelabweichung Ritzel [µm]"] {
+        let found = batch(&[&spec, "-"], table(name).as_bytes());
+        assert_eq!((text(&found.stdout), found.status.code()), (rows, Some(1)), "{}", text(&found.stderr));
+    }
+    std::fs::write(&spec, text_of("[batch.columns]\npinion_lead = { name = \"fHb\", unit = \"um\" }\n"))
+        .expect("it can be written");
+    let named = batch(&[&spec, "-"], table("fHb").as_bytes());
+    assert_eq!(text(&named.stdout), rows, "{}", text(&named.stderr));
+    let of_rack = batch(&[&spec, "-"], table("fHβ [mrad]").as_bytes());
+    assert!(!text(&of_rack.stdout).contains("pinion_lead"), "{}", text(&of_rack.stdout));
+}
+
 #[test]
 fn exit_statuses() {
     let header = "part_id,over_roller,dp\n";

@@ -16,7 +16,7 @@ pub(crate) use near::{is_context, near};
 pub(crate) use role::{Role, is_statistic, role};
 pub(crate) use unit::split_unit;
 
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, Part};
 use vocabulary::{Entry, Sense};
 use words::Words;
 
@@ -64,13 +64,14 @@ impl Field {
     }
 
     /// Every field that can be asked for.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::PartId,
         Self::Error(ErrorKind::RackOverRoller),
         Self::Error(ErrorKind::RackPitch),
         Self::Error(ErrorKind::RackLead),
         Self::Error(ErrorKind::PinionRadial),
         Self::Error(ErrorKind::PinionPitch),
+        Self::Error(ErrorKind::PinionLead),
         Self::Space,
         Self::OverPin,
         Self::Position,
@@ -269,14 +270,17 @@ fn fields(senses: &[Sense]) -> Option<Vec<Field>> {
         let pitch = fields.contains(&Field::Error(ErrorKind::PinionPitch)) && left != right && !has(Sense::Rack);
         return pitch.then(|| vec![if left { Field::LeftPitch } else { Field::RightPitch }]);
     }
-    let fits = |field: &Field| (!has(Sense::Pinion) || !of_rack(*field)) && (!has(Sense::Rack) || !of_pinion(*field));
+    let fits = |field: &Field| {
+        let of_said = (!has(Sense::Pinion) || !of_rack(*field)) && (!has(Sense::Rack) || !of_pinion(*field));
+        of_said && (has(Sense::Pinion) || !needs_part(*field))
+    };
     let fields: Vec<Field> = fields.into_iter().filter(fits).collect();
     (!fields.is_empty()).then_some(fields)
 }
 
 fn of_rack(field: Field) -> bool {
     match field {
-        Field::Error(kind) => matches!(kind, ErrorKind::RackOverRoller | ErrorKind::RackPitch | ErrorKind::RackLead),
+        Field::Error(kind) => kind.part() == Part::Rack,
         // an over-pin measure of the pinion is nothing that a formula here takes
         field => matches!(field, Field::Space | Field::OverPin | Field::Position),
     }
@@ -284,9 +288,14 @@ fn of_rack(field: Field) -> bool {
 
 fn of_pinion(field: Field) -> bool {
     match field {
-        Field::Error(kind) => matches!(kind, ErrorKind::PinionRadial | ErrorKind::PinionPitch),
+        Field::Error(kind) => kind.part() == Part::Pinion,
         field => matches!(field, Field::Tooth | Field::Radial),
     }
+}
+
+/// Whether a name means it only where its part is said: a lead is the rack's otherwise.
+fn needs_part(field: Field) -> bool {
+    field == Field::Error(ErrorKind::PinionLead)
 }
 
 /// Whether a heading names measured values. `own` are names that the spec gives to its columns.

@@ -3,7 +3,7 @@
 use super::unit::split_unit;
 use super::vocabulary::{Entry, Sense, VOCABULARY, is_japanese};
 use super::words::Words;
-use super::{Field, bare, heading, of_pinion, of_rack, without_ordinal};
+use super::{Field, bare, heading, needs_part, of_pinion, of_rack, without_ordinal};
 use crate::deviation::ErrorKind;
 
 /// The longest known phrase, in words.
@@ -204,7 +204,7 @@ fn of_part(fields: Vec<Field>, words: &Words) -> Vec<Field> {
     let of: fn(Field) -> bool = match (says(Sense::Rack), says(Sense::Pinion)) {
         (true, false) => |field| !of_pinion(field),
         (false, true) => |field| !of_rack(field),
-        _ => return fields,
+        _ => return fields.into_iter().filter(|field| !needs_part(*field)).collect(),
     };
     let fitting: Vec<Field> = fields.iter().copied().filter(|field| of(*field)).collect();
     if fitting.is_empty() { fields } else { fitting }

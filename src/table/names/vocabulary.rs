@@ -134,7 +134,9 @@ const OVER_PIN: &[Field] = &[Field::OverPin];
 const PITCH: &[Field] = &[Field::Error(ErrorKind::RackPitch), Field::Error(ErrorKind::PinionPitch)];
 const RACK_PITCH: &[Field] = &[Field::Error(ErrorKind::RackPitch)];
 const PINION_PITCH: &[Field] = &[Field::Error(ErrorKind::PinionPitch)];
-const LEAD: &[Field] = &[Field::Error(ErrorKind::RackLead)];
+const RACK_LEAD: &[Field] = &[Field::Error(ErrorKind::RackLead)];
+/// The rack's, unless the pinion is said.
+const LEAD: &[Field] = &[Field::Error(ErrorKind::RackLead), Field::Error(ErrorKind::PinionLead)];
 const RADIAL: &[Field] = &[Field::Error(ErrorKind::PinionRadial)];
 const POSITION: &[Field] = &[Field::Position];
 const SPACE: &[Field] = &[Field::Space];
@@ -169,10 +171,12 @@ const PLAIN: &[(Sense, &str)] = &[
     (Sense::Name(RACK_PITCH), "axial pitch|linear pitch|軸方向ピッチ"),
     (Sense::Error(PINION_PITCH), "fp|fpt"),
     (
-        Sense::Name(LEAD),
-        "lead|lead angle|helix|helix angle|beta|tooth trace|リード|リード角|ねじれ角|歯すじ|歯すじ方向|歯筋|歯筋方向",
+        Sense::Name(RACK_LEAD),
+        "lead angle|helix|helix angle|beta|tooth trace|リード角|ねじれ角|歯すじ|歯すじ方向|歯筋|歯筋方向",
     ),
-    (Sense::Error(LEAD), "db|dbeta|delta beta|fhbeta|fhb|fhß|helix slope|歯すじ傾斜|歯筋傾斜|歯すじ勾配"),
+    (Sense::Name(LEAD), "lead|リード"),
+    (Sense::Error(RACK_LEAD), "db|dbeta|delta beta"),
+    (Sense::Error(LEAD), "fhbeta|fhb|fhß|helix slope|歯すじ傾斜|歯筋傾斜|歯すじ勾配"),
     (Sense::Name(RADIAL), "radial|radius|radial measure|radial measurement|半径|半径方向"),
     (Sense::Alone(RADIAL), "r"),
     (Sense::Name(POSITION), "position|x position|pin position|roller position|space position|位置|溝位置"),
@@ -287,10 +291,11 @@ const WITH_COMMAS: &[(Sense, &str)] = &[
     ),
     (Sense::Name(RACK_PITCH), "axialteilung|pas axial"),
     (
-        Sense::Name(LEAD),
-        "schrägung|schrägungswinkel|schrägungswinkels|flankenlinie|flankenlinien|flankenlinienwinkel|\
-         flankenlinien winkel|flankenlinienwinkels|hélice|d hélice|l hélice|angle d hélice|angle de l hélice|angle hélice",
+        Sense::Name(RACK_LEAD),
+        "schrägung|schrägungswinkel|schrägungswinkels|flankenlinie|flankenlinien|hélice|d hélice|l hélice|\
+         angle d hélice|angle de l hélice|angle hélice",
     ),
+    (Sense::Name(LEAD), "flankenlinienwinkel|flankenlinien winkel|flankenlinienwinkels"),
     (Sense::Error(LEAD), "d inclinaison d hélice|inclinaison d hélice|inclinaison de l hélice"),
     (Sense::Name(RADIAL), "radiale|radialer|radiales|radialen|radialmaß|rayon|mesure radiale"),
     (

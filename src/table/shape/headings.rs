@@ -36,7 +36,7 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
         found.iter().flatten().any(is_so)
     };
     let rack = of(&[ErrorKind::RackOverRoller, ErrorKind::RackLead]);
-    let pinion = of(&[ErrorKind::PinionRadial]);
+    let pinion = of(&[ErrorKind::PinionRadial, ErrorKind::PinionLead]);
     // beside errors of parts, `x` and `position` are where something was measured
     let is_error = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Error(_)));
     let counts = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));

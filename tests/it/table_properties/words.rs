@@ -139,7 +139,7 @@ pub struct Heads {
 }
 
 // the titles of the errors, in the order of `ErrorKind::ALL`
-const ENGLISH: [&[Title]; 5] = [
+const ENGLISH: [&[Title]; 6] = [
     &[
         key("rack_over_roller"),
         open("Rack over roller"),
@@ -157,9 +157,10 @@ const ENGLISH: [&[Title]; 5] = [
         deviation("pitch deviation, pinion, single"),
         deviation("single pitch deviation fpt pinion"),
     ],
+    &[key("pinion_lead"), open("pinion lead"), deviation("pinion fHβ"), deviation("helix slope deviation, pinion")],
 ];
 
-const GERMAN: [&[Title]; 5] = [
+const GERMAN: [&[Title]; 6] = [
     &[
         open("Rollenmaß"),
         open("Maß über Rolle"),
@@ -187,22 +188,25 @@ const GERMAN: [&[Title]; 5] = [
         deviation("Teilungseinzelabweichung Ritzel"),
         deviation("Einzelteilungsabweichung fp"),
     ],
+    &[deviation("fHβ Ritzel"), deviation("Flankenlinien-Winkelabweichung Ritzel")],
 ];
 
-const FRENCH: [&[Title]; 5] = [
+const FRENCH: [&[Title]; 6] = [
     &[open("mesure sur rouleau"), open("Cote sur billes"), measured("mesure sur rouleau mesurée")],
     &[open("pas crémaillère"), deviation("erreur de pas crémaillère"), deviation("Écart de pas de la crémaillère")],
     &[open("angle d'hélice"), deviation("écart d'hélice"), deviation("écart d'inclinaison d'hélice")],
     &[open("rayon"), deviation("écart radial pignon")],
     &[open("pas du pignon"), deviation("ecart de pas du pignon"), deviation("Écart de pas individuel pignon")],
+    &[deviation("fHβ pignon"), deviation("écart d'inclinaison d'hélice du pignon")],
 ];
 
-const JAPANESE: [&[Title]; 5] = [
+const JAPANESE: [&[Title]; 6] = [
     &[open("オーバーローラー寸法"), open("オーバローラ寸法"), open("オーバーボール径")],
     &[open("ラックピッチ"), deviation("ラックピッチ誤差"), deviation("ラック ピッチ偏差")],
     &[open("ねじれ角"), deviation("リード誤差"), deviation("ねじれ角誤差"), deviation("歯すじ傾斜偏差")],
     &[open("ピニオン半径"), deviation("半径誤差"), deviation("ピニオン半径偏差")],
     &[open("ピニオンピッチ"), deviation("ピニオン単一ピッチ誤差"), deviation("ピニオンピッチ誤差")],
+    &[open("ピニオンリード"), deviation("ピニオンリード誤差"), deviation("ピニオン歯すじ傾斜偏差")],
 ];
 
 impl Language {
