@@ -115,6 +115,7 @@ impl RacksReport<'_> {
             rack_over_roller,
             pinion_pitch,
             pinion_thickness,
+            pinion_lead,
             pinion_runout,
         } = *self.scatter;
         [
@@ -124,6 +125,7 @@ impl RacksReport<'_> {
             ("rack_over_roller", rack_over_roller, false),
             ("pinion_pitch", pinion_pitch, false),
             ("pinion_thickness", pinion_thickness, false),
+            ("pinion_lead", pinion_lead, false),
             ("pinion_runout", pinion_runout, false),
         ]
         .into_iter()

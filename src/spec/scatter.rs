@@ -132,6 +132,7 @@ impl Spec {
                 "rack_over_roller" => scatter.rack_over_roller = spread,
                 "pinion_pitch" => scatter.pinion_pitch = spread,
                 "pinion_thickness" => scatter.pinion_thickness = spread,
+                "pinion_lead" => scatter.pinion_lead = spread,
                 _ => scatter.pinion_runout = spread,
             }
         }

@@ -48,6 +48,8 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[errors]\nrack_pitch = { measured = 3 }",
         "[errors]\nrack_pitch = { measured = 3, roller = 2 }",
         "[errors]\nrack_lead = { f_h_beta = 3 }",
+        "[errors]\npinion_lead = { f_h_beta = 0.008, length = 18 }",
+        "[errors]\npinion_lead = \"0.05 deg\"",
         "[errors]\nrack_pitch = { class = 7, every_part = true }",
         "[errors]\nrack_pitch = { nominal = 6.28, every_part = true }",
         "[errors]\nrack_pitch = { value = 1, every_part = \"yes\" }",
@@ -58,6 +60,7 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[batch.columns]\nrack_pitch = { unit = \"um\", length = 18 }",
         "[batch.columns]\nrack_lead = { unit = \"grad\" }",
         "[batch.columns]\nrack_lead = { length = 0 }",
+        "[batch.columns]\npinion_lead = { unit = \"deg\" }",
         "[limits]\ncenter_distance = 0.05",
         "[limits]\ncenter_distance = {}",
         "[limits]\ncenter_distance = \"0.05\"",
@@ -90,6 +93,13 @@ fn the_schema_and_the_reader_accept_the_same() {
         "[batch]\nignore = [\"Temperature*\", \"remark\"]\nothers = \"ignore\"",
         "[batch.columns]\nrack_pitch = { unit = \"micron\" }\nrack_lead = { unit = \"um\", length = \"18 mm\" }",
         "[batch.columns]\nrack_lead = { unit = \"gon\" }",
+        "[errors]\npinion_lead = \"8 um\"",
+        "[errors]\npinion_lead = { measured = 0.009, nominal = 0.001, u = \"1 um\", every_part = true }",
+        "[errors]\npinion_lead = { class = 7 }",
+        "[limits]\npinion_lead = \"±10 um\"",
+        "[budget]\npinion_lead = { weight = 2 }",
+        "[batch.columns]\npinion_lead = { name = \"fHb\", unit = \"um\", nominal = 0.001 }",
+        "[scatter]\npinion_lead = \"3 um\"",
     ] {
         assert!(valid(text), "the schema refuses {text}");
         assert!(Spec::parse("test", text).is_ok(), "the reader refuses {text}");
@@ -110,6 +120,45 @@ fn the_template_and_the_full_example_name_every_key() {
                 assert!(section == "limits" || uncommented.contains(&written), "{section}.{key}");
             }
         }
+    }
+}
+
+/// 12 µm at α_n = 20°, β_p = 25°, and what a class permits of it: by cos β_b / (2 sin α_n) = 1.3417 in both models.
+#[test]
+fn a_lead_of_the_pinion_is_a_length() {
+    let with = |entry: &str| {
+        let text = format!(
+            "[pair]\nnormal_module = 1.9\nnormal_pressure_angle = 20\n[pinion]\nteeth = 7\nhelix_angle = 25\n\
+             face_width = 30\n[tolerance]\nstandard = \"iso1328-1:1995\"\n[errors]\npinion_lead = {entry}\n"
+        );
+        let spec = Spec::parse("lead", &text).unwrap_or_else(|error| panic!("{error}"));
+        let errors = spec.part_errors().unwrap_or_else(|error| panic!("{error}"));
+        let [error] = errors[..] else { panic!("{errors:?}") };
+        [Model::Exact, Model::Paper].map(|model| {
+            let delta_cd = error.delta_cd(model).expect("it has a ΔCD").mm();
+            delta_cd / error.value().abs().base()
+        })
+    };
+    for entry in ["\"-12 um\"", "{ value = 0.012 }", "{ measured = 0.013, nominal = 0.001 }", "{ class = 7 }"] {
+        for gain in with(entry) {
+            assert!((gain - 1.341_678).abs() < 1e-6, "{entry}: {gain}");
+        }
+    }
+}
+
+#[test]
+fn a_lead_of_the_pinion_needs_a_pressure_angle_only() {
+    let spec = Spec::parse("lead", "[errors]\npinion_lead = \"8 um\"").expect("it parses");
+    let problem = spec.part_errors().expect_err("a key is missing").to_string();
+    assert!(problem.contains("`pair.normal_pressure_angle` is missing; `pinion_lead` needs it"), "{problem}");
+    let text = "[pair]\nnormal_pressure_angle = { value = 20, u = 0.02 }\n[pinion]\nhelix_angle = { value = 25, u = 0.01 }\n\
+                [errors]\npinion_lead = { value = \"8 um\", u = \"1 um\" }";
+    let spec = Spec::parse("lead", text).expect("it parses");
+    let uncertain = spec.uncertainties().expect("they are consistent");
+    let sources: Vec<_> = uncertain.inputs().iter().map(|(source, _)| source.key()).collect();
+    assert_eq!(sources.len(), 3, "{sources:?}");
+    for key in ["errors.pinion_lead", "pair.normal_pressure_angle", "pinion.helix_angle"] {
+        assert!(sources.contains(&key), "{sources:?}");
     }
 }
 

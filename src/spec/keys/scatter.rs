@@ -26,6 +26,11 @@ pub(crate) const SCATTER: Section = Section {
         length("pinion_pitch", Some(ErrorKind::PinionPitch), "Single pitch deviation of the pinion, an arc."),
         length("pinion_thickness", None, "Transverse tooth thickness of the pinion, an arc."),
         length(
+            "pinion_lead",
+            Some(ErrorKind::PinionLead),
+            "Helix slope deviation f_Hβ of each pinion tooth over its face width, along the transverse base tangent.",
+        ),
+        length(
             "pinion_runout",
             Some(ErrorKind::PinionRadial),
             "Runout of the pinion, twice its eccentricity, in a random direction.",

@@ -27,6 +27,7 @@ use thiserror::Error;
 use super::random::{Random, Ziggurat};
 use crate::decision::uncertainty::{Distribution, Uncertainty};
 use crate::deviation::{DeviationError, PinionFlank, PinionTooth, RackFlank, RackTooth};
+use crate::judge::bound::pinion_lead_angle_rad;
 use crate::mesh::{Mesh, MeshError, Sampler};
 use crate::{parallel, trig};
 
@@ -54,6 +55,8 @@ pub struct Scatter {
     pub pinion_pitch: Option<Uncertainty>,
     /// Transverse tooth thickness of the pinion, an arc at the reference circle.
     pub pinion_thickness: Option<Uncertainty>,
+    /// Helix slope deviation f_Hβ of each pinion tooth over its face width, along the transverse base tangent.
+    pub pinion_lead: Option<Uncertainty>,
     /// Runout of the pinion, twice its eccentricity.
     pub pinion_runout: Option<Uncertainty>,
 }
@@ -245,13 +248,16 @@ impl Draw<'_> {
         }
         let rack = self.base.rack().clone().with_added(&drawn)?;
         let mut pinion = self.base.pinion().clone();
-        if self.scatter.pinion_pitch.is_some() || self.scatter.pinion_thickness.is_some() {
-            let place = self.scatter.pinion_pitch.as_ref().map(place_of);
+        let Scatter { pinion_pitch, pinion_thickness, pinion_lead, .. } = self.scatter;
+        if pinion_pitch.is_some() || pinion_thickness.is_some() || pinion_lead.is_some() {
+            let place = pinion_pitch.as_ref().map(place_of);
             let teeth: Vec<_> = (0..pair.pinion().teeth)
                 .map(|_| {
                     let place = place.map_or(0.0, |place| self.value(&place, random));
-                    let half = self.scatter.pinion_thickness.map_or(0.0, |spread| 0.5 * self.value(&spread, random));
-                    let flank = |arc_mm| PinionFlank { arc_mm, lead_rad: 0.0 };
+                    let half = pinion_thickness.map_or(0.0, |spread| 0.5 * self.value(&spread, random));
+                    let slope = pinion_lead.map_or(0.0, |spread| self.value(&spread, random));
+                    let lead_rad = pinion_lead_angle_rad(pair, slope);
+                    let flank = |arc_mm| PinionFlank { arc_mm, lead_rad };
                     PinionTooth { left: flank(place - half), right: flank(place + half) }
                 })
                 .collect();
@@ -442,6 +448,11 @@ mod tests {
         let (_, pinion, _) = drawn(Scatter { pinion_pitch: spread, ..none }, 6);
         assert!(pinion.iter().all(|tooth| tooth.left == tooth.right));
         reaches(&mut pinion.iter().map(|tooth| tooth.left.arc_mm), 0.005);
+
+        let (_, pinion, _) = drawn(Scatter { pinion_lead: spread, ..none }, 6);
+        assert!(pinion.iter().all(|tooth| tooth.left == tooth.right && tooth.left.arc_mm == 0.0));
+        let largest = pinion_lead_angle_rad(base.pair(), 0.01);
+        reaches(&mut pinion.iter().map(|tooth| tooth.left.lead_rad), largest);
 
         let (_, pinion, offset) = drawn(Scatter { pinion_thickness: spread, ..none }, 7);
         assert!(pinion.iter().all(|tooth| tooth.left.arc_mm == -tooth.right.arc_mm));
