@@ -14,6 +14,12 @@ pub struct FormulaPage {
 }
 
 impl FormulaPage {
+    /// Whether the paper has it, by the source that the text names.
+    #[must_use]
+    pub fn is_of_paper(&self) -> bool {
+        !self.text.contains("\nSource: not in the paper")
+    }
+
     /// Its equation by a model, as it stands in the text: `ΔCD = |Δp| cos β_r / (2 tan α_n)`.
     #[must_use]
     pub fn equation(&self, model: Model) -> &'static str {

@@ -75,6 +75,9 @@ impl Calculation {
     pub fn model_remark(&self) -> Option<String> {
         let (model, other) = (self.model?, self.other?);
         let other_model = model.other();
+        if !self.formula.is_of_paper() {
+            return Some(format!("model: {model} (the paper has no formula of this error: both models take this one)"));
+        }
         Some(if other == self.result {
             format!("model: {model} (the {other_model} model gives the same)")
         } else {

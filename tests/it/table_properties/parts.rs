@@ -225,8 +225,8 @@ prop_compose! {
     pub fn parts()(
         count in 1..=MOST_PARTS,
         language in proptest::sample::select(Language::ALL.to_vec()),
-        chosen in proptest::sample::subsequence(ErrorKind::ALL.to_vec(), 1..=ErrorKind::ALL.len()),
-        raws in vec(raw(), ErrorKind::ALL.len()),
+        chosen in proptest::sample::subsequence(ErrorKind::OF_PAPER.to_vec(), 1..=ErrorKind::OF_PAPER.len()),
+        raws in vec(raw(), ErrorKind::OF_PAPER.len()),
         naming in 0..6_usize,
         name_title in any::<Index>(),
         context in proptest::sample::subsequence(vec![0, 1, 2, 3, 4], 0..=3),
