@@ -91,6 +91,7 @@ impl Plan {
     pub fn new(spec: &Arc<Spec>, table: &Table, request: Request) -> Result<Self, Diagnostics> {
         let columns = Self::columns(spec, table)?;
         let in_table: Vec<_> = columns.iter().filter_map(|column| column.kind).collect();
+        spec.refuse_both_ways(&in_table)?;
         let of_every_part = spec.errors_of_every_part(&in_table)?;
         let lacking = spec.lacking(&in_table);
         let is_present =

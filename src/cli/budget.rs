@@ -99,7 +99,7 @@ impl Args {
             own_limits: spec.own_limits(),
             rule: self.rule(&spec),
             model: self.model.into(),
-            basis: spec.basis()?,
+            basis: spec.pair_basis()?,
         };
         let budget =
             budget::allocate(&request).map_err(|error| Diagnostic::error(Code::NoBudget, error.to_string()))?;

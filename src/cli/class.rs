@@ -336,7 +336,7 @@ impl Args {
             Ok(class::tolerance(kind, &permissible, &sized.meshing)?)
         };
         let mut fatal: Option<StandardOrEffect> = None;
-        let basis = spec.map(Spec::basis).transpose()?.unwrap_or_default();
+        let basis = spec.map(Spec::pair_basis).transpose()?.unwrap_or_default();
         let search = GradeSearch::new(standard, limit, &basis, |grade| {
             let tolerances: Result<Vec<_>, _> = kinds.iter().map(|kind| tolerance(*kind, grade)).collect();
             tolerances.map_err(|error| {

@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use super::decision::DecisionArgs;
 use super::mesh;
 use super::output::{Failure, Output, Status};
+use super::teeth::{self, with_known_teeth};
 use crate::decision::{self, Evaluation, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
@@ -36,6 +37,9 @@ pub(super) struct Args {
     /// Add the exact mesh of the same parts, along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
+    /// Do not look for the worst teeth to put the errors on.
+    #[arg(long, conflicts_with = "mesh")]
+    no_mesh: bool,
     #[command(flatten)]
     decision: DecisionArgs,
     /// Output format.
@@ -88,9 +92,13 @@ impl Args {
                 Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
-        let spec = super::read_spec(&path, output)?;
+        let spec = with_known_teeth(super::read_spec(&path, output)?, &path)?;
         let basis = spec.basis()?;
-        let (evaluation, uncertainty) = judged(&spec, &basis, &self.decision, self.model.into(), self.stack.into())?;
+        let (mut evaluation, uncertainty) =
+            judged(&spec, &basis, &self.decision, self.model.into(), self.stack.into())?;
+        if !self.no_mesh {
+            evaluation.reached = teeth::reached(&spec, &basis)?;
+        }
         for target in evaluation.not_given() {
             output.diagnostic(&unjudged(&spec, target));
         }

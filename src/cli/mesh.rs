@@ -6,11 +6,12 @@ use std::sync::atomic::Ordering;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::teeth::{Judged, with_known_teeth};
 use crate::decision::{LimitTarget, Prediction, Verdict};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{ErrorValue, PinionToothRow, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::mesh::{CarryingStrokes, Curve, Mesh, MeshError, Support};
+use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
 use crate::report::plot::{CurvePlot, Mark, Series};
@@ -125,30 +126,6 @@ pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTa
     Ok(tables)
 }
 
-/// The strokes at which every flank that can carry was measured, where a rack's spaces were; all of it
-/// otherwise.
-pub(super) fn covered(
-    input: &MeshInput,
-    tables: &MeasuredTables,
-    from: f64,
-    to: f64,
-) -> Result<std::ops::Range<f64>, Failure> {
-    let Some(rack) = &tables.rack else { return Ok(from..to) };
-    let strokes = CarryingStrokes::of(input.mesh.pair()).map_err(|error| unsolved(&error))?;
-    let stretches = strokes.measured(&rack.measured_spaces(), from, to);
-    match stretches.as_slice() {
-        [one] => Ok(one.clone()),
-        [] => {
-            let message = "there is no stroke at which every flank that can carry was measured";
-            Err(Diagnostic::error(Code::NoMesh, message).help("measure more spaces in a row").into())
-        }
-        _ => {
-            let message = "the measured spaces do not stand in one row, so that strokes between them are not covered";
-            Err(Diagnostic::error(Code::NoMesh, message).help("give each run of spaces by itself").into())
-        }
-    }
-}
-
 /// What the formulas say about the deviations of a mesh.
 pub(super) fn prediction(input: &MeshInput) -> Prediction {
     let pair = input.mesh.pair();
@@ -235,24 +212,34 @@ fn sinks(input: &MeshInput, curve: &Curve, prediction: &Prediction) -> Option<St
         })
 }
 
+const WORST_TEETH: &str = "the spec has no deviations per tooth, so the values in [errors] are put on the worst teeth that a \
+                           search finds, as their extents allow; the verdict is that of the worst case";
+
 /// A list longer than this is for programs, not for a table.
 const MOST_LISTED: u64 = 1000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = with_known_teeth(super::read_spec(&self.spec, output)?, &self.spec)?;
         let strokes = self.strokes()?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
-        let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let limits = spec.limits();
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
         if let (Some(strokes), Format::Csv, None, None) = (&strokes, self.format, &picture, limit) {
             // nothing is asked that needs the curve between these strokes
             return Ok(list_csv(strokes, &input.mesh, output)?.unwrap_or(Status::Pass));
         }
+        let judged = Judged::new(&spec)?;
+        let mut notes = notes(&input);
+        if input.origin == Origin::Errors
+            && let Some(mesh) = judged.worst_mesh(&spec, input.mesh.pair(), limit)?
+        {
+            input.mesh = mesh;
+            notes[0] = WORST_TEETH.to_owned();
+        }
         let curve = self.range.curve(&input.mesh)?;
         let prediction = prediction(&input);
-        let mut notes = notes(&input);
         notes.extend(sinks(&input, &curve, &prediction));
         notes.extend(spec.suspicions_in_words());
         let mut listed: Vec<ListedPoint> = Vec::new();
@@ -275,6 +262,8 @@ impl Args {
             listed: &listed,
             prediction: &prediction,
             limit,
+            judged: judged.range,
+            judged_by: judged.by,
             notes,
             screen: output.screen(),
         };
@@ -290,12 +279,7 @@ impl Args {
                 None
             }
         };
-        let judged = match report.verdict() {
-            Some(Verdict::Fail) => Status::Fail,
-            Some(Verdict::Indeterminate) => Status::Indeterminate,
-            Some(Verdict::Pass) | None => Status::Pass,
-        };
-        Ok(interrupted.unwrap_or(judged))
+        Ok(interrupted.unwrap_or(status(&report)))
     }
 
     /// The strokes asked for; `None` for those that the curve needs.
@@ -324,6 +308,17 @@ impl Args {
         // with a step, the last stroke is `to` itself even if the step does not divide the range
         let divides = (to - (from + f64::from(whole) * step)).abs() <= 1e-9 * step.abs();
         Ok(Some(Strokes { from, to, step, count: u64::from(whole) + if divides { 1 } else { 2 } }))
+    }
+}
+
+/// How a command ends that solved a mesh.
+pub(super) fn status(report: &MeshReport<'_>) -> Status {
+    match report.verdict() {
+        Some(Verdict::Fail) => Status::Fail,
+        Some(Verdict::Indeterminate) => Status::Indeterminate,
+        Some(Verdict::Pass) => Status::Pass,
+        None if report.limit.is_some() => Status::Undecided,
+        None => Status::Pass,
     }
 }
 

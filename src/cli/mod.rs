@@ -29,6 +29,7 @@ mod simulate;
 mod stream;
 mod tables;
 mod target;
+mod teeth;
 mod terminal;
 
 use std::io::Read as _;

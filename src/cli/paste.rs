@@ -7,9 +7,9 @@ use super::eval::{self, ModelArg, StackArg};
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::tables::{self, Opened, ReadArgs};
-use super::{batch, mesh, office, page, target, terminal};
+use super::{batch, mesh, office, page, target, teeth, terminal};
 use crate::decision::uncertainty::Source as Uncertain;
-use crate::decision::{Evaluation, LimitTarget, Verdict};
+use crate::decision::{Evaluation, JudgedBy, LimitTarget, Verdict};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
@@ -232,7 +232,7 @@ impl Args {
         let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
         let unreadable =
             |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
-        let basis = read.spec.basis()?;
+        let basis = teeth::with_known_teeth((*read.spec).clone(), &self.spec)?.basis()?;
         let usual = Reach::usual(read.spec.module());
         let mut doubted = vec![0; kinds.len()];
         let mut rows: Vec<PartRow> = Vec::new();
@@ -332,13 +332,13 @@ impl Args {
             all.pinion = tables.pinion;
         }
         let input = only.mesh(&all)?;
-        let covered = mesh::covered(&input, &all, 0.0, 50.0)?;
+        let (covered, judged) = teeth::measured(&input)?;
         let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| mesh::unsolved(&error))?;
         let prediction = mesh::prediction(&input);
         let mut notes = mesh::notes(&input);
-        if covered != (0.0..50.0) {
+        if is_rack {
             notes.push(format!(
-                "the strokes whose contacts were measured are {:.3} to {:.3} mm, of 0 to 50: the others are not judged",
+                "the strokes whose contacts were measured are {:.3} to {:.3} mm: the others are not judged",
                 covered.start, covered.end
             ));
         }
@@ -350,12 +350,13 @@ impl Args {
             listed: &[],
             prediction: &prediction,
             limit,
+            judged: Ok(judged),
+            judged_by: JudgedBy::Mesh,
             notes,
             screen: output.screen(),
         };
-        let verdict = solved.verdict();
         self.report(&Together { formula: &report, mesh: &solved }, read, output)?;
-        Ok(status(verdict))
+        Ok(mesh::status(&solved))
     }
 }
 

@@ -9,6 +9,7 @@ use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_section, without_verdict};
 use super::tables::{self, Files, ReadArgs};
+use super::teeth::{self, Judged, with_known_teeth};
 use super::{batch, mesh, target};
 use crate::batch::{Batch, Layout, Outcome, Packing, Plan, Request, Rows, Sink, Sinks, Teeth, TeethRequest};
 use crate::decision::{LimitTarget, Stack};
@@ -88,7 +89,7 @@ impl Args {
         let mut promised = nominals.chain(spec.unmeasured.iter().map(|(kind, _)| *kind));
         let is_one_part = self.files.is_empty() || promised.all(has_value);
         let has_errors = !spec.errors.is_empty() && is_one_part;
-        if has_errors || self.files.is_empty() && !spec.has_deviations() {
+        if has_errors || self.files.is_empty() {
             statuses.push(self.evaluation(&spec, &mut page, output)?);
         }
         self.mesh(&spec, &mut page, output)?;
@@ -107,8 +108,11 @@ impl Args {
 
     /// The part of `[errors]`.
     fn evaluation(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
-        let (evaluation, uncertainty) =
-            eval::judged(spec, &spec.basis()?, &self.decision, self.model.into(), self.stack.into())?;
+        let spec = &with_known_teeth(spec.clone(), &self.spec)?;
+        let basis = spec.basis()?;
+        let (mut evaluation, uncertainty) =
+            eval::judged(spec, &basis, &self.decision, self.model.into(), self.stack.into())?;
+        evaluation.reached = teeth::reached(spec, &basis)?;
         for target in evaluation.not_given() {
             output.diagnostic(&eval::unjudged(spec, target));
         }
@@ -160,6 +164,8 @@ impl Args {
                 return Ok(());
             }
         };
+        let spec = &with_known_teeth(spec.clone(), &self.spec)?;
+        let judged = Judged::new(spec)?;
         let prediction = mesh::prediction(&input);
         let limits = spec.limits();
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
@@ -171,6 +177,8 @@ impl Args {
             listed: &[],
             prediction: &prediction,
             limit,
+            judged: judged.range,
+            judged_by: judged.by,
             notes: mesh::notes(&input),
             screen: Screen::default(),
         };
@@ -244,7 +252,7 @@ impl Args {
     /// Parts by the formulas.
     fn parts(&self, found: &mut Files, interruption: &Interruption) -> Result<Lot, Failure> {
         let Some(first) = found.first() else { return Err(no_table().into()) };
-        let spec = Arc::clone(&first.spec);
+        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
         let request = Request {
             model: self.model.into(),
             stack: self.stack.into(),

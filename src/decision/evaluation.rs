@@ -1,6 +1,8 @@
 //! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line, the batch where its
 //! fast way does not decide, and budgets; takes formulas as they are.
 
+use std::fmt;
+
 use thiserror::Error;
 
 use super::rule::{Decision, Rule, decide};
@@ -83,6 +85,49 @@ pub struct LimitCheck {
     pub decision: Option<Decision>,
 }
 
+/// Who judges a combination.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JudgedBy {
+    /// The bound: no placement of the errors leaves it.
+    Bound,
+    /// The exact mesh: both parts' teeth are known.
+    Mesh,
+    /// The statistical sum.
+    Statistical,
+}
+
+impl JudgedBy {
+    /// `bound`, `mesh` or `statistical`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bound => "bound",
+            Self::Mesh => "mesh",
+            Self::Statistical => "statistical",
+        }
+    }
+
+    /// Of errors, on a pair of which this is known.
+    #[must_use]
+    pub fn of(stack: Stack, errors: usize, basis: &Basis) -> Self {
+        match stack {
+            Stack::Rss => Self::Statistical,
+            Stack::Range if errors == 0 && basis.known_teeth.is_some() => Self::Mesh,
+            Stack::Range => Self::Bound,
+        }
+    }
+}
+
+impl fmt::Display for JudgedBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Bound => "the worst case",
+            Self::Mesh => "the exact mesh of the known teeth",
+            Self::Statistical => "the statistical sum, which is no bound",
+        })
+    }
+}
+
 /// Every contribution, the combinations and the verdicts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
@@ -96,6 +141,10 @@ pub struct Evaluation {
     pub combined: Combined,
     /// What they rest on.
     pub notes: Vec<Note>,
+    /// Who judges the combination.
+    pub judged_by: JudgedBy,
+    /// What the exact mesh reaches with the errors on the worst teeth that a search finds, if it was asked.
+    pub reached: Option<Interval>,
     /// One per limit.
     pub limits: Vec<LimitCheck>,
     /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else
@@ -213,7 +262,9 @@ pub fn evaluate(
         })
         .collect();
     let verdict = overall(limits.iter().map(|check| check.verdict));
-    Ok(Evaluation { model, stack, contributions, combined, notes: bound.notes, limits, verdict })
+    let judged_by = JudgedBy::of(stack, errors.len(), basis);
+    let notes = bound.notes;
+    Ok(Evaluation { model, stack, contributions, combined, notes, judged_by, reached: None, limits, verdict })
 }
 
 /// Of the verdicts on all limits, `None` where one could not be judged: fail if any fails; open if there are none or one

@@ -22,7 +22,7 @@ pub mod uncertainty;
 
 #[cfg(feature = "batch")]
 pub(crate) use evaluation::overall;
-pub use evaluation::{Contribution, Evaluation, EvaluationError, LimitCheck, Unjudged, evaluate};
+pub use evaluation::{Contribution, Evaluation, EvaluationError, JudgedBy, LimitCheck, Unjudged, evaluate};
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
 pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};
 pub use prediction::{Predicted, Prediction};

@@ -7,7 +7,7 @@ use super::number::{millimetres, plain, signed, tidy};
 use super::uncertainty::{UncertaintyPart, decision_json, indeterminate_sentence, rule_name};
 use super::{Block, Column, Report, Table, judged_without};
 use crate::decision::class::ErrorClass;
-use crate::decision::{Evaluation, Interval, LimitCheck, Rule, Stack, Unjudged, Verdict};
+use crate::decision::{Evaluation, Interval, LimitCheck, LimitTarget, Rule, Stack, Unjudged, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::formula::Model;
 use crate::formula::law::equation;
@@ -160,8 +160,16 @@ impl EvaluationReport<'_> {
                 format!("stroke {} … {} mm", plain(mesh.stroke_mm.0), plain(mesh.stroke_mm.1)),
             ]
         });
+        let reached = self.evaluation.reached.iter().map(|reached| {
+            vec![
+                "reached".to_owned(),
+                millimetres(reached.lower.mm()),
+                millimetres(reached.upper.mm()),
+                "exact mesh, errors on the worst teeth that a search finds".to_owned(),
+            ]
+        });
         Table {
-            rows: rows.chain(mesh).collect(),
+            rows: rows.chain(reached).chain(mesh).collect(),
             columns: vec![
                 Column::text("combination"),
                 Column::number("from\n[mm]"),
@@ -194,12 +202,24 @@ impl EvaluationReport<'_> {
         }
     }
 
+    /// Of a failed limit on the combination that no placement found reaches: how far they come.
+    fn beyond_reach(&self, failed: &LimitCheck) -> String {
+        let reached = self.evaluation.reached.filter(|_| failed.on == LimitTarget::CenterDistance);
+        match reached {
+            Some(reached) if failed.limit.judge(reached) == Verdict::Pass => {
+                format!("; no placement found goes that far, the worst ones reach {} mm", interval_text(&reached))
+            }
+            _ => String::new(),
+        }
+    }
+
     fn verdict_block(&self) -> Option<Block> {
         let evaluation = self.evaluation;
         let without = judged_without(&self.without);
         if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
             let sentence = failure_sentence(failed, evaluation.stack);
-            return Some(Block::Verdict(Verdict::Fail, format!("{sentence}{without}")));
+            let reached = self.beyond_reach(failed);
+            return Some(Block::Verdict(Verdict::Fail, format!("{sentence}{reached}{without}")));
         }
         let not_given: Vec<_> = evaluation.not_given().map(|target| target.to_string()).collect();
         let unjudged = evaluation.limits.iter().find_map(|check| check.result.err());
@@ -226,7 +246,7 @@ impl EvaluationReport<'_> {
             1 => "the limit is met".to_owned(),
             count => format!("all {count} limits are met"),
         };
-        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule}){without}", evaluation.stack)))
+        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule}){without}", evaluation.judged_by)))
     }
 }
 
@@ -306,8 +326,8 @@ pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
 /// Which end of the limit is broken and by how much, however little that is.
 fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     let what = match check.on {
-        crate::decision::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
-        crate::decision::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
+        LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
+        LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
     };
     let Ok(Interval { lower, upper }) = check.result else { return what };
     let above = check.limit.upper.filter(|limit| upper > *limit).map(|limit| (upper, limit, "above"));
@@ -357,6 +377,8 @@ impl Report for EvaluationReport<'_> {
                 "rss_mm": combined.rss.ok().map(interval_json),
             },
             "stack": evaluation.stack.name(),
+            "judged_by": evaluation.judged_by.name(),
+            "reached_mm": evaluation.reached.map(interval_json),
             "rule": self.rule.to_string(),
             "limits": limits,
             "verdict": verdict_name(evaluation.verdict),
@@ -438,6 +460,10 @@ impl Report for EvaluationReport<'_> {
             let interval = self.evaluation.combined.interval(stack).ok();
             let ends = [mm(interval.map(|ends| ends.lower)), mm(interval.map(|ends| ends.upper)), empty(), empty()];
             interval_row("combined", stack.name(), ends, empty());
+        }
+        if let Some(reached) = self.evaluation.reached {
+            let ends = [plain(reached.lower.mm()), plain(reached.upper.mm()), empty(), empty()];
+            interval_row("combined", "reached", ends, empty());
         }
         if let Some(MeshPart { summary, .. }) = &self.mesh {
             let ends = [plain(tidy(summary.min_mm)), plain(tidy(summary.max_mm)), empty(), empty()];

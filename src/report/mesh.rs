@@ -2,11 +2,13 @@
 
 use serde_json::{Value, json};
 
+use super::evaluation::{interval_json, interval_text};
 use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
-use crate::decision::{Interval, Limit, Prediction, Verdict};
+use crate::decision::{Interval, JudgedBy, Limit, Prediction, Verdict};
+use crate::judge::bound::Open;
 use crate::mesh::{Curve, Mesh, Summary};
 use crate::quantity::Length;
 
@@ -27,14 +29,15 @@ pub struct MeshReport<'a> {
     pub prediction: &'a Prediction,
     /// The limit of the combined ΔCD.
     pub limit: Option<&'a Limit>,
+    /// What is held against it: over all strokes at which a deviated tooth can carry, or wherever errors are.
+    pub judged: Result<Interval, Open>,
+    /// Who says so.
+    pub judged_by: JudgedBy,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
     pub screen: Screen,
 }
-
-/// The accuracy that the solver claims, as decimals of a millimetre: ΔCD is judged to it.
-const JUDGED_DECIMALS: usize = 9;
 
 impl MeshReport<'_> {
     fn geometry(&self) -> Geometry<'_> {
@@ -45,12 +48,10 @@ impl MeshReport<'_> {
         self.curve.summary(self.mesh)
     }
 
-    /// The verdict on the limit, judged to the accuracy of the solution.
+    /// The verdict on the limit; `None` if there is none, or nothing to hold against it.
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {
-        let summary = self.summary()?;
-        let length = |mm: f64| format!("{mm:.JUDGED_DECIMALS$}").parse::<Length>().ok();
-        Some(self.limit?.judge(Interval { lower: length(summary.min_mm)?, upper: length(summary.max_mm)? }))
+        Some(self.limit?.judge(self.judged.ok()?))
     }
 
     /// How far the curve's own points can be trusted.
@@ -133,6 +134,8 @@ impl MeshReport<'_> {
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
+            "judged_mm": self.judged.ok().map(interval_json),
+            "judged_by": self.judged_by.name(),
             "verdict": self.verdict().map(Verdict::name),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
@@ -192,9 +195,12 @@ impl Report for MeshReport<'_> {
                 Verdict::Fail => "not within",
                 Verdict::Indeterminate => "too near",
             };
-            let (min, max) = (millimetres(summary.min_mm), millimetres(summary.max_mm));
-            let sentence = format!("ΔCD {min} … {max} mm is {how} the limit ({limit})");
+            let judged = self.judged.map_or_else(|_| String::new(), |judged| interval_text(&judged));
+            let sentence = format!("ΔCD {judged} mm by {} is {how} the limit ({limit})", self.judged_by);
             blocks.push(Block::Verdict(verdict, sentence));
+        }
+        if let (Err(open), Some(_)) = (self.judged, self.limit) {
+            blocks.push(Block::Open(open.to_string()));
         }
         blocks
     }

@@ -2,9 +2,9 @@
 //! bound, and requires nothing.
 
 use super::Spec;
-use crate::deviation::{PinionForm, RackForm};
+use crate::deviation::{ErrorKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs};
+use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth};
 use crate::quantity::Length;
 
 impl Spec {
@@ -13,6 +13,21 @@ impl Spec {
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
     pub fn basis(&self) -> Result<Basis, Diagnostics> {
+        // a part that is given both ways is said before
+        let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
+        self.refuse_both_ways(&kinds)?;
+        if self.has_deviations() && self.known_teeth.is_none() {
+            let message = "the spec knows teeth one by one: their mesh has to be solved before anything is judged";
+            return Err(Diagnostic::error(Code::NoMesh, message).help("see `Spec::with_known_teeth`").into());
+        }
+        Ok(Basis { known_teeth: self.known_teeth, ..self.pair_basis()? })
+    }
+
+    /// The same of the nominal pair, whatever is wrong with its teeth: for tolerances.
+    ///
+    /// # Errors
+    /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
+    pub fn pair_basis(&self) -> Result<Basis, Diagnostics> {
         let rolls = self.support.roll.as_ref().is_some_and(|roll| roll.value != "fixed");
         let normal_module_mm = self.pair.normal_module.as_ref().map(|module| module.value.mm());
         let geometry = match (self.given_pair()?, &self.pair.both_flanks) {
@@ -21,6 +36,37 @@ impl Spec {
             (None, None) => GivenGeometry::Unknown,
         };
         Ok(Basis { geometry, known_teeth: None, rolls, normal_module_mm })
+    }
+
+    /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error.
+    #[must_use]
+    pub fn with_known_teeth(self, known_teeth: KnownTeeth) -> Self {
+        Self { known_teeth: Some(known_teeth), ..self }
+    }
+
+    /// Whether the teeth of a part are known one by one.
+    #[must_use]
+    pub fn knows_teeth(&self, part: Part) -> bool {
+        match part {
+            Part::Rack => !self.rack.deviations.is_empty() || self.rack.measured.is_some(),
+            Part::Pinion => !self.pinion.deviations.is_empty() || self.pinion.measured.is_some(),
+        }
+    }
+
+    /// Refuses errors of a part whose teeth are known one by one: which of both counts is not for the program to say.
+    ///
+    /// # Errors
+    /// A diagnostic that names the error.
+    pub fn refuse_both_ways(&self, errors: &[ErrorKind]) -> Result<(), Diagnostic> {
+        let Some(kind) = errors.iter().find(|kind| self.knows_teeth(kind.part())) else { return Ok(()) };
+        let part = kind.part().name();
+        let message = format!("the {part} is given both ways: `{}` as one value, and its teeth one by one", kind.key());
+        let help = format!("leave out the value, or [[{part}.deviation]] and `{part}.measured`");
+        let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help(help);
+        Err(match self.errors.iter().find(|(other, _)| other == kind) {
+            Some((_, written)) if !written.span.is_empty() => diagnostic.at(&self.source, written.span.clone(), ""),
+            _ => diagnostic,
+        })
     }
 
     /// The keys that the pair's geometry still lacks.

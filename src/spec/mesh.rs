@@ -16,6 +16,7 @@ use crate::formula::PartError;
 use crate::formula::over_pin::OverPin;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
 use crate::judge::bound::pinion_lead_angle_rad;
+use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
 use crate::mesh::{Mesh, Support};
 use crate::quantity::{Angle, Length};
 use crate::table::{Measured, PinionTeeth, RackSpaces};
@@ -64,6 +65,21 @@ pub struct MeshInput {
 /// The first rack tooth with a pitch or lead error that `[errors]` gives as one value: teeth before it are
 /// sound, as in the paper's model.
 const FIRST_ODD_TOOTH: i64 = 4;
+
+impl MeshInput {
+    /// The strokes at which a deviated tooth can carry.
+    ///
+    /// # Errors
+    /// [`StrokesError`] if measured spaces do not cover one stretch.
+    pub fn judged_strokes(&self) -> Result<Vec<Range<f64>>, StrokesError> {
+        let teeth = DeviatedTeeth {
+            rack: &self.rack_deviations,
+            spaces: &self.rack_rows.iter().map(|row| row.space).collect(),
+            pinion: !self.pinion_deviations.is_empty() || !self.pinion_rows.is_empty(),
+        };
+        judged_strokes(self.mesh.pair(), &teeth)
+    }
+}
 
 impl Spec {
     /// Whether the spec gives deviations per tooth.
@@ -133,6 +149,8 @@ impl Spec {
             self.rack.deviations.iter().map(|deviation| deviation.value).collect(),
             self.pinion.deviations.iter().map(|deviation| deviation.value).collect(),
         );
+        let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
+        self.refuse_both_ways(&kinds)?;
         let origin = if self.has_deviations() || self.errors.is_empty() { Origin::Teeth } else { Origin::Errors };
         let mut pinion_lead_mm = None;
         if origin == Origin::Errors {

@@ -52,6 +52,7 @@ use crate::decision::uncertainty as uncertain;
 use crate::decision::{Limit, LimitTarget, Rule};
 use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::judge::bound::KnownTeeth;
 use crate::quantity::Length;
 use keys::{SECTIONS, Section};
 use reader::{SectionReader, similar};
@@ -113,6 +114,8 @@ pub struct Spec {
     pub uncertainties: Vec<(uncertain::Source, Located<uncertain::Uncertainty>)>,
     /// `[[correlation]]`
     pub correlations: Vec<Located<WrittenCorrelation>>,
+    /// What the teeth do that the spec knows one by one, once their mesh is solved: see [`Spec::with_known_teeth`].
+    pub known_teeth: Option<KnownTeeth>,
 }
 
 impl Spec {
@@ -176,6 +179,7 @@ impl Spec {
                 rule,
                 uncertainties,
                 correlations,
+                known_teeth: None,
             };
             let impossible = spec.impossibilities();
             if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }

@@ -36,6 +36,11 @@ impl Spec {
                 .help("add `value = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
                 .into());
         }
+        let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
+        self.refuse_both_ways(&kinds)?;
+        if self.errors.is_empty() && self.has_deviations() {
+            return Ok(Vec::new());
+        }
         if self.errors.is_empty() {
             let place = self.source.text.find("[errors]").map_or(0..0, |start| start..start + "[errors]".len());
             let diagnostic = Diagnostic::error(
@@ -43,12 +48,7 @@ impl Spec {
                 "the spec gives no error, so there is nothing to evaluate",
             )
             .at(&self.source, place, "");
-            let help = if self.has_deviations() {
-                "deviations of single teeth are for the exact mesh: `rackmesh mesh`; the formulas take an entry such as \
-                 `rack_pitch = \"+20 um\"` below [errors]"
-            } else {
-                "add an entry such as `rack_over_roller = \"+13 um\"` below [errors]"
-            };
+            let help = "add an entry such as `rack_over_roller = \"+13 um\"` below [errors]";
             return Err(diagnostic.help(help).into());
         }
         let mut missing = MissingKeys::default();
@@ -78,6 +78,14 @@ impl Spec {
         }
         diagnostics.extend(missing.diagnostics(&self.source));
         if diagnostics.is_empty() { Ok(errors) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// The same, or none if there are none: a pair without errors.
+    ///
+    /// # Errors
+    /// Diagnostics as [`Spec::part_errors`].
+    pub fn part_errors_or_none(&self) -> Result<Vec<PartError>, Diagnostics> {
+        if self.errors.is_empty() { Ok(Vec::new()) } else { self.part_errors() }
     }
 
     /// An error on the teeth that `[errors]` says, if it says so.

@@ -14,6 +14,7 @@ use super::eval::{ModelArg, StackArg};
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::tables::{self, ReadArgs};
+use super::teeth::with_known_teeth;
 use super::{mesh, stream, target};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError, Teeth};
 use crate::decision::{LimitTarget, Rule};
@@ -171,7 +172,7 @@ impl Args {
             return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
         }
         let Some(first) = found.first() else { return Ok(Status::Undecided) };
-        let spec = Arc::clone(&first.spec);
+        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
         let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
         self.remarks(&plan, output);
         let notes = [first.notes.clone(), notes(&spec, &plan)].concat();

@@ -183,9 +183,9 @@ impl ExtendedError {
             return Err(ErrorInputError::NoTotal);
         }
         let (value, largest) = match self.effect {
-            Effect::Size { value, .. } | Effect::Pitch(PitchEffect { value, .. }) | Effect::PinionLead { value, .. } => {
-                (value, LONGEST)
-            }
+            Effect::Size { value, .. }
+            | Effect::Pitch(PitchEffect { value, .. })
+            | Effect::PinionLead { value, .. } => (value, LONGEST),
             Effect::RackLead { value, rack } => {
                 (value, LARGEST_LEAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
             }

@@ -1,0 +1,111 @@
+//! Teeth that a spec knows one by one: their mesh is solved before anything is judged. Shared by the subcommands that
+//! judge errors.
+
+use std::ops::Range as Strokes;
+
+use super::mesh::{measured_tables, unsolved};
+use super::output::Failure;
+use crate::decision::{Combined, Interval, JudgedBy, Limit, LimitTarget, Stack};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::gear::Pair;
+use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, KnownTeeth, Open, Range};
+use crate::judge::reached::{self, Placement, Reached};
+use crate::judge::strokes::{StrokesError, extremes};
+use crate::mesh::{Mesh, Support};
+use crate::spec::{MeshInput, Spec};
+
+/// The curve of known teeth is followed this closely, and judged to so many parts of a millimetre.
+const TOLERANCE_MM: f64 = 1e-7;
+const JUDGED_PARTS: f64 = 1e9;
+
+/// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
+pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> {
+    if !spec.has_deviations() {
+        return Ok(spec);
+    }
+    let tables = measured_tables(&spec, path)?;
+    // that a part is not given both ways is known from here on
+    let input = spec.mesh(&tables)?;
+    let range = range(&input)?;
+    Ok(spec.with_known_teeth(KnownTeeth { range }))
+}
+
+/// The stretch of strokes over which a measured part is judged, and the extremes there.
+pub(super) fn measured(input: &MeshInput) -> Result<(Strokes<f64>, Interval), Failure> {
+    let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
+    let stretch = strokes.first().map_or(0.0, |first| first.start)..strokes.last().map_or(0.0, |last| last.end);
+    let interval = Interval::nearest(range(input)?);
+    Ok((stretch, interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?))
+}
+
+/// The extremes over all strokes at which a deviated tooth can carry, mm.
+fn range(input: &MeshInput) -> Result<Range, Failure> {
+    let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
+    let Range { lower, upper } = extremes(&input.mesh, &strokes, TOLERANCE_MM).map_err(|error| unsolved(&error))?;
+    let judged = |mm: f64| (mm * JUDGED_PARTS).round() / JUDGED_PARTS;
+    Ok(Range { lower: judged(lower), upper: judged(upper) })
+}
+
+fn no_strokes(error: &StrokesError) -> Failure {
+    match error {
+        StrokesError::Mesh(error) => unsolved(error),
+        other => Diagnostic::error(Code::NoMesh, other.to_string()).into(),
+    }
+}
+
+/// What is held against the limit of the combination, and who says so.
+pub(super) struct Judged {
+    pub(super) range: Result<Interval, Open>,
+    pub(super) by: JudgedBy,
+    basis: Basis,
+}
+
+impl Judged {
+    /// Of a spec whose known teeth are solved.
+    pub(super) fn new(spec: &Spec) -> Result<Self, Failure> {
+        let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
+        let combined =
+            Combined::of(&errors, &basis).map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        Ok(Self { range: combined.range, by: JudgedBy::of(Stack::Range, errors.len(), &basis), basis })
+    }
+
+    /// The mesh of the worst placement found: at the end that is nearer to the limit, or the upper one.
+    pub(super) fn worst_mesh(&self, spec: &Spec, pair: &Pair, limit: Option<&Limit>) -> Result<Option<Mesh>, Failure> {
+        let Some(reached) = worst_placements(spec, &self.basis)? else { return Ok(None) };
+        let below = limit.and_then(|limit| limit.lower).map_or(f64::INFINITY, |lower| reached.lower_mm - lower.mm());
+        let above = limit.and_then(|limit| limit.upper).map_or(f64::INFINITY, |upper| upper.mm() - reached.upper_mm);
+        let Placement { rack, pinion, .. } = if below < above { reached.lower } else { reached.upper };
+        // only racks that do not roll have worst placements
+        let mesh = Mesh::new(*pair, rack, pinion, Support::Fixed).map_err(|error| unsolved(&error))?;
+        Ok(Some(mesh))
+    }
+}
+
+/// What the errors reach on the worst teeth that a search finds, if there is a limit to hold it against and the whole pair is
+/// known; nothing beside known teeth, or with a rack that may roll.
+pub(super) fn reached(spec: &Spec, basis: &Basis) -> Result<Option<Interval>, Failure> {
+    if !spec.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance) {
+        return Ok(None);
+    }
+    let Some(Reached { lower_mm, upper_mm, .. }) = worst_placements(spec, basis)? else { return Ok(None) };
+    let interval = Interval::nearest(Range { lower: lower_mm, upper: upper_mm });
+    Ok(Some(interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?))
+}
+
+/// The worst placements that a search finds, where there are any to be found.
+pub(super) fn worst_placements(spec: &Spec, basis: &Basis) -> Result<Option<Reached>, Failure> {
+    let GivenGeometry::Known(pairs) = &basis.geometry else { return Ok(None) };
+    let errors = spec.part_errors()?;
+    if basis.known_teeth.is_some() || errors.is_empty() {
+        return Ok(None);
+    }
+    let errors: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
+    // errors that are too large for a bound are too large for a mesh
+    let Ok(errors) = errors else { return Ok(None) };
+    match reached::reached(&errors, pairs.given()) {
+        Ok(reached) => Ok(reached),
+        Err(error) => Err(Diagnostic::error(Code::NoMesh, error.to_string())
+            .help("`--no-mesh` judges without looking for the worst teeth")
+            .into()),
+    }
+}
