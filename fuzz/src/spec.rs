@@ -16,9 +16,12 @@ pub fn check(data: &[u8]) {
         }
     };
     if let Ok(errors) = spec.part_errors()
-        && let Ok(evaluation) = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range)
+        && let Ok(basis) = spec.basis()
+        && let Ok(evaluation) = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range, &basis)
     {
-        assert!(evaluation.combined.worst_case.mm().is_finite() && evaluation.combined.rss.mm().is_finite());
+        assert!(
+            evaluation.combined.range.is_ok_and(|range| range.lower <= range.upper) || evaluation.verdict.is_none()
+        );
     }
     if let Ok(input) = spec.mesh(&MeasuredTables::default()) {
         for stroke in [0.0, 17.3] {

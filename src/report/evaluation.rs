@@ -7,7 +7,7 @@ use super::number::{millimetres, plain, signed, tidy};
 use super::uncertainty::{UncertaintyPart, decision_json, indeterminate_sentence, rule_name};
 use super::{Block, Column, Report, Table, judged_without};
 use crate::decision::class::ErrorClass;
-use crate::decision::{Evaluation, Interval, LimitCheck, LimitTarget, Rule, Stack, Unjudged, Verdict};
+use crate::decision::{Evaluation, Interval, JudgedBy, LimitCheck, LimitTarget, Rule, Stack, Unjudged, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::formula::Model;
 use crate::formula::law::equation;
@@ -136,7 +136,10 @@ impl EvaluationReport<'_> {
 
     fn combination_table(&self) -> Table {
         let combined = &self.evaluation.combined;
-        let rows = Stack::ALL.into_iter().map(|stack| {
+        let by_mesh = self.evaluation.judged_by == JudgedBy::Mesh;
+        // known teeth leave nothing to statistics
+        let shown = Stack::ALL.into_iter().filter(|stack| !by_mesh || *stack == Stack::Range);
+        let rows = shown.map(|stack| {
             let end = |end: fn(&Interval) -> Length| match combined.interval(stack) {
                 Ok(interval) => millimetres(end(&interval).mm()),
                 Err(_) => "open".to_owned(),
@@ -146,6 +149,7 @@ impl EvaluationReport<'_> {
                 end(|interval| interval.lower),
                 end(|interval| interval.upper),
                 match stack {
+                    Stack::Range if by_mesh => "the exact mesh of the known teeth, all strokes at which they can carry",
                     Stack::Range => "wherever on the teeth the errors are",
                     Stack::Rss => "mean ± 3 standard deviations; independent, tolerances normal, 3σ",
                 }
@@ -316,11 +320,8 @@ pub(super) fn interval_json(interval: Interval) -> Value {
 }
 
 pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
-    if lower == upper {
-        millimetres(upper.mm())
-    } else {
-        format!("{} … {}", millimetres(lower.mm()), millimetres(upper.mm()))
-    }
+    let (lower, upper) = (millimetres(lower.mm()), millimetres(upper.mm()));
+    if lower == upper { upper } else { format!("{lower} … {upper}") }
 }
 
 /// Which end of the limit is broken and by how much, however little that is.
@@ -488,7 +489,9 @@ impl Report for EvaluationReport<'_> {
         if let Some(title) = self.title {
             blocks.push(Block::Title(title.to_owned()));
         }
-        blocks.push(Block::Table(self.contribution_table()));
+        if !self.evaluation.contributions.is_empty() {
+            blocks.push(Block::Table(self.contribution_table()));
+        }
         blocks.push(Block::Table(self.combination_table()));
         if !self.evaluation.limits.is_empty() {
             blocks.push(Block::Table(self.limit_table()));

@@ -47,6 +47,20 @@ pub(in crate::judge) struct RackLines {
     pub(in crate::judge) face_width: f64,
 }
 
+impl RackLines {
+    /// Those of a pair.
+    pub(super) fn of_pair(pair: &Pair) -> Self {
+        let rack = pair.rack();
+        let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
+        Self { tan_alpha, helix: rack.helix_angle_rad, face_width: rack.face_width_mm }
+    }
+
+    /// mm of ΔCD per rad of a small lead, by the formula.
+    pub(super) fn gain(&self) -> f64 {
+        self.face_width / (2.0 * trig::cos(self.helix) * self.tan_alpha)
+    }
+}
+
 /// Why a value and an extent make no error.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -4,9 +4,11 @@
 use std::f64::consts::PI;
 
 use super::field::{ContactPath, Field, line_distance, thickness_deviation, thickness_offset};
+use super::lead::LeadTables;
+use super::pitch::{Counts, Way};
 use super::profile::{Profile, Rolls};
 use super::{ExtendedError, KnownTeeth, Range};
-use crate::deviation::{DeviationError, PinionFlanks, PinionForm, RackFlanks, RackForm};
+use crate::deviation::{DeviationError, Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
 use crate::trig;
@@ -36,6 +38,12 @@ pub struct KnownPair {
     pub(super) levels: Vec<Level>,
     /// What error-free parts do.
     pub(super) own: Range,
+    /// How many steps act at once, of each [`Way`].
+    counts: Vec<Counts>,
+    /// How much less one space of the rack, and of the pinion, lifts because edges stand back.
+    space_stands_back: [f64; 2],
+    /// Leads at the nodes that were asked for.
+    pub(super) leads: LeadTables,
     /// Half the rack's width, and half the pinion's, over which profiles alone always carry; `None` if they do not.
     pub(super) rack_sections: Option<f64>,
     pub(super) pinion_sections: Option<f64>,
@@ -181,6 +189,7 @@ impl KnownPair {
     pub fn new(given: GivenPair, reach: Reach) -> Result<Self, KnownPairError> {
         let mut known = Self::without_curve(given, reach);
         known.own = Range { lower: known.lowest()?, upper: known.highest()? };
+        known.count();
         Ok(known)
     }
 
@@ -195,9 +204,38 @@ impl KnownPair {
         let narrower = skew(pair, shift);
         let line = Field::new(pair, rolls, -narrower).path();
         let (levels, own) = (levels(pair, &reach), Range { lower: 0.0, upper: 0.0 });
-        let mut known = Self { given, reach, line, levels, own, rack_sections: None, pinion_sections: None };
+        let mut known = Self {
+            given,
+            reach,
+            line,
+            levels,
+            own,
+            counts: Vec::new(),
+            space_stands_back: [0.0; 2],
+            leads: LeadTables::default(),
+            rack_sections: None,
+            pinion_sections: None,
+        };
         known.set_sections(rolls, narrower);
+        known.count();
         known
+    }
+
+    /// Counts what errors of any size take from the levels.
+    fn count(&mut self) {
+        self.counts = Way::ALL.into_iter().map(|way| Counts::new(self, way)).collect();
+        let space = |part| self.stands_back(|path| path.ratio - flanks_apart(part, path), 0.0);
+        self.space_stands_back = [space(Part::Rack), space(Part::Pinion)];
+        self.leads = LeadTables::new(self);
+    }
+
+    pub(super) fn counts(&self, way: Way) -> &Counts {
+        &self.counts[way as usize]
+    }
+
+    /// How much less one space of a part lifts because edges stand back, mm.
+    pub(super) const fn space_stands_back(&self, part: Part) -> f64 {
+        self.space_stands_back[part as usize]
     }
 
     /// Whether lines of contact carry on both sides at every stroke, whatever the errors.
@@ -325,6 +363,15 @@ impl KnownPair {
             let covered = (0.5 * rack.face_width_mm - narrower - skew) / cos_s.abs();
             self.pinion_sections = half(0.5 * pinion.face_width_mm, covered);
         }
+    }
+}
+
+/// The strokes between the middles of the paths of both flanks of a space, in pitches: its right flank carries around the
+/// stroke c, its left one a whole pitch (of a rack space) or none (of a pinion space) after −c.
+pub(super) const fn flanks_apart(part: Part, path: &ContactPath) -> f64 {
+    match part {
+        Part::Rack => (1.0 - 2.0 * path.offset).abs(),
+        Part::Pinion => (2.0 * path.offset).abs(),
     }
 }
 

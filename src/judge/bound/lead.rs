@@ -2,6 +2,8 @@
 //! point by what is linear in the point's place; the field of contact says which points there are at a stroke. Read by the
 //! bound; knows no other error.
 
+use std::sync::{Arc, OnceLock};
+
 use super::error::RackLines;
 use super::field::Spot;
 use super::known::Level;
@@ -27,15 +29,69 @@ pub(super) struct Leads {
     lines: Option<RackLines>,
     /// Whether they are on one tooth only.
     one_tooth: bool,
+    /// The extent, where there is only one lead.
+    extent: Option<Extent>,
 }
 
+/// What leads ask for at most and give way at most, at the nodes of a table: each is computed when it is first needed, for
+/// rows of a batch ask again and again.
+#[derive(Debug, Clone)]
+pub(super) struct LeadTables {
+    /// From one node to the next: rad of the rack, mm of the pinion.
+    spacing: [f64; 2],
+    nodes: Arc<[[OnceLock<Asked>; NODES]; TABLES]>,
+}
+
+/// Nodes of a table: as many as this to either side of nothing.
+const NODES_A_SIDE: i32 = 128;
+const NODES: usize = 2 * NODES_A_SIDE as usize + 1;
+/// A table for each part and extent.
+const TABLES: usize = 2 * Extent::EVERY.len();
+
+/// What leads ask for at most, what they give way at most, and either way at any one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Asked {
+    most: f64,
+    gives_way: f64,
+    at_any_time: f64,
+}
+
+/// Two tables of one pair for one reach are alike.
+impl PartialEq for LeadTables {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Default for LeadTables {
+    fn default() -> Self {
+        let nodes = || std::array::from_fn(|_| OnceLock::new());
+        Self { spacing: [0.0; 2], nodes: Arc::new(std::array::from_fn(|_| nodes())) }
+    }
+}
+
+impl LeadTables {
+    /// Of a pair: as far as leads within its reach go.
+    pub(super) fn new(known: &KnownPair) -> Self {
+        /// Faces that cover each other in part leave more to a lead than its formula says.
+        const FARTHER: f64 = 4.0;
+        let pair = &known.given.pair;
+        let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
+        let rack = known.reach.largest() * 2.0 * tan_alpha / pair.rack().face_width_mm;
+        let spacing = [rack, known.reach.largest()].map(|largest| FARTHER * largest / f64::from(NODES_A_SIDE));
+        Self { spacing, ..Self::default() }
+    }
+}
+
+/// Cosines of turned tooth lines are not taken to be smaller.
+const SMALLEST_COSINE: f64 = 0.1;
 /// Parts of a pitch in which the field of contact is looked at.
 const CELLS: i32 = 96;
 
 impl Leads {
     /// No lead of a part.
     pub(super) fn none(part: Part) -> Self {
-        Self { part, values: Range { lower: 0.0, upper: 0.0 }, lines: None, one_tooth: true }
+        Self { part, values: Range { lower: 0.0, upper: 0.0 }, lines: None, one_tooth: true, extent: None }
     }
 
     /// With one error more; rack `lines` are those of the last one.
@@ -47,6 +103,7 @@ impl Leads {
         };
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
         self.one_tooth = is_first && extent == Extent::One;
+        self.extent = is_first.then_some(extent);
         self.values = Range { lower: self.values.lower + added.lower, upper: self.values.upper + added.upper };
         self.lines = lines;
         self
@@ -84,17 +141,71 @@ impl Leads {
         if self.values.lower == 0.0 && self.values.upper == 0.0 {
             return ErrorRange::either_way(0.0);
         }
-        let upper_mm = self.most(known, 1.0);
-        let raw_lower_mm = if known.carries_lines() {
-            -self.most(known, -1.0)
+        let Asked { most: upper_mm, gives_way, at_any_time } = self.asked(known);
+        let raw_lower_mm = -if known.carries_lines() {
+            gives_way
         } else if known.given.rolls() {
-            -self.at_any_time(known, known.levels.last())
+            at_any_time
         } else {
-            -self.at_any_time(known, Some(known.level(2.0 * known.gap())))
+            self.at_any_time(known, Some(known.level(2.0 * known.gap())))
         };
         let lower_mm = self.kept(known).unwrap_or(raw_lower_mm).max(raw_lower_mm);
-        let raw_upper_mm = self.at_any_time(known, known.levels.last()).max(upper_mm);
-        ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm, in_contact: None }
+        ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm: at_any_time.max(upper_mm), in_contact: None }
+    }
+
+    /// What a single lead asks for, between the nodes on either side of it: a bound of a line in the slopes of flanks is convex
+    /// in them, so that its chord holds it, and what the slopes bend between two nodes is added. Of several leads, themselves.
+    fn asked(&self, known: &KnownPair) -> Asked {
+        let Some(extent) = self.extent else { return self.asked_itself(known) };
+        let value =
+            if extent == Extent::Each || self.values.upper > 0.0 { self.values.upper } else { self.values.lower };
+        // with other lines than the pair's, as they are drawn or varied: the lead with the same gain
+        let of_pair = RackLines::of_pair(&known.given.pair).gain();
+        let value = value * self.lines.map_or(1.0, |lines| lines.gain() / of_pair);
+        let spacing = known.leads.spacing[self.part as usize];
+        let place = value / spacing;
+        if place.abs() >= f64::from(NODES_A_SIDE) {
+            return self.asked_itself(known);
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "within the table")]
+        let below = place.floor() as i32;
+        let share = place - f64::from(below);
+        let (a, b) = (self.node(known, extent, below), self.node(known, extent, below + 1));
+        let bend = self.bend(known, (f64::from(below) * spacing).abs().max((f64::from(below + 1) * spacing).abs()));
+        let bent = bend * spacing * spacing / 8.0;
+        let between = |a: f64, b: f64| a + share * (b - a) + bent;
+        Asked {
+            most: between(a.most, b.most),
+            gives_way: between(a.gives_way, b.gives_way),
+            at_any_time: between(a.at_any_time, b.at_any_time),
+        }
+    }
+
+    /// A node of the table, computed when it is first needed.
+    fn node(&self, known: &KnownPair, extent: Extent, index: i32) -> Asked {
+        let table = &known.leads.nodes[Extent::EVERY.len() * self.part as usize + extent as usize];
+        #[expect(clippy::cast_sign_loss, reason = "within the table")]
+        let node = &table[(index + NODES_A_SIDE) as usize];
+        let value = f64::from(index) * known.leads.spacing[self.part as usize];
+        let lines = self.lines.map(|_| RackLines::of_pair(&known.given.pair));
+        *node.get_or_init(|| Self::none(self.part).with(value, extent, lines).asked_itself(known))
+    }
+
+    /// How much the slopes of flanks that are turned by up to this bend at most, in mm of ΔCD per rad².
+    fn bend(&self, known: &KnownPair, turned: f64) -> f64 {
+        let Some(lines) = self.lines else { return 0.0 };
+        // sin D / (cos(β + D) t) and tan(β + D) sin D − (1 − cos D), each twice derived, with their sines at most 1
+        let cos = trig::cos(lines.helix.abs() + turned).max(SMALLEST_COSINE);
+        let (across, up) = (4.0 / (cos * cos * cos * lines.tan_alpha), 5.0 / (cos * cos * cos));
+        let pair = &known.given.pair;
+        let height = pair.rack().addendum_mm.abs() + pair.pinion().tip_radius_mm;
+        across * 0.5 * pair.rack().face_width_mm + up * height
+    }
+
+    fn asked_itself(&self, known: &KnownPair) -> Asked {
+        let gives_way = if known.carries_lines() { self.most(known, -1.0) } else { 0.0 };
+        let at_any_time = self.at_any_time(known, known.levels.last());
+        Asked { most: self.most(known, 1.0), gives_way, at_any_time }
     }
 
     /// The most that both sides ask for at any one stroke; with the sign −1 the most that they give way.
@@ -119,7 +230,9 @@ impl Leads {
     fn cells(&self, known: &KnownPair, sign: f64) -> Vec<Cell> {
         let Some(last) = known.levels.last() else { return Vec::new() };
         let (start, end) = (last.path.offset - 0.5 * last.path.ratio, last.path.offset + 0.5 * last.path.ratio);
-        let turns = self.candidates().map(|value| self.turned(value, half_face(known)));
+        let mut candidates = self.candidates().to_vec();
+        candidates.dedup();
+        let turns: Vec<_> = candidates.into_iter().map(|value| self.turned(value, half_face(known))).collect();
         let most = self.at_any_time(known, Some(last));
         let cell = |index: i32| Range {
             lower: f64::from(index) / f64::from(CELLS),

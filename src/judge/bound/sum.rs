@@ -2,6 +2,7 @@
 
 use super::error::{Effect, PitchEffect, RackLines};
 use super::field::thickness_offset;
+use super::known::flanks_apart;
 use super::lead::Leads;
 use super::moments::{Moments, moments};
 use super::pitch;
@@ -71,24 +72,18 @@ const fn known<'a>(knowledge: &Knowledge<'a>) -> Option<&'a KnownPair> {
     }
 }
 
-/// A space that sits higher by e. Its right flank carries around the stroke c, its left one a whole pitch (of a rack space)
-/// or none (of a pinion space) after −c, so that both do for a while, or never.
+/// A space that sits higher by e: both its flanks carry for a while, or never.
 fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorRange {
-    let apart = |path: &ContactPath| match part {
-        Part::Rack => (1.0 - 2.0 * path.offset).abs(),
-        Part::Pinion => (2.0 * path.offset).abs(),
-    };
     let sometimes = ErrorRange::within(value.min(0.0), value.max(0.0));
     match (extent, known(knowledge)) {
         (Extent::All, _) => ErrorRange::signed(value),
         (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
         (Extent::One, Some(known)) if value > 0.0 => {
-            let stands_back = known.stands_back(|path| path.ratio - apart(path), 0.0);
-            ErrorRange { upper_mm: (value - stands_back).max(0.5 * value), ..sometimes }
+            ErrorRange { upper_mm: (value - known.space_stands_back(part)).max(0.5 * value), ..sometimes }
         }
         (Extent::One, Some(known)) if known.carries_lines() => {
             let path = &known.line;
-            let alone = if path.ratio + apart(path) < 2.0 {
+            let alone = if path.ratio + flanks_apart(part, path) < 2.0 {
                 1.0
             } else if path.ratio < 2.0 {
                 0.5
@@ -254,7 +249,12 @@ pub(super) fn statistical(errors: &[ExtendedError], knowledge: &Knowledge) -> Re
         variance += deviation_mm * deviation_mm;
     }
     let spread = DEVIATIONS * variance.sqrt();
-    Ok(Range { lower: own.lower + mean - spread, upper: own.upper + mean + spread })
+    let range = Range { lower: own.lower + mean - spread, upper: own.upper + mean + spread };
+    // nothing goes beyond the worst case
+    Ok(total(errors, knowledge).map_or(range, |total| Range {
+        lower: range.lower.clamp(total.lower, total.upper),
+        upper: range.upper.clamp(total.lower, total.upper),
+    }))
 }
 
 impl KnownPair {
