@@ -3,7 +3,7 @@ use crate::decision::statistics::{folded_normal, normal_cdf, normal_quantile};
 use crate::decision::uncertainty::tests::UNKNOWN;
 use crate::decision::uncertainty::{Part, Uncertainties, propagate};
 use crate::decision::{Limit, LimitTarget, Stack};
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, Extent};
 use crate::formula::{Law, Model, PartError};
 use crate::quantity::{Angle, Length};
 
@@ -193,7 +193,7 @@ fn the_same_bits_at_any_number_of_threads() {
 fn correlated_draws_and_probabilities_of_conformance() {
     let errors = [
         PartError::new(Law::rack_over_roller(), length("0.010")),
-        PartError::new(Law::pinion_radial(), length("0.005")),
+        PartError::new(Law::pinion_radial(), length("0.005")).with_extent(Extent::All),
     ];
     let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN };
     let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));

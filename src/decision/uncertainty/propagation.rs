@@ -266,11 +266,12 @@ impl Propagator {
         values
     }
 
-    /// ∂(both ends)/∂x of one input: away from zero of an error, whose magnitude has a kink there, and otherwise from both
-    /// sides.
+    /// ∂(both ends)/∂x of one input. An error's magnitude has a kink at zero: there it is varied away from it. So it is
+    /// elsewhere for ends that are linear in errors, and otherwise from both sides.
     fn by_input(&self, input: usize, values: &[f64; KINDS], centre: Range) -> Range {
         let own = self.derivatives.iter().position(|of| of.own.is_some_and(|(own, _)| own == input));
-        if let Some(index) = own {
+        let one_sided = own.filter(|&index| self.stack == Stack::Range || values[index].abs() < VARIED_BY);
+        if let Some(index) = one_sided {
             let step = if values[index] < 0.0 { -VARIED_BY } else { VARIED_BY };
             let ends = self.ends(values, Some((input, step)));
             return Range { lower: (ends.lower - centre.lower) / step, upper: (ends.upper - centre.upper) / step };
