@@ -8,7 +8,7 @@ use super::errors::{LARGEST_CLASS, error_table_forms, is_of_a_part};
 use super::keys::{EVERY_PART, EXTENT, Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use super::uncertainty::source_of;
 use crate::decision::uncertainty::Source;
-use crate::deviation::{ErrorKind, Extent};
+use crate::deviation::{ErrorKind, Extent, Unit};
 use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
 use crate::standard::Standard;
 
@@ -163,8 +163,10 @@ fn uncertainty_properties() -> Map<String, Value> {
         .collect()
 }
 
-fn extent() -> Value {
-    json!({ "enum": Extent::EVERY.map(Extent::name) })
+/// The extents that an error of this kind may have: only a pitch has a total.
+fn extent(kind: ErrorKind) -> Value {
+    let fits = |extent: &Extent| *extent != Extent::Total || kind.unit() == Unit::Pitch;
+    json!({ "enum": Extent::EVERY.into_iter().filter(fits).map(Extent::name).collect::<Vec<_>>() })
 }
 
 fn length_text() -> Value {
@@ -189,7 +191,7 @@ fn error(kind: ErrorKind) -> Value {
         if *form != ["class"] {
             properties.extend(uncertainty_properties());
         }
-        properties.insert(EXTENT.to_owned(), extent());
+        properties.insert(EXTENT.to_owned(), extent(kind));
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
         }
@@ -202,7 +204,7 @@ fn error(kind: ErrorKind) -> Value {
     }
     // the uncertainty and extent of values that come from a table
     let mut properties = uncertainty_properties();
-    properties.insert(EXTENT.to_owned(), extent());
+    properties.insert(EXTENT.to_owned(), extent(kind));
     forms.push(json!({
         "type": "object",
         "additionalProperties": false,

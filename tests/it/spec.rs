@@ -1,9 +1,14 @@
 //! The spec's schema, template and reader agree with each other.
 
-use rackmesh::decision::{Stack, evaluate};
-use rackmesh::formula::Model;
+use rackmesh::decision::{Evaluation, Stack, evaluate};
+use rackmesh::formula::{Model, PartError};
 use rackmesh::spec::{Spec, TEMPLATE, json_schema};
 use serde_json::Value;
+
+fn evaluated(spec: &Spec, errors: &[PartError]) -> Evaluation {
+    let basis = spec.basis().unwrap_or_else(|error| panic!("{error}"));
+    evaluate(errors, &spec.limits(), Model::Exact, Stack::Range, &basis).expect("it evaluates")
+}
 
 /// A spec as the JSON that a schema-driven editor makes of it.
 fn as_json(text: &str) -> Value {
@@ -28,7 +33,7 @@ fn examples_and_template_evaluate_and_fit_the_schema() {
         assert!(valid(text), "{text}");
         let spec = Spec::parse("example", text).unwrap_or_else(|error| panic!("{error}"));
         let errors = spec.part_errors().unwrap_or_else(|error| panic!("{error}"));
-        let evaluation = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range).expect("it evaluates");
+        let evaluation = evaluated(&spec, &errors);
         assert!(evaluation.verdict.is_some());
     }
 }
@@ -68,6 +73,10 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[errors]\nrack_pitch = { class = 13 }",
         "[errors]\nrack_pitch = { class = 7.5 }",
         "[errors]\nrack_pitch = { class = 7, measured = 3 }",
+        "[errors]\nrack_pitch = { value = 0.01, extent = \"some\" }",
+        "[errors]\nrack_pitch = { value = 0.01, extent = 3 }",
+        "[errors]\nrack_over_roller = { value = 0.01, extent = \"total\" }",
+        "[pair]\ncontact = \"one flank\"",
         "[tolerance]\ndiameter = 0",
         "[tolerance]\ndiameter = \"rack\"",
         "[tolerance]\nstandard = 1328",
@@ -90,6 +99,8 @@ fn the_schema_and_the_reader_accept_the_same() {
         "[limits]\ncenter_distance = \"±5 thou\"",
         "[errors]\nrack_pitch = { value = \"12 microns\", every_part = true }",
         "[errors]\nrack_lead = { f_h_beta = 0.008, length = 18, u = 0.001, every_part = false }",
+        "[errors]\nrack_pitch = { value = 0.01, extent = \"total\" }\npinion_radial = { extent = \"part\" }",
+        "[pair]\ncontact = \"both flanks\"",
         "[batch]\nignore = [\"Temperature*\", \"remark\"]\nothers = \"ignore\"",
         "[batch.columns]\nrack_pitch = { unit = \"micron\" }\nrack_lead = { unit = \"um\", length = \"18 mm\" }",
         "[batch.columns]\nrack_lead = { unit = \"gon\" }",
@@ -170,7 +181,7 @@ fn digits_are_taken_from_the_text() {
     )
     .expect("it parses");
     let errors = spec.part_errors().expect("it resolves");
-    let evaluation = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range).expect("it evaluates");
+    let evaluation = evaluated(&spec, &errors);
     assert_eq!(evaluation.contributions[0].exact.mm(), 1e-12);
 }
 
@@ -188,7 +199,7 @@ fn every_spelling_of_a_limit() {
         let text = format!("[errors]\nrack_over_roller = \"20 um\"\n[limits]\ncenter_distance = {limit}");
         let spec = Spec::parse("limit", &text).unwrap_or_else(|error| panic!("{error}"));
         let errors = spec.part_errors().expect("it resolves");
-        let evaluation = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range).expect("it evaluates");
+        let evaluation = evaluated(&spec, &errors);
         let passes = evaluation.verdict.map(|verdict| verdict.name() == "pass");
         assert_eq!(passes, Some(verdict_at_20_um), "{limit}");
     }
