@@ -7,6 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use rackmesh::decision::{Limit, LimitTarget, Stack, evaluate};
 use rackmesh::formula::over_pin::OverPin;
 use rackmesh::formula::{Law, Model, PartError, ideal_pin, roller_change};
+use rackmesh::judge::bound::Basis;
 use rackmesh::quantity::{Angle, Length};
 
 fn angle(text: &str) -> Angle {
@@ -71,8 +72,9 @@ fn evaluation(c: &mut Criterion) {
         PartError::new(Law::pinion_pitch(alpha, beta).expect("valid"), length("9 um")),
     ];
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.05")))];
+    let basis = Basis::default();
     c.bench_function("five errors, combined and judged", |b| {
-        b.iter(|| evaluate(black_box(&errors), &limits, Model::Exact, Stack::Range));
+        b.iter(|| evaluate(black_box(&errors), &limits, Model::Exact, Stack::Range, &basis));
     });
 }
 

@@ -4,6 +4,7 @@
 
 use rackmesh::decision::{Limit, LimitTarget, Stack, Verdict, evaluate};
 use rackmesh::formula::{Law, Model, PartError};
+use rackmesh::judge::bound::Basis;
 use rackmesh::quantity::{Angle, Length};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -19,9 +20,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             PartError::new(Law::rack_over_roller(), measured - nominal),
             PartError::new(lead, lead_error.parse::<Angle>()?),
         ];
-        let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range)?;
+        let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default())?;
         let verdict = if evaluation.verdict == Some(Verdict::Pass) { "pass" } else { "FAIL" };
-        println!("{part}: up to {:+.4} mm  {verdict}", evaluation.combined.range_upper.mm());
+        println!("{part}: up to {:+.4} mm  {verdict}", evaluation.combined.range?.upper.mm());
     }
     Ok(())
 }

@@ -19,11 +19,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             center_distance = "±0.03"
         "#,
     )?;
-    let evaluation = evaluate(&spec.part_errors()?, &spec.limits(), Model::Exact, Stack::Range)?;
+    let evaluation = evaluate(&spec.part_errors()?, &spec.limits(), Model::Exact, Stack::Range, &spec.basis()?)?;
     for contribution in &evaluation.contributions {
         println!("{}: {:.4} mm", contribution.kind, contribution.exact.mm());
     }
-    let (lower, upper) = evaluation.combined.interval(evaluation.stack);
-    println!("ΔCD from {:.4} to {:.4} mm: {:?}", lower.mm(), upper.mm(), evaluation.verdict);
+    let range = evaluation.combined.interval(evaluation.stack)?;
+    println!("ΔCD from {:.4} to {:.4} mm: {:?}", range.lower.mm(), range.upper.mm(), evaluation.verdict);
     Ok(())
 }

@@ -22,7 +22,7 @@ ROWS = int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000
 RACKMESH = os.path.join(os.path.dirname(__file__), "..", "..", "target", "release", "rackmesh")
 COLUMNS = ["part_id"] + [f"delta_cd_{name}_mm" for name in
            ("rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch")] + \
-          ["worst_case_mm", "rss_mm", "verdict"]
+          ["range_lower_mm", "range_upper_mm", "verdict"]
 SPEC = """
 [pair]
 normal_pressure_angle = 20
@@ -46,16 +46,19 @@ import sys, polars as pl
 mode, source, target = sys.argv[1:]
 c = pl.col
 parts = pl.scan_csv(source).select("part_id", d1=c("over_roller") - 25, d2=c("dp").abs() / {TWICE_TAN!r},
-    d3=(19.8 * c("dbeta").radians().sin() / {TWICE_TAN!r}).abs(), d4=c("radial") - 8.5, d5=c("dfp").abs() / {TWICE_TAN!r})
-parts = parts.with_columns(worst=c("d1").abs() + c("d2") + c("d3") + c("d4").abs() + c("d5"),
-    rss=(c("d1") ** 2 + c("d2") ** 2 + c("d3") ** 2 + c("d4") ** 2 + c("d5") ** 2).sqrt())
+    d3=(19.8 * c("dbeta").radians().sin() / {TWICE_TAN!r}).abs(), d4=c("radial") - 8.5, d5=c("dfp").abs() / {TWICE_TAN!r},
+    cos=c("dbeta").radians().cos())
+parts = parts.with_columns(way=c("d2") + c("d3") / c("cos") + 4.95 * (1 / c("cos") - 1) + c("d5"))
+parts = parts.select("part_id", "d1", "d2", "d3", "d4", "d5", lower=c("d1") + c("d4").clip(upper_bound=0) - c("way"),
+    upper=c("d1") + c("d4").clip(lower_bound=0) + c("way"))
+inside = (c("lower") >= -0.15) & (c("upper") <= 0.15)
 if mode == "summary":
-    w = c("worst")
-    row = parts.select(pl.len(), (w > 0.15).sum().alias("fail"), w.min().alias("min"), w.mean().alias("mean"),
+    w = c("upper")
+    row = parts.select(pl.len(), (~inside).sum().alias("fail"), w.min().alias("min"), w.mean().alias("mean"),
         w.max().alias("max"), w.std().alias("s"), w.quantile(0.5).alias("median")).collect(engine="streaming").row(0)
     open(target, "w").write(" ".join(map(str, row)))
 else:
-    parts = parts.with_columns(verdict=pl.when(c("worst") <= 0.15).then(pl.lit("pass")).otherwise(pl.lit("fail")))
+    parts = parts.with_columns(verdict=pl.when(inside).then(pl.lit("pass")).otherwise(pl.lit("fail")))
     parts.sink_csv(target, float_precision=6)
 """
 DUCKDB = f"""
@@ -63,17 +66,19 @@ import sys, duckdb
 mode, source, target = sys.argv[1:]
 columns = "{{'part_id':'VARCHAR','over_roller':'DOUBLE','dp':'DOUBLE','dbeta':'DOUBLE','radial':'DOUBLE','dfp':'DOUBLE'}}"
 parts = f'''with a as (select part_id, over_roller-25 d1, abs(dp)/{TWICE_TAN!r} d2, abs(19.8::double*sin(radians(dbeta))/{TWICE_TAN!r}) d3,
-  radial-8.5 d4, abs(dfp)/{TWICE_TAN!r} d5 from read_csv('{{source}}', header=true, columns={{columns}})),
-  b as (select *, abs(d1)+d2+d3+abs(d4)+d5 worst, sqrt(d1*d1+d2*d2+d3*d3+d4*d4+d5*d5) rss from a)'''
+  radial-8.5 d4, abs(dfp)/{TWICE_TAN!r} d5, cos(radians(dbeta)) c from read_csv('{{source}}', header=true, columns={{columns}})),
+  w as (select *, d2+d3/c+4.95::double*(1/c-1)+d5 way from a),
+  b as (select *, d1+least(d4,0)-way lower, d1+greatest(d4,0)+way upper from w)'''
+inside = "lower>=-0.15::double and upper<=0.15::double"
 con = duckdb.connect()
 con.execute("set preserve_insertion_order=true")
 if mode == "summary":
-    row = con.execute(parts + " select count(*), count(*) filter (worst>0.15::double), min(worst), avg(worst), max(worst), "
-        "stddev_samp(worst), quantile_cont(worst, 0.5) from b").fetchone()
+    row = con.execute(parts + f" select count(*), count(*) filter (not ({{inside}})), min(upper), avg(upper), max(upper), "
+        "stddev_samp(upper), quantile_cont(upper, 0.5) from b").fetchone()
     open(target, "w").write(" ".join(map(str, row)))
 else:
-    numbers = ",".join(f"printf('%.6f',{{x}}) {{x}}" for x in "d1 d2 d3 d4 d5 worst rss".split())
-    con.execute(f"copy ({{parts}} select part_id,{{numbers}},case when worst<=0.15::double then 'pass' else 'fail' end verdict "
+    numbers = ",".join(f"printf('%.6f',{{x}}) {{x}}" for x in "d1 d2 d3 d4 d5 lower upper".split())
+    con.execute(f"copy ({{parts}} select part_id,{{numbers}},case when {{inside}} then 'pass' else 'fail' end verdict "
         f"from b) to '{{target}}' (header, delimiter ',')")
 """
 
@@ -144,7 +149,7 @@ def agree_summary(ours, theirs, name):
         within = {"count": 0, "fail": 0, "q0.5_mm": 0.0005 * abs(other) + 1e-9}.get(key, 1e-9)
         if not abs(float(mine) - other) <= within:
             sys.exit(f"{name} disagrees in the summary: {key} {mine} {other}")
-    print(f"{name}: count, fail, min, mean, max, s and median of the worst case agree")
+    print(f"{name}: count, fail, min, mean, max, s and median of the upper end agree")
 
 
 def versions():
@@ -162,7 +167,7 @@ def main():
         at = lambda name: os.path.join(folder, name)
         generate(at("parts.csv"))
         open(at("spec.toml"), "w").write(SPEC)
-        ours = [RACKMESH, "batch", at("spec.toml"), at("parts.csv"), "--stack", "worst"]
+        ours = [RACKMESH, "batch", at("spec.toml"), at("parts.csv")]
         jobs = {"rackmesh": {
             "rows": ours + ["-o", at("rackmesh.csv"), "--columns", ",".join(COLUMNS)],
             "summary": ours + ["--summary", "--format", "csv", "-o", at("rackmesh.summary.csv")],
@@ -180,7 +185,7 @@ def main():
                 costs[name, mode].append(cost(jobs[name][mode]))
         keys = "count fail min_mm mean_mm max_mm standard_deviation_mm q0.5_mm".split()
         rows = csv.DictReader(open(at("rackmesh.summary.csv")))
-        summary = next({key: row[key] for key in keys} for row in rows if row["name"] == "worst_case_mm")
+        summary = next({key: row[key] for key in keys} for row in rows if row["name"] == "range_upper_mm")
         for name in jobs:
             if name != "rackmesh":
                 agree(at("rackmesh.csv"), at(name + ".csv"), name)
