@@ -30,3 +30,4 @@ mod spec;
 mod stability;
 mod table_properties;
 mod tables;
+mod verdicts;

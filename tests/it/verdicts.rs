@@ -1,0 +1,256 @@
+//! What a verdict rests on: a range that holds wherever errors sit, or no verdict.
+
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::process::Folder;
+
+/// How a command ended and what it wrote.
+struct Ended {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+impl Ended {
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {} {}", self.stdout, self.stderr))
+    }
+
+    /// The range of all errors, mm.
+    fn range(&self) -> (f64, f64) {
+        let range = &self.json()["combined"]["range_mm"];
+        let end = |name: &str| range[name].as_f64().unwrap_or_else(|| panic!("{name}: {}", self.stdout));
+        (end("lower"), end("upper"))
+    }
+}
+
+fn run(arguments: &[&str], input: &str) -> Ended {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program starts");
+    // a command that refuses its arguments reads no input
+    let _ = child.stdin.take().expect("stdin is piped").write_all(input.as_bytes());
+    let output = child.wait_with_output().expect("the program ends");
+    let text = |bytes| String::from_utf8(bytes).expect("output is UTF-8");
+    Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+}
+
+fn eval(spec: &str) -> Ended {
+    run(&["eval", "-", "--format", "json"], spec)
+}
+
+/// The lowest and the highest ΔCD of the exact mesh, mm.
+fn mesh_range(spec: &str) -> (f64, f64) {
+    let ended = run(&["mesh", "-", "--format", "json"], spec);
+    let summary = &ended.json()["summary"];
+    let end = |name: &str| summary[name].as_f64().unwrap_or_else(|| panic!("{name}: {}", ended.stdout));
+    (end("min_mm"), end("max_mm"))
+}
+
+fn near(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 5e-10, "{found} {expected}");
+}
+
+/// The pair fitted to the paper's Table 1.
+const PAPER: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n[rack]\nface_width = 19.7\naddendum = 1.7\n\
+    [pinion]\nteeth = 8\nhelix_angle = 21\nprofile_shift = 0.3\nface_width = 23.5\ntip_diameter = 19.738\n";
+
+/// A spur pair.
+fn spur(teeth: u32, shift: f64, addendum: f64, tip_diameter: f64) -> String {
+    format!(
+        "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\nface_width = 20\naddendum = {addendum}\n\
+         [pinion]\nteeth = {teeth}\nprofile_shift = {shift}\nface_width = 20\ntip_diameter = {tip_diameter}\n"
+    )
+}
+
+/// 1/(2 tan 20°)
+const GAIN_AT_20_DEG: f64 = 1.373_738_709_727_311;
+
+/// One low space of the pinion need not be where the teeth touch: it takes nothing off what the rack lifts.
+#[test]
+fn a_low_space_does_not_make_up_for_a_high_rack() {
+    let spec = |limit: &str| {
+        format!(
+            "[errors]\nrack_over_roller = \"13 um\"\npinion_radial = \"-4 um\"\n[limits]\ncenter_distance = {{ upper = {limit} }}\n"
+        )
+    };
+    let failed = eval(&spec("0.010"));
+    assert_eq!((failed.code, &failed.json()["verdict"]), (Some(1), &"fail".into()));
+    assert_eq!(failed.range(), (0.009, 0.013));
+    assert_eq!(eval(&spec("0.013")).code, Some(0));
+    // a pinion that is small all round does
+    let all = spec("0.010").replace("\"-4 um\"", "{ value = \"-4 um\", extent = \"all\" }");
+    assert_eq!((eval(&all).code, eval(&all).range()), (Some(0), (0.009, 0.009)));
+}
+
+/// Every pitch of the rack longer, or shorter, by 10 µm.
+fn every_pitch(value: &str) -> String {
+    format!(
+        "[errors]\nrack_pitch = {{ value = \"{value}\", extent = \"all\" }}\n[limits]\ncenter_distance = \"±0.02\"\n"
+    )
+}
+
+/// Of a pair that is not known nobody can say how many pitches add up.
+#[test]
+fn pitches_of_every_tooth_are_open_without_the_pair() {
+    let spec = format!("[pair]\nnormal_pressure_angle = 19.9\n{}", every_pitch("10 um"));
+    let ended = eval(&spec);
+    let json = ended.json();
+    assert_eq!((&json["verdict"], &json["combined"]["range_mm"]), (&Value::Null, &Value::Null));
+    for format in ["json", "table", "csv", "markdown"] {
+        assert_eq!(run(&["eval", "-", "--format", format], &spec).code, Some(2), "{format}");
+    }
+    let page = run(&["eval", "-"], &spec).stdout;
+    assert!(page.contains("\nNo verdict: errors of many pitches add up over the teeth in contact"), "{page}");
+    for key in [
+        "pair.normal_module",
+        "rack.face_width",
+        "rack.addendum",
+        "pinion.teeth",
+        "pinion.tip_diameter",
+        "pinion.face_width",
+    ] {
+        assert!(page.contains(&format!("`{key}`")), "{key}: {page}");
+    }
+    assert!(!page.contains("`pair.normal_pressure_angle`"), "{page}");
+}
+
+/// With ε = 2.24 and c = 0.18 pitches longer pitches add up to ⌊ε − 2c⌋ = 1 step at most and none at least, shorter ones
+/// to ⌊ε + 2c⌋ = 2 and one; so does the exact mesh.
+#[test]
+fn pitches_of_every_tooth_have_a_range_with_the_pair() {
+    // 1/(2 tan 19.9°)
+    let step = 0.010 * 1.381_234_751_649_849;
+    for (value, least, most, code) in [("10 um", 0.0, step, 0), ("-10 um", step, 2.0 * step, 1)] {
+        let ended = eval(&format!("{PAPER}{}", every_pitch(value)));
+        assert_eq!(ended.code, Some(code), "{}", ended.stdout);
+        // what edges do is searched to a nanometre
+        let (lower, upper) = ended.range();
+        assert!((least - 1e-6..=least + 1e-9).contains(&lower), "{lower} {least}");
+        assert!((most - 1e-9..=most + 1e-6).contains(&upper), "{upper} {most}");
+        let mesh = format!("{PAPER}[[rack.deviation]]\nteeth = \"all\"\npitch = \"{value}\"\n");
+        let (lowest, highest) = mesh_range(&mesh);
+        assert!((lowest - least).abs() < 1e-7 && (highest - most).abs() < 1e-7, "{value}: {lowest} … {highest}");
+    }
+}
+
+/// With short rack teeth one step that is longer lets the pinion sink by as much as it can push it up.
+#[test]
+fn a_step_can_sink_the_pinion() {
+    let spec = |limit: &str| {
+        format!(
+            "{}[errors]\nrack_pitch = \"20 um\"\n[limits]\ncenter_distance = {{ lower = {limit} }}\n",
+            spur(20, 0.0, 1.0, 44.0)
+        )
+    };
+    let failed = eval(&spec("-0.01"));
+    assert_eq!((failed.code, &failed.json()["verdict"]), (Some(1), &"fail".into()), "{}", failed.stdout);
+    near(failed.range().0, -0.020 * GAIN_AT_20_DEG);
+    assert_eq!(eval(&spec("-0.0275")).code, Some(0));
+}
+
+/// Undercut moves the centre distance without any error.
+#[test]
+fn undercut_counts_without_an_error() {
+    let spec = |limit: &str| {
+        format!("{}[errors]\nrack_pitch = 0\n[limits]\ncenter_distance = \"{limit}\"\n", spur(6, 0.4, 2.0, 17.6))
+    };
+    let failed = eval(&spec("±1 um"));
+    assert_eq!((failed.code, &failed.json()["verdict"]), (Some(1), &"fail".into()), "{}", failed.stdout);
+    let (lower, upper) = failed.range();
+    assert!(lower <= 0.0 && upper > 0.005 && upper < 0.02, "{lower} {upper}");
+    assert_eq!(eval(&spec("±0.02")).code, Some(0));
+}
+
+/// The paper's lead formula of a helical rack is too small by cos β_r: its value is shown, the range judges.
+#[test]
+fn the_papers_model_is_shown_and_not_believed() {
+    let gear = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\nhelix_angle = 30\nface_width = 20\naddendum = 2\n\
+                [pinion]\nteeth = 20\nhelix_angle = -30\nface_width = 30\ntip_diameter = 50.188\n";
+    let spec = format!("{gear}[errors]\nrack_lead = 0.1\n[limits]\ncenter_distance = \"±0.05\"\n");
+    let ended = run(&["eval", "-", "--model", "paper", "--format", "json"], &spec);
+    let contribution = &ended.json()["contributions"][0];
+    assert_eq!(format!("{:.4}", contribution["delta_cd_mm"].as_f64().expect("a number")), "0.0480");
+    assert_eq!((ended.code, &ended.json()["verdict"]), (Some(1), &"fail".into()), "{}", ended.stdout);
+    let (_, most) = mesh_range(&format!("{gear}[[rack.deviation]]\nteeth = \"all\"\nlead = 0.1\n"));
+    assert!(most > 0.05 && most <= ended.range().1 + 1e-9, "{most} {}", ended.stdout);
+    // nor is it without the pair
+    let alone = "[pair]\nnormal_pressure_angle = 20\n[rack]\nhelix_angle = 30\nface_width = 20\n";
+    let spec = spec.replace(gear, alone);
+    assert_eq!(run(&["eval", "-", "--model", "paper"], &spec).code, Some(1));
+}
+
+#[test]
+fn extents_that_make_no_sense_are_refused() {
+    for (entry, place, words) in [
+        (
+            "rack_over_roller = { value = 0.01, extent = \"total\" }",
+            "<stdin>:2:",
+            "`rack_over_roller.extent`: only a pitch",
+        ),
+        ("pinion_radial = { value = 0.01, extent = \"total\" }", "<stdin>:2:", "only a pitch has a total"),
+        ("rack_lead = { value = 0.01, extent = \"total\" }", "<stdin>:2:", "only a pitch has a total"),
+        (
+            "rack_pitch = { value = 0.01, extent = \"some\" }",
+            "<stdin>:2:",
+            "`some` is not an extent; write `one`, `part`",
+        ),
+        ("rack_pitch = { value = 0.01, extent = 3 }", "<stdin>:2:", "text in quotes is needed"),
+    ] {
+        let spec = format!("[errors]\n{entry}\n[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 20\n");
+        let ended = run(&["eval", "-"], &spec);
+        assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{entry}");
+        assert!(ended.stderr.contains(place) && ended.stderr.contains(words), "{entry}: {}", ended.stderr);
+    }
+    let total = "[pair]\nnormal_pressure_angle = 20\n[errors]\nrack_pitch = { value = 0.01, extent = \"total\" }\n";
+    assert_eq!(eval(total).code, Some(0));
+}
+
+/// A row of a table is judged as the spec with its values is, on a known pair and on one that is not.
+#[test]
+fn a_batch_gives_the_verdicts_of_eval() {
+    let rows = [
+        ["0.010", "0.012", "-0.004", "0.009"],
+        ["0.020", "-0.020", "0.008", "-0.020"],
+        ["-0.030", "0.001", "0.030", "0"],
+        ["0", "0", "0", "0"],
+        ["0.0331", "0.0002", "-0.031", "0.0005"],
+    ];
+    let keys = ["rack_over_roller", "rack_pitch", "pinion_radial", "pinion_pitch"];
+    let table: String = std::iter::once(format!("part_id,{}\n", keys.join(",")))
+        .chain(rows.iter().enumerate().map(|(part, row)| format!("P{part},{}\n", row.join(","))))
+        .collect();
+    let limits = "[limits]\ncenter_distance = \"±0.04\"\n";
+    let folder = Folder::new("verdicts");
+    let mut seen = Vec::new();
+    for pair in [PAPER, "[pair]\nnormal_pressure_angle = 19.9\n"] {
+        for extent in ["one", "each"] {
+            let entry = |value: &str| format!("{{ {value}extent = \"{extent}\" }}");
+            let spec = format!("{pair}[errors]\nrack_pitch = {}\n{limits}", entry(""));
+            let spec_file = folder.path("spec.toml");
+            std::fs::write(&spec_file, &spec).expect("written");
+            let batch = run(&["batch", &spec_file, "-", "--format", "jsonl"], &table);
+            let lines: Vec<Value> =
+                batch.stdout.lines().map(|line| serde_json::from_str(line).expect("a row is JSON")).collect();
+            assert_eq!(lines.len(), rows.len(), "{}", batch.stderr);
+            for (line, row) in lines.iter().zip(rows) {
+                let errors = format!(
+                    "[errors]\nrack_over_roller = {}\nrack_pitch = {}\npinion_radial = {}\npinion_pitch = {}\n",
+                    row[0],
+                    entry(&format!("value = {}, ", row[1])),
+                    row[2],
+                    row[3]
+                );
+                let one = eval(&format!("{pair}{errors}{limits}")).json();
+                assert_eq!(line["verdict"], one["verdict"], "{pair} {extent} {row:?}: {line} {one}");
+                seen.push(one["verdict"].clone());
+            }
+        }
+    }
+    for verdict in ["pass".into(), "fail".into(), Value::Null] {
+        assert!(seen.contains(&verdict), "{verdict}: {seen:?}");
+    }
+}
