@@ -1,7 +1,7 @@
 //! The spec reader: any text is read or refused, every refusal can be shown, and what was read can be
 //! evaluated and meshed or says why not.
 
-use rackmesh::decision::{Stack, evaluate};
+use rackmesh::decision::{Combined, Stack, evaluate};
 use rackmesh::formula::Model;
 use rackmesh::spec::{MeasuredTables, Spec};
 
@@ -15,13 +15,11 @@ pub fn check(data: &[u8]) {
             return;
         }
     };
-    if let Ok(errors) = spec.part_errors()
-        && let Ok(basis) = spec.basis()
+    if let (Ok(errors), Ok(basis)) = (spec.part_errors(), spec.basis())
         && let Ok(evaluation) = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range, &basis)
     {
-        assert!(
-            evaluation.combined.range.is_ok_and(|range| range.lower <= range.upper) || evaluation.verdict.is_none()
-        );
+        let Combined { range, rss } = evaluation.combined;
+        assert!([range, rss].into_iter().flatten().all(|of| of.lower <= of.upper));
     }
     if let Ok(input) = spec.mesh(&MeasuredTables::default()) {
         for stroke in [0.0, 17.3] {

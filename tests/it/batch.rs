@@ -7,10 +7,10 @@ use std::process::{Command, Output, Stdio};
 
 const SPEC: &str = "tests/specs/batch.toml";
 const TABLE: &str = "part_id,over_roller,dp [µm]\nP1,25.0131,10\nP2,25.0601,-5\nP3,24.98,0\n";
-const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,range_lower_mm,range_upper_mm,worst_case_mm,rss_mm,verdict\n\
-                    P1,0.013100,0.013737,0.013100,0.026837,0.026837,0.018982,pass\n\
-                    P2,0.060100,0.006869,0.060100,0.066969,0.066969,0.060491,fail\n\
-                    P3,-0.020000,0.000000,-0.020000,-0.020000,0.020000,0.020000,pass\n";
+const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,verdict\n\
+                    P1,0.013100,0.013737,-0.000637,0.026837,0.026837,0.026837,pass\n\
+                    P2,0.060100,0.006869,0.053231,0.066969,0.066969,0.066969,fail\n\
+                    P3,-0.020000,0.000000,-0.020000,-0.020000,-0.020000,-0.020000,pass\n";
 
 fn batch(arguments: &[&str], input: &[u8]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
@@ -191,7 +191,7 @@ fn a_table_of_no_row_or_one_is_summed_up_in_plain_words() {
     let one = batch(&[SPEC, "--summary"], b"part_id,over_roller,dp\nA,25,0\n");
     let page = text(&one.stdout);
     assert!(page.contains("\n1 part is too few for capability indices"), "{page}");
-    assert!(page.ends_with("PASS: the part is inside the limits (judged by range)\n"), "{page}");
+    assert!(page.ends_with("PASS: the part is inside the limits (judged by worst case)\n"), "{page}");
 }
 
 #[test]
@@ -310,7 +310,7 @@ fn several_tables_and_what_pipelines_show() {
     let rows: Vec<serde_json::Value> =
         text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("a row is JSON")).collect();
     let of = |row: usize, name: &str| rows[row][name].clone();
-    assert_eq!((of(0, "part_id"), of(0, "rss_mm")), ("P1".into(), 0.018_982.into()));
+    assert_eq!((of(0, "part_id"), of(0, "range_lower_mm")), ("P1".into(), (-0.000_637).into()));
     assert_eq!((of(3, "part_id"), of(3, "delta_cd_rack_over_roller_mm")), ("Q2 <&>".into(), 0.4.into()));
     assert_eq!(of(3, "verdict"), "fail");
     let messages = text(&output.stderr);
@@ -354,7 +354,7 @@ fn an_error_that_the_table_lacks_leaves_the_sum_open_everywhere() {
     assert_eq!(json["unjudged_limits"], serde_json::json!(["center_distance"]));
     let partial = run(&["--summary", "--partial"]);
     assert_eq!(partial.status.code(), Some(0));
-    assert!(text(&partial.stdout).ends_with("(judged by range); judged without rack lead\n"));
+    assert!(text(&partial.stdout).ends_with("(judged by worst case); judged without rack lead\n"));
 }
 
 #[test]

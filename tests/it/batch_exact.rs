@@ -7,7 +7,8 @@ use std::sync::atomic::AtomicBool;
 use proptest::prelude::*;
 use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
 use rackmesh::decision::uncertainty::{Linear, Part, propagate};
-use rackmesh::decision::{LimitTarget, Rule, Stack, Verdict, evaluate};
+use rackmesh::decision::{Interval, LimitTarget, Rule, Stack, Verdict, evaluate};
+use rackmesh::deviation::Extent;
 use rackmesh::formula::Model;
 use rackmesh::quantity::Length;
 use rackmesh::spec::Spec;
@@ -15,12 +16,50 @@ use rackmesh::table::{Container, Source};
 
 const COLUMNS: [&str; 5] = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch"];
 
-/// Everything but the errors: gear data and limits.
-fn spec_text(alpha: &str, helix: &str, limit: &str) -> String {
-    format!(
-        "[pair]\nnormal_pressure_angle = {alpha}\n[rack]\nface_width = 19.7\nhelix_angle = {helix}\n\
-         [pinion]\nhelix_angle = {helix}\n[limits]\ncenter_distance = \"±{limit}\"\nrack_lead = {{ upper = {limit} }}\n"
-    )
+/// Gear data, one limit on two results, and on which teeth each error is.
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    alpha: &'static str,
+    helix: &'static str,
+    limit: &'static str,
+    /// Whether the whole geometry is given.
+    is_whole: bool,
+    extents: [Option<Extent>; 5],
+}
+
+impl Case {
+    const fn new(alpha: &'static str, helix: &'static str, limit: &'static str) -> Self {
+        Self { alpha, helix, limit, is_whole: false, extents: [None; 5] }
+    }
+
+    /// Everything but the errors.
+    fn base(&self) -> String {
+        let Self { alpha, helix, limit, .. } = self;
+        let whole = |keys: &'static str| if self.is_whole { keys } else { "" };
+        let (module, addendum) = (whole("normal_module = 2\n"), whole("addendum = 2\n"));
+        let pinion = whole("teeth = 12\nprofile_shift = 0.3\ntip_diameter = 29.4\nface_width = 30\n");
+        format!(
+            "[pair]\nnormal_pressure_angle = {alpha}\n{module}[rack]\nface_width = 19.7\nhelix_angle = {helix}\n{addendum}\
+             [pinion]\nhelix_angle = {helix}\n{pinion}[limits]\ncenter_distance = \"±{limit}\"\nrack_lead = {{ upper = {limit} }}\n"
+        )
+    }
+
+    /// What stands beside the value of an error.
+    fn extent(&self, error: usize) -> String {
+        self.extents[error].map_or(String::new(), |extent| format!(", extent = \"{}\"", extent.name()))
+    }
+
+    /// The spec of a table with these errors.
+    fn spec(&self) -> String {
+        let entry = |error: usize, nominal: &str| {
+            let inside = format!("{nominal}{}", self.extent(error));
+            let inside = inside.trim_start_matches(", ");
+            if inside.is_empty() { String::new() } else { format!("{} = {{ {inside} }}\n", COLUMNS[error]) }
+        };
+        let nominals = ["nominal = 25", "", "", "nominal = 8.5", ""];
+        let entries: String = nominals.into_iter().enumerate().map(|(error, nominal)| entry(error, nominal)).collect();
+        format!("{}[errors]\n{entries}[batch.columns]\nrack_pitch = {{ unit = \"um\" }}\n", self.base())
+    }
 }
 
 fn run(spec: &str, table: &str, request: Request) -> (Vec<String>, Outcome) {
@@ -46,16 +85,17 @@ fn run_with_header(spec: &str, table: &str, request: Request) -> (Vec<String>, O
 }
 
 /// The same row by the evaluation of single specs.
-fn by_eval(spec: &str, values: &[String; 5], id: &str, decimals: Decimals, model: Model, stack: Stack) -> String {
-    let mut text = spec.to_owned() + "[errors]\n";
-    let _ = writeln!(text, "rack_over_roller = {{ measured = {}, nominal = 25.0 }}", values[0]);
-    let _ = writeln!(text, "rack_pitch = \"{} um\"", values[1]);
-    let _ = writeln!(text, "rack_lead = {}", values[2]);
-    let _ = writeln!(text, "pinion_radial = {{ measured = {}, nominal = 8.5 }}", values[3]);
-    let _ = writeln!(text, "pinion_pitch = {}", values[4]);
+fn by_eval(case: &Case, values: &[String; 5], id: &str, decimals: Decimals, model: Model, stack: Stack) -> String {
+    let mut text = case.base() + "[errors]\n";
+    let _ = writeln!(text, "rack_over_roller = {{ measured = {}, nominal = 25.0{} }}", values[0], case.extent(0));
+    let _ = writeln!(text, "rack_pitch = {{ value = \"{} um\"{} }}", values[1], case.extent(1));
+    let _ = writeln!(text, "rack_lead = {{ value = {}{} }}", values[2], case.extent(2));
+    let _ = writeln!(text, "pinion_radial = {{ measured = {}, nominal = 8.5{} }}", values[3], case.extent(3));
+    let _ = writeln!(text, "pinion_pitch = {{ value = {}{} }}", values[4], case.extent(4));
     let spec = Spec::parse("one.toml", &text).expect("the spec is valid");
     let errors = spec.part_errors().expect("the errors are there");
-    let evaluation = evaluate(&errors, &spec.limits(), model, stack).expect("the errors are in their domain");
+    let basis = spec.basis().expect("the geometry is valid");
+    let evaluation = evaluate(&errors, &spec.limits(), model, stack, &basis).expect("the errors are in their domain");
     let write = |length: Length| match decimals {
         Decimals::Places(places) => length.to_decimal_text(places.into()),
         Decimals::Full => {
@@ -67,26 +107,17 @@ fn by_eval(spec: &str, values: &[String; 5], id: &str, decimals: Decimals, model
     for contribution in &evaluation.contributions {
         row += &format!(",{}", write(contribution.delta_cd(model)));
     }
-    let combined = &evaluation.combined;
-    for length in [combined.range_lower, combined.range_upper, combined.worst_case, combined.rss] {
-        row += &format!(",{}", write(length));
+    for of in [evaluation.combined.range, evaluation.combined.rss] {
+        match of {
+            Ok(Interval { lower, upper }) => row += &format!(",{},{}", write(lower), write(upper)),
+            Err(_) => row += ",,",
+        }
     }
     row + "," + evaluation.verdict.map_or("", Verdict::name)
 }
 
-fn check(
-    alpha: &str,
-    helix: &str,
-    limit: &str,
-    parts: &[[String; 5]],
-    decimals: Decimals,
-    model: Model,
-    stack: Stack,
-) -> Outcome {
-    let base = spec_text(alpha, helix, limit);
-    let spec = base.clone()
-        + "[errors]\nrack_over_roller = { nominal = 25 }\npinion_radial = { nominal = 8.5 }\n\
-           [batch.columns]\nrack_pitch = { unit = \"um\" }\n";
+fn check(case: &Case, parts: &[[String; 5]], decimals: Decimals, model: Model, stack: Stack) -> Outcome {
+    let spec = case.spec();
     let mut table = format!("part_id,{}\n", COLUMNS.join(","));
     for (index, values) in parts.iter().enumerate() {
         let _ = writeln!(table, "P{index},{}", values.join(","));
@@ -97,12 +128,10 @@ fn check(
     assert_eq!(rows.len(), parts.len());
     for (index, (row, values)) in rows.iter().zip(parts).enumerate() {
         let id = format!("P{index}");
-        assert_eq!(*row, by_eval(&base, values, &id, decimals, model, stack), "{values:?}");
+        assert_eq!(*row, by_eval(case, values, &id, decimals, model, stack), "{case:?} {values:?}");
     }
     outcome
 }
-
-const STACKS: [Stack; 3] = [Stack::Range, Stack::WorstCase, Stack::Rss];
 
 #[test]
 fn on_ties_and_on_limits() {
@@ -122,12 +151,65 @@ fn on_ties_and_on_limits() {
             zero(),
         ]);
     }
-    for stack in STACKS {
+    for stack in Stack::ALL {
         for limit in ["0.05", "0.0000125", "0.0300005"] {
-            check("30", "30", limit, &parts, Decimals::Places(6), Model::Exact, stack);
+            check(&Case::new("30", "30", limit), &parts, Decimals::Places(6), Model::Exact, stack);
         }
     }
-    check("45", "0", "0.05", &parts, Decimals::Places(3), Model::Paper, Stack::Range);
+    check(&Case::new("45", "0", "0.05"), &parts, Decimals::Places(3), Model::Paper, Stack::Range);
+}
+
+/// 40 and 30 µm of either sign are 70 µm at most and 50 µm statistically: limits that they meet, and miss by a nanometre.
+#[test]
+fn tolerances_on_limits() {
+    let extents = [Some(Extent::Each), None, None, Some(Extent::Each), None];
+    let parts =
+        [["25.04", "0", "0", "8.53", "0"].map(str::to_owned), ["24.97", "0", "0", "8.54", "0"].map(str::to_owned)];
+    for (stack, limit, passing) in
+        [(Stack::Rss, "0.05", 2), (Stack::Rss, "0.049999", 0), (Stack::Range, "0.07", 2), (Stack::Range, "0.069999", 0)]
+    {
+        let case = Case { extents, ..Case::new("30", "30", limit) };
+        let outcome = check(&case, &parts, Decimals::Full, Model::Exact, stack);
+        assert_eq!(outcome.counts.pass, passing, "{stack} {limit}");
+    }
+}
+
+/// Each row on its own rests on the same bound of the pair as all of them together, in whatever order sizes come.
+#[test]
+fn with_the_whole_geometry_and_every_extent() {
+    let part = |values: [&str; 5]| values.map(str::to_owned);
+    let parts = [
+        part(["25.013", "12", "0.02", "8.498", "0.009"]),
+        part(["24.9991", "-3.5", "-0.004", "8.5", "-0.0021"]),
+        part(["25", "0", "0", "8.5", "0"]),
+        part(["25.04", "40", "0.1", "8.52", "-0.03"]),
+        part(["25.0003", "1", "0", "8.4999", "0.001"]),
+        part(["24.96", "-21.25", "0.0333", "8.49", "0.02"]),
+    ];
+    let whole = |extents| Case { is_whole: true, extents, ..Case::new("20", "12.5", "0.06") };
+    let mut verdicts = [0, 0];
+    for extent in [None, Some(Extent::One), Some(Extent::Part), Some(Extent::All), Some(Extent::Each)] {
+        for stack in Stack::ALL {
+            let outcome = check(&whole([extent; 5]), &parts, Decimals::Full, Model::Exact, stack);
+            verdicts = [verdicts[0] + outcome.counts.pass, verdicts[1] + outcome.counts.fail];
+        }
+    }
+    assert!(verdicts[0] > 5 && verdicts[1] > 5, "{verdicts:?}");
+    let total = Some(Extent::Total);
+    check(&whole([None, total, None, None, total]), &parts, Decimals::Full, Model::Paper, Stack::Range);
+}
+
+/// Pitches of many teeth have no range where the pair is not known: no number, no verdict.
+#[test]
+fn without_the_geometry_what_adds_up_is_left_open() {
+    let parts = [["25.013", "12", "0.02", "8.498", "0.009"].map(str::to_owned)];
+    let case = |extent| Case { extents: [None, Some(extent), None, None, None], ..Case::new("20", "12.5", "0.06") };
+    for extent in [Extent::Part, Extent::All, Extent::Each] {
+        let outcome = check(&case(extent), &parts, Decimals::Places(6), Model::Exact, Stack::Range);
+        assert_eq!((outcome.counts.pass, outcome.counts.fail), (0, 0), "{extent:?}");
+    }
+    let outcome = check(&case(Extent::One), &parts, Decimals::Places(6), Model::Exact, Stack::Range);
+    assert_eq!(outcome.counts.pass, 1);
 }
 
 #[test]
@@ -154,7 +236,7 @@ fn usual_parts() {
             ]
         })
         .collect();
-    let outcome = check("20", "12.5", "0.05", &parts, Decimals::Places(6), Model::Exact, Stack::Range);
+    let outcome = check(&Case::new("20", "12.5", "0.05"), &parts, Decimals::Places(6), Model::Exact, Stack::Range);
     assert!(outcome.counts.fail > 100 && outcome.counts.pass > 100, "{:?}", outcome.counts);
 }
 
@@ -182,6 +264,11 @@ fn decimal(value: i64, places: usize) -> String {
     format!("{sign}{}.{:0places$}", value.abs() / one, value.abs() % one)
 }
 
+/// What every error may have.
+fn extent() -> impl Strategy<Value = Option<Extent>> {
+    prop::sample::select(vec![None, Some(Extent::One), Some(Extent::Part), Some(Extent::All), Some(Extent::Each)])
+}
+
 fn part() -> impl Strategy<Value = [String; 5]> {
     (
         measured(25_000, 4..=9),
@@ -205,9 +292,10 @@ proptest! {
             Decimals::Places(15), Decimals::Places(25), Decimals::Full,
         ]),
         model in prop::sample::select(vec![Model::Exact, Model::Paper]),
-        stack in prop::sample::select(STACKS.to_vec()),
+        stack in prop::sample::select(Stack::ALL.to_vec()),
+        extents in prop::array::uniform5(extent()),
     ) {
-        check(angles.0, angles.1, "0.05", &parts, decimals, model, stack);
+        check(&Case { extents, ..Case::new(angles.0, angles.1, "0.05") }, &parts, decimals, model, stack);
     }
 }
 
@@ -228,10 +316,11 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
     let _ = writeln!(text, "pinion_pitch = {{ value = {}, u = \"0.7 um\" }}", values[4]);
     let spec = Spec::parse("one.toml", &text).expect("the spec is valid");
     let errors = spec.part_errors().expect("the errors are there");
+    let basis = spec.basis().expect("nothing is known of the pair");
     let mut evaluation =
-        evaluate(&errors, &spec.limits(), Model::Exact, stack).expect("the errors are in their domain");
+        evaluate(&errors, &spec.limits(), Model::Exact, stack, &basis).expect("the errors are in their domain");
     let uncertainties = spec.uncertainties().expect("they are consistent");
-    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack };
+    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack, basis: &basis };
     let propagation = propagate(&part, &uncertainties).expect("the formulas are smooth");
     evaluation.decide_by(rule, Some(&propagation), None).expect("numbers in range");
     let number = |value: f64| Length::from_mm(value).expect("finite").to_decimal_text(6);
@@ -243,15 +332,8 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
     for (kind, linear) in &propagation.errors {
         add(&format!("delta_cd_{}", kind.key()), linear);
     }
-    match stack {
-        Stack::Range => {
-            add("range_lower", &propagation.lower);
-            add("range_upper", &propagation.upper);
-        }
-        Stack::WorstCase => add("worst_case", &propagation.upper),
-        Stack::Rss => add("rss", &propagation.upper),
-        other => panic!("{other:?} is new: say what it writes"),
-    }
+    add(&format!("{}_lower", stack.name()), &propagation.lower);
+    add(&format!("{}_upper", stack.name()), &propagation.upper);
     row.push(("linear".to_owned(), propagation.upper.folded.is_empty().to_string()));
     for check in &evaluation.limits {
         let conformance = check.decision.as_ref().and_then(|decision| decision.conformance).expect("it is uncertain");
@@ -300,12 +382,13 @@ fn on_guard_bands_and_folds() {
         parts.push(part([over, pitch, "0", "8.5", "0"]));
         parts.push(part([over, pitch, "0.005", "8.49", "0.0021"]));
     }
-    for (stack, rule) in STACKS.into_iter().zip(["iso14253", "simple", "guard=2um"]) {
-        let outcome = check_uncertain(&parts, stack, rule);
-        let open = outcome.counts.indeterminate;
-        assert_eq!(open > 0, rule != "simple", "{stack} {rule}");
+    for stack in Stack::ALL {
+        for rule in ["iso14253", "simple", "guard=2um"] {
+            let outcome = check_uncertain(&parts, stack, rule);
+            let open = outcome.counts.indeterminate;
+            assert_eq!(open > 0, rule != "simple", "{stack} {rule}");
+        }
     }
-    check_uncertain(&parts, Stack::Range, "guard=2um");
 }
 
 proptest! {
@@ -313,7 +396,7 @@ proptest! {
     #[test]
     fn uncertain_rows(
         parts in prop::collection::vec(part(), 1..6),
-        stack in prop::sample::select(STACKS.to_vec()),
+        stack in prop::sample::select(Stack::ALL.to_vec()),
         rule in prop::sample::select(vec!["simple", "iso14253", "guard=1.5um"]),
     ) {
         check_uncertain(&parts, stack, rule);

@@ -4,9 +4,11 @@
 //! rounds, and write the numbers that the library reads as text.
 
 use proptest::prelude::*;
-use rackmesh::decision::{Limit, LimitTarget, Limits, Stack, Verdict, evaluate};
-use rackmesh::deviation::ErrorKind;
+use rackmesh::decision::{Evaluation, Interval, Limit, LimitTarget, Limits, Stack, Verdict, evaluate};
+use rackmesh::deviation::{ErrorKind, Extent};
+use rackmesh::formula::law::lead_slope;
 use rackmesh::formula::{Law, Model, PartError};
+use rackmesh::judge::bound::Basis;
 use rackmesh::quantity::{Angle, Length, LengthUnit};
 
 /// `units` · 10^−`decimals` as text.
@@ -86,30 +88,36 @@ fn verdict(pass: bool) -> Verdict {
     if pass { Verdict::Pass } else { Verdict::Fail }
 }
 
-/// Sums are kept in quarters of 10⁻⁷ mm, as the gains below are quarters.
-fn quarters(quarters: i128) -> Length {
-    length(&decimal(25 * quarters, 9))
+/// Sums are kept in eightieths of 10⁻⁷ mm, which all gains below are multiples of.
+fn eightieths(eightieths: i128) -> Length {
+    length(&decimal(125 * eightieths, 11))
 }
 
-/// An error whose ΔCD by the exact model is a rational part of the length written for it.
+/// By what is known without the pair's geometry.
+fn evaluated(errors: &[PartError], limits: &Limits, stack: Stack) -> Evaluation {
+    evaluate(errors, limits, Model::Exact, stack, &Basis::default()).expect("the errors are in their domain")
+}
+
+/// An error whose ΔCD, and what it can do without the pair's geometry, are rational parts of the length written for it.
 #[derive(Debug, Clone)]
 struct Term {
     written: Written,
     gain: Gain,
+    extent: Extent,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Gain {
     OverRoller,
     Radial,
-    /// cos β / (2 tan α_n) = 1/2, 1/4, 3/4
+    /// cos β / (2 tan α_n) = 1/2, 1/4, 3/4: in quarters
     RackPitch(&'static str, &'static str, i128),
     PinionPitch(&'static str, &'static str, i128),
-    /// sin Δβ / (2 cos β tan α_n): the length is the face width
-    Lead(&'static str, &'static str, &'static str, i128),
+    /// A slope of 3/4 either way, of a spur rack at 45°: the length is the face width.
+    Lead(&'static str),
 }
 
-const GAINS: [Gain; 11] = [
+const GAINS: [Gain; 10] = [
     Gain::OverRoller,
     Gain::Radial,
     Gain::RackPitch("45", "0", 2),
@@ -118,15 +126,14 @@ const GAINS: [Gain; 11] = [
     Gain::PinionPitch("45", "0", 2),
     Gain::PinionPitch("45", "60", 1),
     Gain::PinionPitch("30", "-30", 3),
-    Gain::Lead("45", "0", "30", 1),
-    Gain::Lead("45", "60", "-30", 2),
-    Gain::Lead("30", "-30", "30", 2),
+    Gain::Lead("3 um"),
+    Gain::Lead("-3 um"),
 ];
 
 impl Term {
     fn error(&self) -> PartError {
         let value = self.written.length();
-        match self.gain {
+        let error = match self.gain {
             Gain::OverRoller => PartError::new(Law::rack_over_roller(), value),
             Gain::Radial => PartError::new(Law::pinion_radial(), value),
             Gain::RackPitch(alpha, beta, _) => {
@@ -135,31 +142,52 @@ impl Term {
             Gain::PinionPitch(alpha, beta, _) => {
                 PartError::new(Law::pinion_pitch(angle(alpha), angle(beta)).unwrap(), value)
             }
-            Gain::Lead(alpha, beta, error, _) => {
-                let formula = Law::rack_lead(angle(alpha), angle(beta), value.abs()).unwrap();
-                PartError::new(formula, angle(error))
+            Gain::Lead(slope) => {
+                let formula = Law::rack_lead(angle("45"), angle("0"), value.abs()).unwrap();
+                PartError::new(formula, lead_slope(length(slope), length("4 um")).unwrap())
             }
-        }
+        };
+        error.with_extent(self.extent)
     }
 
-    /// ΔCD in quarters of 10⁻⁷ mm.
+    /// ΔCD in eightieths of 10⁻⁷ mm.
     fn delta_cd(&self) -> i128 {
         match self.gain {
-            Gain::OverRoller | Gain::Radial => 4 * self.written.units,
-            Gain::RackPitch(.., gain) | Gain::PinionPitch(.., gain) | Gain::Lead(.., gain) => {
-                gain * self.written.units.abs()
-            }
+            Gain::OverRoller | Gain::Radial => 80 * self.written.units,
+            Gain::RackPitch(.., gain) | Gain::PinionPitch(.., gain) => 20 * gain * self.written.units.abs(),
+            // k sin Δβ / 2, of which sin Δβ is 3/5
+            Gain::Lead(_) => 24 * self.written.units.abs(),
         }
     }
 
-    fn always_acts(&self) -> bool {
-        matches!(self.gain, Gain::OverRoller | Gain::Radial)
+    /// What it can do alone, from the lower to the upper end: a size acts with its sign, or as far as it is there, and
+    /// what turns or steps acts either way.
+    fn ends(&self) -> (i128, i128) {
+        let size = self.delta_cd();
+        match (self.gain, self.extent) {
+            (Gain::OverRoller | Gain::Radial, Extent::All) => (size, size),
+            (Gain::OverRoller | Gain::Radial, Extent::Each) => (-size.abs(), size.abs()),
+            (Gain::OverRoller | Gain::Radial, _) => (size.min(0), size.max(0)),
+            (Gain::RackPitch(..) | Gain::PinionPitch(..), _) => (-size, size),
+            // at the ends of the face k sin Δβ / (2 cos Δβ) = 3/8 k, and k/4 from the reference plane
+            // (1/cos Δβ − 1) k/4 = 1/16 k more
+            (Gain::Lead(_), _) => (-35 * self.written.units.abs(), 35 * self.written.units.abs()),
+        }
     }
 }
 
+/// A term of sums to 100 mm, as far as binary numbers tell 10⁻¹² mm apart.
 fn term() -> impl Strategy<Value = Term> {
     let nonzero = written().prop_filter("a face width is not 0", |written| written.units != 0);
-    (nonzero, prop::sample::select(&GAINS[..])).prop_map(|(written, gain)| Term { written, gain })
+    let usual = nonzero.prop_filter("longer than any part's errors", |written| written.units.abs() <= 100_000_000);
+    let extents = prop::sample::select(vec![Extent::One, Extent::Part, Extent::All, Extent::Each]);
+    (usual, prop::sample::select(&GAINS[..]), extents).prop_map(|(written, gain, extent)| {
+        let is_size = matches!(gain, Gain::OverRoller | Gain::Radial);
+        let is_lead = matches!(gain, Gain::Lead(_));
+        // pitches of many teeth have no range without the pair
+        let extent = if is_size || is_lead { extent } else { Extent::One };
+        Term { written, gain, extent }
+    })
 }
 
 proptest! {
@@ -226,28 +254,29 @@ proptest! {
         for (lower, upper) in [(units + step, units + step + width), (units + step - width, units + step)] {
             let expected = verdict(lower <= units && units <= upper);
             let both = Limit { lower: Some(exact(lower)), upper: Some(exact(upper)) };
-            prop_assert_eq!(both.judge(deviation, deviation), expected);
+            prop_assert_eq!(both.judge(Interval::value(deviation)), expected);
             let below = Limit { lower: None, upper: Some(exact(upper)) };
-            prop_assert_eq!(below.judge(deviation, deviation), verdict(units <= upper));
+            prop_assert_eq!(below.judge(Interval::value(deviation)), verdict(units <= upper));
             let above = Limit { lower: Some(exact(lower)), upper: None };
-            prop_assert_eq!(above.judge(deviation, deviation), verdict(lower <= units));
+            prop_assert_eq!(above.judge(Interval::value(deviation)), verdict(lower <= units));
         }
         let magnitude = units.abs() + step;
         if magnitude >= 0 {
             let symmetric = Limit::symmetric(exact(magnitude));
-            prop_assert_eq!(symmetric.judge(deviation, deviation), verdict(units.abs() <= magnitude));
-            prop_assert_eq!(symmetric.judge(-deviation, deviation.abs()), verdict(units.abs() <= magnitude));
+            let either_way = Interval { lower: -deviation.abs(), upper: deviation.abs() };
+            prop_assert_eq!(symmetric.judge(Interval::value(deviation)), verdict(units.abs() <= magnitude));
+            prop_assert_eq!(symmetric.judge(either_way), verdict(units.abs() <= magnitude));
         }
     }
 
     #[test]
     fn one_error_is_judged_in_decimal(term in term(), below in step(), above in step()) {
-        let delta_cd = term.delta_cd();
-        let limit = Limit { lower: Some(quarters(delta_cd + below)), upper: Some(quarters(delta_cd + above)) };
+        let (lower, upper) = term.ends();
+        let limit = Limit { lower: Some(eightieths(lower + below)), upper: Some(eightieths(upper + above)) };
         let error = term.error();
         let limits: Limits = vec![(LimitTarget::Error(error.kind()), limit)];
-        let evaluation = evaluate(&[error], &limits, Model::Exact, Stack::Range).unwrap();
-        prop_assert_eq!(evaluation.contributions[0].exact, quarters(delta_cd));
+        let evaluation = evaluated(&[error], &limits, Stack::Range);
+        prop_assert_eq!(evaluation.contributions[0].exact, eightieths(term.delta_cd()));
         prop_assert_eq!(evaluation.verdict, Some(verdict(below <= 0 && above >= 0)));
     }
 
@@ -255,24 +284,31 @@ proptest! {
     fn sums_are_judged_in_decimal(
         terms in prop::collection::vec(term(), 1..7), below in step(), above in step(), by_magnitude in step(),
     ) {
+        // leads of one part add up as angles, which are no decimals
+        let mut leads = 0;
+        let is_first_lead = |term: &Term| {
+            leads += i32::from(matches!(term.gain, Gain::Lead(_)));
+            !matches!(term.gain, Gain::Lead(_)) || leads == 1
+        };
+        let terms: Vec<_> = terms.into_iter().filter(is_first_lead).collect();
         let errors: Vec<_> = terms.iter().map(Term::error).collect();
-        let lower: i128 = terms.iter().filter(|term| term.always_acts()).map(Term::delta_cd).sum();
-        let upper: i128 = terms.iter().map(Term::delta_cd).sum();
-        let worst: i128 = terms.iter().map(|term| term.delta_cd().abs()).sum();
+        let lower: i128 = terms.iter().map(|term| term.ends().0).sum();
+        let upper: i128 = terms.iter().map(|term| term.ends().1).sum();
         let on_center_distance = |limit: Limit| -> Limits { vec![(LimitTarget::CenterDistance, limit)] };
 
-        let limit = Limit { lower: Some(quarters(lower + below)), upper: Some(quarters(upper + above)) };
-        let range = evaluate(&errors, &on_center_distance(limit), Model::Exact, Stack::Range).unwrap();
-        prop_assert_eq!(range.combined.range_lower, quarters(lower));
-        prop_assert_eq!(range.combined.range_upper, quarters(upper));
-        prop_assert_eq!(range.combined.range_upper.mm(), rounded_once(25 * upper, 9));
-        prop_assert_eq!(range.verdict, Some(verdict(below <= 0 && above >= 0)));
+        let limit = Limit { lower: Some(eightieths(lower + below)), upper: Some(eightieths(upper + above)) };
+        let evaluation = evaluated(&errors, &on_center_distance(limit), Stack::Range);
+        let range = evaluation.combined.range.unwrap();
+        prop_assert_eq!(range, Interval { lower: eightieths(lower), upper: eightieths(upper) });
+        prop_assert_eq!(range.upper.mm(), rounded_once(125 * upper, 11));
+        prop_assert_eq!(evaluation.verdict, Some(verdict(below <= 0 && above >= 0)));
 
-        let limit = Limit::symmetric(quarters(worst + by_magnitude));
-        let worst_case = evaluate(&errors, &on_center_distance(limit), Model::Exact, Stack::WorstCase).unwrap();
-        prop_assert_eq!(worst_case.combined.worst_case, quarters(worst));
+        let largest = lower.abs().max(upper.abs());
+        let limit = Limit::symmetric(eightieths(largest + by_magnitude));
+        let evaluation = evaluated(&errors, &on_center_distance(limit), Stack::Range);
+        prop_assert_eq!(range.largest().abs(), eightieths(largest));
         // the smallest limit is its magnitude: of a sum of 0 minus a step, one step
-        prop_assert_eq!(worst_case.verdict, Some(verdict(worst <= (worst + by_magnitude).abs())));
+        prop_assert_eq!(evaluation.verdict, Some(verdict(largest <= (largest + by_magnitude).abs())));
     }
 
     #[test]
@@ -281,18 +317,24 @@ proptest! {
             (vec![3, 4], 5), (vec![5, 12], 13), (vec![8, 15], 17), (vec![20, 21], 29),
             (vec![1, 2, 2], 3), (vec![2, 3, 6], 7), (vec![2, 4, 5, 6], 9), (vec![1], 1),
         ]),
-        scale in 1..2_000_000_i64, unit in unit(), signs in prop::collection::vec(any::<bool>(), 4), step in step(),
+        scale in 1..100_000_i64, mean in -1_000_000..1_000_000_i64, unit in unit(),
+        signs in prop::collection::vec(any::<bool>(), 4), below in step(), above in step(),
     ) {
         let (legs, root) = tuple;
-        let errors: Vec<_> = legs.iter().zip(signs).map(|(leg, negative)| {
+        let mut errors: Vec<_> = legs.iter().zip(signs).map(|(leg, negative)| {
             let value = Written::new(if negative { -leg * scale } else { leg * scale }, unit).length();
-            if leg % 2 == 0 { PartError::new(Law::pinion_radial(), value) } else { PartError::new(Law::rack_over_roller(), value) }
+            let law = if leg % 2 == 0 { Law::pinion_radial() } else { Law::rack_over_roller() };
+            PartError::within(law, value)
         }).collect();
+        // what is measured moves all of it
+        let measured = Written::new(mean, unit);
+        errors.push(PartError::new(Law::rack_over_roller(), measured.length()));
         let units = Written::new(root * scale, unit).units;
-        let limits: Limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(exact(units + step)))];
-        let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Rss).unwrap();
-        prop_assert_eq!(evaluation.combined.rss, exact(units));
-        prop_assert_eq!(evaluation.verdict, Some(verdict(step >= 0)));
+        let (lower, upper) = (measured.units - units, measured.units + units);
+        let limit = Limit { lower: Some(exact(lower + below)), upper: Some(exact(upper + above)) };
+        let evaluation = evaluated(&errors, &vec![(LimitTarget::CenterDistance, limit)], Stack::Rss);
+        prop_assert_eq!(evaluation.combined.rss, Ok(Interval { lower: exact(lower), upper: exact(upper) }));
+        prop_assert_eq!(evaluation.verdict, Some(verdict(below <= 0 && above >= 0)));
     }
 }
 
@@ -314,7 +356,7 @@ fn every_tenth_of_a_micrometre_is_inside_its_own_limit() {
                 let limits: Limits =
                     vec![(LimitTarget::CenterDistance, Limit::symmetric(length(&decimal(allowed, 4))))];
                 let errors = [PartError::new(Law::rack_over_roller(), signed)];
-                let verdict = evaluate(&errors, &limits, Model::Exact, Stack::Range).unwrap().verdict;
+                let verdict = evaluated(&errors, &limits, Stack::Range).verdict;
                 assert_eq!(verdict, Some(expected), "{measured}, {sign}, ±{allowed}");
             }
         }
@@ -348,7 +390,7 @@ fn units_and_signs_in_one_sum() {
 
 #[test]
 fn limits_on_several_targets() {
-    // 0.0131 − 0.02 always, and between 0 and 3/4 · 0.02 by the pitch
+    // 0.0131 always, down to −0.02 by one space of the pinion, and 3/4 · 0.02 either way by the pitch
     let errors = [
         PartError::new(Law::rack_over_roller(), length("25.0131") - length("25.0000")),
         PartError::new(Law::pinion_radial(), length("-20 um")),
@@ -356,19 +398,19 @@ fn limits_on_several_targets() {
     ];
     let limit = |lower: &str, upper: &str| Limit { lower: Some(length(lower)), upper: Some(length(upper)) };
     let limits: Limits = vec![
-        (LimitTarget::CenterDistance, limit("-6.9 um", "8.1 um")),
+        (LimitTarget::CenterDistance, limit("-21.9 um", "28.1 um")),
         (LimitTarget::Error(ErrorKind::RackOverRoller), limit("0.0131", "0.0131")),
         (LimitTarget::Error(ErrorKind::PinionRadial), limit("-0.02", "0")),
-        (LimitTarget::Error(ErrorKind::RackPitch), limit("15 um", "0.015")),
+        (LimitTarget::Error(ErrorKind::RackPitch), limit("-15 um", "0.015")),
     ];
-    let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range).unwrap();
+    let evaluation = evaluated(&errors, &limits, Stack::Range);
     assert_eq!(evaluation.verdict, Some(Verdict::Pass));
-    assert_eq!(evaluation.combined.range_upper.mm(), 0.0081);
+    assert_eq!(evaluation.combined.range.unwrap().upper.mm(), 0.0281);
     for check in &evaluation.limits {
-        let (lower, upper) = check.result.unwrap();
-        let below = Limit { lower: None, upper: Some(upper - length("1e-12")) };
-        let above = Limit { lower: Some(lower + length("1e-12")), upper: None };
-        assert_eq!(below.judge(lower, upper), Verdict::Fail, "{}", check.on);
-        assert_eq!(above.judge(lower, upper), Verdict::Fail, "{}", check.on);
+        let result = check.result.unwrap();
+        let below = Limit { lower: None, upper: Some(result.upper - length("1e-12")) };
+        let above = Limit { lower: Some(result.lower + length("1e-12")), upper: None };
+        assert_eq!(below.judge(result), Verdict::Fail, "{}", check.on);
+        assert_eq!(above.judge(result), Verdict::Fail, "{}", check.on);
     }
 }
