@@ -13,6 +13,7 @@ use rackmesh::decision::{Limit, LimitTarget, Stack};
 use rackmesh::deviation::ErrorKind;
 use rackmesh::formula::{Law, Model, PartError};
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
+use rackmesh::judge::bound::Basis;
 use rackmesh::mesh::Mesh;
 use rackmesh::quantity::{Angle, Length};
 
@@ -40,7 +41,8 @@ fn errors() -> Vec<PartError> {
 fn draws(c: &mut Criterion) {
     const DRAWS: u64 = 2_000_000;
     let errors = errors();
-    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range };
+    let basis = Basis::default();
+    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &basis };
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.05")))];
     let errors_only: Vec<_> =
         ErrorKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();

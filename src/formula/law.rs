@@ -63,7 +63,7 @@ enum Shape {
 }
 
 const FM_PER_MM: f64 = 1e12;
-const RADIANS_PER_DEGREE: f64 = std::f64::consts::PI / 180.0;
+pub(crate) const RADIANS_PER_DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// mm of ΔCD per mm of step, or the same per mm of face width and unit of sine or tangent: cos β / (2 tan α_n) of a
 /// pitch error, 1 / (2 cos β tan α_n) of the rack's lead error; in the paper's model cos β is 1. Of the pinion's lead, in

@@ -3,6 +3,7 @@
 use super::Source;
 use crate::decision::Stack;
 use crate::deviation::{ErrorKind, Part};
+use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartError};
 use crate::judge::bound::{Basis, ExtendedError, Open, Range};
@@ -75,7 +76,7 @@ impl Varied {
 
     /// With a value in mm or degrees.
     pub(in crate::decision) fn with_value(&self, value: f64) -> ExtendedError {
-        self.error.with_value(if self.law.kind() == ErrorKind::RackLead { value.to_radians() } else { value })
+        self.error.with_value(if self.law.kind() == ErrorKind::RackLead { value * RADIANS_PER_DEGREE } else { value })
     }
 
     /// With a value in mm or degrees and other gear data.

@@ -200,7 +200,7 @@ impl Propagator {
         }
         let points = &points[..errors.len()];
         let gradients = self.gradients(points);
-        let ends = self.ends(&self.values(points), None);
+        let ends = self.ends(&values(points), None);
         let correlation =
             self.end_correlation(&gradients, &self.spread(&gradients.lower), &self.spread(&gradients.upper));
         Ok(Propagation {
@@ -237,7 +237,7 @@ impl Propagator {
             gradients.lower.folded[index] = at_ends;
             gradients.upper.folded[index] = at_ends;
         }
-        let values = self.values(points);
+        let values = values(points);
         let centre = self.ends(&values, None);
         for input in 0..count {
             let Range { lower, upper } = self.by_input(input, &values, centre);
@@ -256,14 +256,6 @@ impl Propagator {
             lower: (there.lower_mm - here.lower_mm) * per_delta_cd,
             upper: (there.upper_mm - here.upper_mm) * per_delta_cd,
         }
-    }
-
-    fn values(&self, points: &[Point]) -> [f64; KINDS] {
-        let mut values = [0.0; KINDS];
-        for (value, point) in values.iter_mut().zip(points) {
-            *value = point.error;
-        }
-        values
     }
 
     /// ∂(both ends)/∂x of one input. An error's magnitude has a kink at zero: there it is varied away from it. So it is
@@ -419,6 +411,14 @@ impl Derivatives {
         let own = index(Source::Error(kind)).map(|own| (own, inputs[own].1.standard));
         Ok(Self { law, extent: error.extent(), varied: Varied::new(error), own, relative, constant })
     }
+}
+
+fn values(points: &[Point]) -> [f64; KINDS] {
+    let mut values = [0.0; KINDS];
+    for (value, point) in values.iter_mut().zip(points) {
+        *value = point.error;
+    }
+    values
 }
 
 fn source_of(kind: ErrorKind, input: Input) -> Option<Source> {
