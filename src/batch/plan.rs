@@ -16,7 +16,7 @@ use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Law, Model, PartError};
-use crate::judge::bound::{Basis, ExtendedError, Note};
+use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Note, Open};
 use crate::quantity::{Length, shown};
 use crate::spec::{Reading, Spec};
 use crate::table::{Column, Nominal, Table};
@@ -377,6 +377,17 @@ impl Plan {
     pub fn bound_notes(&self) -> Vec<Note> {
         let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
         self.basis.bound(&errors).notes
+    }
+
+    /// Why no part has a range that is written or judged, whatever its values.
+    #[must_use]
+    pub fn open(&self) -> Option<Open> {
+        let is_asked = self.needs_range || self.needs_rss || self.sources.iter().any(|source| source.is_limited);
+        if !is_asked || matches!(self.basis.geometry, GivenGeometry::Known(_)) {
+            return None;
+        }
+        let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
+        self.basis.total(&errors).err()
     }
 
     /// The errors that are read.

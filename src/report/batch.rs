@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::number::{millimetres, plain};
 use super::uncertainty::{micrometres, rule_name};
 use super::{Block, Column, Report, Table, judged_without};
-use crate::batch::{Outcome, Part, Plan, QUANTILES, Statistics};
+use crate::batch::{Counts, Outcome, Part, Plan, QUANTILES, Statistics};
 use crate::decision::capability::{FEWEST_PARTS, Gauge, Index, Normality, PRELIMINARY_PARTS, performance, short_term};
 use crate::decision::{LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::deviation::ErrorKind;
@@ -44,12 +44,18 @@ impl Basis {
         }
     }
 
-    /// Which limits are not judged, if there are such.
-    pub(super) fn unjudged_sentence(&self) -> Option<String> {
+    /// Which limits are not judged, or of how many parts, if there are such.
+    pub(crate) fn unjudged_sentence(&self, counts: &Counts) -> Option<String> {
         let names: Vec<_> = self.unjudged.iter().map(ToString::to_string).collect();
-        let sentence =
-            || format!("the limit on {} is not judged: something that the spec asks for is missing", names.join(", "));
-        (!names.is_empty()).then(sentence)
+        if !names.is_empty() {
+            let names = names.join(", ");
+            return Some(format!("the limit on {names} is not judged: something that the spec asks for is missing"));
+        }
+        let has_open = counts.unjudged > 0 && !self.limits.is_empty();
+        has_open.then(|| {
+            let parts = if counts.unjudged == 1 { "part has" } else { "parts have" };
+            format!("{} {parts} no range to hold against a limit", grouped(counts.unjudged))
+        })
     }
 
     /// The model and combination in words.
@@ -341,7 +347,7 @@ impl<'a> BatchReport<'a> {
         }
         let is_incomplete = self.outcome.interrupted || self.outcome.is_cut;
         if counts.unjudged > 0 || parts == 0 || counts.rejected > 0 || is_incomplete {
-            let why = match (counts.rows, self.basis.unjudged_sentence()) {
+            let why = match (counts.rows, self.basis.unjudged_sentence(counts)) {
                 (0, _) => "the table has no rows".to_owned(),
                 _ if is_incomplete => "the run is incomplete".to_owned(),
                 (_, Some(why)) => why,
@@ -350,7 +356,7 @@ impl<'a> BatchReport<'a> {
             };
             return Block::Open(format!("{why}{rejected}"));
         }
-        if let Some(why) = self.basis.unjudged_sentence() {
+        if let Some(why) = self.basis.unjudged_sentence(counts) {
             return Block::Open(why);
         }
         let parts = match parts {

@@ -146,7 +146,11 @@ fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Doubt> {
     };
     let complete = |why: &str| Doubt { of: "the run is complete", kind: "incomplete", why: why.to_owned() };
     doubts.extend(incomplete.map(complete));
-    doubts.extend(basis.unjudged_sentence().map(|why| Doubt { of: "every limit is judged", kind: "unjudged", why }));
+    doubts.extend(basis.unjudged_sentence(&outcome.counts).map(|why| Doubt {
+        of: "every limit is judged",
+        kind: "unjudged",
+        why,
+    }));
     doubts
 }
 

@@ -489,6 +489,10 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
             format!("taken as exact, because no uncertainty is given: {names}")
         });
     }
+    if let Some(open) = plan.open() {
+        let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
+        notes.push(format!("no part has a range or a verdict: {open}: {}", missing.join(", ")));
+    }
     if !plan.has_id() {
         notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
     }
@@ -525,7 +529,7 @@ pub(super) fn status(outcome: &Outcome, basis: &Basis, unread: bool) -> Status {
         Status::Undecided
     } else if counts.fail > 0 {
         Status::Fail
-    } else if !basis.unjudged.is_empty() {
+    } else if basis.unjudged_sentence(counts).is_some() {
         Status::Undecided
     } else if counts.indeterminate > 0 {
         Status::Indeterminate
