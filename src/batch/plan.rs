@@ -109,33 +109,8 @@ impl Plan {
             let limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
             judged_together || combined || limited || outputs.iter().any(|asked| asked.error() == Some(kind))
         };
-        let mut diagnostics = Vec::new();
-        let mut sources = Vec::new();
-        for kind in present.iter().copied().filter(|kind| needed(*kind)) {
-            if let Some(error) = of_every_part.iter().find(|error| error.kind() == kind) {
-                match Source::new(error, Reading::Deviation, &limits) {
-                    Ok(source) => sources.push(Source { of_every_part: Some(error.value()), ..source }),
-                    Err(problem) => diagnostics.push(problem),
-                }
-                continue;
-            }
-            let column = columns.iter().find(|column| column.kind == Some(kind));
-            let Some(column) = column else { continue };
-            match spec.law(kind, &format!("the column of `{}`", kind.key())) {
-                Ok(law) => {
-                    let error = spec.extended(PartError::new(law, ErrorValue::zero(kind)));
-                    match Source::new(&error, reading(column), &limits) {
-                        Ok(source) => sources.push(source),
-                        Err(problem) => diagnostics.push(problem),
-                    }
-                }
-                Err(problems) => diagnostics.extend(problems.0),
-            }
-        }
-        if !diagnostics.is_empty() {
-            diagnostics.dedup();
-            return Err(Diagnostics(diagnostics));
-        }
+        let needed: Vec<_> = present.iter().copied().filter(|kind| needed(*kind)).collect();
+        let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
         let index = |kind: ErrorKind| sources.iter().position(|source| source.law.kind() == kind);
         // a rule that needs uncertainties judges nothing of which one is missing
         let uncertainties = spec.uncertainties_of(&present)?;
@@ -375,6 +350,9 @@ impl Plan {
     /// What the bound of a part with these errors rests on.
     #[must_use]
     pub fn bound_notes(&self) -> Vec<Note> {
+        if !self.needs_range {
+            return Vec::new();
+        }
         let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
         self.basis.bound(&errors).notes
     }
@@ -429,6 +407,41 @@ impl Plan {
     pub fn is_partial(&self) -> bool {
         !self.without.is_empty()
     }
+}
+
+/// The errors that are needed, each of a column or with the value that every part has.
+fn sources(
+    spec: &Spec,
+    needed: &[ErrorKind],
+    columns: &[&Column],
+    of_every_part: &[PartError],
+    limits: &Limits,
+) -> Result<Vec<Source>, Diagnostics> {
+    let (mut sources, mut diagnostics) = (Vec::new(), Vec::new());
+    for kind in needed {
+        let of_every_part = of_every_part.iter().find(|error| error.kind() == *kind);
+        let (error, reading) = if let Some(error) = of_every_part {
+            (*error, Reading::Deviation)
+        } else {
+            let Some(column) = columns.iter().find(|column| column.kind == Some(*kind)) else { continue };
+            match spec.law(*kind, &format!("the column of `{}`", kind.key())) {
+                Ok(law) => (spec.extended(PartError::new(law, ErrorValue::zero(*kind))), reading(column)),
+                Err(problems) => {
+                    diagnostics.extend(problems.0);
+                    continue;
+                }
+            }
+        };
+        match Source::new(&error, reading, limits) {
+            Ok(source) => sources.push(Source { of_every_part: of_every_part.map(PartError::value), ..source }),
+            Err(problem) => diagnostics.push(problem),
+        }
+    }
+    if diagnostics.is_empty() {
+        return Ok(sources);
+    }
+    diagnostics.dedup();
+    Err(Diagnostics(diagnostics))
 }
 
 /// What a column's numbers are.

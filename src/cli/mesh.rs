@@ -236,7 +236,7 @@ impl Args {
             && let Some(mesh) = judged.worst_mesh(&spec, input.mesh.pair(), limit)?
         {
             input.mesh = mesh;
-            notes[0] = WORST_TEETH.to_owned();
+            WORST_TEETH.clone_into(&mut notes[0]);
         }
         let curve = self.range.curve(&input.mesh)?;
         let prediction = prediction(&input);
@@ -316,9 +316,8 @@ pub(super) fn status(report: &MeshReport<'_>) -> Status {
     match report.verdict() {
         Some(Verdict::Fail) => Status::Fail,
         Some(Verdict::Indeterminate) => Status::Indeterminate,
-        Some(Verdict::Pass) => Status::Pass,
         None if report.limit.is_some() => Status::Undecided,
-        None => Status::Pass,
+        Some(Verdict::Pass) | None => Status::Pass,
     }
 }
 

@@ -254,8 +254,9 @@ impl EvaluationReport<'_> {
     }
 }
 
-/// What a bound rests on, in words.
-pub(super) fn note_text(note: &Note, missing: &[&str]) -> String {
+/// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
+#[must_use]
+pub fn bound_note(note: &Note, missing: &[&str]) -> String {
     match note {
         Note::GeometryNarrows => format!("the pair's geometry would narrow the worst case: {} missing", listed(missing)),
         Note::BothFlanksNarrows => {
@@ -532,7 +533,7 @@ impl<'a> EvaluationReport<'a> {
     /// where they would narrow a range.
     #[must_use]
     pub fn new(title: Option<&'a str>, evaluation: &'a Evaluation, missing: &[&str]) -> Self {
-        let notes = evaluation.notes.iter().map(|note| format!("note: {}", note_text(note, missing))).collect();
+        let notes = evaluation.notes.iter().map(|note| format!("note: {}", bound_note(note, missing))).collect();
         Self {
             title,
             evaluation,

@@ -267,9 +267,9 @@ fn a_lead_of_the_pinion_has_its_column() {
         )
     };
     std::fs::write(&spec, text_of("")).expect("it can be written");
-    let rows = "part_id,delta_cd_pinion_lead_mm,range_lower_mm,range_upper_mm,worst_case_mm,rss_mm,verdict\n\
-                P1,0.010733,0.000000,0.010733,0.010733,0.010733,pass\n\
-                P2,0.016100,0.000000,0.016100,0.016100,0.016100,fail\n";
+    let rows = "part_id,delta_cd_pinion_lead_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,verdict\n\
+                P1,0.010733,-0.010733,0.010733,0.010733,0.010733,pass\n\
+                P2,0.016100,-0.016100,0.016100,0.016100,0.016100,fail\n";
     let table = |name: &str| format!("part_id;{name}\nP1;8\nP2;-12\n");
     for name in ["fHβ Ritzel [µm]", "pinion_lead [um]", "Flankenlinien-Winkelabweichung Ritzel [µm]"] {
         let found = batch(&[&spec, "-"], table(name).as_bytes());

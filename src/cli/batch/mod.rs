@@ -493,6 +493,10 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
         let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
         notes.push(format!("no part has a range or a verdict: {open}: {}", missing.join(", ")));
     }
+    if plan.open().is_none() {
+        let missing = spec.missing_geometry();
+        notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
+    }
     if !plan.has_id() {
         notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
     }

@@ -41,19 +41,18 @@ pub enum GivenGeometry {
 /// A pair with known geometry: what is known of it for errors of each size, made when such errors are first asked about.
 #[derive(Debug, Clone)]
 pub struct KnownPairs {
-    given: GivenPair,
+    given: Arc<GivenPair>,
     steps: Arc<[OnceLock<Result<KnownPair, Open>>; STEPS]>,
 }
 
-/// Sizes of errors, mm: the smallest, and how many until they are doubled. The largest is 1 m.
-const SMALLEST_MM: f64 = 1e-3;
-const STEPS_TO_DOUBLE: f64 = 4.0;
+/// Sizes of errors, mm: four steps until they are doubled, up to 1 m.
+const SMALLEST_MM: [f64; 4] = [1e-3, 1.189_207_115e-3, 1.414_213_562e-3, 1.681_792_831e-3];
 const STEPS: usize = 81;
 
 /// The errors of a step: either way, of the pinion alone, too.
 fn reach(step: usize) -> Reach {
-    #[expect(clippy::cast_precision_loss, reason = "a few steps")]
-    let size = SMALLEST_MM * (step as f64 / STEPS_TO_DOUBLE).exp2();
+    #[expect(clippy::cast_precision_loss, reason = "a power of two")]
+    let size = SMALLEST_MM[step % SMALLEST_MM.len()] * (1_u64 << (step / SMALLEST_MM.len())) as f64;
     Reach { range: Range { lower: -size, upper: size }, of_pinion_mm: size }
 }
 
@@ -61,12 +60,12 @@ impl KnownPairs {
     /// Of this pair; nothing is computed yet.
     #[must_use]
     pub fn new(given: GivenPair) -> Self {
-        Self { given, steps: Arc::new(std::array::from_fn(|_| OnceLock::new())) }
+        Self { given: Arc::new(given), steps: Arc::new(std::array::from_fn(|_| OnceLock::new())) }
     }
 
     /// The pair.
     #[must_use]
-    pub const fn given(&self) -> &GivenPair {
+    pub fn given(&self) -> &GivenPair {
         &self.given
     }
 
@@ -90,7 +89,7 @@ impl KnownPairs {
 
     fn step(&self, step: usize) -> Result<&KnownPair, Open> {
         let known =
-            self.steps[step].get_or_init(|| KnownPair::new(self.given, reach(step)).map_err(|_| Open::NoFlanks));
+            self.steps[step].get_or_init(|| KnownPair::new(*self.given, reach(step)).map_err(|_| Open::NoFlanks));
         known.as_ref().map_err(|open| *open)
     }
 }

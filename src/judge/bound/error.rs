@@ -2,6 +2,7 @@
 //! bound; computes no range.
 
 use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
+use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::formula::{Law, Model, PartError};
 use crate::gear::Pair;
 use crate::quantity::Length;
@@ -145,8 +146,8 @@ impl ExtendedError {
                 *gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
             }
             Effect::RackLead { rack, .. } => {
-                let tan_alpha = trig::tan(pressure_angle.to_radians());
-                *rack = RackLines { tan_alpha, helix: helix_angle.to_radians(), face_width: face_width_mm };
+                let tan_alpha = trig::tan(pressure_angle * RADIANS_PER_DEGREE);
+                *rack = RackLines { tan_alpha, helix: helix_angle * RADIANS_PER_DEGREE, face_width: face_width_mm };
             }
             Effect::Size { .. } => {}
         }

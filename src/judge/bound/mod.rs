@@ -117,7 +117,7 @@ pub enum Open {
     #[error("the errors are larger than what the pair's geometry was prepared for")]
     BeyondReach,
     /// An error is no deviation that a bound can be given for: a lead of 45° and more.
-    #[error("an error is too large for a bound: a lead of 45° or more, or of teeth that then lie across the rack")]
+    #[error("an error is too large for a bound: it is no deviation of teeth that mesh")]
     TooLarge,
     /// Errors as large leave nothing of the pair's flanks.
     #[error("errors as large as these leave no flanks that mesh")]

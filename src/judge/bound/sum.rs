@@ -146,16 +146,16 @@ fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
     ErrorRange { raw_lower_mm, lower_mm: raw_lower_mm, ..range }
 }
 
-/// What errors of both parts add up to.
+/// What errors of both parts add up to, mm.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sum {
-    raw_lower_mm: f64,
-    raw_upper_mm: f64,
+    raw_lower: f64,
+    raw_upper: f64,
     /// How much better the lower end of one error is than its raw one, at most, and how much lower its upper end.
-    better_mm: f64,
-    spared_mm: f64,
+    better: f64,
+    spared: f64,
     /// Of the pinion's errors, either way.
-    of_pinion_mm: f64,
+    of_pinion: f64,
 }
 
 impl Sum {
@@ -180,18 +180,18 @@ impl Sum {
     }
 
     pub(super) fn add(&mut self, part: Part, range: ErrorRange) {
-        self.raw_lower_mm += range.raw_lower_mm;
-        self.raw_upper_mm += range.raw_upper_mm;
-        self.better_mm = self.better_mm.max(range.lower_mm - range.raw_lower_mm);
-        self.spared_mm = self.spared_mm.max(range.raw_upper_mm - range.upper_mm);
+        self.raw_lower += range.raw_lower_mm;
+        self.raw_upper += range.raw_upper_mm;
+        self.better = self.better.max(range.lower_mm - range.raw_lower_mm);
+        self.spared = self.spared.max(range.raw_upper_mm - range.upper_mm);
         if part == Part::Pinion {
-            self.of_pinion_mm += range.raw_upper_mm.max(-range.raw_lower_mm);
+            self.of_pinion += range.raw_upper_mm.max(-range.raw_lower_mm);
         }
     }
 
     fn reach(&self) -> Reach {
-        let range = Range { lower: self.raw_lower_mm, upper: self.raw_upper_mm };
-        Reach { range, of_pinion_mm: self.of_pinion_mm }
+        let range = Range { lower: self.raw_lower, upper: self.raw_upper };
+        Reach { range, of_pinion_mm: self.of_pinion }
     }
 
     /// Beside teeth that are known one by one every end is raw, and what undercut and gaps do counts once more: errors may
@@ -200,16 +200,16 @@ impl Sum {
         let own = own(self, knowledge)?;
         let offset = known(knowledge).map_or(0.0, |known| thickness_offset(&known.given.pair));
         Ok(Range {
-            lower: teeth.range.lower + self.raw_lower_mm + (own.lower - offset).min(0.0),
-            upper: teeth.range.upper + self.raw_upper_mm + (own.upper - offset).max(0.0),
+            lower: teeth.range.lower + self.raw_lower + (own.lower - offset).min(0.0),
+            upper: teeth.range.upper + self.raw_upper + (own.upper - offset).max(0.0),
         })
     }
 
     /// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
     pub(super) fn with_own(&self, own: Range) -> Range {
         Range {
-            lower: own.lower + self.raw_lower_mm + self.better_mm,
-            upper: own.upper + self.raw_upper_mm - self.spared_mm,
+            lower: own.lower + self.raw_lower + self.better,
+            upper: own.upper + self.raw_upper - self.spared,
         }
     }
 }
@@ -252,8 +252,8 @@ pub(super) fn statistical(errors: &[ExtendedError], knowledge: &Knowledge) -> Re
     let range = Range { lower: own.lower + mean - spread, upper: own.upper + mean + spread };
     // nothing goes beyond the worst case
     Ok(total(errors, knowledge).map_or(range, |total| Range {
-        lower: range.lower.clamp(total.lower, total.upper),
-        upper: range.upper.clamp(total.lower, total.upper),
+        lower: range.lower.max(total.lower).min(total.upper),
+        upper: range.upper.min(total.upper).max(total.lower),
     }))
 }
 

@@ -4,3 +4,5 @@ mod closed;
 pub(in crate::judge) mod property;
 pub(in crate::judge) mod random;
 mod tight;
+#[cfg(feature = "spec")]
+mod verdict;

@@ -1,7 +1,7 @@
 //! Errors on random teeth through the exact mesh: never outside their bound.
 
 use super::random::{self, Drawn, Random};
-use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Range, bound};
+use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPairs, Range, bound};
 use crate::judge::reached::placed::Placed;
 use crate::mesh::{Ending, Mesh, Sampler, Support};
 use crate::parallel;
@@ -72,9 +72,10 @@ fn check(seed: u64) -> Option<Vec<String>> {
     let Case { given, drawn } = case(&mut random, rolls);
     let pair = given.pair;
     let errors: Vec<ExtendedError> = drawn.iter().map(|drawn| drawn.error).collect();
-    let known = KnownPair::for_errors(given, &errors).ok()?;
+    let pairs = KnownPairs::new(given);
+    let known = pairs.for_errors(&errors, None).ok()?;
     let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, ..Knowledge::default() });
-    let of_known = with(Geometry::Known(&known));
+    let of_known = with(Geometry::Known(known));
     // errors that bring ever more teeth into play are open
     let total = of_known.total.ok()?;
     let mut wider: Vec<(&str, Bound)> = Vec::new();
