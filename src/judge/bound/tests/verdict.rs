@@ -77,7 +77,8 @@ fn check(seed: u64) -> Option<Result<Verdict, String>> {
     };
     let range = judged(&text(""))?.combined.range.ok()?;
     let mut near = |end: f64| end + random.sign() * random.range(0.0, 0.02) * end.abs().max(0.01);
-    let (lower, upper) = (near(range.lower.mm()), near(range.upper.mm()));
+    let (a, b) = (near(range.lower.mm()), near(range.upper.mm()));
+    let (lower, upper) = (a.min(b), a.max(b));
     let with_limits = text(&format!("[limits]\ncenter_distance = {{ lower = {lower:.9}, upper = {upper:.9} }}\n"));
     let verdict = judged(&with_limits)?.verdict?;
     let mut placed = Placed::new(&pair.pair);
