@@ -13,7 +13,7 @@ use thiserror::Error;
 use super::{Combined, EvaluationError, Interval, Limit, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::{Law, Model, PartError, Sensitivity};
-use crate::judge::bound::{Basis, Open};
+use crate::judge::bound::{Basis, ExtendedError, Open};
 use crate::quantity::{DomainError, Length};
 use simulation::{Assembly, Simulated, Simulation};
 
@@ -100,7 +100,7 @@ pub struct Line {
     pub is_fixed: bool,
     /// Whether the error's own limit, not the budget, stops it.
     pub at_own_limit: bool,
-    /// Its part of the sum that the rule forms: of magnitudes, or of squares.
+    /// Its part of the sum of what the errors do alone, or of the squares of it.
     pub share: f64,
     /// ∂ΔCD/∂input at the tolerance.
     pub sensitivities: Vec<Sensitivity>,
@@ -140,7 +140,9 @@ pub enum BudgetError {
     #[error(transparent)]
     Open(#[from] Open),
     /// Nothing stops the free tolerances.
-    #[error("the limit does not stop the free tolerances: give it an upper end")]
+    #[error(
+        "the limit does not stop the free tolerances as long as the pair meshes: give it an upper end, or a nearer one"
+    )]
     Unbounded,
     /// The limit of ΔCD has no end.
     #[error("a budget needs a limit of the combined ΔCD")]
@@ -176,23 +178,28 @@ pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
         Rule::Rss => by_scale(request, &|errors| conforms(request, Stack::Rss, errors), None),
         Rule::Simulation(settings) => {
             let assembly = Assembly::new(request, &settings);
-            by_scale(request, &|errors| assembly.count(errors) >= assembly.needed(), Some(&assembly))
+            by_scale(request, &|errors| Ok(assembly.count(errors)? >= assembly.needed()), Some(&assembly))
         }
     }
 }
 
 /// Whether a combination of tolerances lies inside the limit.
-fn conforms(request: &Request, stack: Stack, errors: &[PartError]) -> bool {
-    let interval = Combined::of(errors, &request.basis).ok().and_then(|combined| combined.interval(stack).ok());
-    interval.is_some_and(|interval| request.limit.judge(interval) == Verdict::Pass)
+fn conforms(request: &Request, stack: Stack, errors: &[PartError]) -> Result<bool, Open> {
+    let combined = Combined::of(errors, &request.basis).map_err(|_| Open::TooLarge)?;
+    Ok(request.limit.judge(combined.interval(stack)?) == Verdict::Pass)
+}
+
+/// What an error can do alone.
+fn alone(error: PartError, basis: &Basis) -> Result<Interval, Open> {
+    let range = basis.alone(&ExtendedError::of(&error).map_err(|_| Open::TooLarge)?)?;
+    Interval::nearest(range.alone()).map_err(|_| Open::TooLarge)
 }
 
 /// Whether an error alone stays inside its own limit, if it has one.
-fn within_own_limit(request: &Request, error: &PartError) -> bool {
-    let Some((_, limit)) = request.own_limits.iter().find(|(of, _)| *of == error.kind()) else { return true };
-    let range = request.basis.bound_of(&[*error]).errors.first().copied().and_then(Result::ok);
-    let range = range.and_then(|range| Interval::nearest(range.alone()).ok());
-    range.is_some_and(|range| limit.judge(range) == Verdict::Pass)
+fn within_own_limit(request: &Request, error: &PartError) -> Result<bool, Open> {
+    let own = request.own_limits.iter().find(|(of, _)| *of == error.kind());
+    let Some((_, limit)) = own else { return Ok(true) };
+    Ok(limit.judge(alone(*error, &request.basis)?) == Verdict::Pass)
 }
 
 /// The ratio in which a free error's ΔCD stands to the others'.
@@ -230,55 +237,54 @@ fn beyond_own_limits(request: &Request) -> Vec<ErrorKind> {
         Entry::Fixed(error) => Some(error),
         Entry::Free(..) => None,
     });
-    fixed.filter(|error| !within_own_limit(request, error)).map(PartError::kind).collect()
+    fixed.filter(|error| within_own_limit(request, error) != Ok(true)).map(PartError::kind).collect()
 }
 
 fn line(error: PartError, is_fixed: bool, request: &Request) -> Result<Line, BudgetError> {
     let delta_cd = magnitude(&error, request.model)?;
     let sensitivities = error.sensitivities(request.model).map_err(of_kind(error.kind()))?;
-    let range = request.basis.bound_of(&[error]).errors.first().copied().unwrap_or(Err(Open::TooLarge))?;
-    let range = Interval::nearest(range.alone()).map_err(|problem| of_kind(error.kind())(problem.into()))?;
+    let range = alone(error, &request.basis)?;
     Ok(Line { error, delta_cd, range, is_fixed, at_own_limit: false, share: 0.0, sensitivities })
 }
 
-/// Whether tolerances conform.
-type Conforms<'a> = &'a dyn Fn(&[PartError]) -> bool;
+/// Whether tolerances conform; [`Open`] if nothing is known of tolerances as large.
+type Conforms<'a> = &'a dyn Fn(&[PartError]) -> Result<bool, Open>;
 
 fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembly>) -> Result<Budget, BudgetError> {
     let scaled = Scaled::new(request)?;
-    let none = scaled.at(0.0)?;
     let mut broken_by = beyond_own_limits(request);
-    let has_free = request.entries.iter().any(|entry| matches!(entry, Entry::Free(..)));
-    let errors = if !conforms(&none) {
-        broken_by.extend(breaking(request, conforms)?);
-        none
-    } else if has_free && broken_by.is_empty() {
-        let errors = simulation::largest_scale(|scale| scaled.at(scale), conforms)?;
-        let errors = scaled.with_short_decimals(errors, conforms)?;
-        let gets_something = |(entry, error): (&Entry, &PartError)| match entry {
-            Entry::Free(_, freedom) => ratio(*freedom, request.rule) == 0.0 || !error.value().is_zero(),
-            Entry::Fixed(_) => true,
-        };
-        if !request.entries.iter().zip(&errors).all(gets_something) {
-            return Err(BudgetError::NoRoom);
+    let none = scaled.at(0.0)?;
+    let is_free = |entry: &Entry| matches!(entry, Entry::Free(..));
+    let mut allocated = Allocated { scale: 0.0, errors: none.clone() };
+    if !conforms(&none).unwrap_or(false) {
+        broken_by.extend(breaking(&scaled, conforms)?);
+    } else if request.entries.iter().any(is_free) && broken_by.is_empty() {
+        allocated = scaled.largest(conforms)?;
+        if !scaled.gives_something(&allocated.errors) {
+            broken_by.extend(breaking(&scaled, conforms)?);
+            allocated = Allocated { scale: 0.0, errors: none };
         }
-        errors
-    } else {
-        none
-    };
-    let mut lines = Vec::with_capacity(errors.len());
-    for (entry, error) in request.entries.iter().zip(&errors) {
-        let mut line = line(*error, matches!(entry, Entry::Fixed(_)), request)?;
-        line.at_own_limit = !line.is_fixed && scaled.is_at_own_limit(&line);
+    }
+    let mut lines = Vec::with_capacity(allocated.errors.len());
+    for (index, error) in allocated.errors.iter().enumerate() {
+        let mut line = line(*error, !is_free(&request.entries[index]), request)?;
+        line.at_own_limit = scaled.is_at_own_limit(index, allocated.scale);
         lines.push(line);
     }
-    let squares = request.rule != Rule::WorstCase;
-    set_shares(&mut lines, squares);
-    let combined = Combined::of(&errors, &request.basis)
+    set_shares(&mut lines, request.rule != Rule::WorstCase);
+    let combined = Combined::of(&allocated.errors, &request.basis)
         .map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
+    let simulated = assembly.map(|assembly| assembly.outcome(&allocated.errors)).transpose()?;
     broken_by.sort();
     broken_by.dedup();
-    Ok(Budget { lines, combined, simulated: assembly.map(|assembly| assembly.outcome(&errors)), broken_by })
+    Ok(Budget { lines, combined, simulated, broken_by })
+}
+
+/// Tolerances and the scale that they stand for.
+#[derive(Debug, Clone)]
+struct Allocated {
+    scale: f64,
+    errors: Vec<PartError>,
 }
 
 /// The free tolerances of a request at one scale of their ratios, in mm of ΔCD.
@@ -288,29 +294,19 @@ struct Scaled<'a> {
     own: Vec<Option<Length>>,
 }
 
+/// A scale so small that whoever gets less gets nothing, mm.
+const SMALL_MM: f64 = 1e-6;
+
 impl<'a> Scaled<'a> {
     fn new(request: &'a Request) -> Result<Self, BudgetError> {
         let mut scaled = Self { request, own: vec![None; request.entries.len()] };
         // a bound of every tooth's tolerance takes what is known of the pair
-        const SMALL_MM: f64 = 1e-3;
         if let Err(open @ Open::TeethInContactUnknown) = request.basis.bound_of(&scaled.at(SMALL_MM)?).total {
             return Err(open.into());
         }
         for (index, entry) in request.entries.iter().enumerate() {
-            let is_limited = request.own_limits.iter().any(|(kind, _)| *kind == entry.kind());
-            if let Entry::Free(law, _) = entry
-                && is_limited
-            {
-                let at = |scale: f64| {
-                    let share = Length::from_mm(scale).map_err(|error| of_kind(law.kind())(error.into()))?;
-                    Ok(vec![largest_tolerance(*law, share, request.model)?])
-                };
-                let own = simulation::largest_scale(at, |errors| within_own_limit(request, &errors[0]));
-                scaled.own[index] = match own {
-                    Ok(errors) => Some(magnitude(&errors[0], request.model)?),
-                    Err(BudgetError::Unbounded) => None,
-                    Err(error) => return Err(error),
-                };
+            if let Entry::Free(law, _) = entry {
+                scaled.own[index] = own_share(*law, request)?;
             }
         }
         Ok(scaled)
@@ -321,12 +317,42 @@ impl<'a> Scaled<'a> {
         let at = |(entry, own): (&Entry, &Option<Length>)| match entry {
             Entry::Fixed(error) => Ok(*error),
             Entry::Free(law, freedom) => {
-                let share = Length::from_mm(scale * ratio(*freedom, self.request.rule));
-                let share = share.map_err(|error| of_kind(law.kind())(error.into()))?;
+                let share = length_of(*law, scale * ratio(*freedom, self.request.rule))?;
                 largest_tolerance(*law, own.map_or(share, |own| own.min(share)), self.request.model)
             }
         };
         entries.map(at).collect()
+    }
+
+    /// The tolerances at the largest scale.
+    fn largest(&self, conforms: Conforms<'_>) -> Result<Allocated, BudgetError> {
+        let Allocated { scale, errors } = match self.all_at_own_limits()? {
+            Some(all) if conforms(&all.errors) == Ok(true) => all,
+            _ => simulation::largest_scale(|scale| self.at(scale), conforms)?,
+        };
+        Ok(Allocated { scale, errors: self.with_short_decimals(errors, conforms)? })
+    }
+
+    /// The tolerances that own limits alone leave; `None` if a free one has none.
+    fn all_at_own_limits(&self) -> Result<Option<Allocated>, BudgetError> {
+        let mut scale: f64 = 0.0;
+        for (entry, own) in self.request.entries.iter().zip(&self.own) {
+            let Entry::Free(_, freedom) = entry else { continue };
+            let (Some(own), ratio) = (own, ratio(*freedom, self.request.rule)) else { return Ok(None) };
+            if ratio > 0.0 {
+                // beyond where the limit stops it
+                scale = scale.max(2.0 * own.mm() / ratio);
+            }
+        }
+        Ok(Some(Allocated { scale, errors: self.at(scale)? }))
+    }
+
+    /// Whether every free error with a weight gets a tolerance.
+    fn gives_something(&self, errors: &[PartError]) -> bool {
+        self.request.entries.iter().zip(errors).all(|(entry, error)| match entry {
+            Entry::Free(_, freedom) => ratio(*freedom, self.request.rule) == 0.0 || !error.value().is_zero(),
+            Entry::Fixed(_) => true,
+        })
     }
 
     /// The same tolerances, each a little larger if fewer decimals conform as well.
@@ -340,27 +366,49 @@ impl<'a> Scaled<'a> {
             let share = magnitude(&errors[index], self.request.model)?;
             let rounded = Length::from_fm((share.fm() + ROUNDED_FM - 1) / ROUNDED_FM * ROUNDED_FM);
             let longer = std::mem::replace(&mut errors[index], largest_tolerance(law, rounded, self.request.model)?);
-            if !(conforms(&errors) && within_own_limit(self.request, &errors[index])) {
+            let is_inside = conforms(&errors) == Ok(true) && within_own_limit(self.request, &errors[index]) == Ok(true);
+            if !is_inside {
                 errors[index] = longer;
             }
         }
         Ok(errors)
     }
 
-    fn is_at_own_limit(&self, line: &Line) -> bool {
-        let own = self.request.entries.iter().zip(&self.own).find(|(entry, _)| entry.kind() == line.error.kind());
-        // a tolerance rounded towards zero stops within a decimal below its limit
-        own.and_then(|(_, own)| *own).is_some_and(|own| line.delta_cd.mm() >= own.mm() * (1.0 - 1e-9))
+    /// Whether an entry would have more at this scale if it had no limit of its own.
+    fn is_at_own_limit(&self, index: usize, scale: f64) -> bool {
+        let Entry::Free(_, freedom) = self.request.entries[index] else { return false };
+        let share = scale * ratio(freedom, self.request.rule);
+        self.own[index].is_some_and(|own| share > own.mm() * (1.0 + OWN_LIMIT_NEAR))
+    }
+}
+
+/// A share within this of an own limit, relative to it, is not stopped by it: the scale is not known better.
+const OWN_LIMIT_NEAR: f64 = 1e-9;
+
+fn length_of(law: Law, mm: f64) -> Result<Length, BudgetError> {
+    Length::from_mm(mm).map_err(|error| of_kind(law.kind())(error.into()))
+}
+
+/// The ΔCD up to which an error stays inside its own limit; `None` if it has none or is not stopped by it.
+fn own_share(law: Law, request: &Request) -> Result<Option<Length>, BudgetError> {
+    if !request.own_limits.iter().any(|(kind, _)| *kind == law.kind()) {
+        return Ok(None);
+    }
+    let at = |scale: f64| Ok(vec![largest_tolerance(law, length_of(law, scale)?, request.model)?]);
+    match simulation::largest_scale(at, |errors| within_own_limit(request, &errors[0])) {
+        Ok(largest) => Ok(Some(magnitude(&largest.errors[0], request.model)?)),
+        Err(BudgetError::Unbounded) => Ok(None),
+        Err(error) => Err(error),
     }
 }
 
 /// Tolerances whose ΔCD is this near to fewer decimals take them: 1e-9 mm.
 const ROUNDED_FM: i64 = 1_000;
 
-/// What each line takes of the sum of magnitudes, or of squares.
+/// What each line takes of the sum of what errors do alone, or of its squares.
 fn set_shares(lines: &mut [Line], squares: bool) {
     let taken = |line: &Line| {
-        let magnitude = line.delta_cd.mm();
+        let magnitude = line.range.largest().abs().mm();
         if squares { magnitude * magnitude } else { magnitude }
     };
     let sum: f64 = lines.iter().map(taken).sum();
@@ -369,30 +417,24 @@ fn set_shares(lines: &mut [Line], squares: bool) {
     }
 }
 
-/// The fixed errors, largest first, without which the rest conforms.
-fn breaking(request: &Request, conforms: Conforms<'_>) -> Result<Vec<ErrorKind>, BudgetError> {
+/// The fixed errors, largest first, without which the rest conforms and leaves something to the free ones.
+fn breaking(scaled: &Scaled<'_>, conforms: Conforms<'_>) -> Result<Vec<ErrorKind>, BudgetError> {
+    let request = scaled.request;
+    let mut rest = scaled.at(SMALL_MM)?;
     let mut fixed = Vec::new();
-    for entry in &request.entries {
+    for (index, entry) in request.entries.iter().enumerate() {
         if let Entry::Fixed(error) = entry {
-            fixed.push((magnitude(error, request.model)?, error.kind()));
+            fixed.push((magnitude(error, request.model)?, index));
         }
     }
     fixed.sort_by(|a, b| b.cmp(a));
     let mut without = Vec::new();
-    for (_, kind) in fixed {
-        without.push(kind);
-        let rest: Vec<PartError> = request
-            .entries
-            .iter()
-            .map(|entry| match entry {
-                Entry::Fixed(error) if !without.contains(&error.kind()) => *error,
-                Entry::Fixed(error) => nothing(error.law()),
-                Entry::Free(law, _) => nothing(*law),
-            })
-            .collect();
-        if conforms(&rest) {
+    for (_, index) in fixed {
+        rest[index] = nothing(rest[index].law());
+        without.push(rest[index].kind());
+        if conforms(&rest) == Ok(true) {
             return Ok(without);
         }
     }
-    Err(BudgetError::NoRoom)
+    Err(conforms(&rest).err().map_or(BudgetError::NoRoom, BudgetError::Open))
 }

@@ -6,11 +6,11 @@
 //! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
 //! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
-use super::{BudgetError, Request};
+use super::{Allocated, BudgetError, Request};
 use crate::decision::monte_carlo::{BLOCK, Random, Ziggurat};
 use crate::deviation::{ErrorKind, Extent};
 use crate::formula::PartError;
-use crate::judge::bound::{Basis, Range, Scales};
+use crate::judge::bound::{Basis, Open, Range, Scales};
 use crate::parallel;
 use crate::quantity::Length;
 
@@ -105,12 +105,12 @@ impl Assembly {
         needed
     }
 
-    /// How many assemblies with these tolerances conform; none for tolerances that have no bound.
-    pub(super) fn count(&self, errors: &[PartError]) -> u64 {
+    /// How many assemblies with these tolerances conform.
+    pub(super) fn count(&self, errors: &[PartError]) -> Result<u64, Open> {
         let drawn: Vec<_> = errors.iter().map(|error| error.with_extent(drawn_extent(error.kind()))).collect();
-        let Ok(scales) = self.basis.scales(&drawn) else { return 0 };
+        let scales = self.basis.scales(&drawn)?;
         let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &scales);
-        parallel::map(parallel::cores(), self.blocks.len(), || (), count).0.into_iter().sum()
+        Ok(parallel::map(parallel::cores(), self.blocks.len(), || (), count).0.into_iter().sum())
     }
 
     fn count_block(&self, block: &[Vec<f64>], scales: &Scales) -> u64 {
@@ -131,10 +131,10 @@ impl Assembly {
         inside
     }
 
-    pub(super) fn outcome(&self, errors: &[PartError]) -> Simulated {
+    pub(super) fn outcome(&self, errors: &[PartError]) -> Result<Simulated, Open> {
         #[expect(clippy::cast_precision_loss, reason = "at most 2³²")]
-        let conforming = self.count(errors) as f64 / f64::from(self.settings.draws.max(1));
-        Simulated { settings: self.settings, conforming }
+        let conforming = self.count(errors)? as f64 / f64::from(self.settings.draws.max(1));
+        Ok(Simulated { settings: self.settings, conforming })
     }
 }
 
@@ -161,36 +161,53 @@ fn draw(random: &mut Random, ziggurat: &Ziggurat, spread: Spread) -> f64 {
 }
 
 /// The errors at the largest scale at which they conform; those of scale 0 do.
+///
+/// # Errors
+/// [`BudgetError::Unbounded`] if they conform as far as anything is known of errors as large.
 pub(super) fn largest_scale(
     at: impl Fn(f64) -> Result<Vec<PartError>, BudgetError>,
-    conforms: impl Fn(&[PartError]) -> bool,
-) -> Result<Vec<PartError>, BudgetError> {
+    conforms: impl Fn(&[PartError]) -> Result<bool, Open>,
+) -> Result<Allocated, BudgetError> {
     const LARGEST_MM: f64 = 1e3;
     /// The interval of the scale becomes this narrow, relative to itself.
     const NARROW: f64 = 1e-10;
-    let (mut low, mut high) = (0.0, 1e-3);
-    let mut best = at(low)?;
-    loop {
-        let errors = at(high)?;
-        if !conforms(&errors) {
-            break;
+    /// Less than the smallest length, mm.
+    const NOTHING_MM: f64 = 1e-13;
+    let tried = |scale: f64| match at(scale) {
+        Ok(errors) => Ok(match conforms(&errors) {
+            Ok(true) => Tried::Conforms(errors),
+            Ok(false) => Tried::Breaks,
+            Err(_) => Tried::NotKnown,
+        }),
+        // no error does as much
+        Err(BudgetError::Unbounded) => Ok(Tried::NotKnown),
+        Err(error) => Err(error),
+    };
+    let mut best = Allocated { scale: 0.0, errors: at(0.0)? };
+    let mut high = 1e-3;
+    let mut is_stopped = loop {
+        match tried(high)? {
+            Tried::Conforms(_) if high > LARGEST_MM => return Err(BudgetError::Unbounded),
+            Tried::Conforms(errors) => (best, high) = (Allocated { scale: high, errors }, 2.0 * high),
+            Tried::Breaks => break true,
+            Tried::NotKnown => break false,
         }
-        if high > LARGEST_MM {
-            return Err(BudgetError::Unbounded);
+    };
+    while high - best.scale > NARROW * high && high > NOTHING_MM {
+        let middle = 0.5 * (best.scale + high);
+        match tried(middle)? {
+            Tried::Conforms(errors) => best = Allocated { scale: middle, errors },
+            Tried::Breaks => (high, is_stopped) = (middle, true),
+            Tried::NotKnown => (high, is_stopped) = (middle, false),
         }
-        (low, high, best) = (high, 2.0 * high, errors);
     }
-    while high - low > NARROW * high {
-        let middle = 0.5 * (low + high);
-        let errors = at(middle)?;
-        if conforms(&errors) {
-            (low, best) = (middle, errors);
-        } else {
-            high = middle;
-        }
-        if high < 1e-12 {
-            break;
-        }
-    }
-    Ok(best)
+    if is_stopped { Ok(best) } else { Err(BudgetError::Unbounded) }
+}
+
+/// What came of errors of one scale.
+enum Tried {
+    Conforms(Vec<PartError>),
+    Breaks,
+    /// Nothing is known of errors as large.
+    NotKnown,
 }
