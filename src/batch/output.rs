@@ -20,6 +20,9 @@ pub(super) enum Output {
     RangeUpper,
     RssLower,
     RssUpper,
+    /// What the exact mesh reaches with the errors on the worst teeth found.
+    ReachedLower,
+    ReachedUpper,
     /// Standard uncertainty of a result.
     Standard(Of),
     /// Expanded uncertainty of a result.
@@ -124,6 +127,10 @@ impl Asked {
         ];
         let results = results.map(|(name, output)| (name.to_owned(), Asked::Result(output)));
         let mut all: Vec<_> = std::iter::once(("part_id".to_owned(), Asked::Id)).chain(own).chain(results).collect();
+        if request.mesh {
+            let reached = [("reached_lower_mm", Output::ReachedLower), ("reached_upper_mm", Output::ReachedUpper)];
+            all.extend(reached.map(|(name, output)| (name.to_owned(), Asked::Result(output))));
+        }
         if is_uncertain {
             for kind in present {
                 all.push((standard_name(&own_name(*kind)), Asked::Standard(*kind)));

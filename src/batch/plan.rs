@@ -17,6 +17,7 @@ use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Law, Model, PartError};
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Note, Open};
+use crate::mesh::Support;
 use crate::quantity::{Length, shown};
 use crate::spec::{Reading, Spec};
 use crate::table::{Column, Nominal, Table};
@@ -60,6 +61,8 @@ pub struct Plan {
     /// Whether the worst case, or the statistical sum, is written, judged or counted.
     pub(super) needs_range: bool,
     pub(super) needs_rss: bool,
+    /// Whether what the mesh reaches is written.
+    pub(super) needs_reached: bool,
     /// The limits that can be judged.
     pub(super) limits: Limits,
     /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
@@ -146,11 +149,16 @@ impl Plan {
         let is_judged = |of: Stack| stack == of && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
         let is_written = |ends: [Output; 2]| outputs.iter().any(|output| ends.contains(output));
         let needs_range = is_judged(Stack::Range) || is_written([Output::RangeLower, Output::RangeUpper]);
+        let needs_reached = is_written([Output::ReachedLower, Output::ReachedUpper]);
+        if needs_reached {
+            refuse_unreached(spec, &basis)?;
+        }
         let needs_rss = is_judged(Stack::Rss) || is_written([Output::RssLower, Output::RssUpper]);
         let mut plan = Self {
             basis,
             needs_range,
             needs_rss,
+            needs_reached,
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
@@ -311,6 +319,8 @@ impl Plan {
             Output::RangeUpper => "range_upper_mm".to_owned(),
             Output::RssLower => "rss_lower_mm".to_owned(),
             Output::RssUpper => "rss_upper_mm".to_owned(),
+            Output::ReachedLower => "reached_lower_mm".to_owned(),
+            Output::ReachedUpper => "reached_upper_mm".to_owned(),
             Output::Standard(of) => standard_name(&self.name_of(*of)),
             Output::Expanded(of) => expanded_name(&self.name_of(*of)),
             Output::Linear => "linear".to_owned(),
@@ -450,6 +460,22 @@ fn reading(column: &Column) -> Reading {
         Nominal::Fixed(nominal) => Reading::Measured(nominal),
         Nominal::None | Nominal::Beside => Reading::Deviation,
     }
+}
+
+/// Refuses to look for the worst teeth of a pair that is not known, or whose rack may roll.
+fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnostic> {
+    let message = match &basis.geometry {
+        _ if basis.known_teeth.is_some() => {
+            "--mesh puts errors on teeth, and the spec knows teeth one by one".to_owned()
+        }
+        GivenGeometry::Known(pairs) if pairs.given().support == Support::Fixed => return Ok(()),
+        GivenGeometry::Known(_) => "--mesh puts errors on teeth of a rack that does not roll".to_owned(),
+        GivenGeometry::Unknown | GivenGeometry::BothFlanks => {
+            let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
+            format!("--mesh needs the pair's geometry: {} missing", missing.join(", "))
+        }
+    };
+    Err(Diagnostic::error(Code::NoMesh, message))
 }
 
 /// Refuses what needs uncertainties where the spec gives none.

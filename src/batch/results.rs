@@ -8,7 +8,8 @@ use crate::decision::rule::{Ends, verdict};
 use crate::decision::uncertainty::{Spread, Spreads};
 use crate::decision::{Interval, LimitTarget, Stack, Verdict, overall};
 use crate::deviation::{ErrorKind, ErrorValue};
-use crate::judge::bound::ExtendedError;
+use crate::judge::bound::{ExtendedError, GivenGeometry, Range};
+use crate::judge::reached::{self, Reached};
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::trig;
 
@@ -23,6 +24,7 @@ pub(super) struct Results {
     alone: [Option<Interval>; KINDS],
     range: Option<Interval>,
     rss: Option<Interval>,
+    reached: Option<Interval>,
 }
 
 /// Why a part has no results: the source whose ΔCD has none, or the combination, and what is wrong.
@@ -55,7 +57,8 @@ impl Results {
     pub(super) fn new(plan: &Plan, deviations: &[ErrorValue; KINDS]) -> Result<Self, NoResults> {
         let of_source = |index, problem| NoResults { source: Some(index), problem: Box::new(problem) };
         let mut errors = [ExtendedError::NONE; KINDS];
-        let mut results = Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None };
+        let mut results =
+            Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None, reached: None };
         for (index, source) in plan.sources.iter().enumerate() {
             let delta_cd = source.law.delta_cd(deviations[index], plan.model);
             results.each[index] = delta_cd.map_err(|problem| of_source(index, problem))?;
@@ -77,6 +80,9 @@ impl Results {
         }
         if plan.needs_rss {
             results.rss = of(Stack::Rss)?;
+        }
+        if plan.needs_reached {
+            results.reached = reached(plan, errors);
         }
         Ok(results)
     }
@@ -136,6 +142,8 @@ impl Results {
             Output::RangeUpper => Some(self.range?.upper),
             Output::RssLower => Some(self.rss?.lower),
             Output::RssUpper => Some(self.rss?.upper),
+            Output::ReachedLower => Some(self.reached?.lower),
+            Output::ReachedUpper => Some(self.reached?.upper),
             _ => None,
         }
     }
@@ -149,6 +157,13 @@ impl Results {
             LimitTarget::Error(kind) => self.alone[plan.source_of(kind)?],
         }
     }
+}
+
+/// What the exact mesh reaches with the errors on the worst teeth found; `None` where it has no solution.
+fn reached(plan: &Plan, errors: &[ExtendedError]) -> Option<Interval> {
+    let GivenGeometry::Known(pairs) = &plan.basis.geometry else { return None };
+    let Reached { lower_mm, upper_mm, .. } = reached::reached(errors, pairs.given()).ok()??;
+    Interval::nearest(Range { lower: lower_mm, upper: upper_mm }).ok()
 }
 
 /// A result with its uncertainty.

@@ -7,7 +7,7 @@ use super::uncertainty::{micrometres, rule_name};
 use super::{Block, Column, Report, Table, judged_without};
 use crate::batch::{Counts, Outcome, Part, Plan, QUANTILES, Statistics};
 use crate::decision::capability::{FEWEST_PARTS, Gauge, Index, Normality, PRELIMINARY_PARTS, performance, short_term};
-use crate::decision::{LimitTarget, Limits, Rule, Stack, Verdict};
+use crate::decision::{JudgedBy, LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::deviation::ErrorKind;
 
 /// What the parts of a batch were evaluated by and held against.
@@ -487,6 +487,12 @@ impl Report for BatchReport<'_> {
             "title": self.title,
             "model": self.basis.model,
             "stack": self.basis.stack.map(Stack::name),
+            "judged_by": match self.basis.stack {
+                None => JudgedBy::Mesh,
+                Some(Stack::Rss) => JudgedBy::Statistical,
+                Some(_) => JudgedBy::Bound,
+            }
+            .name(),
             "rule": self.basis.rule.to_string(),
             "counts": counts,
             "results": results,

@@ -116,6 +116,7 @@ impl Report for PartsReport<'_> {
                 }
                 let verdict = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name);
                 part.insert("verdict".to_owned(), verdict.into());
+                part.insert("judged_by".to_owned(), evaluation.map(|evaluation| evaluation.judged_by.name()).into());
                 if let Some(uncertainty) = &row.uncertainty {
                     part.insert("uncertainty".to_owned(), uncertainty.json());
                 }

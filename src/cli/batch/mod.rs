@@ -72,6 +72,9 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    /// Put the errors of each part on the worst teeth that a search finds: columns `reached_…`.
+    #[arg(long, conflicts_with = "teeth")]
+    mesh: bool,
     /// Judge parts without the errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
@@ -321,6 +324,7 @@ impl Args {
             decimals: self.decimals,
             format,
             columns: self.columns.clone(),
+            mesh: self.mesh,
             partial: self.partial,
             rows: match (self.summary, self.only_failures) {
                 (true, _) => Rows::None,

@@ -207,10 +207,7 @@ impl Sum {
 
     /// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
     pub(super) fn with_own(&self, own: Range) -> Range {
-        Range {
-            lower: own.lower + self.raw_lower + self.better,
-            upper: own.upper + self.raw_upper - self.spared,
-        }
+        Range { lower: own.lower + self.raw_lower + self.better, upper: own.upper + self.raw_upper - self.spared }
     }
 }
 
