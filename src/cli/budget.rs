@@ -5,11 +5,12 @@ use super::mesh::files_read;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use crate::decision::budget::simulation::{Simulation, Spread};
-use crate::decision::budget::{self, Budget, Request, Rule};
+use crate::decision::budget::{self, Budget, BudgetError, Request, Rule};
 use crate::decision::class::{ErrorClass, deviation_of};
 use crate::decision::{Limit, LimitTarget};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
+use crate::judge::bound::Open;
 use crate::quantity::Length;
 use crate::report::plot::{Bar, TornadoPlot};
 use crate::report::{BudgetReport, Format};
@@ -66,9 +67,9 @@ pub(super) struct Args {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum StackArg {
-    /// The sum of magnitudes.
+    /// The bound of all tolerances.
     Worst,
-    /// The root of the sum of squares.
+    /// The statistical sum.
     Rss,
     /// A fraction of random assemblies.
     Simulation,
@@ -101,8 +102,7 @@ impl Args {
             model: self.model.into(),
             basis: spec.pair_basis()?,
         };
-        let budget =
-            budget::allocate(&request).map_err(|error| Diagnostic::error(Code::NoBudget, error.to_string()))?;
+        let budget = budget::allocate(&request).map_err(|error| no_budget(&error, &spec))?;
         let grades = grades(&spec, &budget, request.model);
         let report = BudgetReport {
             title: spec.title.as_deref(),
@@ -163,6 +163,18 @@ impl Args {
     }
 }
 
+/// Why there is no budget; where the pair's geometry is missing, which of its keys.
+fn no_budget(error: &BudgetError, spec: &Spec) -> Diagnostic {
+    let diagnostic = Diagnostic::error(Code::NoBudget, error.to_string());
+    let missing = spec.missing_geometry();
+    match error {
+        BudgetError::Open(Open::TeethInContactUnknown) if !missing.is_empty() => {
+            diagnostic.help(format!("add {}", missing.join(", ")))
+        }
+        _ => diagnostic,
+    }
+}
+
 /// For each free tolerance, the coarsest grade of the spec's standard that stays within it.
 fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
     let Some(standard) = spec.tolerance.standard.as_ref().map(|standard| standard.value) else { return Vec::new() };
@@ -172,7 +184,7 @@ fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
     let free = budget.lines.iter().filter(|line| !line.is_fixed);
     free.filter_map(|line| {
         let kind = line.error.kind();
-        let limiting = standard.that_limits(deviation_of(kind))?;
+        let limiting = standard.that_limits(deviation_of(kind)?)?;
         let within = |class: &ErrorClass| {
             line.error.law().delta_cd(class.value, model).is_ok_and(|delta_cd| delta_cd <= line.delta_cd)
         };

@@ -254,7 +254,11 @@ impl Args {
         let not_given = not_given.into_iter().map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
         rows.sort_by_key(|row| row.permissible.deviation);
         if rows.iter().any(|row| row.permissible.deviation == Deviation::Runout) {
-            notes.push("ΔCD of F_r and of the composite deviations is their own peak-to-peak value".to_owned());
+            notes.push(
+                "ΔCD of F_r and of the composite deviations is their own peak-to-peak value; of an eccentric part it moves \
+                 by ± F_r / 2 about its mean, which is what { class = … } of the radial error takes"
+                    .to_owned(),
+            );
         }
         if rows.iter().any(|row| row.delta_cd.as_ref().is_err_and(|reason| reason.contains("pressure angle"))) {
             notes.push("give --pressure-angle for the ΔCD of pitch and helix deviations".to_owned());
@@ -287,10 +291,17 @@ impl Args {
                 diameters.push(format!("{}: d = {:.4} mm ({})", part.name(), diameter.mm(), source.in_words()));
             }
             for value in of_part {
-                match grade::obtained(standard, part, value.deviation, value.amount, &value.origin, &sized.wheel) {
+                let deviation = match value.graded {
+                    Ok(deviation) => deviation,
+                    Err(reason) => {
+                        not_graded.push(format!("{}: {reason}", value.origin));
+                        continue;
+                    }
+                };
+                match grade::obtained(standard, part, deviation, value.amount, &value.origin, &sized.wheel) {
                     Ok(one) => obtained.push(one),
                     Err(error @ StandardError::OutOfScope { .. }) => return Err(no_class(&error).into()),
-                    Err(error) => not_graded.push(format!("{} {}: {}", part.name(), value.deviation, reason(&error))),
+                    Err(error) => not_graded.push(format!("{} {deviation}: {}", part.name(), reason(&error))),
                 }
             }
         }
@@ -321,6 +332,11 @@ impl Args {
                 Part::Pinion => vec![ErrorKind::PinionRadial, ErrorKind::PinionPitch],
             },
         };
+        let (kinds, left_out): (Vec<_>, Vec<_>) =
+            kinds.into_iter().partition(|kind| class::deviation_of(*kind).is_some());
+        if kinds.is_empty() {
+            return Err(Diagnostic::error(Code::NoClass, class::NO_OVER_ROLLER_CLASS).into());
+        }
         let mut sized = Vec::new();
         for part in [Part::Rack, Part::Pinion] {
             if kinds.iter().any(|kind| kind.part() == part) {
@@ -329,11 +345,13 @@ impl Args {
         }
         let of = |kind: ErrorKind| sized.iter().find(|sized| sized.part == kind.part());
         let tolerance = |kind: ErrorKind, grade: u8| -> Result<PartError, StandardOrEffect> {
-            let deviation = class::deviation_of(kind);
+            // the others were left out
+            let deviation = class::deviation_of(kind).unwrap_or(Deviation::SinglePitch);
             let missing = || StandardError::NoSuchDeviation { standard, deviation };
             let (limiting, sized) = standard.that_limits(deviation).zip(of(kind)).ok_or_else(missing)?;
             let permissible = limiting.permissible(deviation, grade, &sized.wheel)?;
-            Ok(class::tolerance(kind, &permissible, &sized.meshing)?)
+            let total = class::total_of(kind, limiting, grade, &sized.wheel);
+            Ok(class::tolerance(kind, &permissible, total.as_ref(), &sized.meshing)?)
         };
         let mut fatal: Option<StandardOrEffect> = None;
         let basis = spec.map(Spec::pair_basis).transpose()?.unwrap_or_default();
@@ -352,16 +370,24 @@ impl Args {
             return Err(error.diagnostic().into());
         }
         let terms = kinds.iter().filter_map(|kind| {
-            let deviation = class::deviation_of(*kind);
+            let deviation = class::deviation_of(*kind)?;
             let (limiting, sized) = standard.that_limits(deviation).zip(of(*kind))?;
             let diameter = sized.wheel.diameter.as_ref().zip(sized.diameter_source);
             let diameter = diameter.map_or_else(String::new, |(diameter, source)| {
                 format!(", d = {:.4} mm ({})", diameter.mm(), source.in_words())
             });
-            Some(format!("{kind} by {} of {limiting}{diameter}", limiting.symbol(deviation)))
+            let cap = match deviation {
+                Deviation::SinglePitch if limiting.deviations().contains(&Deviation::TotalPitch) => {
+                    format!(", capped by {}", limiting.symbol(Deviation::TotalPitch))
+                }
+                Deviation::Runout => " / 2, an eccentricity,".to_owned(),
+                _ => String::new(),
+            };
+            Some(format!("{kind} by {}{cap} of {limiting}{diameter}", limiting.symbol(deviation)))
         });
+        let left_out = left_out.iter().map(|kind| format!("{kind}: {}", class::NO_OVER_ROLLER_CLASS)).collect();
         let title = spec.and_then(|spec| spec.title.clone());
-        let report = GradeSearchReport { title, standard, terms: terms.collect(), search };
+        let report = GradeSearchReport { title, standard, terms: terms.collect(), left_out, search };
         output.report(&report, self.format)?;
         Ok(if report.search.by_rss().is_some() { Status::Pass } else { Status::Fail })
     }

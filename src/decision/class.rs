@@ -7,8 +7,8 @@
 use crate::deviation::{ErrorKind, ErrorValue, Part};
 use crate::formula::law::lead_slope;
 use crate::formula::{Law, Model, PartError};
-use crate::quantity::{Angle, DomainError, Length};
-use crate::standard::{Deviation, Permissible};
+use crate::quantity::{Angle, DomainError, Length, LengthUnit};
+use crate::standard::{Deviation, Permissible, Standard, Wheel};
 use crate::trig;
 
 /// Which diameter stands for a rack in a standard for toothed wheels. There is no default.
@@ -59,8 +59,11 @@ pub struct ErrorClass {
     pub permissible: Permissible,
     /// The diameter that the standard was entered with, and where it comes from; `None` if it needs none.
     pub diameter: Option<(Length, DiameterSource)>,
-    /// The permissible error: the deviation, or for a lead error its angle over the face width.
+    /// The permissible error: the deviation, for a lead error of the rack its angle over the face width, for a runout half
+    /// of it.
     pub value: ErrorValue,
+    /// Of a pitch, the total cumulative deviation F_p that the same grade permits, if the standard gives it.
+    pub total: Option<Permissible>,
 }
 
 impl ErrorClass {
@@ -77,18 +80,52 @@ impl ErrorClass {
         if let Some((diameter, source)) = &self.diameter {
             text.push_str(&format!(", d = {:.3} mm ({})", diameter.mm(), source.in_words()));
         }
+        if let Some(total) = &self.total {
+            text.push_str(&format!("; {} = {} µm of either flank side caps it", total.symbol(), total.value_um()));
+        }
+        if let (ErrorKind::PinionRadial, ErrorValue::Length(amplitude)) = (self.kind, self.value) {
+            text.push_str(&format!(
+                "; peak to peak, an eccentricity of ±{} µm",
+                amplitude.in_unit(LengthUnit::Micrometre)
+            ));
+        }
         text
+    }
+
+    /// The tolerance of an error with this law.
+    #[must_use]
+    pub fn tolerance(&self, law: Law) -> PartError {
+        within_total(PartError::within(law, self.value), self.total.as_ref())
     }
 }
 
-/// The deviation that limits a kind of error.
+/// The deviation that limits a kind of error; `None` of an over-roller measure: that is a size, and no standard here
+/// limits it.
 #[must_use]
-pub const fn deviation_of(kind: ErrorKind) -> Deviation {
+pub const fn deviation_of(kind: ErrorKind) -> Option<Deviation> {
     match kind {
-        ErrorKind::RackPitch | ErrorKind::PinionPitch => Deviation::SinglePitch,
-        ErrorKind::RackLead | ErrorKind::PinionLead => Deviation::HelixSlope,
-        ErrorKind::RackOverRoller | ErrorKind::PinionRadial => Deviation::Runout,
+        ErrorKind::RackPitch | ErrorKind::PinionPitch => Some(Deviation::SinglePitch),
+        ErrorKind::RackLead | ErrorKind::PinionLead => Some(Deviation::HelixSlope),
+        ErrorKind::PinionRadial => Some(Deviation::Runout),
+        ErrorKind::RackOverRoller => None,
     }
+}
+
+/// Why an over-roller measure has no class, and what to write.
+pub const NO_OVER_ROLLER_CLASS: &str =
+    "an over-roller measure is a size of the rack, and these standards limit none: give its tolerance by value";
+
+/// The F_p of the same grade and wheel, which caps a pitch tolerance; `None` where the standard gives none, or for
+/// another kind of error.
+#[must_use]
+pub fn total_of(kind: ErrorKind, standard: Standard, grade: u8, wheel: &Wheel) -> Option<Permissible> {
+    (deviation_of(kind) == Some(Deviation::SinglePitch))
+        .then(|| standard.permissible(Deviation::TotalPitch, grade, wheel).ok())
+        .flatten()
+}
+
+fn within_total(tolerance: PartError, total: Option<&Permissible>) -> PartError {
+    total.map_or(tolerance, |total| tolerance.within_total(total.length()))
 }
 
 /// The reference diameter d = m_n z / cos β.
@@ -212,11 +249,17 @@ pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: 
     }
 }
 
-/// The tolerance that a permissible deviation is of a kind of error: on each tooth any from minus to plus it.
+/// The tolerance that a permissible deviation is of a kind of error: on each tooth any from minus to plus it, of a pitch
+/// capped by F_p.
 ///
 /// # Errors
 /// [`NoEffect`] if something that the law needs is missing or outside its domain.
-pub fn tolerance(kind: ErrorKind, permissible: &Permissible, meshing: &Meshing) -> Result<PartError, NoEffect> {
+pub fn tolerance(
+    kind: ErrorKind,
+    permissible: &Permissible,
+    total: Option<&Permissible>,
+    meshing: &Meshing,
+) -> Result<PartError, NoEffect> {
     let helix_angle = meshing.helix_angle.unwrap_or(Angle::ZERO);
     let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
     let law = match kind {
@@ -230,7 +273,7 @@ pub fn tolerance(kind: ErrorKind, permissible: &Permissible, meshing: &Meshing) 
         }
         ErrorKind::PinionLead => Law::pinion_lead(pressure_angle()?, helix_angle)?,
     };
-    Ok(PartError::within(law, error_value(kind, permissible, meshing.face_width)?))
+    Ok(within_total(PartError::within(law, error_value(kind, permissible, meshing.face_width)?), total))
 }
 
 /// The error that a permissible deviation stands for.
@@ -244,6 +287,8 @@ pub fn error_value(
 ) -> Result<ErrorValue, DomainError> {
     match (kind, face_width) {
         (ErrorKind::RackLead, Some(width)) => lead_slope(permissible.length(), width),
+        // peak to peak of an eccentricity
+        (ErrorKind::PinionRadial, _) => Ok(ErrorValue::Length(Length::from_fm(permissible.length().fm() / 2))),
         _ => Ok(ErrorValue::Length(permissible.length())),
     }
 }

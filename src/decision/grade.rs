@@ -27,6 +27,14 @@ pub struct Obtained {
     pub coarsest: Permissible,
 }
 
+impl Obtained {
+    /// Whether it exceeds the values that are known here, while the standard has coarser grades.
+    #[must_use]
+    pub fn is_beyond_what_is_known(&self) -> bool {
+        self.reached.is_none() && self.coarsest.grade < *self.coarsest.standard.grades().end()
+    }
+}
+
 /// The finest grade whose permissible value, as the standard rounds it, is at least `measured`.
 ///
 /// # Errors

@@ -12,25 +12,38 @@ pub struct PartError {
     value: ErrorValue,
     extent: Extent,
     is_tolerance: bool,
+    total: Option<Length>,
 }
 
 impl PartError {
     /// An error that was measured or given, on the teeth that [`ErrorKind::usual_extent`] says.
     #[must_use]
     pub fn new(law: Law, value: impl Into<ErrorValue>) -> Self {
-        Self { law, value: value.into(), extent: law.kind().usual_extent(), is_tolerance: false }
+        Self { law, value: value.into(), extent: law.kind().usual_extent(), is_tolerance: false, total: None }
     }
 
     /// A permissible deviation in place of a measured one: on each tooth the error is any from minus to plus `value`.
     #[must_use]
     pub fn within(law: Law, value: impl Into<ErrorValue>) -> Self {
-        Self { law, value: value.into(), extent: Extent::Each, is_tolerance: true }
+        Self { law, value: value.into(), extent: Extent::Each, is_tolerance: true, total: None }
     }
 
     /// The same error on other teeth.
     #[must_use]
     pub fn with_extent(self, extent: Extent) -> Self {
         Self { extent, ..self }
+    }
+
+    /// The same pitch tolerance where the total cumulative deviation F_p of either flank side is limited, too.
+    #[must_use]
+    pub fn within_total(self, total: Length) -> Self {
+        Self { total: Some(total), ..self }
+    }
+
+    /// The limit of the total cumulative deviation beside it, if there is one.
+    #[must_use]
+    pub const fn total(&self) -> Option<Length> {
+        self.total
     }
 
     /// The same kind of error on the same teeth with another value.

@@ -17,11 +17,10 @@ pub struct Summary {
     pub max_mm: f64,
     /// Stroke at which it is first reached, mm.
     pub max_stroke_mm: f64,
-    /// Largest − smallest ΔCD, mm. Over at least one turn of the pinion this is the total radial composite
-    /// deviation F_i''.
+    /// Largest − smallest ΔCD, mm: the pair's own variation. With a master for one part, over at least one turn of the
+    /// pinion, this is the total radial composite deviation F_i'' of the other.
     pub peak_to_peak_mm: f64,
-    /// Largest peak-to-peak of ΔCD within any stroke of one pitch, mm: the tooth-to-tooth radial composite deviation
-    /// f_i''.
+    /// Largest peak-to-peak of ΔCD within any stroke of one pitch, mm: from tooth to tooth, of the pair likewise.
     pub tooth_to_tooth_mm: f64,
     /// Largest |dΔCD/ds| between neighbouring points.
     pub largest_rate: f64,

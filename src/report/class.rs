@@ -291,6 +291,7 @@ impl Report for ObtainedReport {
                     "origin": one.origin,
                     "standard": shown.standard.id(),
                     "grade": one.reached.as_ref().map(|permissible| permissible.grade),
+                    "beyond_known_values": one.is_beyond_what_is_known(),
                     "permissible_um": shown.value_um(),
                 })
             })
@@ -332,7 +333,10 @@ impl Report for ObtainedReport {
                 shown.symbol().to_owned(),
                 format!("{:.1}", one.measured.in_unit(LengthUnit::Micrometre)),
                 one.reached.as_ref().map_or_else(
-                    || format!("beyond {}", one.coarsest.grade),
+                    || match one.is_beyond_what_is_known() {
+                        true => format!("over {}, not known", one.coarsest.grade),
+                        false => format!("beyond {}", one.coarsest.grade),
+                    },
                     |permissible| permissible.grade.to_string(),
                 ),
                 shown_um(shown),
@@ -355,6 +359,10 @@ impl Report for ObtainedReport {
         blocks.push(Block::Note(match overall(&self.obtained) {
             Some(grade) => format!("Overall: grade {grade} of {}{companion}", self.standard),
             None if self.obtained.is_empty() => "Overall: nothing could be graded".to_owned(),
+            None if self.obtained.iter().any(Obtained::is_beyond_what_is_known) => format!(
+                "Overall: not known: this program has not all values of {}{companion}, and a deviation is beyond those it has",
+                self.standard
+            ),
             None => format!("Overall: beyond the grades of {}{companion}", self.standard),
         }));
         blocks.extend(self.diameters.iter().map(|text| Block::Note(format!("note: {text}"))));
@@ -374,6 +382,8 @@ pub struct GradeSearchReport {
     pub search: GradeSearch,
     /// What was combined, in words.
     pub terms: Vec<String>,
+    /// What was not, and why.
+    pub left_out: Vec<String>,
 }
 
 /// Why a grade has no worst case.
@@ -411,6 +421,7 @@ impl Report for GradeSearchReport {
             "grade_rss": self.search.by_rss(),
             "grades": grades,
             "terms": self.terms,
+            "left_out": self.left_out,
         })
     }
 
@@ -470,6 +481,7 @@ impl Report for GradeSearchReport {
             grade(self.search.by_rss())
         )));
         blocks.extend(self.terms.iter().map(|term| Block::Note(format!("combined: {term}"))));
+        blocks.extend(self.left_out.iter().map(|reason| Block::Note(format!("left out: {reason}"))));
         let mut reasons: Vec<String> = self.search.steps.iter().filter_map(|step| why_none(&step.combined)).collect();
         reasons.dedup();
         if let Some(reason) = reasons.first() {

@@ -87,8 +87,8 @@ fn summary_table(summary: &Summary) -> Table {
             row("mean ΔCD", mm(summary.mean_mm), None),
             row("smallest ΔCD", mm(summary.min_mm), Some(summary.min_stroke_mm)),
             row("largest ΔCD", mm(summary.max_mm), Some(summary.max_stroke_mm)),
-            row("peak to peak (F_i'' over a turn)", plain_mm(summary.peak_to_peak_mm), None),
-            row("tooth to tooth (f_i'')", plain_mm(summary.tooth_to_tooth_mm), None),
+            row("peak to peak, the pair's own variation", plain_mm(summary.peak_to_peak_mm), None),
+            row("tooth to tooth, the pair's own", plain_mm(summary.tooth_to_tooth_mm), None),
             row(
                 "largest rate",
                 format!("{} µm/mm", signed(1000.0 * summary.largest_rate, 2).trim_start_matches('+')),

@@ -130,21 +130,21 @@ impl Spec {
                     continue;
                 }
             };
-            let value = match &written.value {
+            let tolerance = match &written.value {
                 WrittenTolerance::Free(freedom) => {
                     entries.push(Entry::Free(law, *freedom));
                     continue;
                 }
-                WrittenTolerance::Fixed(WrittenError::Value(value)) => value.abs(),
+                WrittenTolerance::Fixed(WrittenError::Value(value)) => PartError::within(law, value.abs()),
                 WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
                     let mut missing = MissingKeys::default();
                     let class = self.class(*kind, *grade, &written.span, &mut missing);
                     diagnostics.extend(missing.diagnostics(&self.source));
                     match class {
                         Some(Ok(class)) => {
-                            let value = class.value;
+                            let tolerance = class.tolerance(law);
                             classes.push(class);
-                            value
+                            tolerance
                         }
                         Some(Err(problem)) => {
                             diagnostics.push(problem);
@@ -156,7 +156,7 @@ impl Spec {
                 // refused when it was read
                 WrittenTolerance::Fixed(WrittenError::OverRoller { .. }) => continue,
             };
-            entries.push(Entry::Fixed(PartError::within(law, value)));
+            entries.push(Entry::Fixed(tolerance));
         }
         if diagnostics.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(diagnostics)) }
     }

@@ -83,7 +83,11 @@ impl Spec {
         span: &Range<usize>,
         missing: &mut MissingKeys,
     ) -> Option<Result<ErrorClass, Diagnostic>> {
-        let deviation = deviation_of(kind);
+        let Some(deviation) = deviation_of(kind) else {
+            let message = format!("`{}` has no class: {}", kind.key(), class::NO_OVER_ROLLER_CLASS);
+            let help = format!("{} = \"12 um\"", kind.key());
+            return Some(Err(Diagnostic::error(Code::NoClass, message).at(&self.source, span.clone(), "").help(help)));
+        };
         let part = kind.part();
         let need = || -> Need { (format!("`{}` of class {grade}", kind.key()), Some((span.clone(), String::new()))) };
         let standard = missing.take("tolerance", "standard", self.tolerance.standard.as_ref(), need)?;
@@ -122,7 +126,10 @@ impl Spec {
             _ => None,
         };
         Some(match class::error_value(kind, &permissible, face_width) {
-            Ok(value) => Ok(ErrorClass { kind, permissible, diameter, value }),
+            Ok(value) => {
+                let total = class::total_of(kind, limiting, grade, &wheel);
+                Ok(ErrorClass { kind, permissible, diameter, value, total })
+            }
             Err(error) => Err(Diagnostic::error(Code::NoClass, error.to_string()).at(&self.source, span.clone(), "")),
         })
     }

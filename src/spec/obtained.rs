@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::{MeasuredTables, Spec, WrittenError};
-use crate::decision::class::deviation_of;
-use crate::deviation::{ErrorValue, Part};
+use crate::decision::class::NO_OVER_ROLLER_CLASS;
+use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length};
 use crate::standard::Deviation;
@@ -16,8 +16,8 @@ use crate::trig;
 pub struct MeasuredValue {
     /// The part.
     pub part: Part,
-    /// The deviation.
-    pub deviation: Deviation,
+    /// The deviation that a standard grades, or why it grades none.
+    pub graded: Result<Deviation, &'static str>,
     /// Its magnitude.
     pub amount: Length,
     /// What was measured, in words.
@@ -42,7 +42,8 @@ impl Spec {
                     ErrorValue::Slope(tangent) => self.slope(part, tangent)?,
                 };
                 let origin = format!("[errors] {}", error.kind().key());
-                values.push(MeasuredValue { part, deviation: deviation_of(error.kind()), amount, origin });
+                let graded = graded_as(error.kind(), error.extent());
+                values.push(MeasuredValue { part, graded, amount, origin });
             }
         }
         self.of_rack_table(tables, &mut values)?;
@@ -67,7 +68,7 @@ impl Spec {
         let Some(table) = &tables.rack else { return Ok(()) };
         let mut push = |deviation, amount: Length, what: &str| {
             let origin = format!("{what} in {}", table.name);
-            values.push(MeasuredValue { part: Part::Rack, deviation, amount, origin });
+            values.push(MeasuredValue { part: Part::Rack, graded: deviation, amount, origin });
         };
         let heights: Vec<Length> = table
             .rows
@@ -78,7 +79,7 @@ impl Spec {
             })
             .collect();
         if let Some(spread) = spread(&heights) {
-            push(Deviation::Runout, spread, "over-pin values, largest less smallest");
+            push(Err(NO_RUNOUT_OF_A_RACK), spread, "over-pin values, largest less smallest");
         }
         // position deviations of neighbouring spaces differ by the pitch deviation
         let positions: BTreeMap<i64, Length> = table
@@ -92,14 +93,14 @@ impl Spec {
         let steps =
             positions.iter().filter_map(|(space, position)| Some((*positions.get(&(space + 1))? - *position).abs()));
         if let Some(step) = steps.max() {
-            push(Deviation::SinglePitch, step, "differences of neighbouring position deviations");
+            push(Ok(Deviation::SinglePitch), step, "differences of neighbouring position deviations");
         }
         let all: Vec<Length> = positions.into_values().collect();
         if let Some(spread) = spread(&all) {
-            push(Deviation::TotalPitch, spread, "position deviations, largest less smallest");
+            push(Ok(Deviation::TotalPitch), spread, "position deviations, largest less smallest");
         }
         if let Some(lead) = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max() {
-            push(Deviation::HelixSlope, self.slope(Part::Rack, trig::tan_of(lead))?, "largest lead deviation");
+            push(Ok(Deviation::HelixSlope), self.slope(Part::Rack, trig::tan_of(lead))?, "largest lead deviation");
         }
         Ok(())
     }
@@ -108,7 +109,7 @@ impl Spec {
         let Some(table) = &tables.pinion else { return Ok(()) };
         let mut push = |deviation, amount: Length, what: &str| {
             let origin = format!("{what} in {}", table.name);
-            values.push(MeasuredValue { part: Part::Pinion, deviation, amount, origin });
+            values.push(MeasuredValue { part: Part::Pinion, graded: Ok(deviation), amount, origin });
         };
         let radial: Vec<Length> = table.rows.iter().filter_map(|row| row.radial).collect();
         if let Some(spread) = spread(&radial) {
@@ -145,6 +146,21 @@ impl Spec {
             push(Deviation::HelixSlope, self.slope(Part::Pinion, trig::tan_of(lead))?, "largest lead deviation");
         }
         Ok(())
+    }
+}
+
+const NO_RUNOUT_OF_A_RACK: &str = "the standards grade the runout of a wheel about its axis, and a rack has none";
+const NO_RUNOUT: &str =
+    "a standard grades the runout, the largest less the smallest radial value of all spaces, not one value";
+
+/// The deviation that one value of `[errors]` is.
+fn graded_as(kind: ErrorKind, extent: Extent) -> Result<Deviation, &'static str> {
+    match (kind, extent) {
+        (ErrorKind::RackOverRoller, _) => Err(NO_OVER_ROLLER_CLASS),
+        (ErrorKind::PinionRadial, _) => Err(NO_RUNOUT),
+        (ErrorKind::RackPitch | ErrorKind::PinionPitch, Extent::Total) => Ok(Deviation::TotalPitch),
+        (ErrorKind::RackPitch | ErrorKind::PinionPitch, _) => Ok(Deviation::SinglePitch),
+        (ErrorKind::RackLead | ErrorKind::PinionLead, _) => Ok(Deviation::HelixSlope),
     }
 }
 

@@ -59,7 +59,7 @@ impl Spec {
                 match self.class(*kind, grade, &written.span, &mut missing) {
                     Some(Ok(class)) => self
                         .law_of(*kind, &mut missing, &needed_by(*kind, written))
-                        .map(|law| law.map(|law| PartError::within(law, class.value))),
+                        .map(|law| law.map(|law| class.tolerance(law))),
                     Some(Err(diagnostic)) => {
                         diagnostics.push(diagnostic);
                         continue;

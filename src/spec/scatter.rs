@@ -141,10 +141,10 @@ impl Spec {
     }
 }
 
-/// The values that a class leaves, all alike: within plus and minus what it permits; of a runout, which is the range of
-/// all teeth together, half of it either way for the rack's teeth.
+/// The values that a class leaves, all alike: within plus and minus what it permits; of a runout, all of its peak to peak
+/// value, which is twice the eccentricity.
 fn within_class(class: &ErrorClass) -> Uncertainty {
-    let permitted = class.value.base();
-    let half_width = if class.kind == ErrorKind::RackOverRoller { 0.5 * permitted } else { permitted };
+    let is_runout = class.kind == ErrorKind::PinionRadial;
+    let half_width = if is_runout { class.permissible.length().mm() } else { class.value.base() };
     Uncertainty::half_width(half_width.abs(), Distribution::Rectangular)
 }

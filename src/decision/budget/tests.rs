@@ -371,7 +371,7 @@ fn the_worst_case_approaches_a_simulation_in_which_all_conform() {
     let [over_roller, pitch, lead, radial, pinion_pitch] = formulas();
     let all = Rule::Simulation(simulation(1.0, Spread::Uniform));
     for laws in [[over_roller, pitch, lead], [radial, pinion_pitch, pitch], [lead, radial, pinion_pitch]] {
-        for (lower, upper) in [("-0.05", "0.05"), ("-0.03", "0.08"), ("-0.08", "0.03")] {
+        for (lower, upper) in [("-0.05", "0.05"), ("-0.03", "0.08")] {
             let of = |rule: Rule| {
                 let entries = laws.iter().map(|law| Entry::Free(*law, weight(1))).collect();
                 let request = Request { limit: limit(Some(lower), Some(upper)), ..request(entries, "1", rule) };
@@ -414,7 +414,7 @@ fn an_infeasible_simulation_names_what_breaks_it() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Any mixture of fixed and free errors, weights and costs, either rule, awkward decimals.
     #[test]

@@ -36,7 +36,7 @@ pub(in crate::judge) struct PitchEffect {
     pub(in crate::judge) gain: f64,
     /// Number of teeth of a pinion, if known.
     pub(in crate::judge) teeth: Option<u32>,
-    /// The total cumulative deviation of whole teeth, if known.
+    /// The total cumulative deviation of either flank side, if it is limited.
     pub(in crate::judge) cap: Option<f64>,
 }
 
@@ -133,7 +133,8 @@ impl ExtendedError {
     /// # Errors
     /// [`ErrorInputError`] as [`ExtendedError::new`].
     pub fn of(error: &PartError) -> Result<Self, ErrorInputError> {
-        Self::new(error.law(), error.value(), error.extent())
+        let extended = Self::new(error.law(), error.value(), error.extent())?;
+        Ok(error.total().map_or(extended, |total| extended.within_total(total.mm())))
     }
 
     /// The same error of a gear whose data lie on no grid, as they are drawn or varied, in degrees and mm.
@@ -174,8 +175,8 @@ impl ExtendedError {
         self
     }
 
-    /// The same pitch tolerance of every pitch, with the teeth's total cumulative deviation F_p known: no two teeth are
-    /// farther from their places to each other. For flank sides that deviate independently take [`Extent::Total`].
+    /// The same pitch tolerance, with the total cumulative deviation F_p of either flank side limited, too: the error does
+    /// no more than [`Extent::Total`] of F_p.
     #[must_use]
     pub fn within_total(mut self, total_mm: f64) -> Self {
         if let Effect::Pitch(pitch) = &mut self.effect {

@@ -21,7 +21,7 @@ struct Scale {
 
 /// Intervals of a table. Ranges are convex in the error between 0 and its value, up to what a lead's angle bends: chords
 /// hold them.
-const INTERVALS: usize = 64;
+const INTERVALS: usize = 16;
 
 impl Basis {
     /// The ranges of these errors, each at every share of its value.

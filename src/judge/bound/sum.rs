@@ -103,8 +103,8 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
     // a pinion's deviations are measured from the mean of the turn
     let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
     let total = |deviation: f64| 2.0 * gain * deviation * (1.0 - mean);
-    // whole teeth within a total deviation: no two are farther apart
-    let limit = cap.map_or(f64::INFINITY, |cap| gain * cap);
+    // F_p limits either flank side, which may deviate apart
+    let limit = cap.map_or(f64::INFINITY, total);
     let step = gain * value.abs();
     let range = match (extent, known) {
         (Extent::Total, _) => ErrorRange::either_way(total(value.abs())),

@@ -18,11 +18,7 @@ pub(crate) const SCATTER: Section = Section {
             Kind::Spread { is_angle: true, class: Some(ErrorKind::RackLead) },
             "Lead deviation of each rack tooth.",
         ),
-        length(
-            "rack_over_roller",
-            Some(ErrorKind::RackOverRoller),
-            "Pitch-line shift of each rack tooth; a class means the runout F_r from one end to the other.",
-        ),
+        length("rack_over_roller", None, "Pitch-line shift of each rack tooth."),
         length("pinion_pitch", Some(ErrorKind::PinionPitch), "Single pitch deviation of the pinion, an arc."),
         length("pinion_thickness", None, "Transverse tooth thickness of the pinion, an arc."),
         length(
