@@ -14,8 +14,10 @@ use crate::judge::strokes::{StrokesError, extremes};
 use crate::mesh::{Mesh, Support};
 use crate::spec::{MeshInput, Spec};
 
-/// The curve of known teeth is followed this closely, and judged to so many parts of a millimetre.
+/// The curve of known teeth is followed this closely, that of a rack that may roll, which is slow, less; and judged to so many
+/// parts of a millimetre.
 const TOLERANCE_MM: f64 = 1e-7;
+const ROLLING_TOLERANCE_MM: f64 = 1e-5;
 const JUDGED_PARTS: f64 = 1e9;
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
@@ -41,9 +43,14 @@ pub(super) fn measured(input: &MeshInput) -> Result<(Strokes<f64>, Interval), Fa
 /// The extremes over all strokes at which a deviated tooth can carry, mm.
 fn range(input: &MeshInput) -> Result<Range, Failure> {
     let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
-    let Range { lower, upper } = extremes(&input.mesh, &strokes, TOLERANCE_MM).map_err(|error| unsolved(&error))?;
+    // what a coarse curve may miss counts
+    let (tolerance, missed) = match input.mesh.support() {
+        Support::Fixed => (TOLERANCE_MM, 0.0),
+        Support::FreeRoll { .. } => (ROLLING_TOLERANCE_MM, ROLLING_TOLERANCE_MM),
+    };
+    let Range { lower, upper } = extremes(&input.mesh, &strokes, tolerance).map_err(|error| unsolved(&error))?;
     let judged = |mm: f64| (mm * JUDGED_PARTS).round() / JUDGED_PARTS;
-    Ok(Range { lower: judged(lower), upper: judged(upper) })
+    Ok(Range { lower: judged(lower - missed), upper: judged(upper + missed) })
 }
 
 fn no_strokes(error: &StrokesError) -> Failure {
