@@ -130,7 +130,7 @@ impl BudgetReport<'_> {
                     _ => ' ',
                 })
                 .collect();
-            let ends = if *from < 0.0 { format!("±{to:.4}") } else { format!("0 … {to:.4}") };
+            let ends = if *from == -*to { format!("±{to:.4}") } else { format!("{from:.4} … {to:.4}") };
             format!("{name:<NAME$} {bar} {ends}")
         });
         Some(lines.collect::<Vec<_>>().join("\n"))
@@ -248,7 +248,7 @@ impl Report for BudgetReport<'_> {
             Column::text("error"),
             Column::number("tolerance"),
             Column::text(""),
-            Column::number(format!("ΔCD {}\n[mm]", self.model)),
+            Column::number("ΔCD alone\n[mm]"),
             Column::number(share),
         ];
         if !self.grades.is_empty() {
@@ -261,17 +261,11 @@ impl Report for BudgetReport<'_> {
                 (false, true) => "free, at its own limit",
                 (false, false) => "free",
             };
-            let (low, high) = swing(line);
-            let delta_cd = millimetres(high);
             let mut row = vec![
                 line.error.kind().to_string(),
                 if known { Self::tolerance_text(line) } else { "none left".to_owned() },
                 is.to_owned(),
-                match known {
-                    true if low < 0.0 => delta_cd.replacen('+', "±", 1),
-                    true => delta_cd,
-                    false => "-".to_owned(),
-                },
+                if known { interval_text(&line.range) } else { "-".to_owned() },
                 format!("{:.0} %", 100.0 * line.share),
             ];
             if !self.grades.is_empty() {
