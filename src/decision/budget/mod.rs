@@ -202,6 +202,24 @@ fn within_own_limit(request: &Request, error: &PartError) -> Result<bool, Open> 
     Ok(limit.judge(alone(*error, &request.basis)?) == Verdict::Pass)
 }
 
+/// Whether every error stays inside its own limit beside the others, as `evaluate` judges it: larger errors together let
+/// more teeth carry.
+fn within_own_limits(request: &Request, errors: &[PartError]) -> Result<bool, Open> {
+    if request.own_limits.is_empty() {
+        return Ok(true);
+    }
+    let bound = request.basis.bound_of(errors);
+    for (error, range) in errors.iter().zip(bound.errors) {
+        if let Some((_, limit)) = request.own_limits.iter().find(|(of, _)| *of == error.kind()) {
+            let range = Interval::nearest(range?.alone()).map_err(|_| Open::TooLarge)?;
+            if limit.judge(range) != Verdict::Pass {
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
+}
+
 /// The ratio in which a free error's ΔCD stands to the others'.
 fn ratio(freedom: Freedom, rule: Rule) -> f64 {
     match (freedom, rule) {
@@ -252,6 +270,7 @@ type Conforms<'a> = &'a dyn Fn(&[PartError]) -> Result<bool, Open>;
 
 fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembly>) -> Result<Budget, BudgetError> {
     let scaled = Scaled::new(request)?;
+    let conforms: Conforms<'_> = &|errors| Ok(conforms(errors)? && within_own_limits(request, errors)?);
     let mut broken_by = beyond_own_limits(request);
     let none = scaled.at(0.0)?;
     let is_free = |entry: &Entry| matches!(entry, Entry::Free(..));
