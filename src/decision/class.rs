@@ -311,6 +311,29 @@ mod tests {
         assert_eq!(format!("{:.6}", developed_diameter(length("100")).unwrap().mm()), "31.830989");
     }
 
+    /// F_r = 43 µm, f_pt = 18 µm and F_p = 54 µm are those of a commercial program's printed report.
+    #[test]
+    fn tolerances_of_a_class() {
+        let wheel = Wheel {
+            normal_module: Some(length("21")),
+            diameter: Some(length("378")),
+            face_width: Some(length("550")),
+            teeth: Some(18),
+            helix_angle: None,
+        };
+        let meshing = Meshing { pressure_angle: Some("20".parse().unwrap()), ..Meshing::of(Part::Pinion) };
+        let of = |kind, standard: Standard| {
+            let permissible = standard.permissible(deviation_of(kind).unwrap(), 6, &wheel).unwrap();
+            let total = total_of(kind, standard, 6, &wheel);
+            tolerance(kind, &permissible, total.as_ref(), &meshing).unwrap()
+        };
+        let radial = of(ErrorKind::PinionRadial, Standard::Iso1328Part2Of1997);
+        assert_eq!((radial.value(), radial.total()), (ErrorValue::Length(length("21.5 um")), None));
+        let pitch = of(ErrorKind::PinionPitch, Standard::Iso1328Part1Of1995);
+        assert_eq!((pitch.value(), pitch.total()), (ErrorValue::Length(length("18 um")), Some(length("54 um"))));
+        assert_eq!(deviation_of(ErrorKind::RackOverRoller), None);
+    }
+
     #[test]
     fn each_deviation_has_its_effect() {
         let meshing = |part| Meshing {

@@ -179,6 +179,23 @@ mod tests {
         assert_eq!(overall(&[]), None);
     }
 
+    /// Of DIN 3962, qualities 1 to 6 of a pitch are known, the coarsest 7 µm, and the standard has 12.
+    #[test]
+    fn beyond_what_is_known_is_not_beyond_the_standard() {
+        let small = Wheel {
+            normal_module: Some("1.9".parse().unwrap()),
+            diameter: Some("14.7".parse().unwrap()),
+            ..Wheel::default()
+        };
+        let beyond = |standard, measured: &str, wheel: &Wheel| {
+            let measured = measured.parse().unwrap();
+            let one = obtained(standard, Part::Pinion, Deviation::SinglePitch, measured, "", wheel).unwrap();
+            one.is_beyond_what_is_known()
+        };
+        assert!(!beyond(Standard::Din3962, "7 um", &small) && beyond(Standard::Din3962, "7.001 um", &small));
+        assert!(!beyond(Standard::Iso1328Part1Of2013, "90 um", &wheel()));
+    }
+
     #[test]
     fn the_coarsest_grade_within_a_limit() {
         let standard = Standard::Iso1328Part1Of2013;

@@ -333,9 +333,13 @@ impl Report for ObtainedReport {
                 shown.symbol().to_owned(),
                 format!("{:.1}", one.measured.in_unit(LengthUnit::Micrometre)),
                 one.reached.as_ref().map_or_else(
-                    || match one.is_beyond_what_is_known() {
-                        true => format!("over {}, not known", one.coarsest.grade),
-                        false => format!("beyond {}", one.coarsest.grade),
+                    || {
+                        let coarsest = one.coarsest.grade;
+                        if one.is_beyond_what_is_known() {
+                            format!("over {coarsest}, not known")
+                        } else {
+                            format!("beyond {coarsest}")
+                        }
                     },
                     |permissible| permissible.grade.to_string(),
                 ),

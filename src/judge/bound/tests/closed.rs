@@ -202,3 +202,20 @@ fn mean_and_spread_for_a_statistical_sum() {
     near(mean, share * g);
     near(deviation, (share * (1.0 - share)).sqrt() * g);
 }
+
+/// F_p of 10 µm on either flank side of a pinion of 8 teeth, with f_pt larger than that: 2 g(F_p) (1 − 1/z), with the
+/// pair known; without it z is not known.
+#[test]
+fn a_pitch_tolerance_is_capped_by_the_total_of_either_flank_side() {
+    let pair = spur();
+    let capped = |value: f64| error(&pair, 4, Extent::Each, value).within_total(0.01);
+    let g = |value: f64| value / (2.0 * trig::tan(20.0 * DEGREE));
+    let total = of(pair, &[error(&pair, 4, Extent::Total, 0.01)]).errors[0].unwrap();
+    let range = of(pair, &[capped(0.1)]).errors[0].unwrap();
+    near(range.upper_mm, total.upper_mm);
+    near(range.raw_lower_mm, total.raw_lower_mm);
+    let free = of(pair, &[error(&pair, 4, Extent::Each, 0.001)]).errors[0].unwrap();
+    near(of(pair, &[capped(0.001)]).errors[0].unwrap().upper_mm, free.upper_mm);
+    let unknown = bound(&[capped(0.1)], &Knowledge::default()).errors[0].unwrap();
+    assert!(unknown.upper_mm <= 2.0 * g(0.01) + 1e-12 && unknown.upper_mm >= total.upper_mm, "{unknown:?}");
+}
