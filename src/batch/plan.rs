@@ -48,6 +48,7 @@ impl Source {
 }
 
 /// What is computed for each part.
+#[expect(clippy::struct_excessive_bools, reason = "what is needed of each part")]
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub(super) sources: Vec<Source>,

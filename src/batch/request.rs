@@ -6,6 +6,7 @@ use crate::decision::{Rule, Stack, Verdict};
 use crate::formula::Model;
 
 /// What is asked of a batch.
+#[expect(clippy::struct_excessive_bools, reason = "independent options")]
 #[derive(Debug, Clone, Default)]
 pub struct Request {
     /// The formulas' model.

@@ -242,6 +242,12 @@ fn read_error_table(
         return None;
     }
     let noted = uncertain::Source::Error(kind);
+    if *form == ["class"] && entry.contains_key(keys::EXTENT) {
+        let message = format!("`{}` is a class: what is permitted is that of each tooth", kind.key());
+        let help = "leave `extent` out, or give the largest deviation as `value`";
+        reader.report(Diagnostic::error(Code::BadErrorEntry, message).help(help), span, "");
+        return None;
+    }
     if *form == ["class"] {
         if uncertain > 0 {
             let message = format!("`{}` is a class: what is permitted has no measuring uncertainty", kind.key());

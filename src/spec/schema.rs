@@ -190,8 +190,8 @@ fn error(kind: ErrorKind) -> Value {
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         if *form != ["class"] {
             properties.extend(uncertainty_properties());
+            properties.insert(EXTENT.to_owned(), extent(kind));
         }
-        properties.insert(EXTENT.to_owned(), extent(kind));
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
         }
