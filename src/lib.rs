@@ -30,7 +30,6 @@
 //! # For a calculation
 //! ```
 //! use rackmesh::formula::{Law, Model};
-//! use rackmesh::judge::bound::Basis;
 //! use rackmesh::quantity::Length;
 //!
 //! let law = Law::rack_pitch("20 deg".parse()?, "12 deg".parse()?)?;
@@ -43,6 +42,7 @@
 //! ```
 //! use rackmesh::decision::{Limit, LimitTarget, Stack, Verdict, evaluate};
 //! use rackmesh::formula::{Law, Model, PartError};
+//! use rackmesh::judge::bound::Basis;
 //! use rackmesh::quantity::Length;
 //!
 //! let (measured, nominal): (Length, Length) = ("25.0131".parse()?, "25.0000".parse()?);
