@@ -128,7 +128,10 @@ impl Leads {
     /// Their range for any pair whose flanks touch up to this height over and under the reference plane.
     pub(super) fn of_any_pair(&self, height: f64) -> ErrorRange {
         let mut upper_mm = 0.0_f64;
-        for value in self.candidates() {
+        let candidates = self.candidates();
+        // a lead of all teeth has one value
+        let count = if self.values.lower == self.values.upper { 1 } else { candidates.len() };
+        for &value in &candidates[..count] {
             let Slopes { across, up, along } = self.turned(value, 1.0);
             let half_width = self.lines.map_or(0.0, |lines| 0.5 * lines.face_width);
             upper_mm = upper_mm.max(across.abs() * half_width + up.abs() * height + along.abs());
