@@ -151,6 +151,9 @@ fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
 pub(super) struct Sum {
     raw_lower: f64,
     raw_upper: f64,
+    /// The raw ends of those that sink, and of those that lift.
+    sinks: f64,
+    lifts: f64,
     /// How much better the lower end of one error is than its raw one, at most, and how much lower its upper end.
     better: f64,
     spared: f64,
@@ -180,6 +183,8 @@ impl Sum {
     }
 
     pub(super) fn add(&mut self, part: Part, range: ErrorRange) {
+        self.sinks += range.raw_lower_mm.min(0.0);
+        self.lifts += range.raw_upper_mm.max(0.0);
         self.raw_lower += range.raw_lower_mm;
         self.raw_upper += range.raw_upper_mm;
         self.better = self.better.max(range.lower_mm - range.raw_lower_mm);
@@ -194,14 +199,16 @@ impl Sum {
         Reach { range, of_pinion_mm: self.of_pinion }
     }
 
-    /// Beside teeth that are known one by one every end is raw, and what undercut and gaps do counts once more: errors may
+    /// Beside teeth that are known one by one, which may carry with edges anywhere: a flank that is raised by e asks for no less
+    /// there, but for no more either, because its tip plane stays. So what lifts raises no lower end, what lowers no upper one.
+    /// Every end is raw, and what undercut and gaps do counts once more: errors may
     /// shift them against what the known teeth do.
     fn beside(&self, teeth: KnownTeeth, knowledge: &Knowledge) -> Result<Range, Open> {
         let own = own(self, knowledge)?;
         let offset = known(knowledge).map_or(0.0, |known| thickness_offset(&known.given.pair));
         Ok(Range {
-            lower: teeth.range.lower + self.raw_lower + (own.lower - offset).min(0.0),
-            upper: teeth.range.upper + self.raw_upper + (own.upper - offset).max(0.0),
+            lower: teeth.range.lower + self.sinks + (own.lower - offset).min(0.0),
+            upper: teeth.range.upper + self.lifts + (own.upper - offset).max(0.0),
         })
     }
 

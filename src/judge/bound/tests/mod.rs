@@ -1,5 +1,6 @@
 //! The bound against closed forms and against the exact mesh.
 
+mod beside;
 mod closed;
 pub(in crate::judge) mod property;
 pub(in crate::judge) mod random;
