@@ -34,8 +34,6 @@ pub(in crate::judge) struct PitchEffect {
     pub(in crate::judge) part: Part,
     pub(in crate::judge) value: f64,
     pub(in crate::judge) gain: f64,
-    /// Number of teeth of a pinion, if known.
-    pub(in crate::judge) teeth: Option<u32>,
     /// The total cumulative deviation of either flank side, if it is limited.
     pub(in crate::judge) cap: Option<f64>,
 }
@@ -105,7 +103,7 @@ impl ExtendedError {
             (ErrorKind::RackPitch | ErrorKind::PinionPitch, _, ErrorValue::Length(value)) => {
                 let part = if law.kind() == ErrorKind::RackPitch { Part::Rack } else { Part::Pinion };
                 let gain = law.slope(1.0, Model::Exact);
-                Effect::Pitch(PitchEffect { part, value: value.mm(), gain, teeth: None, cap: None })
+                Effect::Pitch(PitchEffect { part, value: value.mm(), gain, cap: None })
             }
             (ErrorKind::RackLead, Some(gear), ErrorValue::Angle(_) | ErrorValue::Slope(_)) => {
                 let value = match value {
@@ -181,15 +179,6 @@ impl ExtendedError {
     pub fn within_total(mut self, total_mm: f64) -> Self {
         if let Effect::Pitch(pitch) = &mut self.effect {
             pitch.cap = Some(total_mm.abs());
-        }
-        self
-    }
-
-    /// The same error of a pinion with so many teeth: a total cumulative deviation is measured from the mean of the turn.
-    #[must_use]
-    pub fn of_teeth(mut self, count: u32) -> Self {
-        if let Effect::Pitch(pitch) = &mut self.effect {
-            pitch.teeth = Some(count);
         }
         self
     }

@@ -7,7 +7,7 @@ use super::field::{ContactPath, Field, line_distance, thickness_deviation, thick
 use super::lead::LeadTables;
 use super::pitch::{Counts, Way};
 use super::profile::{Profile, Rolls};
-use super::{ExtendedError, KnownTeeth, Range};
+use super::{KnownTeeth, Range};
 use crate::deviation::{DeviationError, Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
@@ -64,12 +64,6 @@ impl Reach {
         self.range.upper.max(-self.range.lower)
     }
 
-    /// With a little more either way.
-    fn grown(&self) -> Self {
-        let Range { lower, upper } = self.range;
-        Self { range: Range { lower: 1.2 * lower, upper: 1.2 * upper }, of_pinion_mm: 1.2 * self.of_pinion_mm }
-    }
-
     /// Together with what known teeth do, which may be those of either part.
     pub(super) fn with(self, teeth: Option<KnownTeeth>) -> Self {
         let Some(KnownTeeth { range }) = teeth else { return self };
@@ -123,8 +117,6 @@ pub enum KnownPairError {
 /// Tolerance of an own curve, mm: of one that is told apart by sides, and of a rack that may roll, which is slow.
 const ROLLING_CURVE_MM: f64 = 1e-5;
 const SIDES_CURVE_MM: f64 = 1e-6;
-/// A reach is made larger at most so often, until the errors on the teeth that it brings into play stay within it.
-const GROWTHS: u32 = 16;
 /// Flanks are shortened this many times as far as they shift, which also covers that a shorter tip falls off less steeply.
 const SHORTENING: f64 = 2.0;
 /// Where teeth take over from each other errors hold them apart, so that both sides sink further than either curve has
@@ -154,46 +146,21 @@ impl GivenPair {
 }
 
 impl KnownPair {
-    /// What is known of a pair for these errors, as little as is needed for them.
-    ///
-    /// # Errors
-    /// [`KnownPairError`] as [`KnownPair::new`].
-    pub fn for_errors(given: GivenPair, errors: &[ExtendedError]) -> Result<Self, KnownPairError> {
-        let mut reach = Reach::estimated(errors, &given.pair);
-        for _ in 0..GROWTHS {
-            let reached = Self::without_curve(given, reach).reached(errors);
-            if reach.holds(&reached) {
-                reach = reached;
-                break;
-            }
-            reach = reached.grown();
-        }
-        let mut known = Self::new(given, reach)?;
-        // gaps in the path of contact bring more teeth into play
-        for _ in 0..GROWTHS {
-            let reached = known.reached(errors);
-            if known.reach.holds(&reached) {
-                break;
-            }
-            known = Self::new(given, reached.grown())?;
-        }
-        Ok(known)
-    }
-
-    /// What is known of a pair for errors within a reach; see [`Reach::estimated`]. Solves the error-free mesh over a pitch
+    /// What is known of a pair for errors within a reach. Solves the error-free mesh over a pitch
     /// where lines of contact alone do not say what its curve is: undercut, a contact ratio near 1 and below, flank form, a
     /// rack that may roll.
     ///
     /// # Errors
     /// [`KnownPairError`] if errors as large leave no flanks or the pair does not mesh.
     pub fn new(given: GivenPair, reach: Reach) -> Result<Self, KnownPairError> {
-        let mut known = Self::without_curve(given, reach);
+        let mut known = Self::of_lines(given, reach);
         known.own = Range { lower: known.lowest()?, upper: known.highest()? };
         known.count();
         Ok(known)
     }
 
-    fn without_curve(given: GivenPair, reach: Reach) -> Self {
+    /// What lines of contact alone say; not yet what the curve does, and how much acts at once.
+    fn of_lines(given: GivenPair, reach: Reach) -> Self {
         let pair = &given.pair;
         let range = Range { lower: reach.range.lower.min(0.0), upper: reach.range.upper.max(0.0) };
         let reach = Reach { range, ..reach };
@@ -217,7 +184,6 @@ impl KnownPair {
             pinion_sections: None,
         };
         known.set_sections(rolls, narrower);
-        known.count();
         known
     }
 

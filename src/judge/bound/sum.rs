@@ -6,12 +6,8 @@ use super::known::flanks_apart;
 use super::lead::Leads;
 use super::moments::{Moments, moments};
 use super::pitch;
-use super::{
-    ContactPath, ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, Note, Open, Range,
-    Reach,
-};
+use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, Note, Open, Range, Reach};
 use crate::deviation::Part;
-use crate::gear::Pair;
 use crate::mesh::LARGEST_ROLL_RAD;
 use crate::trig;
 
@@ -100,9 +96,9 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
 }
 
 fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
-    let PitchEffect { part, value, gain, teeth, cap } = *pitch;
+    let PitchEffect { part, value, gain, cap } = *pitch;
     let known = known(knowledge);
-    let teeth = teeth.or_else(|| known.map(|known| known.given.pair.pinion().teeth));
+    let teeth = known.map(|known| known.given.pair.pinion().teeth);
     // a pinion's deviations are measured from the mean of the turn
     let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
     let total = |deviation: f64| 2.0 * gain * deviation * (1.0 - mean);
@@ -322,34 +318,4 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
         _ => None,
     }));
     notes
-}
-
-impl Reach {
-    /// How far errors may move ΔCD: too much at any rate.
-    #[must_use]
-    pub fn estimated(errors: &[ExtendedError], pair: &Pair) -> Self {
-        /// Edges may lengthen the path of contact by this, in pitches.
-        const EDGES: f64 = 2.0;
-        let path = ContactPath::nominal(pair);
-        let most = (path.ratio + (2.0 * path.offset).abs() + 1.0 + EDGES).floor();
-        let height = pair.rack().addendum_mm.abs() + pair.pinion().tip_radius_mm;
-        let mut leads = Leads::none(Part::Rack);
-        let (mut of_rack, mut of_pinion) = (0.0, 0.0);
-        for error in errors {
-            let either_way = match error.effect {
-                Effect::Size { value, .. } => value.abs(),
-                Effect::PinionLead { value, gain } => gain * value.abs(),
-                Effect::Pitch(PitchEffect { value, gain, .. }) => {
-                    gain * value.abs() * if error.extent == Extent::Total { 2.0 } else { most }
-                }
-                Effect::RackLead { value, rack } => {
-                    leads = leads.with(value, error.extent, Some(rack));
-                    0.0
-                }
-            };
-            *(if error.part() == Part::Rack { &mut of_rack } else { &mut of_pinion }) += either_way;
-        }
-        let all = 1.01 * (of_rack + of_pinion + leads.of_any_pair(height).upper_mm) + SPARE_MM;
-        Self { range: Range { lower: -all, upper: all }, of_pinion_mm: 1.01 * of_pinion + SPARE_MM }
-    }
 }

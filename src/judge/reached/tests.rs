@@ -4,7 +4,7 @@ use super::{Reached, reached};
 use crate::deviation::Extent;
 use crate::gear::Pair;
 use crate::judge::bound::tests::random::{self, Random};
-use crate::judge::bound::{ContactPath, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, bound};
+use crate::judge::bound::{Basis, ContactPath, ExtendedError, GivenGeometry, GivenPair, KnownPairs};
 use crate::mesh::{Mesh, Support};
 use crate::parallel;
 use crate::reproduction;
@@ -91,8 +91,8 @@ fn check(seed: u64) -> Option<Vec<String>> {
     let given = if random.chance(0.1) { random::with_form(&mut random, plain) } else { plain };
     let count = 1 + random.below(3);
     let errors: Vec<ExtendedError> = (0..count).map(|_| random::error(&mut random, &pair).error).collect();
-    let known = KnownPair::for_errors(given, &errors).ok()?;
-    let range = bound(&errors, &Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() }).total.ok()?;
+    let basis = Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..Basis::default() };
+    let range = basis.total(&errors).ok()?;
     let found = match reached(&errors, &given) {
         Ok(found) => found?,
         Err(error) => return Some(vec![format!("seed {seed}: {error}")]),

@@ -5,8 +5,8 @@ use crate::deviation::ErrorKind;
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
-    Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPair, Note, Open,
-    Range, bound, moments,
+    Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, Geometry, GivenGeometry, GivenPair, Knowledge,
+    KnownPairs, Note, Open, Range, bound, moments,
 };
 use crate::mesh::Support;
 use crate::quantity::{Angle, Length};
@@ -20,8 +20,12 @@ fn unknown(errors: &[ExtendedError]) -> Bound {
 }
 
 fn of(pair: Pair, errors: &[ExtendedError]) -> Bound {
-    let known = KnownPair::for_errors(GivenPair::plain(pair), errors).unwrap();
-    bound(errors, &Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() })
+    of_given(GivenPair::plain(pair), errors)
+}
+
+fn of_given(given: GivenPair, errors: &[ExtendedError]) -> Bound {
+    let geometry = GivenGeometry::Known(KnownPairs::new(given));
+    Basis { geometry, ..Basis::default() }.bound(errors)
 }
 
 fn error(pair: &Pair, kind: u32, extent: Extent, value: f64) -> ExtendedError {
@@ -168,13 +172,13 @@ fn what_a_known_pair_is_for() {
     let pair = spur();
     let small = [error(&pair, 3, Extent::Each, 0.001)];
     let large = [error(&pair, 3, Extent::Each, 0.1)];
-    let known = KnownPair::for_errors(GivenPair::plain(pair), &small).unwrap();
-    let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
+    let pairs = KnownPairs::new(GivenPair::plain(pair));
+    let knowledge =
+        Knowledge { geometry: Geometry::Known(pairs.for_errors(&small, None).unwrap()), ..Knowledge::default() };
     assert_eq!(bound(&large, &knowledge).total, Err(Open::BeyondReach));
     let support = Support::FreeRoll { axis_depth_mm: 8.0 };
     let step = [error(&pair, 1, Extent::One, 0.02)];
-    let rolling = KnownPair::for_errors(GivenPair { support, ..GivenPair::plain(pair) }, &step).unwrap();
-    let rolling = bound(&step, &Knowledge { geometry: Geometry::Known(&rolling), ..Knowledge::default() });
+    let rolling = of_given(GivenPair { support, ..GivenPair::plain(pair) }, &step);
     let (fixed, rolling) = (of(pair, &step).errors[0].unwrap(), rolling.errors[0].unwrap());
     near(rolling.upper_mm, fixed.upper_mm);
     assert!(rolling.lower_mm == rolling.raw_lower_mm && rolling.raw_lower_mm <= fixed.raw_lower_mm);
@@ -185,8 +189,9 @@ fn what_a_known_pair_is_for() {
 fn mean_and_spread_for_a_statistical_sum() {
     let pair = spur();
     let of_one = |error: ExtendedError| {
-        let known = KnownPair::for_errors(GivenPair::plain(pair), &[error]).unwrap();
-        let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
+        let pairs = KnownPairs::new(GivenPair::plain(pair));
+        let known = pairs.for_errors(&[error], None).unwrap();
+        let knowledge = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
         let found = moments(&error, &knowledge).unwrap();
         (found.mean_mm, found.deviation_mm)
     };

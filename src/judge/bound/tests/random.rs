@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::deviation::{ErrorKind, Part, PinionForm, RackForm};
+use crate::deviation::{Part, PinionForm, RackForm};
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::error::{Effect, PitchEffect};
@@ -135,9 +135,6 @@ pub(in crate::judge) fn drawn(pair: &Pair, kind: u32, extent: Extent, value: f64
     };
     let value = length(value);
     let mut error = ExtendedError::new(law, value, extent).unwrap();
-    if law.kind() == ErrorKind::PinionPitch {
-        error = error.of_teeth(pinion.teeth);
-    }
     if let Some(cap) = cap {
         error = error.within_total(cap);
     }
