@@ -42,7 +42,8 @@ fn draws(c: &mut Criterion) {
     const DRAWS: u64 = 2_000_000;
     let errors = errors();
     let basis = Basis::default();
-    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &basis };
+    let part =
+        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &basis, teeth: &[] };
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.05")))];
     let errors_only: Vec<_> =
         ErrorKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();

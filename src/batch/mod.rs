@@ -74,4 +74,4 @@ pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};
 pub use run::{Batch, Progress, RunError, Sink, Sinks};
 pub use statistics::{QUANTILES, Statistics};
-pub use teeth::{Teeth, TeethRequest};
+pub use teeth::{JudgedTeeth, Teeth, TeethJudge, TeethRequest};

@@ -7,7 +7,7 @@ use super::request::Request;
 use super::results::{KINDS, Results};
 use crate::decision::Limits;
 use crate::decision::monte_carlo::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
-use crate::decision::uncertainty::{Part, Point, Propagator, Spreads};
+use crate::decision::uncertainty::{Part, Point, Propagator, Spreads, TeethSensitivity};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartError;
@@ -34,6 +34,8 @@ pub(super) struct Uncertain {
     /// The model and the combination.
     request: Request,
     basis: Basis,
+    /// How teeth that the spec knows one by one follow from what is uncertain.
+    teeth: Vec<TeethSensitivity>,
 }
 
 impl RowUncertainty {
@@ -73,13 +75,20 @@ impl Uncertain {
             PartError::new(source.law, ErrorValue::zero(source.law.kind())).with_extent(source.extended.extent())
         };
         let errors: Vec<_> = sources.iter().map(zero).collect();
-        let part =
-            Part { errors: &errors, over_pin: over_pin.as_ref(), model: request.model, stack: request.stack, basis };
+        let part = Part {
+            errors: &errors,
+            over_pin: over_pin.as_ref(),
+            model: request.model,
+            stack: request.stack,
+            basis,
+            teeth: &spec.teeth_sensitivities,
+        };
         let propagator = Propagator::new(&part, uncertainties)
             .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
         // every part has a core of its own
         let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
-        Ok(Self { propagator, over_pin, monte_carlo, request: request.clone(), basis: basis.clone() })
+        let teeth = spec.teeth_sensitivities.clone();
+        Ok(Self { propagator, over_pin, monte_carlo, request: request.clone(), basis: basis.clone(), teeth })
     }
 
     /// The uncertainties of one part.
@@ -108,6 +117,7 @@ impl Uncertain {
             model: self.request.model,
             stack: self.request.stack,
             basis: &self.basis,
+            teeth: &self.teeth,
         };
         let simulation = simulate_part(&part, self.propagator.uncertainties(), limits, settings)?;
         let propagation = self.propagator.propagation(&errors)?;

@@ -45,6 +45,11 @@ fn draws(text: &str) -> Option<u64> {
 }
 
 impl DecisionArgs {
+    /// As the spec says: its own rule, and no simulation.
+    pub(super) fn of_spec() -> Self {
+        Self { rule: None, monte_carlo: None, seed: DEFAULT_SEED, digits: DEFAULT_DIGITS }
+    }
+
     /// Takes back a word that was taken for the number of draws: `--monte-carlo rack.toml` means the spec.
     pub(super) fn spec_behind_monte_carlo(&mut self) -> Option<String> {
         let given = self.monte_carlo.as_mut()?;
@@ -83,8 +88,14 @@ impl DecisionArgs {
             return Ok(None);
         }
         let over_pin = spec.over_pin();
-        let part =
-            Part { errors, over_pin: over_pin.as_ref(), model: evaluation.model, stack: evaluation.stack, basis };
+        let part = Part {
+            errors,
+            over_pin: over_pin.as_ref(),
+            model: evaluation.model,
+            stack: evaluation.stack,
+            basis,
+            teeth: &spec.teeth_sensitivities,
+        };
         let known = self.known(&part, spec, &spec.limits())?;
         let rule = self.rule(spec);
         if known.is_some() || rule != Rule::Simple {
@@ -101,6 +112,7 @@ impl DecisionArgs {
             propagation: known.propagation,
             simulation: known.simulation,
             taken_as_exact: spec.taken_as_exact(),
+            of_teeth: spec.uncertainty_of_teeth(),
         }))
     }
 

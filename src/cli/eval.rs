@@ -8,7 +8,7 @@ use super::output::{Failure, Output, Status};
 use super::teeth::{self, with_known_teeth};
 use crate::decision::{self, Evaluation, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::Model;
+use crate::formula::{Model, PartError};
 use crate::judge::bound::Basis;
 use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
 use crate::spec::Spec;
@@ -95,7 +95,7 @@ impl Args {
         let spec = with_known_teeth(super::read_spec(&path, output)?, &path)?;
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) =
-            judged(&spec, &basis, &self.decision, self.model.into(), self.stack.into())?;
+            judged(&spec, &spec.part_errors()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
         if !self.no_mesh {
             evaluation.reached = teeth::reached(&spec, &basis)?;
         }
@@ -116,19 +116,19 @@ impl Args {
     }
 }
 
-/// Evaluates the spec's errors by what is known of the pair and decides by its rule, with what is known of their
+/// Evaluates a part's errors by what is known of the pair and decides by its rule, with what is known of their
 /// uncertainty.
 pub(super) fn judged(
     spec: &Spec,
+    errors: &[PartError],
     basis: &Basis,
     decision: &DecisionArgs,
     model: Model,
     stack: Stack,
 ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-    let errors = spec.part_errors()?;
-    let mut evaluation = decision::evaluate(&errors, &spec.limits(), model, stack, basis)
+    let mut evaluation = decision::evaluate(errors, &spec.limits(), model, stack, basis)
         .map_err(|failure| spec.explain_failure(&failure))?;
-    let uncertainty = decision.judge(spec, &errors, basis, &mut evaluation)?;
+    let uncertainty = decision.judge(spec, errors, basis, &mut evaluation)?;
     Ok((evaluation, uncertainty))
 }
 

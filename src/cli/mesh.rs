@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use super::decision::DecisionArgs;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
@@ -264,6 +265,8 @@ impl Args {
             limit,
             judged: judged.range,
             judged_by: judged.by,
+            verdict: judged.verdict,
+            rule: DecisionArgs::of_spec().rule(&spec),
             notes,
             screen: output.screen(),
         };
@@ -313,7 +316,7 @@ impl Args {
 
 /// How a command ends that solved a mesh.
 pub(super) fn status(report: &MeshReport<'_>) -> Status {
-    match report.verdict() {
+    match report.verdict {
         Some(Verdict::Fail) => Status::Fail,
         Some(Verdict::Indeterminate) => Status::Indeterminate,
         None if report.limit.is_some() => Status::Undecided,

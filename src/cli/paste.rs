@@ -8,8 +8,9 @@ use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::tables::{self, Opened, ReadArgs};
 use super::{batch, mesh, office, page, target, teeth, terminal};
+use crate::batch::TeethJudge;
 use crate::decision::uncertainty::Source as Uncertain;
-use crate::decision::{Evaluation, JudgedBy, LimitTarget, Verdict};
+use crate::decision::{Evaluation, LimitTarget};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::diagnostic::{Code, Diagnostic};
@@ -147,7 +148,7 @@ impl Args {
         all.sort_by_key(|(kind, _)| *kind);
         let spec = read.spec.with_errors(&all);
         let (mut evaluation, uncertainty) =
-            eval::judged(&spec, basis, &self.decision, self.model.into(), self.stack.into())?;
+            eval::judged(&spec, &spec.part_errors()?, basis, &self.decision, self.model.into(), self.stack.into())?;
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
             evaluation.leave_open(LimitTarget::CenterDistance);
         }
@@ -232,7 +233,8 @@ impl Args {
         let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
         let unreadable =
             |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
-        let basis = teeth::with_known_teeth((*read.spec).clone(), &self.spec)?.basis()?;
+        read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec)?);
+        let basis = read.spec.basis()?;
         let usual = Reach::usual(read.spec.module());
         let mut doubted = vec![0; kinds.len()];
         let mut rows: Vec<PartRow> = Vec::new();
@@ -318,24 +320,32 @@ impl Args {
         let measured = spec.measured(&tables, self.model.into())?;
         let limits = spec.limits();
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
-        let report = SpacesReport { title: spec.title.as_deref(), measured: &measured, limit };
-        let by_formula = report.verdict();
-        if !self.mesh {
+        let report = SpacesReport { title: spec.title.as_deref(), measured: &measured };
+        let missing = spec.missing_geometry();
+        if limit.is_none() && !self.mesh {
             self.report(&report, read, output)?;
-            return Ok(status(by_formula));
+            return Ok(Status::Pass);
         }
-        let only = spec.measured_only(is_rack);
-        let mut all = mesh::measured_tables(&only, &self.spec)?;
+        if !missing.is_empty() && !self.mesh {
+            self.report(&report, read, output)?;
+            output.diagnostic(&unjudged_teeth(&missing));
+            return Ok(Status::Undecided);
+        }
+        let judge = TeethJudge::new(spec, is_rack, self.decision.rule(spec), self.partial)?;
+        let only = judge.measured_only();
+        let mut all = mesh::measured_tables(only, &self.spec)?;
         if is_rack {
             all.rack = tables.rack;
         } else {
             all.pinion = tables.pinion;
         }
         let input = only.mesh(&all)?;
-        let (covered, judged) = teeth::measured(&input)?;
+        let judged = judge.judge(&input, &all)?;
+        let covered = &judged.strokes;
         let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| mesh::unsolved(&error))?;
         let prediction = mesh::prediction(&input);
         let mut notes = mesh::notes(&input);
+        notes.extend(judge.notes());
         if is_rack {
             notes.push(format!(
                 "the strokes whose contacts were measured are {:.3} to {:.3} mm: the others are not judged",
@@ -350,8 +360,10 @@ impl Args {
             listed: &[],
             prediction: &prediction,
             limit,
-            judged: Ok(judged),
-            judged_by: JudgedBy::Mesh,
+            judged: judged.range,
+            judged_by: judged.by,
+            verdict: judged.verdict,
+            rule: self.decision.rule(spec),
             notes,
             screen: output.screen(),
         };
@@ -366,12 +378,14 @@ struct Judged {
     uncertainty: Option<UncertaintyPart>,
 }
 
-fn status(verdict: Option<Verdict>) -> Status {
-    match verdict {
-        Some(Verdict::Fail) => Status::Fail,
-        Some(Verdict::Indeterminate) => Status::Indeterminate,
-        Some(Verdict::Pass) | None => Status::Pass,
-    }
+/// Why measured teeth have no verdict.
+fn unjudged_teeth(missing: &[&str]) -> Diagnostic {
+    let missing = missing.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
+    Diagnostic::warning(
+        Code::UnjudgedLimit,
+        format!("teeth are judged by their exact mesh, for which {missing} is missing"),
+    )
+    .help("what the formulas say of single teeth is no range of all together")
 }
 
 fn part_status(evaluation: Option<&Evaluation>) -> Status {

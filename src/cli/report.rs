@@ -111,7 +111,7 @@ impl Args {
         let spec = &with_known_teeth(spec.clone(), &self.spec)?;
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) =
-            eval::judged(spec, &basis, &self.decision, self.model.into(), self.stack.into())?;
+            eval::judged(spec, &spec.part_errors()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
         evaluation.reached = teeth::reached(spec, &basis)?;
         for target in evaluation.not_given() {
             output.diagnostic(&eval::unjudged(spec, target));
@@ -179,6 +179,8 @@ impl Args {
             limit,
             judged: judged.range,
             judged_by: judged.by,
+            verdict: judged.verdict,
+            rule: self.decision.rule(spec),
             notes: mesh::notes(&input),
             screen: Screen::default(),
         };
@@ -299,6 +301,7 @@ impl Args {
             rule: self.decision.rule(spec),
             statistics: true,
             problems_kept: 10,
+            partial: self.partial,
             ..TeethRequest::default()
         };
         let basis = batch::mesh_basis(spec, &request.rule);

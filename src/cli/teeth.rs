@@ -1,24 +1,19 @@
 //! Teeth that a spec knows one by one: their mesh is solved before anything is judged. Shared by the subcommands that
 //! judge errors.
 
-use std::ops::Range as Strokes;
-
+use super::decision::DecisionArgs;
+use super::eval;
 use super::mesh::{measured_tables, unsolved};
 use super::output::Failure;
-use crate::decision::{Combined, Interval, JudgedBy, Limit, LimitTarget, Stack};
+use crate::decision::{Interval, JudgedBy, Limit, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::Model;
 use crate::gear::Pair;
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, KnownTeeth, Open, Range};
 use crate::judge::reached::{self, Placement, Reached};
-use crate::judge::strokes::{StrokesError, extremes};
+use crate::judge::strokes::{Followed, StrokesError};
 use crate::mesh::{Mesh, Support};
-use crate::spec::{MeshInput, Spec};
-
-/// The curve of known teeth is followed this closely, that of a rack that may roll, which is slow, less; and judged to so many
-/// parts of a millimetre.
-const TOLERANCE_MM: f64 = 1e-7;
-const ROLLING_TOLERANCE_MM: f64 = 1e-5;
-const JUDGED_PARTS: f64 = 1e9;
+use crate::spec::Spec;
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
 pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> {
@@ -28,29 +23,11 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> 
     let tables = measured_tables(&spec, path)?;
     // that a part is not given both ways is known from here on
     let input = spec.mesh(&tables)?;
-    let range = range(&input)?;
-    Ok(spec.with_known_teeth(KnownTeeth { range }))
-}
-
-/// The stretch of strokes over which a measured part is judged, and the extremes there.
-pub(super) fn measured(input: &MeshInput) -> Result<(Strokes<f64>, Interval), Failure> {
     let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
-    let stretch = strokes.first().map_or(0.0, |first| first.start)..strokes.last().map_or(0.0, |last| last.end);
-    let interval = Interval::nearest(range(input)?);
-    Ok((stretch, interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?))
-}
-
-/// The extremes over all strokes at which a deviated tooth can carry, mm.
-fn range(input: &MeshInput) -> Result<Range, Failure> {
-    let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
-    // what a coarse curve may miss counts
-    let (tolerance, missed) = match input.mesh.support() {
-        Support::Fixed => (TOLERANCE_MM, 0.0),
-        Support::FreeRoll { .. } => (ROLLING_TOLERANCE_MM, ROLLING_TOLERANCE_MM),
-    };
-    let Range { lower, upper } = extremes(&input.mesh, &strokes, tolerance).map_err(|error| unsolved(&error))?;
-    let judged = |mm: f64| (mm * JUDGED_PARTS).round() / JUDGED_PARTS;
-    Ok(Range { lower: judged(lower - missed), upper: judged(upper + missed) })
+    let followed = Followed::of(&input.mesh);
+    let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| unsolved(&error))?;
+    let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, followed.tolerance_mm)?;
+    Ok(spec.with_known_teeth(KnownTeeth { range: followed.judged(&extremes) }, sensitivities))
 }
 
 fn no_strokes(error: &StrokesError) -> Failure {
@@ -64,6 +41,8 @@ fn no_strokes(error: &StrokesError) -> Failure {
 pub(super) struct Judged {
     pub(super) range: Result<Interval, Open>,
     pub(super) by: JudgedBy,
+    /// By the spec's rule; `None` if there is no limit, or nothing to hold against it.
+    pub(super) verdict: Option<Verdict>,
     basis: Basis,
 }
 
@@ -71,9 +50,11 @@ impl Judged {
     /// Of a spec whose known teeth are solved.
     pub(super) fn new(spec: &Spec) -> Result<Self, Failure> {
         let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
-        let combined =
-            Combined::of(&errors, &basis).map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
-        Ok(Self { range: combined.range, by: JudgedBy::of(Stack::Range, errors.len(), &basis), basis })
+        let decision = DecisionArgs::of_spec();
+        let (evaluation, _) = eval::judged(spec, &errors, &basis, &decision, Model::Exact, Stack::Range)?;
+        let check = evaluation.limits.iter().find(|check| check.on == LimitTarget::CenterDistance);
+        let verdict = check.and_then(|check| check.verdict);
+        Ok(Self { range: evaluation.combined.range, by: evaluation.judged_by, verdict, basis })
     }
 
     /// The mesh of the worst placement found: at the end that is nearer to the limit, or the upper one.

@@ -7,7 +7,7 @@ use std::ops::Range as Strokes;
 use crate::deviation::RackDeviation;
 use crate::gear::Pair;
 use crate::judge::bound::Range;
-use crate::mesh::{CarryingStrokes, Mesh, MeshError};
+use crate::mesh::{CarryingStrokes, Mesh, MeshError, Support};
 
 /// Which teeth are not nominal.
 #[derive(Debug, Clone)]
@@ -77,26 +77,99 @@ fn around(first: i64, last: i64, pitches: f64, pitch: f64) -> Strokes<f64> {
     (first - pitches) * pitch..(last + 1.0 + pitches) * pitch
 }
 
+/// A lowest or highest ΔCD.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extreme {
+    /// Where it is, mm.
+    pub stroke_mm: f64,
+    /// ΔCD there, mm.
+    pub delta_cd_mm: f64,
+}
+
+/// Both extremes of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extremes {
+    /// The lowest ΔCD.
+    pub lower: Extreme,
+    /// The highest one.
+    pub upper: Extreme,
+}
+
+impl Extremes {
+    /// From one to the other.
+    #[must_use]
+    pub const fn range(&self) -> Range {
+        Range { lower: self.lower.delta_cd_mm, upper: self.upper.delta_cd_mm }
+    }
+}
+
+/// The curve of known teeth is followed this closely, that of a rack that may roll, which is slow, less; and judged to so
+/// many parts of a millimetre.
+const TOLERANCE_MM: f64 = 1e-7;
+const ROLLING_TOLERANCE_MM: f64 = 1e-5;
+const JUDGED_PARTS: f64 = 1e9;
+
+/// How closely the curve of known teeth is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Followed {
+    /// The promised error between points, mm.
+    pub tolerance_mm: f64,
+    /// What a coarse curve may miss counts.
+    missed_mm: f64,
+}
+
+impl Followed {
+    /// That of this mesh.
+    #[must_use]
+    pub fn of(mesh: &Mesh) -> Self {
+        match mesh.support() {
+            Support::Fixed => Self { tolerance_mm: TOLERANCE_MM, missed_mm: 0.0 },
+            Support::FreeRoll { .. } => Self { tolerance_mm: ROLLING_TOLERANCE_MM, missed_mm: ROLLING_TOLERANCE_MM },
+        }
+    }
+
+    /// The extremes over strokes.
+    ///
+    /// # Errors
+    /// [`MeshError`] of a stroke that has no solution.
+    pub fn extremes(&self, mesh: &Mesh, strokes: &[Strokes<f64>]) -> Result<Extremes, MeshError> {
+        extremes(mesh, strokes, self.tolerance_mm)
+    }
+
+    /// What is held against limits, mm.
+    #[must_use]
+    pub fn judged(&self, extremes: &Extremes) -> Range {
+        let judged = |mm: f64| (mm * JUDGED_PARTS).round() / JUDGED_PARTS;
+        let Range { lower, upper } = extremes.range();
+        Range { lower: judged(lower - self.missed_mm), upper: judged(upper + self.missed_mm) }
+    }
+}
+
 /// The lowest and the highest ΔCD over strokes, to a tolerance in mm.
 ///
 /// # Errors
 /// [`MeshError`] of a stroke that has no solution.
-pub fn extremes(mesh: &Mesh, strokes: &[Strokes<f64>], tolerance_mm: f64) -> Result<Range, MeshError> {
-    let mut range = Range { lower: f64::INFINITY, upper: f64::NEG_INFINITY };
+pub fn extremes(mesh: &Mesh, strokes: &[Strokes<f64>], tolerance_mm: f64) -> Result<Extremes, MeshError> {
+    let none = |delta_cd_mm| Extreme { stroke_mm: 0.0, delta_cd_mm };
+    let mut found = Extremes { lower: none(f64::INFINITY), upper: none(f64::NEG_INFINITY) };
     for window in strokes {
         for point in mesh.curve(window.start, window.end, tolerance_mm)?.points {
-            let delta_cd = point.delta_cd_mm;
-            range = Range { lower: range.lower.min(delta_cd), upper: range.upper.max(delta_cd) };
+            let here = Extreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
+            if here.delta_cd_mm < found.lower.delta_cd_mm {
+                found.lower = here;
+            }
+            if here.delta_cd_mm > found.upper.delta_cd_mm {
+                found.upper = here;
+            }
         }
     }
-    Ok(range)
+    Ok(found)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::deviation::{PinionFlanks, RackDeviationKind, RackFlanks, ToothRange};
-    use crate::mesh::Support;
 
     /// A step far along the rack is found where it is.
     #[test]
@@ -109,7 +182,7 @@ mod tests {
             let strokes = judged_strokes(&pair, &DeviatedTeeth { rack: &rack, spaces: &none, pinion: false }).unwrap();
             let flanks = RackFlanks::new(&pair, &rack).unwrap();
             let mesh = Mesh::new(pair, flanks, PinionFlanks::nominal(&pair), Support::Fixed).unwrap();
-            extremes(&mesh, &strokes, 1e-7).unwrap()
+            extremes(&mesh, &strokes, 1e-7).unwrap().range()
         };
         let near = reached(4);
         assert!(near.upper > 0.02);

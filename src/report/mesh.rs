@@ -7,7 +7,7 @@ use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
-use crate::decision::{Interval, JudgedBy, Limit, Prediction, Verdict};
+use crate::decision::{Interval, JudgedBy, Limit, Prediction, Rule, Verdict};
 use crate::judge::bound::Open;
 use crate::mesh::{Curve, Mesh, Summary};
 use crate::quantity::Length;
@@ -33,6 +33,10 @@ pub struct MeshReport<'a> {
     pub judged: Result<Interval, Open>,
     /// Who says so.
     pub judged_by: JudgedBy,
+    /// The verdict on the limit; `None` if there is none, or nothing to hold against it.
+    pub verdict: Option<Verdict>,
+    /// The rule that came to it.
+    pub rule: Rule,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
@@ -46,12 +50,6 @@ impl MeshReport<'_> {
 
     fn summary(&self) -> Option<Summary> {
         self.curve.summary(self.mesh)
-    }
-
-    /// The verdict on the limit; `None` if there is none, or nothing to hold against it.
-    #[must_use]
-    pub fn verdict(&self) -> Option<Verdict> {
-        Some(self.limit?.judge(self.judged.ok()?))
     }
 
     /// How far the curve's own points can be trusted.
@@ -136,7 +134,7 @@ impl MeshReport<'_> {
             "formula_range_mm": { "lower": lower, "upper": upper },
             "judged_mm": self.judged.ok().map(interval_json),
             "judged_by": self.judged_by.name(),
-            "verdict": self.verdict().map(Verdict::name),
+            "verdict": self.verdict.map(Verdict::name),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
                 "delta_cd_mm": tidy(kink.delta_cd_mm),
@@ -189,18 +187,23 @@ impl Report for MeshReport<'_> {
                 plain(self.curve.tolerance_mm)
             )));
         }
-        if let (Some(verdict), Some(limit)) = (self.verdict(), self.limit) {
+        if let (Some(verdict), Some(limit)) = (self.verdict, self.limit) {
             let how = match verdict {
                 Verdict::Pass => "within",
                 Verdict::Fail => "not within",
                 Verdict::Indeterminate => "too near",
             };
             let judged = self.judged.map_or_else(|_| String::new(), |judged| interval_text(&judged));
-            let sentence = format!("ΔCD {judged} mm by {} is {how} the limit ({limit})", self.judged_by);
+            let by_rule = if self.rule == Rule::Simple { String::new() } else { format!(" by the rule {}", self.rule) };
+            let sentence = format!("ΔCD {judged} mm by {} is {how} the limit ({limit}){by_rule}", self.judged_by);
             blocks.push(Block::Verdict(verdict, sentence));
         }
-        if let (Err(open), Some(_)) = (self.judged, self.limit) {
-            blocks.push(Block::Open(open.to_string()));
+        match (self.judged, self.verdict, self.limit) {
+            (Err(open), _, Some(_)) => blocks.push(Block::Open(open.to_string())),
+            (Ok(_), None, Some(_)) => {
+                blocks.push(Block::Open("something that the spec asks for is missing, see the notes".to_owned()));
+            }
+            _ => {}
         }
         blocks
     }

@@ -6,7 +6,7 @@ use super::number::{millimetres, plain, signed};
 use super::uncertainty::micrometres;
 use super::{Block, Column, Report, Table, UncertaintyPart, judged_without};
 use crate::decision::uncertainty::{Linear, Propagation};
-use crate::decision::{Evaluation, Interval, Limit, MeasuredPart, Stack, Verdict};
+use crate::decision::{Evaluation, Interval, MeasuredPart, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue};
 use crate::formula::law::equation;
 use crate::quantity::{Length, LengthUnit};
@@ -242,18 +242,9 @@ pub struct SpacesReport<'a> {
     pub title: Option<&'a str>,
     /// What was measured.
     pub measured: &'a MeasuredPart,
-    /// The limit of the combined ΔCD.
-    pub limit: Option<&'a Limit>,
 }
 
 impl SpacesReport<'_> {
-    /// The verdict on the limit of the combined ΔCD, by the formulas' range.
-    #[must_use]
-    pub fn verdict(&self) -> Option<Verdict> {
-        let (low, high) = self.measured.range();
-        self.limit.map(|limit| limit.judge(Interval { lower: low, upper: high }))
-    }
-
     const fn place(&self) -> &'static str {
         if self.measured.is_rack { "space" } else { "tooth" }
     }
@@ -294,8 +285,7 @@ impl Report for SpacesReport<'_> {
             "part": if measured.is_rack { "rack" } else { "pinion" },
             "model": measured.model.name(),
             "rows": rows,
-            "range_mm": { "lower": low.mm(), "upper": high.mm() },
-            "verdict": self.verdict().map(Verdict::name),
+            "formula_range_mm": { "lower": low.mm(), "upper": high.mm() },
         })
     }
 
@@ -378,14 +368,6 @@ impl Report for SpacesReport<'_> {
             ],
             rows,
         }));
-        if let (Some(verdict), Some(limit)) = (self.verdict(), self.limit) {
-            let word = if verdict == Verdict::Pass { "within" } else { "not within" };
-            let (low, high) = (millimetres(low.mm()), millimetres(high.mm()));
-            blocks.push(Block::Verdict(
-                verdict,
-                format!("ΔCD {low} … {high} mm by formula is {word} the limit ({limit})"),
-            ));
-        }
         blocks
     }
 }

@@ -2,6 +2,7 @@
 //! bound, and requires nothing.
 
 use super::Spec;
+use crate::decision::uncertainty::TeethSensitivity;
 use crate::deviation::{ErrorKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth};
@@ -38,10 +39,11 @@ impl Spec {
         Ok(Basis { geometry, known_teeth: None, rolls, normal_module_mm })
     }
 
-    /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error.
+    /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error, and
+    /// how that follows from what is uncertain: see [`Spec::teeth_sensitivities`].
     #[must_use]
-    pub fn with_known_teeth(self, known_teeth: KnownTeeth) -> Self {
-        Self { known_teeth: Some(known_teeth), ..self }
+    pub fn with_known_teeth(self, known_teeth: KnownTeeth, teeth_sensitivities: Vec<TeethSensitivity>) -> Self {
+        Self { known_teeth: Some(known_teeth), teeth_sensitivities, ..self }
     }
 
     /// Whether the teeth of a part are known one by one.

@@ -3,7 +3,7 @@
 
 use super::{MeasuredTables, Spec};
 use crate::decision::{Effect, Feature, MeasuredPart, MeasuredRow};
-use crate::deviation::ErrorValue;
+use crate::deviation::{ErrorValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartError};
 use crate::quantity::{Angle, Length};
@@ -28,12 +28,8 @@ impl Spec {
     /// Whether the spec says that something is wrong with the rack (or the pinion), which a measured table replaces.
     #[must_use]
     pub fn has_other_deviations(&self, rack: bool) -> bool {
-        let (deviations, measured) = if rack {
-            (!self.rack.deviations.is_empty(), self.rack.measured.is_some())
-        } else {
-            (!self.pinion.deviations.is_empty(), self.pinion.measured.is_some())
-        };
-        deviations || measured || !self.errors.is_empty()
+        let part = if rack { Part::Rack } else { Part::Pinion };
+        self.knows_teeth(part) || self.errors.iter().any(|(kind, _)| kind.part() == part)
     }
 
     /// What a measured rack or pinion does by the formulas: the rack of `tables`, or else its pinion.

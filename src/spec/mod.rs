@@ -28,6 +28,7 @@ mod schema;
 mod simulation;
 mod template;
 mod uncertainty;
+mod vary;
 
 pub use batch::{BatchColumn, BatchSection, Reading};
 pub use budget::{BudgetSection, WrittenTolerance};
@@ -48,7 +49,7 @@ use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::decision::uncertainty as uncertain;
+use crate::decision::uncertainty::{self as uncertain, TeethSensitivity};
 use crate::decision::{Limit, LimitTarget, Rule};
 use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -116,6 +117,8 @@ pub struct Spec {
     pub correlations: Vec<Located<WrittenCorrelation>>,
     /// What the teeth do that the spec knows one by one, once their mesh is solved: see [`Spec::with_known_teeth`].
     pub known_teeth: Option<KnownTeeth>,
+    /// How that follows from what is uncertain.
+    pub teeth_sensitivities: Vec<TeethSensitivity>,
 }
 
 impl Spec {
@@ -180,6 +183,7 @@ impl Spec {
                 uncertainties,
                 correlations,
                 known_teeth: None,
+                teeth_sensitivities: Vec::new(),
             };
             let impossible = spec.impossibilities();
             if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }

@@ -28,7 +28,9 @@ impl Spec {
                 .help("add `measured = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
                 .into());
         }
-        let without_value = self.unmeasured.iter().find(|(kind, _)| self.errors.iter().all(|(other, _)| other != kind));
+        let has_value =
+            |kind: ErrorKind| self.knows_teeth(kind.part()) || self.errors.iter().any(|(other, _)| *other == kind);
+        let without_value = self.unmeasured.iter().find(|(kind, _)| !has_value(*kind));
         if let Some((kind, place)) = without_value {
             let message = format!("`{}` has no value", kind.key());
             return Err(Diagnostic::error(Code::BadErrorEntry, message)

@@ -12,7 +12,9 @@ use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
 use super::{Located, Spec};
 use crate::decision::Rule;
-use crate::decision::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
+use crate::decision::uncertainty::{
+    Distribution, OfTeeth, Source, TeethSensitivity, Uncertainties, Uncertainty, UncertaintyError,
+};
 use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
@@ -310,7 +312,9 @@ impl Spec {
         let pitch = given(ErrorKind::RackPitch) || given(ErrorKind::RackLead);
         let of_pinion = given(ErrorKind::PinionPitch) || given(ErrorKind::PinionLead);
         let nominal = given(ErrorKind::RackOverRoller) && self.over_pin().is_some();
+        let of_known_teeth = |source: Source| self.teeth_sensitivities.iter().any(|teeth| teeth.source == source);
         let counts = |source: Source| match source {
+            _ if of_known_teeth(source) => true,
             Source::Error(kind) => given(kind),
             Source::NormalPressureAngle => pitch || of_pinion || nominal,
             Source::RackHelixAngle => pitch,
@@ -344,6 +348,17 @@ impl Spec {
             let place = self.correlations.first().map_or(0..0, |written| written.span.clone());
             Diagnostic::error(Code::BadUncertainty, problem.to_string()).at(&self.source, place, "").into()
         })
+    }
+
+    /// How the uncertainty of teeth that are known one by one comes into results.
+    #[must_use]
+    pub fn uncertainty_of_teeth(&self) -> OfTeeth {
+        let is_measured = |teeth: &TeethSensitivity| matches!(teeth.source, Source::Error(_));
+        match self.known_teeth {
+            None => OfTeeth::NoneKnown,
+            Some(_) if self.teeth_sensitivities.iter().any(is_measured) => OfTeeth::ThroughMesh,
+            Some(_) => OfTeeth::Exact,
+        }
     }
 
     /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.

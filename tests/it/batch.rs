@@ -372,9 +372,9 @@ fn parts_with_their_teeth_go_through_the_exact_mesh() {
     let messages = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{messages}");
     // every space over by the same is a shift of the pitch line
-    let rows = "part_id,mean_delta_cd_mm,min_delta_cd_mm,max_delta_cd_mm,peak_to_peak_mm,tooth_to_tooth_mm,verdict,from_stroke_mm,to_stroke_mm\n\
-                A,0.01000,0.01000,0.01000,0.00000,0.00000,pass,0.00000,20.00000\n\
-                B,0.08000,0.08000,0.08000,0.00000,0.00000,fail,0.00000,20.00000\n";
+    let rows = "part_id,mean_delta_cd_mm,min_delta_cd_mm,max_delta_cd_mm,peak_to_peak_mm,tooth_to_tooth_mm,lower_mm,upper_mm,verdict,from_stroke_mm,to_stroke_mm\n\
+                A,0.01000,0.01000,0.01000,0.00000,0.00000,0.01000,0.01000,pass,0.00000,20.00000\n\
+                B,0.08000,0.08000,0.08000,0.00000,0.00000,0.08000,0.08000,fail,0.00000,20.00000\n";
     assert_eq!(text(&output.stdout), rows, "{messages}");
     assert!(
         messages.contains("<stdin>:26: error[bad-row]: record 25 (part C): column `over_pin_deviation [um]`: `x`"),

@@ -30,4 +30,5 @@ mod spec;
 mod stability;
 mod table_properties;
 mod tables;
+mod teeth;
 mod verdicts;

@@ -1,32 +1,9 @@
 //! A size where a deviation belongs, a mistaken unit: said by every command, with the same words.
 
-use std::io::Write as _;
-use std::process::{Command, Stdio};
-
-use serde_json::Value;
-
-use crate::process::Folder;
-
-/// How a command ended and what it wrote.
-struct Ended {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-fn run(arguments: &[&str], input: &str) -> Ended {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
-    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().expect("the program starts");
-    // a command that refuses its arguments reads no input
-    let _ = child.stdin.take().expect("stdin is piped").write_all(input.as_bytes());
-    let output = child.wait_with_output().expect("the program ends");
-    let text = |bytes| String::from_utf8(bytes).expect("output is UTF-8");
-    Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
-}
+use crate::process::{Ended, Folder, run};
 
 fn notes(ended: &Ended) -> Vec<String> {
-    let json: Value = serde_json::from_str(&ended.stdout).expect(&ended.stderr);
+    let json = ended.json();
     let notes = json["notes"].as_array().expect("notes");
     notes.iter().filter_map(|note| note.as_str().map(str::to_owned)).collect()
 }

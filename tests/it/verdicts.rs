@@ -1,41 +1,14 @@
 //! What a verdict rests on: a range that holds wherever errors sit, or no verdict.
 
-use std::io::Write as _;
-use std::process::{Command, Stdio};
-
 use serde_json::Value;
 
-use crate::process::Folder;
+use crate::process::{Ended, Folder, run};
 
-/// How a command ended and what it wrote.
-struct Ended {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-impl Ended {
-    fn json(&self) -> Value {
-        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {} {}", self.stdout, self.stderr))
-    }
-
-    /// The range of all errors, mm.
-    fn range(&self) -> (f64, f64) {
-        let range = &self.json()["combined"]["range_mm"];
-        let end = |name: &str| range[name].as_f64().unwrap_or_else(|| panic!("{name}: {}", self.stdout));
-        (end("lower"), end("upper"))
-    }
-}
-
-fn run(arguments: &[&str], input: &str) -> Ended {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
-    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().expect("the program starts");
-    // a command that refuses its arguments reads no input
-    let _ = child.stdin.take().expect("stdin is piped").write_all(input.as_bytes());
-    let output = child.wait_with_output().expect("the program ends");
-    let text = |bytes| String::from_utf8(bytes).expect("output is UTF-8");
-    Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+/// The range of all errors, mm.
+fn range(ended: &Ended) -> (f64, f64) {
+    let range = &ended.json()["combined"]["range_mm"];
+    let end = |name: &str| range[name].as_f64().unwrap_or_else(|| panic!("{name}: {}", ended.stdout));
+    (end("lower"), end("upper"))
 }
 
 fn eval(spec: &str) -> Ended {
@@ -79,11 +52,11 @@ fn a_low_space_does_not_make_up_for_a_high_rack() {
     };
     let failed = eval(&spec("0.010"));
     assert_eq!((failed.code, &failed.json()["verdict"]), (Some(1), &"fail".into()));
-    assert_eq!(failed.range(), (0.009, 0.013));
+    assert_eq!(range(&failed), (0.009, 0.013));
     assert_eq!(eval(&spec("0.013")).code, Some(0));
     // a pinion that is small all round does
     let all = spec("0.010").replace("\"-4 um\"", "{ value = \"-4 um\", extent = \"all\" }");
-    assert_eq!((eval(&all).code, eval(&all).range()), (Some(0), (0.009, 0.009)));
+    assert_eq!((eval(&all).code, range(&eval(&all))), (Some(0), (0.009, 0.009)));
 }
 
 /// Every pitch of the rack longer, or shorter, by 10 µm.
@@ -128,7 +101,7 @@ fn pitches_of_every_tooth_have_a_range_with_the_pair() {
         let ended = eval(&format!("{PAPER}{}", every_pitch(value)));
         assert_eq!(ended.code, Some(code), "{}", ended.stdout);
         // what edges do is searched to 10 nm
-        let (lower, upper) = ended.range();
+        let (lower, upper) = range(&ended);
         assert!((least - 1e-5..=least + 1e-9).contains(&lower), "{lower} {least}");
         assert!((most - 1e-9..=most + 1e-5).contains(&upper), "{upper} {most}");
         let mesh = format!("{PAPER}[[rack.deviation]]\nteeth = \"all\"\npitch = \"{value}\"\n");
@@ -148,7 +121,7 @@ fn a_step_can_sink_the_pinion() {
     };
     let failed = eval(&spec("-0.01"));
     assert_eq!((failed.code, &failed.json()["verdict"]), (Some(1), &"fail".into()), "{}", failed.stdout);
-    near(failed.range().0, -0.020 * GAIN_AT_20_DEG);
+    near(range(&failed).0, -0.020 * GAIN_AT_20_DEG);
     assert_eq!(eval(&spec("-0.0275")).code, Some(0));
 }
 
@@ -160,7 +133,7 @@ fn undercut_counts_without_an_error() {
     };
     let failed = eval(&spec("±1 um"));
     assert_eq!((failed.code, &failed.json()["verdict"]), (Some(1), &"fail".into()), "{}", failed.stdout);
-    let (lower, upper) = failed.range();
+    let (lower, upper) = range(&failed);
     assert!(lower <= 0.0 && upper > 0.005 && upper < 0.02, "{lower} {upper}");
     assert_eq!(eval(&spec("±0.02")).code, Some(0));
 }
@@ -176,7 +149,7 @@ fn the_papers_model_is_shown_and_not_believed() {
     assert_eq!(format!("{:.4}", contribution["delta_cd_mm"].as_f64().expect("a number")), "0.0480");
     assert_eq!((ended.code, &ended.json()["verdict"]), (Some(1), &"fail".into()), "{}", ended.stdout);
     let (_, most) = mesh_range(&format!("{gear}[[rack.deviation]]\nteeth = \"all\"\nlead = 0.1\n"));
-    assert!(most > 0.05 && most <= ended.range().1 + 1e-9, "{most} {}", ended.stdout);
+    assert!(most > 0.05 && most <= range(&ended).1 + 1e-9, "{most} {}", ended.stdout);
     // nor is it without the pair
     let alone = "[pair]\nnormal_pressure_angle = 20\n[rack]\nhelix_angle = 30\nface_width = 20\n";
     let spec = spec.replace(gear, alone);

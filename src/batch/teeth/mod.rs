@@ -11,14 +11,17 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+mod judge;
+
+pub use judge::{JudgedTeeth, TeethJudge};
+
 use super::number::Decimals;
 use super::outcome::{Kept, Outcome, Part, Problem, keep_worst};
 use super::request::{RowFormat, Rows};
 use super::run::{Progress, RunError, Sinks};
 use super::statistics::{Moving, Statistics};
 use super::{buffer::Buffer, write};
-use crate::decision::rule::decide;
-use crate::decision::{Interval, Limit, LimitTarget, Rule, Verdict};
+use crate::decision::{Limit, LimitTarget, Rule, Verdict};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::mesh::{CarryingStrokes, Summary};
 use crate::parallel;
@@ -45,6 +48,8 @@ pub struct TeethRequest {
     pub statistics: bool,
     /// How a verdict is reached.
     pub rule: Rule,
+    /// Whether parts are judged without what the spec asks for and nobody knows of them.
+    pub partial: bool,
     /// Whether the run ends at the first rejected part.
     pub strict: bool,
     /// How many parts that do not pass are kept with their results.
@@ -61,7 +66,7 @@ enum Column {
     Verdict,
 }
 
-/// A result of the curve, mm.
+/// A result, mm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Number {
     Mean,
@@ -72,12 +77,15 @@ enum Number {
     MinStroke,
     MaxStroke,
     TransmissionError,
+    Lower,
+    Upper,
     FromStroke,
     ToStroke,
 }
 
 impl Number {
-    fn of(self, solved: &Solved) -> f64 {
+    /// `None` if there is none.
+    fn of(self, solved: &Solved) -> Option<f64> {
         /// Digits beyond this, mm, are rounding of the solution.
         const FINEST: f64 = 1e12;
         let summary = &solved.summary;
@@ -90,22 +98,26 @@ impl Number {
             Self::MinStroke => summary.min_stroke_mm,
             Self::MaxStroke => summary.max_stroke_mm,
             Self::TransmissionError => summary.transmission_error_mm,
+            Self::Lower => solved.judged.range.ok()?.lower.mm(),
+            Self::Upper => solved.judged.range.ok()?.upper.mm(),
             Self::FromStroke => solved.strokes.start,
             Self::ToStroke => solved.strokes.end,
         };
         // -0 is no result
-        (mm * FINEST).round() / FINEST + 0.0
+        Some((mm * FINEST).round() / FINEST + 0.0)
     }
 }
 
 /// The columns that can be written; the first so many are written unless others are asked for.
-const COLUMNS: [(&str, Column); 12] = [
+const COLUMNS: [(&str, Column); 14] = [
     ("part_id", Column::Id),
     ("mean_delta_cd_mm", Column::Number(Number::Mean)),
     ("min_delta_cd_mm", Column::Number(Number::Min)),
     ("max_delta_cd_mm", Column::Number(Number::Max)),
     ("peak_to_peak_mm", Column::Number(Number::PeakToPeak)),
     ("tooth_to_tooth_mm", Column::Number(Number::ToothToTooth)),
+    ("lower_mm", Column::Number(Number::Lower)),
+    ("upper_mm", Column::Number(Number::Upper)),
     ("verdict", Column::Verdict),
     ("from_stroke_mm", Column::Number(Number::FromStroke)),
     ("to_stroke_mm", Column::Number(Number::ToStroke)),
@@ -113,15 +125,17 @@ const COLUMNS: [(&str, Column); 12] = [
     ("max_stroke_mm", Column::Number(Number::MaxStroke)),
     ("transmission_error_mm", Column::Number(Number::TransmissionError)),
 ];
-const WRITTEN: usize = 9;
+const WRITTEN: usize = 11;
 
 /// The results of which there are statistics.
-const QUANTITIES: [(&str, Number); 5] = [
+const QUANTITIES: [(&str, Number); 7] = [
     ("mean_delta_cd_mm", Number::Mean),
     ("min_delta_cd_mm", Number::Min),
     ("max_delta_cd_mm", Number::Max),
     ("peak_to_peak_mm", Number::PeakToPeak),
     ("tooth_to_tooth_mm", Number::ToothToTooth),
+    ("lower_mm", Number::Lower),
+    ("upper_mm", Number::Upper),
 ];
 
 /// A batch of parts with their teeth. In the counts of its outcome, a row is a part.
@@ -213,7 +227,7 @@ impl<'a> Teeth<'a> {
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
         let ends = limit
             .map_or((None, None), |(_, limit)| (limit.value.lower.map(Length::mm), limit.value.upper.map(Length::mm)));
-        let held = |number: Number| matches!(number, Number::Min | Number::Max);
+        let held = |number: Number| matches!(number, Number::Lower | Number::Upper);
         QUANTITIES.map(|(_, number)| if held(number) { ends } else { (None, None) }).to_vec()
     }
 
@@ -231,8 +245,14 @@ impl<'a> Teeth<'a> {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
         let is_rack = gatherer.is_rack();
-        let spec = self.spec.measured_only(is_rack);
-        let strokes = if is_rack { Some(carrying(&spec)?) } else { None };
+        let judge = TeethJudge::new(self.spec, is_rack, self.request.rule.clone(), self.request.partial)?;
+        let spec = judge.measured_only();
+        let strokes = if is_rack { Some(carrying(spec)?) } else { None };
+        for note in judge.notes() {
+            if !self.outcome.notes.contains(&note) {
+                self.outcome.notes.push(note);
+            }
+        }
         let mut reading = table.reading.clone();
         if self.spec.has_other_deviations(is_rack) {
             reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
@@ -245,7 +265,7 @@ impl<'a> Teeth<'a> {
                 self.start(encoding, &header).map_err(RunError::Write)?;
                 let request = &self.request;
                 let (stroke_mm, tolerance_mm, tables) = (request.stroke_mm, request.tolerance_mm, self.tables);
-                let solver = Solver { spec: &spec, tables, stroke_mm, tolerance_mm, strokes: strokes.as_ref() };
+                let solver = Solver { judge: &judge, tables, stroke_mm, tolerance_mm, strokes: strokes.as_ref() };
                 self.all(&parts, &solver, &place, stop, progress)
             }
             Err(contradiction) => Err(RunError::Contradiction(contradiction)),
@@ -323,7 +343,8 @@ impl<'a> Teeth<'a> {
         if self.cut > 0 {
             let (from, to) = self.request.stroke_mm;
             self.outcome.notes.push(format!(
-                "{} parts are judged at the strokes whose contacts were measured, and not from {from} to {to} mm: see from_stroke_mm and to_stroke_mm",
+                "the curve of {} parts is that of the strokes whose contacts were measured, and not from {from} to {to} mm: see \
+                 from_stroke_mm and to_stroke_mm; lower_mm and upper_mm, which are judged, are those of all such strokes",
                 self.cut
             ));
         }
@@ -353,25 +374,22 @@ impl<'a> Teeth<'a> {
     /// Judges, counts and writes a part.
     fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, place: &Where<'_>) -> io::Result<()> {
         self.outcome.counts.rows += 1;
-        let judged = solved.and_then(|solved| {
-            let verdict = self.verdict(&solved);
-            verdict.map(|verdict| (solved, verdict)).map_err(|message| LineFault { line: part.line, message })
-        });
-        let (solved, verdict) = match judged {
-            Ok(judged) => judged,
+        let solved = match solved {
+            Ok(solved) => solved,
             Err(fault) => return self.reject(part, &fault, place),
         };
+        let verdict = solved.judged.verdict;
         self.outcome.counts.judge(verdict);
         if solved.is_cut {
             self.cut += 1;
         }
         let failed = matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate));
         if failed && self.outcome.failures.len() < self.request.failures_kept {
-            self.outcome.failures.push(self.part(part, &solved, verdict, place));
+            self.outcome.failures.push(self.part(part, &solved, place));
         }
         if self.request.statistics {
             self.count(&solved);
-            let kept = self.part(part, &solved, verdict, place);
+            let kept = self.part(part, &solved, place);
             let margin = Length::from_mm(kept.margin_mm).unwrap_or(Length::ZERO);
             keep_worst(&mut self.worst, Kept { part: kept, margin });
         }
@@ -385,8 +403,7 @@ impl<'a> Teeth<'a> {
     fn count(&mut self, solved: &Solved) {
         let quantities = self.outcome.statistics.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
         for ((statistics, moving), (_, number)) in quantities {
-            // a verdict was reached on these: they are lengths
-            let value = Length::from_mm(number.of(solved)).unwrap_or(Length::ZERO);
+            let Some(Ok(value)) = number.of(solved).map(Length::from_mm) else { continue };
             statistics.add(value);
             moving.add(value);
         }
@@ -416,19 +433,14 @@ impl<'a> Teeth<'a> {
         Ok(())
     }
 
-    fn verdict(&self, solved: &Solved) -> Result<Option<Verdict>, String> {
-        let Some(limit) = self.limit else { return Ok(None) };
-        let lower = Length::from_mm(solved.summary.min_mm).map_err(|error| error.to_string())?;
-        let upper = Length::from_mm(solved.summary.max_mm).map_err(|error| error.to_string())?;
-        let decision = decide(&self.request.rule, limit, Interval { lower, upper }, None, None);
-        decision.map(|decision| Some(decision.verdict)).map_err(|error| error.to_string())
-    }
-
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
-    fn part(&self, part: &ToothedPart, solved: &Solved, verdict: Option<Verdict>, place: &Where<'_>) -> Part {
-        let summary = &solved.summary;
-        let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - summary.max_mm);
-        let below = self.limit.and_then(|limit| limit.lower).map(|end| summary.min_mm - end.mm());
+    fn part(&self, part: &ToothedPart, solved: &Solved, place: &Where<'_>) -> Part {
+        let JudgedTeeth { range, verdict, .. } = solved.judged;
+        // what is open stands nearest to any limit
+        let open = f64::INFINITY;
+        let (lowest, highest) = range.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
+        let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - highest);
+        let below = self.limit.and_then(|limit| limit.lower).map(|end| lowest - end.mm());
         let nearest = above.into_iter().chain(below).reduce(f64::min);
         Part {
             id: part.name.clone(),
@@ -437,9 +449,9 @@ impl<'a> Teeth<'a> {
             record: part.record,
             place: place.unit.in_words(part.line),
             verdict,
-            margin_mm: nearest.unwrap_or(-summary.max_mm.abs().max(summary.min_mm.abs())),
+            margin_mm: nearest.unwrap_or(-highest.abs().max(lowest.abs())),
             on: nearest.map(|_| LimitTarget::CenterDistance),
-            result_mm: (Number::Min.of(solved), Number::Max.of(solved)),
+            result_mm: (lowest, highest),
         }
     }
 
@@ -458,7 +470,11 @@ impl<'a> Teeth<'a> {
             }
             match (column, verdict) {
                 (Column::Id, _) => write::text(&mut out, part.name.as_bytes(), format),
-                (Column::Number(of), _) => out.extend(self.request.decimals.text(of.of(solved)).as_bytes()),
+                (Column::Number(of), _) => match of.of(solved) {
+                    Some(mm) => out.extend(self.request.decimals.text(mm).as_bytes()),
+                    None if format == RowFormat::JsonLines => out.extend(b"null"),
+                    None => {}
+                },
                 (Column::Verdict, Some(verdict)) => write::text(&mut out, verdict.name().as_bytes(), format),
                 (Column::Verdict, None) if format == RowFormat::JsonLines => out.extend(b"null"),
                 (Column::Verdict, None) => {}
@@ -483,7 +499,7 @@ fn carrying(spec: &Spec) -> Result<CarryingStrokes, Diagnostics> {
 
 /// Solves parts.
 struct Solver<'a> {
-    spec: &'a Spec,
+    judge: &'a TeethJudge,
     tables: &'a MeasuredTables,
     stroke_mm: (f64, f64),
     tolerance_mm: f64,
@@ -494,6 +510,7 @@ struct Solver<'a> {
 /// A part's curve in short.
 struct Solved {
     summary: Summary,
+    judged: JudgedTeeth,
     /// From the first to the last stroke that is covered.
     strokes: Range<f64>,
     /// Whether strokes that were asked for are not.
@@ -515,7 +532,7 @@ impl Solver<'_> {
                 self.strokes.map_or_else(|| vec![from..to], |strokes| strokes.measured(&spaces, from, to))
             }
             table::Teeth::Pinion(pinion) => {
-                let teeth = self.spec.pinion.teeth.as_ref().map_or(0, |teeth| i64::from(teeth.value));
+                let teeth = self.judge.measured_only().pinion.teeth.as_ref().map_or(0, |teeth| i64::from(teeth.value));
                 if let Some(tooth) = pinion.unmeasured(teeth) {
                     return Err(bad(format!("tooth {tooth} was not measured: a turn needs all {teeth}")));
                 }
@@ -523,9 +540,10 @@ impl Solver<'_> {
                 vec![from..to]
             }
         };
-        let input = self.spec.mesh(&tables).map_err(|problems| {
+        let first = |problems: Diagnostics| {
             bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
-        })?;
+        };
+        let input = self.judge.measured_only().mesh(&tables).map_err(first)?;
         let strokes = match covered.as_slice() {
             [strokes] => strokes.clone(),
             [] => {
@@ -543,6 +561,7 @@ impl Solver<'_> {
         let curve = curve.map_err(|error| bad(error.to_string()))?;
         let summary = curve.summary(&input.mesh);
         let summary = summary.ok_or_else(|| bad("the exact mesh has no points along the stroke".to_owned()))?;
-        Ok(Solved { summary, is_cut: strokes != (from..to), strokes })
+        let judged = self.judge.judge(&input, &tables).map_err(first)?;
+        Ok(Solved { summary, judged, is_cut: strokes != (from..to), strokes })
     }
 }

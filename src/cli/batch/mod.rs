@@ -446,9 +446,10 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
         model: "exact mesh",
         stack: None,
         rule: rule.clone(),
-        limits: limits.into_iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).collect(),
+        limits: limits.iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).copied().collect(),
         quantity_limits: Teeth::quantity_limits(spec),
-        unjudged: Vec::new(),
+        // what teeth have one by one is no single error
+        unjudged: limits.iter().map(|(on, _)| *on).filter(|on| *on != LimitTarget::CenterDistance).collect(),
         without: Vec::new(),
     }
 }

@@ -25,12 +25,6 @@ impl Args {
         output: &mut Output,
     ) -> Result<Status, Failure> {
         let rows = self.request(format, spec)?;
-        if rows.rule.needs_uncertainty() {
-            let message = format!("a mesh has no uncertainty of its own for the rule {}", rows.rule);
-            return Err(Diagnostic::error(Code::BadRule, message)
-                .help("give the guard band: --rule guard=VALUE")
-                .into());
-        }
         let request = TeethRequest {
             stroke_mm: (self.range.from.mm(), self.range.to.mm()),
             tolerance_mm: self.range.tolerance.mm(),
@@ -40,6 +34,7 @@ impl Args {
             rows: rows.rows,
             statistics: rows.statistics,
             rule: rows.rule.clone(),
+            partial: self.partial,
             strict: self.strict,
             failures_kept: rows.failures_kept,
             problems_kept: rows.problems_kept,

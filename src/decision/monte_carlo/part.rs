@@ -3,7 +3,7 @@
 
 use super::{Band, MonteCarloError, Outcome, Settings, Simulated, Simulation, Variables, simulate};
 use crate::decision::uncertainty::gear::{Gear, Varied, ends};
-use crate::decision::uncertainty::{Distribution, Part, Source, Uncertainties, UncertaintyError};
+use crate::decision::uncertainty::{Distribution, Part, Source, TeethSensitivity, Uncertainties, UncertaintyError};
 use crate::decision::{Limit, LimitTarget, Limits, Stack};
 use crate::deviation::ErrorKind;
 use crate::formula::over_pin::OverPin;
@@ -117,6 +117,8 @@ struct PartModel {
     model: Model,
     stack: Stack,
     basis: Basis,
+    /// How both ends follow from what is uncertain about teeth that are known one by one: linear.
+    teeth: Vec<TeethSensitivity>,
     /// The columns that vary, by source.
     columns: Vec<Source>,
 }
@@ -157,6 +159,7 @@ impl PartModel {
             model: part.model,
             stack: part.stack,
             basis: part.basis.clone(),
+            teeth: part.teeth.to_vec(),
             columns: uncertainties.inputs().iter().map(|(source, _)| *source).collect(),
         })
     }
@@ -244,7 +247,8 @@ impl Simulated for PartModel {
         for draw in 0..lower.len() {
             let gear = if gear_varies { self.gear_at(inputs, draw) } else { self.gear };
             let Range { lower: low, upper: high } = self.ends_at(errors, draw, gear_varies.then_some(&gear));
-            (lower[draw], upper[draw]) = (low, high);
+            let teeth = self.teeth_at(inputs, draw);
+            (lower[draw], upper[draw]) = (low + teeth.lower, high + teeth.upper);
             for (PartValue { law, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
                 let law = if gear_varies { gear.law(*law) } else { *law };
                 out[draw] = law.delta_cd_mm(out[draw], self.model);
@@ -254,6 +258,17 @@ impl Simulated for PartModel {
 }
 
 impl PartModel {
+    /// How far one draw moves both extremes of known teeth.
+    fn teeth_at(&self, inputs: &[Vec<f64>], draw: usize) -> Range {
+        let mut off = Range { lower: 0.0, upper: 0.0 };
+        for TeethSensitivity { source, lower, upper } in &self.teeth {
+            let Some(column) = self.column(*source, inputs) else { continue };
+            let by = column[draw] - self.best_estimate(*source);
+            off = Range { lower: off.lower + lower * by, upper: off.upper + upper * by };
+        }
+        off
+    }
+
     /// Both ends of the combination for the errors' values of one draw; of the part's own gear unless another is given.
     fn ends_at(&self, values: &[Vec<f64>], draw: usize, gear: Option<&Gear>) -> Range {
         let mut errors = [ExtendedError::NONE; ErrorKind::ALL.len()];
@@ -289,6 +304,7 @@ mod tests {
                     model: scene.model,
                     stack: scene.stack,
                     basis: &UNKNOWN,
+                    teeth: &[],
                 };
                 let model = PartModel::new(&part, &uncertainties).unwrap();
                 assert_eq!(model.outputs(), ErrorKind::ALL.len() + 2);

@@ -134,7 +134,7 @@ fn all_uncertain() -> Vec<(Source, Uncertainty)> {
 fn far_from_zero_linear_and_simulated_results_agree() {
     for (model, stack) in [(Model::Exact, Stack::Range), (Model::Paper, Stack::Range), (Model::Exact, Stack::Rss)] {
         let errors = five("0.012", "-0.0255");
-        let part = Part { errors: &errors, over_pin: None, model, stack, basis: &UNKNOWN };
+        let part = Part { errors: &errors, over_pin: None, model, stack, basis: &UNKNOWN, teeth: &[] };
         let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
         let linear = propagate(&part, &uncertainties).unwrap();
         let settings = Settings { draws: Some(500_000), ..Settings::default() };
@@ -154,8 +154,14 @@ fn far_from_zero_linear_and_simulated_results_agree() {
 #[test]
 fn near_zero_the_simulation_does_not_validate_the_linear_result() {
     let errors = five("0", "0.0255");
-    let part =
-        Part { errors: &errors[1..2], over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN };
+    let part = Part {
+        errors: &errors[1..2],
+        over_pin: None,
+        model: Model::Exact,
+        stack: Stack::Range,
+        basis: &UNKNOWN,
+        teeth: &[],
+    };
     let inputs = vec![(Source::Error(ErrorKind::RackPitch), Uncertainty::standard(0.001))];
     let uncertainties = Uncertainties::new(inputs, &[]).unwrap();
     let linear = propagate(&part, &uncertainties).unwrap();
@@ -173,7 +179,8 @@ fn near_zero_the_simulation_does_not_validate_the_linear_result() {
 #[test]
 fn the_same_bits_at_any_number_of_threads() {
     let errors = five("0.012", "0.0255");
-    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN };
+    let part =
+        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] };
     let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.047")))];
     for draws in [None, Some(230_000)] {
@@ -195,7 +202,8 @@ fn correlated_draws_and_probabilities_of_conformance() {
         PartError::new(Law::rack_over_roller(), length("0.010")),
         PartError::new(Law::pinion_radial(), length("0.005")).with_extent(Extent::All),
     ];
-    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN };
+    let part =
+        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] };
     let (a, b) = (Source::Error(ErrorKind::RackOverRoller), Source::Error(ErrorKind::PinionRadial));
     let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.004))];
     let limits = vec![
@@ -222,7 +230,8 @@ fn correlated_draws_and_probabilities_of_conformance() {
 #[test]
 fn what_cannot_be_simulated_says_why() {
     let errors = five("0.012", "0.0255");
-    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN };
+    let part =
+        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] };
     let try_with = |inputs, settings: &Settings| {
         simulate_part(&part, &Uncertainties::new(inputs, &[]).unwrap(), &Vec::new(), settings).unwrap_err()
     };

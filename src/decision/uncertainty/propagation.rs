@@ -12,7 +12,9 @@
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, Varied, ends};
-use super::{EndWeights, FOLD, InputContribution, Linear, Propagation, Source, Uncertainties, UncertaintyError};
+use super::{
+    EndWeights, FOLD, InputContribution, Linear, Propagation, Source, TeethSensitivity, Uncertainties, UncertaintyError,
+};
 use crate::decision::Stack;
 use crate::deviation::{self, ErrorKind, Extent};
 use crate::formula::over_pin::OverPin;
@@ -41,6 +43,8 @@ pub struct Part<'a> {
     pub stack: Stack,
     /// What is known of the pair.
     pub basis: &'a Basis,
+    /// How teeth that are known one by one follow from what is uncertain.
+    pub teeth: &'a [TeethSensitivity],
 }
 
 /// Propagates `uncertainties` through the laws of a part, linearly.
@@ -135,6 +139,8 @@ pub struct Propagator {
     basis: Basis,
     /// The gear data of the errors' laws.
     gear: Gear,
+    /// Of teeth that are known one by one.
+    teeth: Vec<TeethSensitivity>,
 }
 
 /// How far inputs are varied, mm or degrees: ends are linear nearly everywhere, so that this may be much more than what
@@ -163,6 +169,7 @@ impl Propagator {
             factors,
             basis: part.basis.clone(),
             gear: Gear::new(part.errors, part.over_pin),
+            teeth: part.teeth.to_vec(),
         })
     }
 
@@ -241,8 +248,10 @@ impl Propagator {
         let centre = self.ends(&values, None);
         for input in 0..count {
             let Range { lower, upper } = self.by_input(input, &values, centre);
-            gradients.lower.by_input[input] = lower;
-            gradients.upper.by_input[input] = upper;
+            let (source, _) = self.uncertainties.inputs()[input];
+            let teeth = self.teeth.iter().find(|teeth| teeth.source == source);
+            gradients.lower.by_input[input] = lower + teeth.map_or(0.0, |teeth| teeth.lower);
+            gradients.upper.by_input[input] = upper + teeth.map_or(0.0, |teeth| teeth.upper);
         }
         gradients
     }

@@ -33,7 +33,7 @@ pub(in crate::decision) static UNKNOWN: Basis =
     Basis { geometry: GivenGeometry::Unknown, known_teeth: None, rolls: false, normal_module_mm: None };
 
 fn part(errors: &[PartError]) -> Part<'_> {
-    Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN }
+    Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] }
 }
 
 /// Every quantity that can be uncertain, in the order of a [`Scene`]'s values.
@@ -134,6 +134,7 @@ fn sensitivities_are_those_of_differences() {
             model: scene.model,
             stack: scene.stack,
             basis: &UNKNOWN,
+            teeth: &[],
         };
         let linear = propagate(&part, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
         let results: Vec<_> =

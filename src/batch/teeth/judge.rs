@@ -1,0 +1,149 @@
+//! The verdict on a part of which every tooth or space was measured: its curve over all strokes at which a measured tooth
+//! can carry, beside it what errors of the other part can do. Shared by tables of many parts and a block of one.
+
+use std::ops::Range;
+
+use crate::decision::uncertainty::{self, OfTeeth, propagate};
+use crate::decision::{Evaluation, Interval, JudgedBy, LimitTarget, Limits, Rule, Stack, Verdict, evaluate};
+use crate::deviation::{self, ErrorKind};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::{Model, PartError};
+use crate::judge::bound::{Basis, KnownTeeth, Open};
+use crate::judge::strokes::Followed;
+use crate::spec::{MeasuredTables, MeshInput, Spec};
+
+/// What parts whose teeth were measured are judged by.
+#[derive(Debug, Clone)]
+pub struct TeethJudge {
+    /// The spec with nothing wrong but what was measured.
+    measured_only: Spec,
+    /// Errors of the other part that every part meets.
+    errors: Vec<PartError>,
+    /// Errors of the other part that the spec asks for and that nobody knows of a part.
+    lacking: Vec<ErrorKind>,
+    basis: Basis,
+    limits: Limits,
+    rule: Rule,
+    is_partial: bool,
+}
+
+/// What a part comes to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JudgedTeeth {
+    /// From the first to the last stroke that was judged, mm.
+    pub strokes: Range<f64>,
+    /// What is held against the limit.
+    pub range: Result<Interval, Open>,
+    /// Who says so.
+    pub by: JudgedBy,
+    /// `None` without a limit, or if something is missing.
+    pub verdict: Option<Verdict>,
+}
+
+impl TeethJudge {
+    /// For racks, or for pinions, as measured.
+    ///
+    /// # Errors
+    /// Diagnostics for geometry that cannot mesh, errors of a part whose teeth the spec knows, and a rule that needs
+    /// uncertainties where none is given.
+    pub fn new(spec: &Spec, is_rack: bool, rule: Rule, is_partial: bool) -> Result<Self, Diagnostics> {
+        let part = if is_rack { deviation::Part::Rack } else { deviation::Part::Pinion };
+        let (of_part, of_other): (Vec<_>, Vec<_>) = ErrorKind::ALL.into_iter().partition(|kind| kind.part() == part);
+        let given: Vec<_> = spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| of_other.contains(kind)).collect();
+        spec.refuse_both_ways(&given)?;
+        if rule.needs_uncertainty() && spec.uncertainties.is_empty() {
+            let message = format!("the rule {rule} needs uncertainties, and the spec gives none");
+            return Err(Diagnostic::error(Code::BadRule, message)
+                .help("give what was measured one, such as [errors] rack_pitch = { u = \"0.8 um\" }; or the guard band: --rule guard=VALUE")
+                .into());
+        }
+        let measured_only = spec.measured_only(is_rack);
+        let is_of_whole = |(on, _): &(LimitTarget, _)| *on == LimitTarget::CenterDistance;
+        Ok(Self {
+            errors: spec.errors_of_every_part(&of_part)?,
+            lacking: spec.lacking(&of_part),
+            basis: measured_only.pair_basis()?,
+            limits: spec.limits().into_iter().filter(is_of_whole).collect(),
+            measured_only,
+            rule,
+            is_partial,
+        })
+    }
+
+    /// The spec with nothing wrong but what was measured.
+    #[must_use]
+    pub fn measured_only(&self) -> &Spec {
+        &self.measured_only
+    }
+
+    /// What is not counted, and what follows; what every part has.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let names =
+            |kinds: &mut dyn Iterator<Item = ErrorKind>| kinds.map(ErrorKind::key).collect::<Vec<_>>().join(", ");
+        let lacking = names(&mut self.lacking.iter().copied());
+        let every = names(&mut self.errors.iter().map(PartError::kind));
+        let mut notes = Vec::new();
+        if !every.is_empty() {
+            notes.push(format!("every part meets the value in [errors]: {every}"));
+        }
+        if !lacking.is_empty() && self.is_partial {
+            notes.push(format!("judged without {lacking} of the other part, as told by --partial"));
+        } else if !lacking.is_empty() {
+            notes.push(format!(
+                "the spec asks for {lacking} of the other part, and no part is judged without: every_part = true beside \
+                 a value of [errors] says that every part meets it, --partial judges without"
+            ));
+        }
+        notes
+    }
+
+    /// Judges a part with the mesh of its tables.
+    ///
+    /// # Errors
+    /// Diagnostics if there are no strokes to judge, or one of them has no solution.
+    pub fn judge(&self, input: &MeshInput, tables: &MeasuredTables) -> Result<JudgedTeeth, Diagnostics> {
+        let no_mesh = |message: String| Diagnostic::error(Code::NoMesh, message);
+        let strokes = input.judged_strokes().map_err(|error| no_mesh(error.to_string()))?;
+        let followed = Followed::of(&input.mesh);
+        let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| no_mesh(error.to_string()))?;
+        let spec = &self.measured_only;
+        let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, followed.tolerance_mm)?;
+        let spec = spec.clone().with_known_teeth(KnownTeeth { range: followed.judged(&extremes) }, sensitivities);
+        let mut evaluation = self.evaluated(&spec)?;
+        if !self.lacking.is_empty() && !self.is_partial {
+            evaluation.leave_open(LimitTarget::CenterDistance);
+        }
+        let ends = strokes.first().zip(strokes.last());
+        Ok(JudgedTeeth {
+            strokes: ends.map_or(0.0..0.0, |(first, last)| first.start..last.end),
+            range: evaluation.combined.range,
+            by: evaluation.judged_by,
+            verdict: evaluation.verdict,
+        })
+    }
+
+    /// Known teeth and errors of the other part together, by the rule.
+    fn evaluated(&self, spec: &Spec) -> Result<Evaluation, Diagnostics> {
+        let no_result = |message: String| Diagnostic::error(Code::NoResult, message);
+        let (errors, model, stack) = (&self.errors, Model::Exact, Stack::Range);
+        let basis = &Basis { known_teeth: spec.known_teeth, ..self.basis.clone() };
+        let mut evaluation =
+            evaluate(errors, &self.limits, model, stack, basis).map_err(|failure| spec.explain_failure(&failure))?;
+        if self.rule == Rule::Simple {
+            return Ok(evaluation);
+        }
+        let kinds: Vec<_> = errors.iter().map(PartError::kind).collect();
+        let (uncertainties, over_pin) = (spec.uncertainties_of(&kinds)?, spec.over_pin());
+        let teeth = &spec.teeth_sensitivities;
+        let part = uncertainty::Part { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
+        let propagation = (!uncertainties.is_empty()).then(|| propagate(&part, &uncertainties)).transpose();
+        let propagation = propagation.map_err(|error| no_result(error.to_string()))?;
+        let decided = evaluation.decide_by(&self.rule, propagation.as_ref(), None);
+        decided.map_err(|error| no_result(error.to_string()))?;
+        if self.rule.needs_uncertainty() && !self.is_partial && spec.uncertainty_of_teeth() == OfTeeth::Exact {
+            evaluation.leave_open(LimitTarget::CenterDistance);
+        }
+        Ok(evaluation)
+    }
+}

@@ -1,0 +1,81 @@
+//! How the curve of teeth that are known one by one follows from uncertain values: at both of its extremes, by differences
+//! of the exact mesh.
+
+use super::Source;
+use crate::judge::strokes::{Extremes, extremes};
+use crate::mesh::{Mesh, MeshError};
+
+/// ∂(both extremes)/∂x of what known teeth do, mm per mm or per degree. Where x stands for many values that were measured
+/// one by one, the root of the sum of their squares.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TeethSensitivity {
+    /// x
+    pub source: Source,
+    /// Of the lowest ΔCD.
+    pub lower: f64,
+    /// Of the highest ΔCD.
+    pub upper: f64,
+}
+
+/// A mesh in which one value is off.
+#[derive(Debug, Clone)]
+pub struct VariedTeeth {
+    /// What the value is.
+    pub source: Source,
+    /// By how much it is off, mm or degrees.
+    pub by: f64,
+    /// The mesh.
+    pub mesh: Mesh,
+}
+
+/// How the uncertainty of known teeth came into a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OfTeeth {
+    /// No teeth are known one by one.
+    NoneKnown,
+    /// Nothing that was measured of them has an uncertainty.
+    Exact,
+    /// Through the mesh's derivatives.
+    ThroughMesh,
+}
+
+/// An extreme is looked for so many pitches around where it is without the variation.
+const AROUND: f64 = 0.1;
+
+/// The derivatives of a curve's extremes by each source: what its extremes become if a value is off, less
+/// what they are. Curves are followed to a tolerance in mm, and differences up to twice that are none.
+///
+/// # Errors
+/// [`MeshError`] of a stroke that has no solution.
+pub fn teeth_sensitivities(
+    mesh: &Mesh,
+    at: &Extremes,
+    tolerance_mm: f64,
+    varied: &[VariedTeeth],
+) -> Result<Vec<TeethSensitivity>, MeshError> {
+    let around = AROUND * mesh.pair().rack().pitch_mm;
+    let windows = [at.lower, at.upper].map(|extreme| extreme.stroke_mm - around..extreme.stroke_mm + around);
+    let ends = |mesh: &Mesh| -> Result<[f64; 2], MeshError> {
+        let [lower, upper] = &windows;
+        let lowest = extremes(mesh, std::slice::from_ref(lower), tolerance_mm)?.lower;
+        let highest = extremes(mesh, std::slice::from_ref(upper), tolerance_mm)?.upper;
+        Ok([lowest.delta_cd_mm, highest.delta_cd_mm])
+    };
+    let centre = ends(mesh)?;
+    let mut found: Vec<TeethSensitivity> = Vec::new();
+    for VariedTeeth { source, by, mesh } in varied {
+        let off = ends(mesh)?;
+        let [lower, upper] = [0, 1].map(|end| {
+            let difference = off[end] - centre[end];
+            if difference.abs() > 2.0 * tolerance_mm { difference / by } else { 0.0 }
+        });
+        match found.iter_mut().find(|known| known.source == *source) {
+            Some(known) => {
+                known.lower = (known.lower * known.lower + lower * lower).sqrt();
+                known.upper = (known.upper * known.upper + upper * upper).sqrt();
+            }
+            None => found.push(TeethSensitivity { source: *source, lower, upper }),
+        }
+    }
+    Ok(found)
+}

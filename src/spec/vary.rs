@@ -1,0 +1,171 @@
+//! The exact mesh of a spec in which one uncertain value is off: what the uncertainty of known teeth follows from.
+//! Solves nothing.
+
+use super::{Located, MeasuredTables, Spec, WrittenPinionDeviation};
+use crate::decision::uncertainty::{Source, TeethSensitivity, VariedTeeth, teeth_sensitivities};
+use crate::deviation::{ErrorKind, Part, PinionDeviationKind, RackDeviationKind};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::law::RADIANS_PER_DEGREE;
+use crate::judge::bound::pinion_lead_angle_rad;
+use crate::judge::strokes::Extremes;
+use crate::mesh::Mesh;
+use crate::quantity::{Angle, Length};
+use crate::table::{Measured, PinionTooth, RackSpace};
+
+/// By how much a value is off at least, mm or degrees, so that a curve tells it.
+const LEAST: f64 = 1e-3;
+
+/// A spec and its tables, one value of which may be changed.
+#[derive(Clone)]
+struct Whole {
+    spec: Spec,
+    tables: MeasuredTables,
+}
+
+/// One value of a spec or of its tables.
+enum Value<'a> {
+    Length(&'a mut Length),
+    Angle(&'a mut Angle),
+    Mm(&'a mut f64),
+    Rad(&'a mut f64),
+}
+
+impl Value<'_> {
+    /// Adds mm or degrees; a value that leaves its domain that way stays.
+    fn add(self, by: f64) {
+        match self {
+            Self::Length(value) => *value = Length::from_mm(value.mm() + by).unwrap_or(*value),
+            Self::Angle(value) => *value = Angle::from_degrees(value.degrees() + by).unwrap_or(*value),
+            Self::Mm(value) => *value += by,
+            Self::Rad(value) => *value += by * RADIANS_PER_DEGREE,
+        }
+    }
+}
+
+impl Spec {
+    /// How the extremes of known teeth follow from what is uncertain: of the mesh of this spec and its tables.
+    ///
+    /// # Errors
+    /// Diagnostics as [`mesh`](Self::mesh), or if a stroke has no solution.
+    pub fn teeth_sensitivities(
+        &self,
+        tables: &MeasuredTables,
+        mesh: &Mesh,
+        extremes: &Extremes,
+        tolerance_mm: f64,
+    ) -> Result<Vec<TeethSensitivity>, Diagnostics> {
+        teeth_sensitivities(mesh, extremes, tolerance_mm, &self.varied(tables)?)
+            .map_err(|error| Diagnostic::error(Code::NoMesh, error.to_string()).into())
+    }
+
+    /// The mesh with each uncertain value off by about its standard uncertainty, one after the other: sizes of the gear, and
+    /// every value of the teeth that are known one by one. What is measured tooth by tooth is one value for each of
+    /// them, what a deviation gives for some teeth is one for all of these.
+    ///
+    /// # Errors
+    /// Diagnostics as [`mesh`](Self::mesh).
+    fn varied(&self, tables: &MeasuredTables) -> Result<Vec<VariedTeeth>, Diagnostics> {
+        let whole = Whole { spec: self.clone(), tables: tables.clone() };
+        let mut varied = Vec::new();
+        for (source, uncertainty) in &self.uncertainties {
+            if uncertainty.value.standard == 0.0 {
+                continue;
+            }
+            let (source, by) = (*source, uncertainty.value.standard.max(LEAST));
+            // f_Hβ of a pinion is a length, and its teeth have the angle that this is
+            let step = match source {
+                Source::Error(ErrorKind::PinionLead) => {
+                    pinion_lead_angle_rad(&self.pair("the exact mesh")?, by) / RADIANS_PER_DEGREE
+                }
+                _ => by,
+            };
+            let count = whole.clone().values(source).len();
+            for index in 0..count {
+                let mut off = whole.clone();
+                if let Some(value) = off.values(source).into_iter().nth(index) {
+                    value.add(step);
+                }
+                varied.push(VariedTeeth { source, by, mesh: off.spec.mesh(&off.tables)?.mesh });
+            }
+        }
+        Ok(varied)
+    }
+}
+
+impl Whole {
+    /// The values of this kind.
+    fn values(&mut self, source: Source) -> Vec<Value<'_>> {
+        fn length(value: &mut Option<Located<Length>>) -> Vec<Value<'_>> {
+            value.iter_mut().map(|value| Value::Length(&mut value.value)).collect()
+        }
+        fn angle(value: &mut Option<Located<Angle>>) -> Vec<Value<'_>> {
+            value.iter_mut().map(|value| Value::Angle(&mut value.value)).collect()
+        }
+        let (spec, tables) = (&mut self.spec, &mut self.tables);
+        match source {
+            Source::NormalModule => length(&mut spec.pair.normal_module),
+            Source::NormalPressureAngle => angle(&mut spec.pair.normal_pressure_angle),
+            Source::RackHelixAngle => angle(&mut spec.rack.helix_angle),
+            Source::PinionHelixAngle => angle(&mut spec.pinion.helix_angle),
+            Source::FaceWidth => length(&mut spec.rack.face_width),
+            Source::ToothThickness => length(&mut spec.rack.tooth_thickness),
+            Source::Datum => length(&mut spec.rack.datum),
+            // of errors that are given as one value
+            Source::Roller => Vec::new(),
+            Source::Error(kind) if kind.part() == Part::Rack => {
+                let written = spec.rack.deviations.iter_mut();
+                let written = written.filter_map(|deviation| of_rack(kind, &mut deviation.value.kind));
+                let rows = tables.rack.iter_mut().flat_map(|table| &mut table.rows);
+                written.chain(rows.filter_map(|row| of_space(kind, row))).collect()
+            }
+            Source::Error(kind) => {
+                let written = spec.pinion.deviations.iter_mut().filter_map(|deviation| match &mut deviation.value {
+                    WrittenPinionDeviation::Teeth(of_teeth) => of_pinion(kind, &mut of_teeth.kind),
+                    WrittenPinionDeviation::Eccentricity(_) => None,
+                });
+                let rows = tables.pinion.iter_mut().flat_map(|table| &mut table.rows);
+                written.chain(rows.flat_map(|row| of_tooth(kind, row))).collect()
+            }
+        }
+    }
+}
+
+fn of_rack(kind: ErrorKind, deviation: &mut RackDeviationKind) -> Option<Value<'_>> {
+    use RackDeviationKind::{Lead, OverRoller, Pitch, Shift};
+    match (kind, deviation) {
+        (ErrorKind::RackOverRoller, OverRoller(mm)) | (ErrorKind::RackPitch, Pitch(mm) | Shift(mm)) => {
+            Some(Value::Mm(mm))
+        }
+        (ErrorKind::RackLead, Lead(rad)) => Some(Value::Rad(rad)),
+        _ => None,
+    }
+}
+
+fn of_pinion(kind: ErrorKind, deviation: &mut PinionDeviationKind) -> Option<Value<'_>> {
+    use PinionDeviationKind::{Lead, Radial, Shift};
+    match (kind, deviation) {
+        (ErrorKind::PinionRadial, Radial(mm)) | (ErrorKind::PinionPitch, Shift(mm)) => Some(Value::Mm(mm)),
+        (ErrorKind::PinionLead, Lead(rad)) => Some(Value::Rad(rad)),
+        _ => None,
+    }
+}
+
+fn of_space(kind: ErrorKind, row: &mut RackSpace) -> Option<Value<'_>> {
+    let measured = match kind {
+        ErrorKind::RackOverRoller => row.over_pin.as_mut(),
+        ErrorKind::RackPitch => row.position.as_mut(),
+        ErrorKind::RackLead => return row.lead.as_mut().map(Value::Angle),
+        _ => None,
+    };
+    measured.map(|(Measured::Absolute(length) | Measured::Deviation(length))| Value::Length(length))
+}
+
+fn of_tooth(kind: ErrorKind, row: &mut PinionTooth) -> Vec<Value<'_>> {
+    let lengths = match kind {
+        ErrorKind::PinionRadial => [row.radial.as_mut(), None, None],
+        ErrorKind::PinionPitch => [row.position.as_mut(), row.left_pitch.as_mut(), row.right_pitch.as_mut()],
+        ErrorKind::PinionLead => return row.lead.iter_mut().map(Value::Angle).collect(),
+        _ => [None, None, None],
+    };
+    lengths.into_iter().flatten().map(Value::Length).collect()
+}

@@ -1,0 +1,121 @@
+//! Teeth that are known one by one: who judges them, what counts beside them, and their uncertainty.
+
+use std::fmt::Write as _;
+
+use crate::process::{Ended, Folder, run};
+
+/// 1/(2 tan 19.9°)
+const GAIN: f64 = 1.381_234_75;
+
+const PAIR: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n[rack]\nface_width = 19.7\naddendum = 1.7\n\
+    [pinion]\nteeth = 8\nhelix_angle = 21\nprofile_shift = 0.3\nface_width = 30\ntip_diameter = 19.738\n";
+const LIMIT: &str = "[limits]\ncenter_distance = \"±0.03\"\n";
+
+/// Twelve spaces that are all right, but for what a function says of their position, µm.
+fn spaces(position: impl Fn(i64) -> i64) -> String {
+    let mut table = "space,over_pin_deviation [um],position_deviation [um]\n".to_owned();
+    for space in 0..12 {
+        let _ = writeln!(table, "{space},0,{}", position(space));
+    }
+    table
+}
+
+fn batch(folder: &Folder, spec: &str, table: &str, more: &[&str]) -> Ended {
+    let (spec_path, table_path) = (folder.path("spec.toml"), folder.path("spaces.csv"));
+    std::fs::write(&spec_path, spec).unwrap();
+    std::fs::write(&table_path, table).unwrap();
+    run(&[&["batch", &spec_path, &table_path, "--teeth"], more].concat(), "")
+}
+
+fn paste(folder: &Folder, spec: &str, table: &str, more: &[&str]) -> Ended {
+    let spec_path = folder.path("spec.toml");
+    std::fs::write(&spec_path, spec).unwrap();
+    run(&[&["paste", &spec_path], more].concat(), table)
+}
+
+/// A pinion that sits 200 µm high under a rack that is all right.
+#[test]
+fn errors_of_the_other_part_count_or_nothing_passes() {
+    let folder = Folder::new("teeth-other-part");
+    let with = |error: &str| format!("{PAIR}[errors]\npinion_radial = {error}\n{LIMIT}");
+    let (asked, of_every) = (with("\"200 um\""), with("{ value = \"200 um\", every_part = true }"));
+    let table = spaces(|_| 0);
+    for command in [batch, paste] {
+        let open = command(&folder, &asked, &table, &[]);
+        assert_eq!(open.code, Some(2), "{} {}", open.stdout, open.stderr);
+        assert!(
+            format!("{}{}", open.stdout, open.stderr).contains("the spec asks for pinion_radial"),
+            "{}",
+            open.stderr
+        );
+        let failed = command(&folder, &of_every, &table, &[]);
+        assert_eq!(failed.code, Some(1), "{} {}", failed.stdout, failed.stderr);
+        let partial = command(&folder, &asked, &table, &["--partial"]);
+        assert_eq!(partial.code, Some(0), "{} {}", partial.stdout, partial.stderr);
+        assert!(format!("{}{}", partial.stdout, partial.stderr).contains("judged without pinion_radial"));
+    }
+}
+
+/// A step of 40 µm at the tenth space, behind the strokes that are listed.
+#[test]
+fn strokes_that_are_not_listed_are_judged() {
+    let folder = Folder::new("teeth-all-strokes");
+    let table = spaces(|space| if space < 9 { 0 } else { 40 });
+    let ended = batch(&folder, &format!("{PAIR}{LIMIT}"), &table, &["--to", "20"]);
+    assert_eq!(ended.code, Some(1), "{} {}", ended.stdout, ended.stderr);
+    let row = ended.stdout.lines().nth(1).unwrap();
+    assert!(row.contains("fail"), "{row}");
+}
+
+/// Every pitch off by 12 µm: the formula has one step, the mesh as many as are in contact.
+#[test]
+fn a_pasted_rack_is_judged_by_its_mesh() {
+    let folder = Folder::new("teeth-pasted");
+    let limit = "[limits]\ncenter_distance = \"±0.02\"\n";
+    let table = spaces(|space| -12 * space);
+    let ended = paste(&folder, &format!("{PAIR}{limit}"), &table, &[]);
+    assert_eq!(ended.code, Some(1), "{} {}", ended.stdout, ended.stderr);
+    // without geometry there is no mesh, and without a mesh no verdict
+    let bare = format!("[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n{limit}");
+    let open = paste(&folder, &bare, &table, &[]);
+    assert_eq!(open.code, Some(2), "{} {}", open.stdout, open.stderr);
+    assert!(open.stderr.contains("`rack.face_width`"), "{}", open.stderr);
+}
+
+/// One step of 20 µm between known teeth, u = 2 µm: u(ΔCD) = u / (2 tan α).
+#[test]
+fn the_uncertainty_of_known_teeth_goes_through_the_mesh() {
+    let spec = |rule: &str| {
+        format!(
+            "{PAIR}[[rack.deviation]]\nteeth = \"5\"\npitch = \"20 um\"\n[errors]\nrack_pitch = {{ u = \"2 um\" }}\n{LIMIT}{rule}"
+        )
+    };
+    let ended = run(&["eval", "-", "--format", "json"], &spec(""));
+    let json = ended.json();
+    let results = json["uncertainty"]["results"].as_array().unwrap();
+    let upper = results.iter().find(|result| result["of"] == "upper").unwrap_or_else(|| panic!("{results:#?}"));
+    let standard = upper["standard_uncertainty_mm"].as_f64().unwrap_or_else(|| panic!("{upper:#}"));
+    assert!((standard - 0.002 * GAIN).abs() < 1e-6, "{standard}");
+    // 27.6 µm and 1.65 times 2.8 µm are too near to 30 µm, for both commands alike
+    let by_rule = spec("[decision]\nrule = \"iso14253\"\n");
+    for command in ["eval", "mesh"] {
+        let ended = run(&[command, "-"], &by_rule);
+        assert_eq!(ended.code, Some(3), "{command}: {} {}", ended.stdout, ended.stderr);
+    }
+}
+
+/// The same of measured spaces, each with its own uncertainty: a step lies between two of them.
+#[test]
+fn the_uncertainty_of_measured_spaces_is_that_of_each() {
+    let folder = Folder::new("teeth-uncertain");
+    let spec = |u: &str| format!("{PAIR}[errors]\nrack_pitch = {{ u = \"{u} um\" }}\n{LIMIT}");
+    let table = spaces(|space| if space < 6 { 0 } else { -18 });
+    for (u, code) in [("0.5", 0), ("3", 3)] {
+        let ended = batch(&folder, &spec(u), &table, &["--rule", "iso14253"]);
+        assert_eq!(ended.code, Some(code), "{u}: {} {}", ended.stdout, ended.stderr);
+    }
+    // a rule that needs an uncertainty passes nothing without
+    let certain = format!("{PAIR}{LIMIT}");
+    let refused = batch(&folder, &certain, &table, &["--rule", "iso14253"]);
+    assert_eq!(refused.code, Some(2), "{} {}", refused.stdout, refused.stderr);
+}
