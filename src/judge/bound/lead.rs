@@ -214,12 +214,16 @@ impl Leads {
     /// The most that both sides ask for at any one stroke; with the sign −1 the most that they give way.
     fn most(&self, known: &KnownPair, sign: f64) -> f64 {
         let cells = self.cells(known, sign);
+        let time = |index: i32| index.rem_euclid(CELLS) as usize;
+        let mut same_time = [f64::NEG_INFINITY; CELLS as usize];
+        for cell in &cells {
+            same_time[time(cell.index)] = same_time[time(cell.index)].max(cell.most);
+        }
         let at = |index: i32| {
             if self.one_tooth {
                 cells.iter().find(|cell| cell.index == index).map_or(0.0, |cell| cell.most.max(0.0))
             } else {
-                let same_time = cells.iter().filter(|cell| (cell.index - index).rem_euclid(CELLS) == 0);
-                same_time.map(|cell| cell.most).fold(f64::NEG_INFINITY, f64::max)
+                same_time[time(index)]
             }
         };
         // a left flank is a right one turned half about: that of the same rack tooth, or of the same pinion tooth a pitch on
