@@ -70,16 +70,18 @@ impl Results {
             }
         }
         let errors = &errors[..plan.sources.len()];
-        let of = |stack: Stack| {
-            let ends = stack.ends(errors, &plan.basis).ok();
-            let ends = ends.map(Interval::nearest).transpose();
-            ends.map_err(|problem| NoResults { source: None, problem: Box::new(problem.into()) })
-        };
-        if plan.needs_range {
-            results.range = of(Stack::Range)?;
-        }
-        if plan.needs_rss {
-            results.rss = of(Stack::Rss)?;
+        if plan.needs_range || plan.needs_rss {
+            let together = plan.basis.together(errors);
+            let of = |stack: Stack| {
+                let ends = stack.ends(&together).ok().map(Interval::nearest).transpose();
+                ends.map_err(|problem| NoResults { source: None, problem: Box::new(problem.into()) })
+            };
+            if plan.needs_range {
+                results.range = of(Stack::Range)?;
+            }
+            if plan.needs_rss {
+                results.rss = of(Stack::Rss)?;
+            }
         }
         if plan.needs_reached {
             results.reached = reached(plan, errors);

@@ -36,7 +36,7 @@ fn check(seed: u64) -> Option<Option<String>> {
         ..Basis::default()
     };
     let errors: Vec<_> = unknown.iter().map(|drawn| drawn.error).collect();
-    let total = basis.total(&errors).ok()?;
+    let total = basis.together(&errors).total.ok()?;
     unknown.iter().for_each(|drawn| placed.put(&mut random, drawn));
     let reached = extremes(&placed.mesh(&given).ok()?, 48)?;
     let by = (total.lower - reached.lower).max(reached.upper - total.upper);

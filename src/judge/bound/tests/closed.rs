@@ -187,7 +187,7 @@ fn mean_and_spread_for_a_statistical_sum() {
     let of_one = |error: ExtendedError| {
         let known = KnownPair::for_errors(GivenPair::plain(pair), &[error]).unwrap();
         let knowledge = Knowledge { geometry: Geometry::Known(&known), ..Knowledge::default() };
-        let found = moments(&error, &knowledge).unwrap();
+        let found = moments(&error, bound(&[error], &knowledge).errors[0], &knowledge).unwrap();
         (found.mean_mm, found.deviation_mm)
     };
     assert_eq!(of_one(error(&pair, 0, Extent::All, -0.03)), (-0.03, 0.0));
