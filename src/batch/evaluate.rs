@@ -8,7 +8,7 @@ use super::buffer::Buffer;
 use super::layout::Layout;
 use super::outcome::{Kept, Part, Problem, Tally, WORST, keep_worst};
 use super::plan::Plan;
-use super::results::{KINDS, Margin, Results, spread_of};
+use super::results::{KINDS, Margin, Refusal, Results, spread_of};
 use super::statistics::Statistics;
 use super::uncertain::RowUncertainty;
 use crate::decision::Verdict;
@@ -42,14 +42,6 @@ impl<'a> Row<'a> {
     fn line(self) -> u64 {
         self.block.lines[self.index]
     }
-}
-
-/// Why a row makes no part.
-#[derive(Default)]
-struct Refusal {
-    message: String,
-    /// The source that is to blame, by its index, if one is.
-    source: Option<usize>,
 }
 
 /// Evaluates the rows of blocks.
@@ -140,12 +132,8 @@ impl<'a> Evaluator<'a> {
     #[inline]
     fn evaluate(&mut self, row: Row<'_>) -> Result<(), Refusal> {
         let plan = self.plan;
-        let refused = |message: String| Refusal { message, ..Refusal::default() };
-        let results = Results::new(plan, &self.deviations).map_err(|none| {
-            let kind = none.source.map(|source| plan.sources[source].law.kind());
-            let name = kind.map_or("combination", ErrorKind::name);
-            Refusal { message: format!("{name}: {}", none.problem), source: none.source }
-        })?;
+        let refused = |message: String| Refusal { message, source: None };
+        let results = Results::new(plan, &self.deviations)?;
         let uncertainty = match &plan.uncertain {
             Some(uncertain) => {
                 let known = uncertain.of_row(&plan.sources, &self.deviations, &results, &plan.limits);

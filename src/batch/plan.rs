@@ -376,7 +376,7 @@ impl Plan {
             return None;
         }
         let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
-        self.basis.total(&errors).err()
+        self.basis.together(&errors).total.err()
     }
 
     /// The errors that are read.

@@ -27,10 +27,20 @@ pub(super) struct Results {
     reached: Option<Interval>,
 }
 
-/// Why a part has no results: the source whose ΔCD has none, or the combination, and what is wrong.
-pub(super) struct NoResults {
+/// Why a row makes no part.
+pub(super) struct Refusal {
+    pub(super) message: String,
+    /// The source that is to blame, by its index, if one is.
     pub(super) source: Option<usize>,
-    pub(super) problem: Box<DomainError>,
+}
+
+impl Refusal {
+    /// A source whose ΔCD has no value, or the combination.
+    #[cold]
+    fn of(plan: &Plan, source: Option<usize>, problem: &DomainError) -> Self {
+        let name = source.map_or("combination", |source| plan.sources[source].law.kind().name());
+        Self { message: format!("{name}: {problem}"), source }
+    }
 }
 
 /// How far a part is inside the nearest limit, which that is, and what is held against it.
@@ -54,8 +64,8 @@ fn plain_value(value: ErrorValue) -> f64 {
 impl Results {
     /// The results of the deviations, one per source of the plan. What has no bound is left out.
     #[inline]
-    pub(super) fn new(plan: &Plan, deviations: &[ErrorValue; KINDS]) -> Result<Self, NoResults> {
-        let of_source = |index, problem| NoResults { source: Some(index), problem: Box::new(problem) };
+    pub(super) fn new(plan: &Plan, deviations: &[ErrorValue; KINDS]) -> Result<Self, Refusal> {
+        let of_source = |index, problem| Refusal::of(plan, Some(index), &problem);
         let mut errors = [ExtendedError::NONE; KINDS];
         let mut results =
             Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None, reached: None };
@@ -70,16 +80,18 @@ impl Results {
             }
         }
         let errors = &errors[..plan.sources.len()];
-        let of = |stack: Stack| {
-            let ends = stack.ends(errors, &plan.basis).ok();
-            let ends = ends.map(Interval::nearest).transpose();
-            ends.map_err(|problem| NoResults { source: None, problem: Box::new(problem.into()) })
-        };
-        if plan.needs_range {
-            results.range = of(Stack::Range)?;
-        }
-        if plan.needs_rss {
-            results.rss = of(Stack::Rss)?;
+        if plan.needs_range || plan.needs_rss {
+            let together = plan.basis.together(errors);
+            let of = |stack: Stack| {
+                let ends = stack.ends(&together).ok().map(Interval::nearest).transpose();
+                ends.map_err(|problem| Refusal::of(plan, None, &problem.into()))
+            };
+            if plan.needs_range {
+                results.range = of(Stack::Range)?;
+            }
+            if plan.needs_rss {
+                results.rss = of(Stack::Rss)?;
+            }
         }
         if plan.needs_reached {
             results.reached = reached(plan, errors);

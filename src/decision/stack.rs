@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::formula::PartError;
-use crate::judge::bound::{Basis, ExtendedError, Open, Range};
+use crate::judge::bound::{Basis, Open, Range, Together};
 use crate::quantity::{Length, QuantityError};
 
 /// How errors are combined to the result that is judged.
@@ -36,10 +36,10 @@ impl Stack {
     ///
     /// # Errors
     /// [`Open`] if there is none.
-    pub fn ends(self, errors: &[ExtendedError], basis: &Basis) -> Result<Range, Open> {
+    pub fn ends(self, together: &Together) -> Result<Range, Open> {
         match self {
-            Self::Range => basis.total(errors),
-            Self::Rss => basis.statistical(errors),
+            Self::Range => together.total,
+            Self::Rss => together.statistical,
         }
     }
 }

@@ -88,5 +88,5 @@ impl Varied {
 /// Both ends of a combination, not numbers if there are none.
 pub(in crate::decision) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
     let none = |_: Open| Range { lower: f64::NAN, upper: f64::NAN };
-    stack.ends(errors, basis).unwrap_or_else(none)
+    stack.ends(&basis.together(errors)).unwrap_or_else(none)
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::sum::{bound, range_of, reached_at_least, statistical, total};
+use super::sum::{Together, bound, range_of, reached_at_least, together};
 use super::{Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Open, Range, Reach};
 use crate::formula::PartError;
 
@@ -137,19 +137,12 @@ impl Basis {
         range_of(error, &self.knowledge(std::slice::from_ref(error))?)
     }
 
-    /// Its total alone.
-    ///
-    /// # Errors
-    /// [`Open`] if there is none.
-    pub fn total(&self, errors: &[ExtendedError]) -> Result<Range, Open> {
-        total(errors, &self.knowledge(errors)?)
-    }
-
-    /// Its statistical sum alone.
-    ///
-    /// # Errors
-    /// [`Open`] if there is none.
-    pub fn statistical(&self, errors: &[ExtendedError]) -> Result<Range, Open> {
-        statistical(errors, &self.knowledge(errors)?)
+    /// Its sums alone.
+    #[must_use]
+    pub fn together(&self, errors: &[ExtendedError]) -> Together {
+        match self.knowledge(errors) {
+            Ok(knowledge) => together(errors, &knowledge),
+            Err(open) => Together { total: Err(open), statistical: Err(open) },
+        }
     }
 }

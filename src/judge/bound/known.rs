@@ -32,6 +32,8 @@ pub struct KnownPair {
     pub(super) given: GivenPair,
     /// The errors that this holds for.
     pub(super) reach: Reach,
+    /// The path without errors.
+    nominal: ContactPath,
     /// Where lines of contact carry whatever the errors.
     pub(super) line: ContactPath,
     /// Where flanks carry that stand out by so much: in rising order.
@@ -174,6 +176,7 @@ impl KnownPair {
         let mut known = Self {
             given,
             reach,
+            nominal: ContactPath::nominal(pair),
             line,
             levels,
             own,
@@ -291,8 +294,8 @@ impl KnownPair {
 
     /// The nominal path of contact.
     #[must_use]
-    pub fn nominal_path(&self) -> ContactPath {
-        ContactPath::nominal(&self.given.pair)
+    pub const fn nominal_path(&self) -> ContactPath {
+        self.nominal
     }
 
     /// The pair's own range without errors, as wide as errors up to the reach may make it, mm.

@@ -4,10 +4,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::error::RackLines;
+use super::error::{Effect, RackLines};
 use super::field::Spot;
 use super::known::Level;
-use super::{ErrorRange, Extent, KnownPair, Range};
+use super::{ErrorRange, ExtendedError, Extent, KnownPair, Range};
 use crate::deviation::Part;
 use crate::trig;
 
@@ -94,8 +94,17 @@ impl Leads {
         Self { part, values: Range { lower: 0.0, upper: 0.0 }, lines: None, one_tooth: true, extent: None }
     }
 
-    /// With one error more; rack `lines` are those of the last one.
-    pub(super) fn with(mut self, value: f64, extent: Extent, lines: Option<RackLines>) -> Self {
+    /// With one error of the part more, if it is a lead; the rack's lines are those of the last one.
+    #[inline]
+    pub(super) fn with(self, error: &ExtendedError) -> Self {
+        match error.effect {
+            Effect::RackLead { value, rack } => self.with_value(value, error.extent, Some(rack)),
+            Effect::PinionLead { value, gain } => self.with_value(gain * value, error.extent, None),
+            Effect::Size { .. } | Effect::Pitch(_) => self,
+        }
+    }
+
+    fn with_value(mut self, value: f64, extent: Extent, lines: Option<RackLines>) -> Self {
         let added = match extent {
             Extent::All => Range { lower: value, upper: value },
             Extent::Each => Range { lower: -value.abs(), upper: value.abs() },
@@ -107,6 +116,19 @@ impl Leads {
         self.values = Range { lower: self.values.lower + added.lower, upper: self.values.upper + added.upper };
         self.lines = lines;
         self
+    }
+
+    /// Whether all that they do is what the last one does.
+    pub(super) fn is_one(&self) -> bool {
+        self.extent.is_some()
+    }
+
+    pub(super) fn part(&self) -> Part {
+        self.part
+    }
+
+    pub(super) fn lines(&self) -> Option<&RackLines> {
+        self.lines.as_ref()
     }
 
     /// The values at which what a flank asks for can be extreme: both ends, none at all, and the turn that brings a rack's
@@ -191,7 +213,7 @@ impl Leads {
         let node = &table[(index + NODES_A_SIDE) as usize];
         let value = f64::from(index) * known.leads.spacing[self.part as usize];
         let lines = self.lines.map(|_| RackLines::of_pair(&known.given.pair));
-        *node.get_or_init(|| Self::none(self.part).with(value, extent, lines).asked_itself(known))
+        *node.get_or_init(|| Self::none(self.part).with_value(value, extent, lines).asked_itself(known))
     }
 
     /// How much the slopes of flanks that are turned by up to this bend at most, in mm of ΔCD per rad².
@@ -214,12 +236,16 @@ impl Leads {
     /// The most that both sides ask for at any one stroke; with the sign −1 the most that they give way.
     fn most(&self, known: &KnownPair, sign: f64) -> f64 {
         let cells = self.cells(known, sign);
+        let time = |index: i32| index.rem_euclid(CELLS) as usize;
+        let mut same_time = [f64::NEG_INFINITY; CELLS as usize];
+        for cell in &cells {
+            same_time[time(cell.index)] = same_time[time(cell.index)].max(cell.most);
+        }
         let at = |index: i32| {
             if self.one_tooth {
                 cells.iter().find(|cell| cell.index == index).map_or(0.0, |cell| cell.most.max(0.0))
             } else {
-                let same_time = cells.iter().filter(|cell| (cell.index - index).rem_euclid(CELLS) == 0);
-                same_time.map(|cell| cell.most).fold(f64::NEG_INFINITY, f64::max)
+                same_time[time(index)]
             }
         };
         // a left flank is a right one turned half about: that of the same rack tooth, or of the same pinion tooth a pitch on

@@ -23,7 +23,7 @@ pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownPairError, Reach};
 pub use moments::{Moments, moments};
 pub use scales::Scales;
-pub use sum::{Bound, bound};
+pub use sum::{Bound, Together, bound};
 
 use crate::deviation::Extent;
 

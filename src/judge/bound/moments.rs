@@ -1,7 +1,6 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
 use super::error::{Effect, PitchEffect};
-use super::sum::range_of;
 use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, Open};
 use crate::deviation::Part;
 
@@ -19,20 +18,19 @@ pub struct Moments {
 const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
 const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 
-/// Mean and spread of one error at any one stroke. A tolerance is 3σ of a normal distribution.
+/// Mean and spread of one error at any one stroke, which does this range alone. A tolerance is 3σ of a normal distribution.
 /// A measured size or lead acts with its value; a measured step acts during its share of the stroke, or always if the
 /// geometry is not known.
 ///
 /// # Errors
 /// [`Open`] if it follows from a range that there is not.
-pub fn moments(error: &ExtendedError, knowledge: &Knowledge) -> Result<Moments, Open> {
-    let range = || range_of(error, knowledge);
+pub fn moments(error: &ExtendedError, range: Result<ErrorRange, Open>, knowledge: &Knowledge) -> Result<Moments, Open> {
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
     let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
     Ok(match (error.effect, error.extent) {
         (Effect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
         (Effect::Size { value, .. }, _) => fixed(value),
-        (Effect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range()?.upper_mm / 3.0 },
+        (Effect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range?.upper_mm / 3.0 },
         (Effect::Pitch(PitchEffect { value, gain, .. }), Extent::Each) => folded(gain * value.abs()),
         (Effect::Pitch(PitchEffect { part, value, gain, .. }), Extent::One) => {
             let share = share_of_stroke(part, value, knowledge);
@@ -41,11 +39,11 @@ pub fn moments(error: &ExtendedError, knowledge: &Knowledge) -> Result<Moments, 
         }
         // between the least and the most of what adds up
         (Effect::Pitch(_), _) => {
-            let ErrorRange { lower_mm, upper_mm, .. } = range()?;
+            let ErrorRange { lower_mm, upper_mm, .. } = range?;
             fixed(0.5 * (lower_mm + upper_mm))
         }
-        (Effect::RackLead { .. } | Effect::PinionLead { .. }, Extent::Each) => folded(range()?.upper_mm),
-        (Effect::RackLead { .. } | Effect::PinionLead { .. }, _) => fixed(range()?.upper_mm),
+        (Effect::RackLead { .. } | Effect::PinionLead { .. }, Extent::Each) => folded(range?.upper_mm),
+        (Effect::RackLead { .. } | Effect::PinionLead { .. }, _) => fixed(range?.upper_mm),
     })
 }
 

@@ -24,6 +24,15 @@ pub struct Bound {
     pub notes: Vec<Note>,
 }
 
+/// [`Bound::total`] and [`Bound::statistical`] alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Together {
+    /// What all can do together, the pair's own curve counted.
+    pub total: Result<Range, Open>,
+    /// No bound: mean ± 3 standard deviations of ΔCD at one stroke.
+    pub statistical: Result<Range, Open>,
+}
+
 /// Without geometry flanks are taken to touch within this many modules of the reference plane, or within this share of
 /// the face width.
 const MODULES_HIGH: f64 = 1.5;
@@ -40,13 +49,9 @@ const SPARE_MM: f64 = 1e-6;
 /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
 #[must_use]
 pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
-    let each: Vec<_> = errors.iter().map(|error| range_of(error, knowledge)).collect();
-    Bound {
-        total: total(errors, knowledge),
-        statistical: statistical(errors, knowledge),
-        notes: notes(errors, knowledge),
-        errors: each,
-    }
+    let Together { total, statistical } = together(errors, knowledge);
+    let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
+    Bound { errors: each, total, statistical, notes: notes(errors, knowledge) }
 }
 
 /// What one error can do alone.
@@ -54,12 +59,7 @@ pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<E
     let range = match error.effect {
         Effect::Size { part, value } => size(part, value, error.extent, knowledge),
         Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
-        Effect::RackLead { value, rack } => {
-            leads(&Leads::none(Part::Rack).with(value, error.extent, Some(rack)), Some(&rack), knowledge)
-        }
-        Effect::PinionLead { value, gain } => {
-            leads(&Leads::none(Part::Pinion).with(gain * value, error.extent, None), None, knowledge)
-        }
+        Effect::RackLead { .. } | Effect::PinionLead { .. } => leads(&Leads::none(error.part()).with(error), knowledge),
     };
     Ok(supported(range, knowledge))
 }
@@ -123,10 +123,10 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
     })
 }
 
-fn leads(leads: &Leads, lines: Option<&RackLines>, knowledge: &Knowledge) -> ErrorRange {
+fn leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     match known(knowledge) {
         Some(known) => leads.of_pair(known),
-        None => leads.of_any_pair(lines.map_or(0.0, |lines| assumed_height(lines, knowledge))),
+        None => leads.of_any_pair(leads.lines().map_or(0.0, |lines| assumed_height(lines, knowledge))),
     }
 }
 
@@ -160,25 +160,44 @@ pub(super) struct Sum {
     of_pinion: f64,
 }
 
-impl Sum {
-    /// Sizes and pitches one by one, leads one for each part.
-    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, Open> {
-        let mut sum = Self::default();
-        let (mut of_rack, mut of_pinion, mut lines) = (Leads::none(Part::Rack), Leads::none(Part::Pinion), None);
-        for error in errors {
-            match error.effect {
-                Effect::Size { .. } | Effect::Pitch(_) => sum.add(error.part(), range_of(error, knowledge)?),
-                Effect::RackLead { value, rack } => {
-                    lines = Some(rack);
-                    of_rack = of_rack.with(value, error.extent, lines);
-                }
-                Effect::PinionLead { value, gain } => of_pinion = of_pinion.with(gain * value, error.extent, None),
+/// Errors on the way to their sum: sizes and pitches one by one, leads one for each part.
+#[derive(Default)]
+struct Adding {
+    sum: Sum,
+    /// The leads of each part, and what the last one does.
+    leads: [Option<(Leads, ErrorRange)>; 2],
+}
+
+impl Adding {
+    fn add(&mut self, error: &ExtendedError, range: Result<ErrorRange, Open>) -> Result<(), Open> {
+        let (part, range) = (error.part(), range?);
+        match error.effect {
+            Effect::Size { .. } | Effect::Pitch(_) => self.sum.add(part, range),
+            Effect::RackLead { .. } | Effect::PinionLead { .. } => {
+                let before = self.leads[part as usize].map_or_else(|| Leads::none(part), |(leads, _)| leads);
+                self.leads[part as usize] = Some((before.with(error), range));
             }
         }
-        for (part, all) in [(Part::Rack, &of_rack), (Part::Pinion, &of_pinion)] {
-            sum.add(part, supported(leads(all, lines.as_ref(), knowledge), knowledge));
+        Ok(())
+    }
+
+    fn sum(&self, knowledge: &Knowledge) -> Sum {
+        let mut sum = self.sum;
+        for (all, last) in self.leads.iter().flatten() {
+            let range = if all.is_one() { *last } else { supported(leads(all, knowledge), knowledge) };
+            sum.add(all.part(), range);
         }
-        Ok(sum)
+        sum
+    }
+}
+
+impl Sum {
+    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, Open> {
+        let mut adding = Adding::default();
+        for error in errors {
+            adding.add(error, range_of(error, knowledge))?;
+        }
+        Ok(adding.sum(knowledge))
     }
 
     pub(super) fn add(&mut self, part: Part, range: ErrorRange) {
@@ -202,14 +221,13 @@ impl Sum {
     /// no less there, but for no more either, because its tip plane stays. So what lifts raises no lower end, what
     /// lowers no upper one. Every end is raw, and what undercut and gaps do counts once more: errors may shift them
     /// against what the known teeth do.
-    fn beside(&self, teeth: KnownTeeth, knowledge: &Knowledge) -> Result<Range, Open> {
-        let own = own(self, knowledge)?;
+    fn beside(&self, teeth: KnownTeeth, own: Range, knowledge: &Knowledge) -> Range {
         let offset = known(knowledge).map_or(0.0, |known| thickness_offset(&known.given.pair));
         let moved = MOVED * self.reach().with(Some(teeth)).largest();
-        Ok(Range {
+        Range {
             lower: teeth.range.lower + self.sinks + (own.lower - offset).min(0.0) - moved,
             upper: teeth.range.upper + self.lifts + (own.upper - offset).max(0.0) + moved,
-        })
+        }
     }
 
     /// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
@@ -227,38 +245,56 @@ fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Range, Open> {
     }
 }
 
-/// What errors can do together: [`Bound::total`] alone.
-pub(super) fn total(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
-    match knowledge.known_teeth {
-        Some(teeth) if errors.is_empty() => Ok(teeth.range),
-        Some(teeth) => Sum::of(errors, knowledge)?.beside(teeth, knowledge),
-        None => {
-            let sum = Sum::of(errors, knowledge)?;
-            Ok(sum.with_own(own(&sum, knowledge)?))
-        }
+/// What errors do together; what each does alone is computed once.
+pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Together {
+    let (mut adding, mut scatter) = (Adding::default(), Scatter::default());
+    let (mut summed, mut scattered) = (Ok(()), Ok(()));
+    for error in errors {
+        let range = range_of(error, knowledge);
+        summed = summed.and_then(|()| adding.add(error, range));
+        scattered = scattered.and_then(|()| scatter.add(moments(error, range, knowledge)));
     }
+    let sum = summed.map(|()| adding.sum(knowledge));
+    let own = sum.and_then(|sum| own(&sum, knowledge));
+    let total = match knowledge.known_teeth {
+        Some(teeth) if errors.is_empty() => Ok(teeth.range),
+        Some(teeth) => sum.and_then(|sum| Ok(sum.beside(teeth, own?, knowledge))),
+        None => sum.and_then(|sum| Ok(sum.with_own(own?))),
+    };
+    let of_pair = match (knowledge.known_teeth, knowledge.geometry) {
+        (Some(teeth), _) => Ok(teeth.range),
+        (None, Geometry::Known(_)) => own,
+        (None, Geometry::Unknown | Geometry::BothFlanks) => Ok(NOTHING),
+    };
+    let statistical = scattered.and_then(|()| Ok(scatter.around(of_pair?, total)));
+    Together { total, statistical }
 }
 
-/// Where ΔCD lies at one stroke for all but a few parts: [`Bound::statistical`] alone.
-pub(super) fn statistical(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Range, Open> {
-    let own = match knowledge.geometry {
-        _ if knowledge.known_teeth.is_some() => knowledge.known_teeth.map_or(NOTHING, |teeth| teeth.range),
-        Geometry::Known(_) => own(&Sum::of(errors, knowledge)?, knowledge)?,
-        Geometry::Unknown | Geometry::BothFlanks => NOTHING,
-    };
-    let (mut mean, mut variance) = (0.0, 0.0);
-    for error in errors {
-        let Moments { mean_mm, deviation_mm } = moments(error, knowledge)?;
-        mean += mean_mm;
-        variance += deviation_mm * deviation_mm;
+/// Means and variances of errors, which are independent.
+#[derive(Default)]
+struct Scatter {
+    mean: f64,
+    variance: f64,
+}
+
+impl Scatter {
+    fn add(&mut self, moments: Result<Moments, Open>) -> Result<(), Open> {
+        let Moments { mean_mm, deviation_mm } = moments?;
+        self.mean += mean_mm;
+        self.variance += deviation_mm * deviation_mm;
+        Ok(())
     }
-    let spread = DEVIATIONS * variance.sqrt();
-    let range = Range { lower: own.lower + mean - spread, upper: own.upper + mean + spread };
-    // nothing goes beyond the worst case
-    Ok(total(errors, knowledge).map_or(range, |total| Range {
-        lower: range.lower.max(total.lower).min(total.upper),
-        upper: range.upper.min(total.upper).max(total.lower),
-    }))
+
+    /// Where ΔCD lies at one stroke for all but a few parts, around the pair's own range.
+    fn around(&self, own: Range, total: Result<Range, Open>) -> Range {
+        let spread = DEVIATIONS * self.variance.sqrt();
+        let range = Range { lower: own.lower + self.mean - spread, upper: own.upper + self.mean + spread };
+        // nothing goes beyond the worst case
+        total.map_or(range, |total| Range {
+            lower: range.lower.max(total.lower).min(total.upper),
+            upper: range.upper.min(total.upper).max(total.lower),
+        })
+    }
 }
 
 impl KnownPair {
@@ -280,9 +316,7 @@ pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
     let least = |error: &ExtendedError| match error.effect {
         Effect::Size { value, .. } => value.abs(),
         Effect::Pitch(PitchEffect { value, gain, .. }) | Effect::PinionLead { value, gain } => gain * value.abs(),
-        Effect::RackLead { value, rack } => {
-            Leads::none(Part::Rack).with(value, error.extent, Some(rack)).of_any_pair(0.0).upper_mm
-        }
+        Effect::RackLead { .. } => Leads::none(Part::Rack).with(error).of_any_pair(0.0).upper_mm,
     };
     errors.iter().map(least).sum()
 }

@@ -92,7 +92,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     let count = 1 + random.below(3);
     let errors: Vec<ExtendedError> = (0..count).map(|_| random::error(&mut random, &pair).error).collect();
     let basis = Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..Basis::default() };
-    let range = basis.total(&errors).ok()?;
+    let range = basis.together(&errors).total.ok()?;
     let found = match reached(&errors, &given) {
         Ok(found) => found?,
         Err(error) => return Some(vec![format!("seed {seed}: {error}")]),

@@ -1,5 +1,7 @@
 //! The length over which f_Hβ is evaluated, as headings call it. Asked where a column names no error.
 
+use std::sync::LazyLock;
+
 use super::split_unit;
 use super::words::fold;
 
@@ -22,10 +24,14 @@ const NAMES: [&str; 16] = [
     "評価長さ",
 ];
 
+/// The same as names are compared: every cell of the first rows is.
+static PLAIN: LazyLock<[String; NAMES.len()]> = LazyLock::new(|| NAMES.map(plain));
+
+fn plain(text: &str) -> String {
+    fold(text).replace(['_', '-'], " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Whether a heading is the evaluation length of f_Hβ.
 pub(crate) fn is_evaluation_length(text: &str) -> bool {
-    let (name, _) = split_unit(text);
-    let plain = |text: &str| fold(text).replace(['_', '-'], " ").split_whitespace().collect::<Vec<_>>().join(" ");
-    let name = plain(&name);
-    NAMES.iter().any(|known| plain(known) == name)
+    PLAIN.contains(&plain(&split_unit(text).0))
 }

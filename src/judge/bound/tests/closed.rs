@@ -192,7 +192,7 @@ fn mean_and_spread_for_a_statistical_sum() {
         let pairs = KnownPairs::new(GivenPair::plain(pair));
         let known = pairs.for_errors(&[error], None).unwrap();
         let knowledge = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
-        let found = moments(&error, &knowledge).unwrap();
+        let found = moments(&error, bound(&[error], &knowledge).errors[0], &knowledge).unwrap();
         (found.mean_mm, found.deviation_mm)
     };
     assert_eq!(of_one(error(&pair, 0, Extent::All, -0.03)), (-0.03, 0.0));
