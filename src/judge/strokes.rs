@@ -7,7 +7,7 @@ use std::ops::Range as Strokes;
 use crate::deviation::RackDeviation;
 use crate::gear::Pair;
 use crate::judge::bound::Range;
-use crate::mesh::{CarryingStrokes, Mesh, MeshError, Support};
+use crate::mesh::{CarryingStrokes, Mesh, MeshError, MeshPoint, Support};
 
 /// Which teeth are not nominal.
 #[derive(Debug, Clone)]
@@ -60,14 +60,7 @@ pub fn judged_strokes(pair: &Pair, teeth: &DeviatedTeeth<'_>) -> Result<Vec<Stro
     let mut windows: Vec<_> = ends.flatten().map(|tooth| around(tooth, tooth, contact + turn, pitch)).collect();
     windows.push(0.0..pitch * turn.max(contact));
     windows.sort_by(|a, b| a.start.total_cmp(&b.start));
-    let mut merged: Vec<Strokes<f64>> = Vec::new();
-    for window in windows {
-        match merged.last_mut() {
-            Some(last) if window.start <= last.end => last.end = last.end.max(window.end),
-            _ => merged.push(window),
-        }
-    }
-    Ok(merged)
+    Ok(joined(windows.into_iter()))
 }
 
 /// The strokes within so many pitches of some teeth, mm.
@@ -95,7 +88,27 @@ pub struct Extremes {
     pub upper: Extreme,
 }
 
+impl Default for Extremes {
+    /// Of no curve.
+    fn default() -> Self {
+        let none = |delta_cd_mm| Extreme { stroke_mm: 0.0, delta_cd_mm };
+        Self { lower: none(f64::INFINITY), upper: none(f64::NEG_INFINITY) }
+    }
+}
+
 impl Extremes {
+    fn take(&mut self, points: &[MeshPoint]) {
+        for &MeshPoint { stroke_mm, delta_cd_mm, .. } in points {
+            let here = Extreme { stroke_mm, delta_cd_mm };
+            if delta_cd_mm < self.lower.delta_cd_mm {
+                self.lower = here;
+            }
+            if delta_cd_mm > self.upper.delta_cd_mm {
+                self.upper = here;
+            }
+        }
+    }
+
     /// From one to the other.
     #[must_use]
     pub const fn range(&self) -> Range {
@@ -145,25 +158,51 @@ impl Followed {
     }
 }
 
+/// A curve is followed so many times less closely first, and again where its extremes can be.
+const COARSER: f64 = 100.0;
+
 /// The lowest and the highest ΔCD over strokes, to a tolerance in mm.
 ///
 /// # Errors
 /// [`MeshError`] of a stroke that has no solution.
 pub fn extremes(mesh: &Mesh, strokes: &[Strokes<f64>], tolerance_mm: f64) -> Result<Extremes, MeshError> {
-    let none = |delta_cd_mm| Extreme { stroke_mm: 0.0, delta_cd_mm };
-    let mut found = Extremes { lower: none(f64::INFINITY), upper: none(f64::NEG_INFINITY) };
+    // where the rack may roll a stroke costs more than points that are saved
+    let coarse_mm = if mesh.support() == Support::Fixed { COARSER * tolerance_mm } else { tolerance_mm };
+    let mut curves = Vec::with_capacity(strokes.len());
+    let mut found = Extremes::default();
     for window in strokes {
-        for point in mesh.curve(window.start, window.end, tolerance_mm)?.points {
-            let here = Extreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
-            if here.delta_cd_mm < found.lower.delta_cd_mm {
-                found.lower = here;
-            }
-            if here.delta_cd_mm > found.upper.delta_cd_mm {
-                found.upper = here;
-            }
+        let curve = mesh.curve(window.start, window.end, coarse_mm)?;
+        found.take(&curve.points);
+        curves.push(curve.points);
+    }
+    if coarse_mm <= tolerance_mm {
+        return Ok(found);
+    }
+    let coarse = found.range();
+    // between two points the curve leaves the chord by no more than the tolerance
+    let may_hold = |pair: &[MeshPoint; 2]| {
+        let [a, b] = pair.each_ref().map(|point| point.delta_cd_mm);
+        a.max(b) > coarse.upper - coarse_mm || a.min(b) < coarse.lower + coarse_mm
+    };
+    for points in &curves {
+        let pieces = points.array_windows().filter(|pair| may_hold(pair));
+        for piece in joined(pieces.map(|[a, b]| a.stroke_mm..b.stroke_mm)) {
+            found.take(&mesh.curve(piece.start, piece.end, tolerance_mm)?.points);
         }
     }
     Ok(found)
+}
+
+/// Pieces in rising order, those that touch as one.
+fn joined(pieces: impl Iterator<Item = Strokes<f64>>) -> Vec<Strokes<f64>> {
+    let mut joined: Vec<Strokes<f64>> = Vec::new();
+    for piece in pieces {
+        match joined.last_mut() {
+            Some(last) if piece.start <= last.end => last.end = last.end.max(piece.end),
+            _ => joined.push(piece),
+        }
+    }
+    joined
 }
 
 #[cfg(test)]
