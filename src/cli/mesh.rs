@@ -265,6 +265,7 @@ impl Args {
             limit,
             judged: judged.range,
             judged_by: judged.by,
+            checks: &judged.checks,
             verdict: judged.verdict,
             rule: DecisionArgs::of_spec().rule(&spec),
             notes,
@@ -319,7 +320,7 @@ pub(super) fn status(report: &MeshReport<'_>) -> Status {
     match report.verdict {
         Some(Verdict::Fail) => Status::Fail,
         Some(Verdict::Indeterminate) => Status::Indeterminate,
-        None if report.limit.is_some() => Status::Undecided,
+        None if !report.checks.is_empty() => Status::Undecided,
         Some(Verdict::Pass) | None => Status::Pass,
     }
 }

@@ -362,6 +362,7 @@ impl Args {
             limit,
             judged: judged.range,
             judged_by: judged.by,
+            checks: &judged.limits,
             verdict: judged.verdict,
             rule: self.decision.rule(spec),
             notes,

@@ -179,6 +179,7 @@ impl Args {
             limit,
             judged: judged.range,
             judged_by: judged.by,
+            checks: &judged.checks,
             verdict: judged.verdict,
             rule: self.decision.rule(spec),
             notes: mesh::notes(&input),

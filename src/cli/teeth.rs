@@ -5,7 +5,7 @@ use super::decision::DecisionArgs;
 use super::eval;
 use super::mesh::{measured_tables, unsolved};
 use super::output::Failure;
-use crate::decision::{Interval, JudgedBy, Limit, LimitTarget, Stack, Verdict};
+use crate::decision::{Evaluation, Interval, JudgedBy, Limit, LimitCheck, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
 use crate::gear::Pair;
@@ -41,7 +41,9 @@ fn no_strokes(error: &StrokesError) -> Failure {
 pub(super) struct Judged {
     pub(super) range: Result<Interval, Open>,
     pub(super) by: JudgedBy,
-    /// By the spec's rule; `None` if there is no limit, or nothing to hold against it.
+    /// One for each limit, by the spec's rule.
+    pub(super) checks: Vec<LimitCheck>,
+    /// Of all of them; `None` if there is none, or one has nothing to hold against it.
     pub(super) verdict: Option<Verdict>,
     basis: Basis,
 }
@@ -52,9 +54,8 @@ impl Judged {
         let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
         let decision = DecisionArgs::of_spec();
         let (evaluation, _) = eval::judged(spec, &errors, &basis, &decision, Model::Exact, Stack::Range)?;
-        let check = evaluation.limits.iter().find(|check| check.on == LimitTarget::CenterDistance);
-        let verdict = check.and_then(|check| check.verdict);
-        Ok(Self { range: evaluation.combined.range, by: evaluation.judged_by, verdict, basis })
+        let Evaluation { combined, judged_by, limits, verdict, .. } = evaluation;
+        Ok(Self { range: combined.range, by: judged_by, checks: limits, verdict, basis })
     }
 
     /// The mesh of the worst placement found: at the end that is nearer to the limit, or the upper one.

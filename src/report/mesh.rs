@@ -7,7 +7,7 @@ use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
-use crate::decision::{Interval, JudgedBy, Limit, Prediction, Rule, Verdict};
+use crate::decision::{Interval, JudgedBy, Limit, LimitCheck, LimitTarget, Prediction, Rule, Unjudged, Verdict};
 use crate::judge::bound::Open;
 use crate::mesh::{Curve, Mesh, Summary};
 use crate::quantity::Length;
@@ -33,7 +33,9 @@ pub struct MeshReport<'a> {
     pub judged: Result<Interval, Open>,
     /// Who says so.
     pub judged_by: JudgedBy,
-    /// The verdict on the limit; `None` if there is none, or nothing to hold against it.
+    /// One for each limit.
+    pub checks: &'a [LimitCheck],
+    /// Of all of them; `None` if there is none, or one has nothing to hold against it.
     pub verdict: Option<Verdict>,
     /// The rule that came to it.
     pub rule: Rule,
@@ -50,6 +52,35 @@ impl MeshReport<'_> {
 
     fn summary(&self) -> Option<Summary> {
         self.curve.summary(self.mesh)
+    }
+
+    /// What came of one limit, in a sentence.
+    fn verdict_block(&self, check: &LimitCheck) -> Block {
+        let (subject, by) = match check.on {
+            LimitTarget::CenterDistance => ("ΔCD".to_owned(), format!(" by {}", self.judged_by)),
+            LimitTarget::Error(kind) => (format!("ΔCD of {kind}"), String::new()),
+        };
+        match (check.result, check.verdict) {
+            (Ok(result), Some(verdict)) => {
+                let how = match verdict {
+                    Verdict::Pass => "within",
+                    Verdict::Fail => "not within",
+                    Verdict::Indeterminate => "too near",
+                };
+                let rule =
+                    if self.rule == Rule::Simple { String::new() } else { format!(" by the rule {}", self.rule) };
+                let result = interval_text(&result);
+                let sentence = format!("{subject} {result} mm{by} is {how} the limit ({}){rule}", check.limit);
+                Block::Verdict(verdict, sentence)
+            }
+            (Err(Unjudged::Open(open)), _) => Block::Open(open.to_string()),
+            (Err(Unjudged::NotGiven), _) => {
+                Block::Open(format!("the limit on {subject} is not judged: that error is not given"))
+            }
+            (Ok(_) | Err(Unjudged::Lacking), _) => {
+                Block::Open(format!("the limit on {subject} is not judged: something is missing, see the notes"))
+            }
+        }
     }
 
     /// How far the curve's own points can be trusted.
@@ -187,24 +218,7 @@ impl Report for MeshReport<'_> {
                 plain(self.curve.tolerance_mm)
             )));
         }
-        if let (Some(verdict), Some(limit)) = (self.verdict, self.limit) {
-            let how = match verdict {
-                Verdict::Pass => "within",
-                Verdict::Fail => "not within",
-                Verdict::Indeterminate => "too near",
-            };
-            let judged = self.judged.map_or_else(|_| String::new(), |judged| interval_text(&judged));
-            let by_rule = if self.rule == Rule::Simple { String::new() } else { format!(" by the rule {}", self.rule) };
-            let sentence = format!("ΔCD {judged} mm by {} is {how} the limit ({limit}){by_rule}", self.judged_by);
-            blocks.push(Block::Verdict(verdict, sentence));
-        }
-        match (self.judged, self.verdict, self.limit) {
-            (Err(open), _, Some(_)) => blocks.push(Block::Open(open.to_string())),
-            (Ok(_), None, Some(_)) => {
-                blocks.push(Block::Open("something that the spec asks for is missing, see the notes".to_owned()));
-            }
-            _ => {}
-        }
+        blocks.extend(self.checks.iter().map(|check| self.verdict_block(check)));
         blocks
     }
 }

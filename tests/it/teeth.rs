@@ -56,6 +56,23 @@ fn errors_of_the_other_part_count_or_nothing_passes() {
     }
 }
 
+/// A limit on one error of the other part is judged, too, and one on what was measured tooth by tooth is open.
+#[test]
+fn every_limit_counts() {
+    let folder = Folder::new("teeth-limits");
+    let with = |limit: &str| {
+        format!("{PAIR}[errors]\npinion_radial = {{ value = \"20 um\", every_part = true }}\n{LIMIT}{limit}")
+    };
+    for command in [batch, paste] {
+        for (limit, code) in
+            [("pinion_radial = \"±0.01\"", 1), ("pinion_radial = \"±0.03\"", 0), ("rack_pitch = \"±0.03\"", 2)]
+        {
+            let ended = command(&folder, &with(limit), &spaces(|_| 0), &[]);
+            assert_eq!(ended.code, Some(code), "{limit}: {} {}", ended.stdout, ended.stderr);
+        }
+    }
+}
+
 /// A step of 40 µm at the tenth space, behind the strokes that are listed.
 #[test]
 fn strokes_that_are_not_listed_are_judged() {

@@ -4,7 +4,9 @@
 use std::ops::Range;
 
 use crate::decision::uncertainty::{self, OfTeeth, propagate};
-use crate::decision::{Evaluation, Interval, JudgedBy, LimitTarget, Limits, Rule, Stack, Verdict, evaluate};
+use crate::decision::{
+    Evaluation, Interval, JudgedBy, LimitCheck, LimitTarget, Limits, Rule, Stack, Verdict, evaluate,
+};
 use crate::deviation::{self, ErrorKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartError};
@@ -36,7 +38,9 @@ pub struct JudgedTeeth {
     pub range: Result<Interval, Open>,
     /// Who says so.
     pub by: JudgedBy,
-    /// `None` without a limit, or if something is missing.
+    /// One for each limit of the spec.
+    pub limits: Vec<LimitCheck>,
+    /// Of all limits; `None` without one, or if something is missing.
     pub verdict: Option<Verdict>,
 }
 
@@ -58,12 +62,11 @@ impl TeethJudge {
                 .into());
         }
         let measured_only = spec.measured_only(is_rack);
-        let is_of_whole = |(on, _): &(LimitTarget, _)| *on == LimitTarget::CenterDistance;
         Ok(Self {
             errors: spec.errors_of_every_part(&of_part)?,
             lacking: spec.lacking(&of_part),
             basis: measured_only.pair_basis()?,
-            limits: spec.limits().into_iter().filter(is_of_whole).collect(),
+            limits: spec.limits(),
             measured_only,
             rule,
             is_partial,
@@ -119,6 +122,7 @@ impl TeethJudge {
             strokes: ends.map_or(0.0..0.0, |(first, last)| first.start..last.end),
             range: evaluation.combined.range,
             by: evaluation.judged_by,
+            limits: evaluation.limits,
             verdict: evaluation.verdict,
         })
     }

@@ -435,7 +435,7 @@ impl<'a> Teeth<'a> {
 
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
     fn part(&self, part: &ToothedPart, solved: &Solved, place: &Where<'_>) -> Part {
-        let JudgedTeeth { range, verdict, .. } = solved.judged;
+        let JudgedTeeth { range, verdict, .. } = &solved.judged;
         // what is open stands nearest to any limit
         let open = f64::INFINITY;
         let (lowest, highest) = range.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
@@ -448,7 +448,7 @@ impl<'a> Teeth<'a> {
             line: part.line,
             record: part.record,
             place: place.unit.in_words(part.line),
-            verdict,
+            verdict: *verdict,
             margin_mm: nearest.unwrap_or(-highest.abs().max(lowest.abs())),
             on: nearest.map(|_| LimitTarget::CenterDistance),
             result_mm: (lowest, highest),

@@ -442,14 +442,18 @@ fn in_words(counts: &Counts, row: &str) -> String {
 /// What parts with their teeth are judged by.
 pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
     let limits = spec.limits();
+    let is_judged = |on: LimitTarget| match on {
+        LimitTarget::CenterDistance => true,
+        LimitTarget::Error(kind) => spec.every_part.contains(&kind),
+    };
     Basis {
         model: "exact mesh",
         stack: None,
         rule: rule.clone(),
-        limits: limits.iter().filter(|(on, _)| *on == LimitTarget::CenterDistance).copied().collect(),
-        quantity_limits: Teeth::quantity_limits(spec),
         // what teeth have one by one is no single error
-        unjudged: limits.iter().map(|(on, _)| *on).filter(|on| *on != LimitTarget::CenterDistance).collect(),
+        unjudged: limits.iter().map(|(on, _)| *on).filter(|on| !is_judged(*on)).collect(),
+        limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
+        quantity_limits: Teeth::quantity_limits(spec),
         without: Vec::new(),
     }
 }
