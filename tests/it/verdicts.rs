@@ -255,6 +255,77 @@ fn a_batch_gives_the_verdicts_of_eval() {
     }
 }
 
+/// What is written of a column's values holds for each of them, in every command that reads tables.
+#[test]
+fn a_column_says_on_which_teeth_its_values_are() {
+    let folder = Folder::new("column-extents");
+    let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    std::fs::write(&table, "part_id,fp max\nA,0.012\n").expect("written");
+    let write = |errors: &str| {
+        let columns = "[batch.columns]\nrack_pitch = { name = \"fp max\", unit = \"mm\", extent = \"each\" }\n";
+        let text = format!("{PAPER}[errors]\n{errors}\n{columns}[limits]\ncenter_distance = \"±0.04\"\n");
+        std::fs::write(&file, text).expect("written");
+    };
+    let every_part = "pinion_pitch = { value = 0.005, every_part = true }";
+    let expected =
+        eval(&format!("{PAPER}[errors]\nrack_pitch = {{ value = 0.012, extent = \"each\" }}\npinion_pitch = 0.005\n"));
+    // beside a value, `[errors]` says of that value where it is, and nothing of the column's
+    for beside in ["", "rack_pitch = { value = 0.001, extent = \"one\" }", "rack_pitch = { extent = \"each\" }"] {
+        write(&format!("{every_part}\n{beside}"));
+        let batch = run(&["batch", &file, &table, "--format", "jsonl", "--decimals", "full"], "");
+        assert_eq!(batch.code, Some(0), "{}", batch.stderr);
+        let row = batch.json();
+        let range =
+            (row["range_lower_mm"].as_f64().expect("a number"), row["range_upper_mm"].as_f64().expect("a number"));
+        assert_eq!(range, expected.range(), "{beside}");
+        assert!(batch.stderr.contains("note: extent: rack_pitch each (every pitch, any sign)\n"), "{}", batch.stderr);
+        let paste = run(&["paste", &file, &table, "--format", "json"], "");
+        assert_eq!(paste.range(), expected.range(), "{beside}");
+        let json = paste.json();
+        assert_eq!([&json["contributions"][0]["extent"], &json["contributions"][1]["extent"]], ["each", "one"]);
+    }
+    let page = run(&["report", &file, &table], "").stdout;
+    assert!(page.contains("extent: rack_pitch each (every pitch, any sign)"), "{page}");
+}
+
+/// A value that every part has is where `[errors]` says, not where a column says that the table lacks.
+#[test]
+fn a_column_that_is_not_there_says_nothing() {
+    let folder = Folder::new("column-extents-lacking");
+    let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    std::fs::write(&table, "part_id,rack_over_roller\nA,0.012\n").expect("written");
+    let text = "[errors]\npinion_radial = { value = 0.004, every_part = true }\n[batch.columns]\npinion_radial = { extent = \"all\" }\n";
+    std::fs::write(&file, text).expect("written");
+    let range = (0.012, 0.016);
+    let row = run(&["batch", &file, &table, "--format", "jsonl"], "").json();
+    assert_eq!((row["range_lower_mm"].as_f64(), row["range_upper_mm"].as_f64()), (Some(range.0), Some(range.1)));
+    assert_eq!(run(&["paste", &file, &table, "--format", "json"], "").range(), range);
+}
+
+/// Of the values of a table the spec says one thing.
+#[test]
+fn columns_and_errors_say_the_same() {
+    let folder = Folder::new("column-extents-contradicted");
+    let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    std::fs::write(&table, "part_id,rack_pitch\nA,0.012\n").expect("written");
+    for entry in ["{ extent = \"one\" }", "{ nominal = 0, extent = \"one\" }", "{ u = \"1 um\", extent = \"one\" }"] {
+        let text =
+            format!("{PAPER}[errors]\nrack_pitch = {entry}\n[batch.columns]\nrack_pitch = {{ extent = \"each\" }}\n");
+        std::fs::write(&file, &text).expect("written");
+        for command in ["batch", "paste", "report"] {
+            let ended = run(&[command, &file, &table], "");
+            let why = "`errors.rack_pitch.extent` is \"one\" and `batch.columns.rack_pitch.extent` is \"each\"";
+            assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{command} {entry}");
+            assert!(ended.stderr.contains(why) && ended.stderr.contains("spec.toml:16:25"), "{}", ended.stderr);
+        }
+    }
+    let total = "[batch.columns]\nrack_over_roller = { extent = \"total\" }\n";
+    std::fs::write(&file, total).expect("written");
+    let ended = run(&["batch", &file, &table], "");
+    assert!(ended.stderr.contains("spec.toml:2:31"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("`rack_over_roller.extent`: only a pitch"), "{}", ended.stderr);
+}
+
 /// Parts without a range are no parts that pass: the exit status, the summary and what pipelines read say so, and why.
 #[test]
 fn a_batch_without_ranges_does_not_pass() {
