@@ -8,6 +8,7 @@ use crate::decision::budget::simulation::{Simulation, Spread};
 use crate::decision::budget::{self, Budget, BudgetError, Request, Rule};
 use crate::decision::class::{ErrorClass, deviation_of};
 use crate::decision::{Limit, LimitTarget};
+use crate::deviation::Extent;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
 use crate::judge::bound::Open;
@@ -181,7 +182,8 @@ fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
     if !budget.is_feasible() {
         return Vec::new();
     }
-    let free = budget.lines.iter().filter(|line| !line.is_fixed);
+    // a class is of each tooth
+    let free = budget.lines.iter().filter(|line| !line.is_fixed && line.error.extent() == Extent::Each);
     free.filter_map(|line| {
         let kind = line.error.kind();
         let limiting = standard.that_limits(deviation_of(kind)?)?;

@@ -8,7 +8,7 @@ use super::{Block, Column, Report, Screen, Table};
 use crate::decision::budget::{Budget, Line, Rule};
 use crate::decision::class::ErrorClass;
 use crate::decision::{Limit, Stack};
-use crate::deviation::{ErrorKind, ErrorValue, Part};
+use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
 use crate::formula::{Input, Model};
 use crate::quantity::{Length, LengthUnit};
 
@@ -216,8 +216,17 @@ impl Report for BudgetReport<'_> {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header =
-            ["error", "fixed", "tolerance_mm", "tolerance_deg", "delta_cd_mm", "share", "sensitivity", "feasible"];
+        let header = [
+            "error",
+            "fixed",
+            "tolerance_mm",
+            "tolerance_deg",
+            "delta_cd_mm",
+            "share",
+            "sensitivity",
+            "feasible",
+            "extent",
+        ];
         let mut rows = vec![header.map(str::to_owned).to_vec()];
         let feasible = self.budget.is_feasible();
         for line in &self.budget.lines {
@@ -235,6 +244,7 @@ impl Report for BudgetReport<'_> {
                 plain(line.share),
                 slope.and_then(|slope| slope.value).map(plain).unwrap_or_default(),
                 feasible.to_string(),
+                line.error.extent().name().to_owned(),
             ]);
         }
         rows
@@ -251,6 +261,10 @@ impl Report for BudgetReport<'_> {
             Column::number("ΔCD alone\n[mm]"),
             Column::number(share),
         ];
+        let has_extents = budget.lines.iter().any(|line| line.error.extent() != Extent::Each);
+        if has_extents {
+            columns.push(Column::text("on"));
+        }
         if !self.grades.is_empty() {
             columns.push(Column::number("grade\nwithin"));
         }
@@ -268,6 +282,9 @@ impl Report for BudgetReport<'_> {
                 if known { interval_text(&line.range) } else { "-".to_owned() },
                 format!("{:.0} %", 100.0 * line.share),
             ];
+            if has_extents {
+                row.push(line.error.extent().words(line.error.kind().unit(), None));
+            }
             if !self.grades.is_empty() {
                 let grade = self.grades.iter().find(|grade| grade.kind == line.error.kind());
                 row.push(grade.map_or_else(|| "-".to_owned(), |grade| grade.permissible.grade.to_string()));

@@ -90,7 +90,7 @@ fn is_of_every_part(reader: &mut SectionReader<'_>, kind: ErrorKind) -> bool {
 }
 
 /// On which teeth an error is, if that is written.
-fn read_extent(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Extent>> {
+pub(super) fn read_extent(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Extent>> {
     let value = reader.table?.get(kind.key())?.get_ref().as_table()?.get(keys::EXTENT)?;
     read_extent_value(reader, kind, value)
 }

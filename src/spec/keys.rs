@@ -138,7 +138,7 @@ pub(crate) const TOP: Section = Section {
 /// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
 pub(crate) const EVERY_PART: &str = "every_part";
 
-/// In an entry of `[errors]`, beside its value or alone, and of a column: on which teeth an error is.
+/// In an entry of `[errors]`, beside its value or alone, of a column or of `[budget]`: on which teeth an error is.
 pub(crate) const EXTENT: &str = "extent";
 
 /// The keys of an uncertainty, beside the value that it is of.
@@ -539,7 +539,8 @@ const FRACTION: Domain =
 
 pub(crate) const BUDGET: Section = Section {
     name: "budget",
-    doc: "Which tolerances are fixed, which are sought, and how they add up.",
+    doc: "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \"each\" or \
+          \"total\" beside one, on which teeth. Default each.",
     keys: &[
         key("stack", Kind::Word(&["worst", "rss", "simulation"]), "How tolerances add up. Default worst."),
         key("conforming", Kind::Number(FRACTION), "Fraction of random assemblies that must conform. Default 0.9973."),

@@ -97,7 +97,7 @@ fn property(key: &Key, section: &str) -> Value {
                     "type": "object",
                     "additionalProperties": false,
                     "required": [name],
-                    "properties": { name: number },
+                    "properties": { name: number, EXTENT: extent(kind.unit()) },
                 })
             };
             json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })

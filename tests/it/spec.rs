@@ -89,6 +89,9 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[budget]\nrack_pitch = { weight = 0 }",
         "[budget]\nrack_pitch = { weight = 1, cost = 1 }",
         "[budget]\nrack_pitch = \"fre\"",
+        "[budget]\nrack_pitch = { weight = 1, extent = \"some\" }",
+        "[budget]\nrack_lead = { cost = 1, extent = \"total\" }",
+        "[budget]\nrack_pitch = { class = 7, extent = \"one\" }",
     ] {
         assert!(!valid(text), "the schema accepts {text}");
         assert!(Spec::parse("test", text).is_err(), "the reader accepts {text}");
@@ -115,6 +118,8 @@ fn the_schema_and_the_reader_accept_the_same() {
         "[errors]\npinion_lead = { class = 7 }",
         "[limits]\npinion_lead = \"±10 um\"",
         "[budget]\npinion_lead = { weight = 2 }",
+        "[budget]\nrack_pitch = { weight = 2, extent = \"total\" }\nrack_lead = { cost = 2, extent = \"one\" }",
+        "[budget]\nrack_pitch = { value = \"8 um\", extent = \"one\" }\npinion_radial = { extent = \"all\" }",
         "[batch.columns]\npinion_lead = { name = \"fHb\", unit = \"um\", nominal = 0.001 }",
         "[scatter]\npinion_lead = \"3 um\"",
     ] {

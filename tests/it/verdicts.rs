@@ -326,6 +326,44 @@ fn columns_and_errors_say_the_same() {
     assert!(ended.stderr.contains("`rack_over_roller.extent`: only a pitch"), "{}", ended.stderr);
 }
 
+/// A budget grants what `eval` passes on the same teeth, with either sign.
+#[test]
+fn a_budget_is_of_the_teeth_that_it_says() {
+    let limits = "[limits]\ncenter_distance = \"±0.05\"\n";
+    let budget = format!(
+        "{PAPER}[budget]\nrack_over_roller = {{ value = \"10 um\", extent = \"all\" }}\nrack_pitch = {{ weight = 2, extent = \"one\" }}\n\
+         pinion_pitch = {{ extent = \"part\" }}\n{limits}"
+    );
+    let ended = run(&["budget", "-", "--format", "json"], &budget);
+    let json = ended.json();
+    let upper = json["worst_case_mm"]["upper"].as_f64().expect("a number");
+    assert!(ended.code == Some(0) && upper <= 0.05 && upper > 0.05 - 1e-7, "{}", ended.stdout);
+    let lines = json["tolerances"].as_array().expect("a list");
+    assert_eq!(lines.iter().map(|line| line["extent"].clone()).collect::<Vec<_>>(), ["all", "one", "part"]);
+    for (sign, factor, code) in [("", 1.0, 0), ("-", 1.0, 0), ("", 1.02, 1)] {
+        let errors: Vec<_> = lines
+            .iter()
+            .map(|line| {
+                let value = factor * line["tolerance_mm"].as_f64().expect("a number");
+                format!(
+                    "{} = {{ value = {sign}{value}, extent = {} }}\n",
+                    line["error"].as_str().expect("a text"),
+                    line["extent"]
+                )
+            })
+            .collect();
+        let errors = errors.concat();
+        assert_eq!(eval(&format!("{PAPER}[errors]\n{errors}{limits}")).code, Some(code), "{errors}");
+    }
+    let page = run(&["budget", "-"], &budget).stdout;
+    assert!(page.contains("  a run of pitches\n") && page.contains("  one pitch\n"), "{page}");
+    // where a single pitch is off there is a bound without the pair
+    let unknown = "[pair]\nnormal_pressure_angle = 20\n[budget]\nrack_pitch = { extent = \"one\" }\n";
+    assert_eq!(run(&["budget", "-"], &format!("{unknown}{limits}")).code, Some(0));
+    let each = run(&["budget", "-"], &format!("{unknown}{limits}").replace("one", "each"));
+    assert!(each.code == Some(2) && each.stderr.contains("pair.normal_module"), "{}", each.stderr);
+}
+
 /// Parts without a range are no parts that pass: the exit status, the summary and what pipelines read say so, and why.
 #[test]
 fn a_batch_without_ranges_does_not_pass() {

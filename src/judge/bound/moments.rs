@@ -19,6 +19,16 @@ pub struct Moments {
 const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
 const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 
+impl Moments {
+    /// Of a tolerance, of whose two ends these are the moments: what it does grows in proportion to it, either way.
+    fn or(self, other: Self) -> Self {
+        let mean_mm = FOLDED_MEAN * 0.5 * (self.mean_mm + other.mean_mm);
+        let square = |of: Self| of.mean_mm * of.mean_mm + of.deviation_mm * of.deviation_mm;
+        let variance = 0.5 * (square(self) + square(other)) / 9.0 - mean_mm * mean_mm;
+        Self { mean_mm, deviation_mm: variance.max(0.0).sqrt() }
+    }
+}
+
 /// Mean and spread of one error at any one stroke. A tolerance is 3σ of a normal distribution.
 /// A measured size or lead acts with its value; a measured step acts during its share of the stroke, or always if the
 /// geometry is not known.
@@ -26,6 +36,9 @@ const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 /// # Errors
 /// [`Open`] if it follows from a range that there is not.
 pub fn moments(error: &ExtendedError, knowledge: &Knowledge) -> Result<Moments, Open> {
+    if let Some([one, other]) = error.signs() {
+        return Ok(moments(&one, knowledge)?.or(moments(&other, knowledge)?));
+    }
     let range = || range_of(error, knowledge);
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
     let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };

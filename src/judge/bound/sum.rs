@@ -55,15 +55,14 @@ pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
 
 /// What one error can do alone.
 pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+    if let Some([one, other]) = error.signs() {
+        return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
+    }
     let range = match error.effect {
         Effect::Size { part, value } => size(part, value, error.extent, knowledge),
         Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
-        Effect::RackLead { value, rack } => {
-            leads(&Leads::none(Part::Rack).with(value, error.extent, Some(rack)), Some(&rack), knowledge)
-        }
-        Effect::PinionLead { value, gain } => {
-            leads(&Leads::none(Part::Pinion).with(gain * value, error.extent, None), None, knowledge)
-        }
+        Effect::RackLead { rack, .. } => leads(&Leads::none(Part::Rack).with_error(error), Some(&rack), knowledge),
+        Effect::PinionLead { .. } => leads(&Leads::none(Part::Pinion).with_error(error), None, knowledge),
     };
     Ok(supported(range, knowledge))
 }
@@ -128,6 +127,9 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
 }
 
 fn leads(leads: &Leads, lines: Option<&RackLines>, knowledge: &Knowledge) -> ErrorRange {
+    if let Some([one, other]) = leads.signs() {
+        return self::leads(&one, lines, knowledge).or(self::leads(&other, lines, knowledge));
+    }
     match known(knowledge) {
         Some(known) => leads.of_pair(known),
         None => leads.of_any_pair(lines.map_or(0.0, |lines| assumed_height(lines, knowledge))),
@@ -172,11 +174,11 @@ impl Sum {
         for error in errors {
             match error.effect {
                 Effect::Size { .. } | Effect::Pitch(_) => sum.add(error.part(), range_of(error, knowledge)?),
-                Effect::RackLead { value, rack } => {
+                Effect::RackLead { rack, .. } => {
                     lines = Some(rack);
-                    of_rack = of_rack.with(value, error.extent, lines);
+                    of_rack = of_rack.with_error(error);
                 }
-                Effect::PinionLead { value, gain } => of_pinion = of_pinion.with(gain * value, error.extent, None),
+                Effect::PinionLead { .. } => of_pinion = of_pinion.with_error(error),
             }
         }
         for (part, all) in [(Part::Rack, &of_rack), (Part::Pinion, &of_pinion)] {
@@ -284,9 +286,7 @@ pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
     let least = |error: &ExtendedError| match error.effect {
         Effect::Size { value, .. } => value.abs(),
         Effect::Pitch(PitchEffect { value, gain, .. }) | Effect::PinionLead { value, gain } => gain * value.abs(),
-        Effect::RackLead { value, rack } => {
-            Leads::none(Part::Rack).with(value, error.extent, Some(rack)).of_any_pair(0.0).upper_mm
-        }
+        Effect::RackLead { .. } => Leads::none(Part::Rack).with_error(error).of_any_pair(0.0).upper_mm,
     };
     errors.iter().map(least).sum()
 }
@@ -342,8 +342,8 @@ impl Reach {
                 Effect::Pitch(PitchEffect { value, gain, .. }) => {
                     gain * value.abs() * if error.extent == Extent::Total { 2.0 } else { most }
                 }
-                Effect::RackLead { value, rack } => {
-                    leads = leads.with(value, error.extent, Some(rack));
+                Effect::RackLead { .. } => {
+                    leads = leads.with_error(error);
                     0.0
                 }
             };
