@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{class_json, interval_json, interval_text};
+use super::evaluation::{ON_WORST_TEETH, class_json, interval_json, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table};
 use crate::decision::budget::{Budget, Line, Rule};
 use crate::decision::class::ErrorClass;
-use crate::decision::{Limit, Stack};
+use crate::decision::{Interval, Limit, Stack};
 use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
 use crate::formula::{Input, Model};
 use crate::quantity::{Length, LengthUnit};
@@ -29,6 +29,10 @@ pub struct BudgetReport<'a> {
     pub classes: &'a [ErrorClass],
     /// For free tolerances, the coarsest grade that stays within them, if a standard is known.
     pub grades: &'a [ErrorClass],
+    /// What the exact mesh reaches with these tolerances on the worst teeth that a search finds, if it was asked.
+    pub reached: Option<Interval>,
+    /// Remarks on the result's validity.
+    pub notes: Vec<String>,
     /// Room for the tornado plot.
     pub screen: Screen,
 }
@@ -100,6 +104,13 @@ impl BudgetReport<'_> {
                 format!("{stack} {text} mm, within {}", self.limit)
             }
         }
+    }
+
+    /// What the mesh makes of the tolerances, beside their bound.
+    fn reached_text(&self) -> Option<String> {
+        let (reached, bound) = (self.reached?, self.budget.combined.range.ok()?);
+        let (reached, bound) = (interval_text(&reached), interval_text(&bound));
+        Some(format!("reached: {reached} mm, of the worst case's {bound} mm; {ON_WORST_TEETH}"))
     }
 
     /// Horizontal bars for a screen.
@@ -210,8 +221,10 @@ impl Report for BudgetReport<'_> {
             "tolerances": tolerances,
             "worst_case_mm": budget.combined.range.ok().map(interval_json),
             "rss_mm": budget.combined.rss.ok().map(interval_json),
+            "reached_mm": self.reached.map(interval_json),
             "simulation": simulated,
             "sensitivities": sensitivities,
+            "notes": self.notes,
         })
     }
 
@@ -315,6 +328,8 @@ impl Report for BudgetReport<'_> {
                 settings.draws
             )));
         }
+        blocks.extend(self.notes.iter().cloned().map(Block::Note));
+        blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
             Block::Verdict(crate::decision::Verdict::Pass, self.sentence())
         } else {

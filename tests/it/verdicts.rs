@@ -364,6 +364,52 @@ fn a_budget_is_of_the_teeth_that_it_says() {
     assert!(each.code == Some(2) && each.stderr.contains("pair.normal_module"), "{}", each.stderr);
 }
 
+/// What the mesh reaches with the tolerances that a budget grants is what it reaches with them in `eval`.
+#[test]
+fn a_budget_says_what_its_tolerances_reach() {
+    let limits = "[limits]\ncenter_distance = \"±0.05\"\n";
+    let entries = "[budget]\nrack_over_roller = \"10 um\"\nrack_pitch = \"free\"\npinion_radial = { weight = 2 }\n";
+    let budget = format!("{PAPER}{entries}{limits}");
+    let of = |arguments: &[&str], spec: &str| run(&[&["budget", "-"], arguments].concat(), spec);
+    let ended = of(&["--format", "json"], &budget);
+    let json = ended.json();
+    let ends = |of: &Value| (of["lower"].as_f64().expect("a number"), of["upper"].as_f64().expect("a number"));
+    let (reached, bound) = (ends(&json["reached_mm"]), ends(&json["worst_case_mm"]));
+    assert!(bound.0 <= reached.0 && reached.0 < 0.0 && 0.0 < reached.1 && reached.1 <= bound.1, "{}", ended.stdout);
+    let lines = json["tolerances"].as_array().expect("a list").iter();
+    let errors: Vec<_> = lines
+        .map(|line| {
+            format!(
+                "{} = {{ value = {}, extent = \"each\" }}\n",
+                line["error"].as_str().expect("a key"),
+                line["tolerance_mm"]
+            )
+        })
+        .collect();
+    let evaluated = eval(&format!("{PAPER}[errors]\n{}{limits}", errors.concat())).json();
+    assert_eq!(json["reached_mm"], evaluated["reached_mm"]);
+    assert_eq!(json["notes"], evaluated["notes"]);
+    let page = of(&[], &budget).stdout;
+    let line = format!("\nreached: {:.4} … +{:.4} mm, of the worst case's ", reached.0, reached.1);
+    assert_eq!(page.matches(&line).count(), 1, "{line} {page}");
+
+    let not_reached = |arguments: &[&str], spec: &str, code: i32| {
+        let ended = of(&[&["--format", "json"], arguments].concat(), spec);
+        assert_eq!((ended.code, &ended.json()["reached_mm"]), (Some(code), &Value::Null), "{}", ended.stdout);
+        let page = of(arguments, spec).stdout;
+        assert!(!page.contains("reached"), "{page}");
+        page
+    };
+    not_reached(&["--no-mesh"], &budget, 0);
+    not_reached(&[], &format!("{budget}[support]\nroll = \"free\"\nroll_axis_depth = 8\n"), 0);
+    // what is not granted reaches nothing
+    not_reached(&[], &budget.replace("10 um", "60 um"), 1);
+    let unknown = budget.replace("tip_diameter = 19.738\n", "").replace("\"free\"", "{ extent = \"one\" }");
+    let page = not_reached(&[], &unknown, 0);
+    let missing = "note: the pair's geometry would narrow the worst case: `pinion.tip_diameter` is missing";
+    assert_eq!(page.matches(missing).count(), 1, "{page}");
+}
+
 /// Parts without a range are no parts that pass: the exit status, the summary and what pipelines read say so, and why.
 #[test]
 fn a_batch_without_ranges_does_not_pass() {

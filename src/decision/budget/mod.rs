@@ -13,7 +13,7 @@ use thiserror::Error;
 use super::{Combined, EvaluationError, Interval, Limit, Stack, Verdict};
 use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::formula::{Law, Model, PartError, Sensitivity};
-use crate::judge::bound::{Basis, ExtendedError, Open};
+use crate::judge::bound::{Basis, ExtendedError, Note, Open};
 use crate::quantity::{DomainError, Length};
 use simulation::{Assembly, Simulated, Simulation};
 
@@ -131,6 +131,8 @@ pub struct Budget {
     pub lines: Vec<Line>,
     /// The tolerances combined as `eval` does.
     pub combined: Combined,
+    /// What their bound rests on.
+    pub notes: Vec<Note>,
     /// What the simulation of these tolerances gave.
     pub simulated: Option<Simulated>,
     /// Errors without which the fixed tolerances would leave something: empty if the budget is feasible.
@@ -309,7 +311,8 @@ fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembl
     let simulated = assembly.map(|assembly| assembly.outcome(&allocated.errors)).transpose()?;
     broken_by.sort();
     broken_by.dedup();
-    Ok(Budget { lines, combined, simulated, broken_by })
+    let notes = request.basis.bound_of(&allocated.errors).notes;
+    Ok(Budget { lines, combined, notes, simulated, broken_by })
 }
 
 /// Tolerances and the scale that they stand for.
