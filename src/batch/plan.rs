@@ -96,6 +96,7 @@ impl Plan {
         let columns = Self::columns(spec, table)?;
         let in_table: Vec<_> = columns.iter().filter_map(|column| column.kind).collect();
         spec.refuse_both_ways(&in_table)?;
+        let spec = &Arc::new(spec.for_columns(&in_table));
         let of_every_part = spec.errors_of_every_part(&in_table)?;
         let lacking = spec.lacking(&in_table);
         let is_present =
@@ -356,6 +357,12 @@ impl Plan {
     /// The place of an error among the sources.
     pub(super) fn source_of(&self, kind: ErrorKind) -> Option<usize> {
         self.sources.iter().position(|source| source.law.kind() == kind)
+    }
+
+    /// On which teeth the errors are, as far as the spec says so.
+    #[must_use]
+    pub fn extents_in_words(&self) -> Option<String> {
+        self.spec.extents_in_words(&self.errors().collect::<Vec<_>>())
     }
 
     /// What the bound of a part with these errors rests on.

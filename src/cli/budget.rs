@@ -4,16 +4,18 @@ use super::eval::ModelArg;
 use super::mesh::files_read;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::teeth;
 use crate::decision::budget::simulation::{Simulation, Spread};
 use crate::decision::budget::{self, Budget, BudgetError, Request, Rule};
 use crate::decision::class::{ErrorClass, deviation_of};
-use crate::decision::{Limit, LimitTarget};
+use crate::decision::{Interval, Limit, LimitTarget};
+use crate::deviation::Extent;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
-use crate::judge::bound::Open;
+use crate::judge::bound::{Basis, Open};
 use crate::quantity::Length;
 use crate::report::plot::{Bar, TornadoPlot};
-use crate::report::{BudgetReport, Format};
+use crate::report::{BudgetReport, Format, bound_remarks};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Allocate a ΔCD tolerance to the errors: which tolerance each may have";
@@ -57,6 +59,9 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    /// Do not look for the worst teeth to put the tolerances on.
+    #[arg(long)]
+    no_mesh: bool,
     /// Draw the tornado plot to this file (.svg or .png).
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
@@ -112,6 +117,8 @@ impl Args {
             model: request.model,
             classes: &classes,
             grades: &grades,
+            reached: if self.no_mesh { None } else { reached(&budget, &request.basis)? },
+            notes: bound_remarks(&budget.notes, &spec.missing_geometry()),
             screen: output.screen(),
         };
         if let Some(picture) = &picture {
@@ -175,13 +182,23 @@ fn no_budget(error: &BudgetError, spec: &Spec) -> Diagnostic {
     }
 }
 
+/// What the granted tolerances reach in the exact mesh, if the limit can be met.
+fn reached(budget: &Budget, basis: &Basis) -> Result<Option<Interval>, Failure> {
+    if !budget.is_feasible() {
+        return Ok(None);
+    }
+    let errors: Vec<_> = budget.lines.iter().map(|line| line.error).collect();
+    teeth::reached_by(&errors, basis)
+}
+
 /// For each free tolerance, the coarsest grade of the spec's standard that stays within it.
 fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
     let Some(standard) = spec.tolerance.standard.as_ref().map(|standard| standard.value) else { return Vec::new() };
     if !budget.is_feasible() {
         return Vec::new();
     }
-    let free = budget.lines.iter().filter(|line| !line.is_fixed);
+    // a class is of each tooth
+    let free = budget.lines.iter().filter(|line| !line.is_fixed && line.error.extent() == Extent::Each);
     free.filter_map(|line| {
         let kind = line.error.kind();
         let limiting = standard.that_limits(deviation_of(kind)?)?;

@@ -174,6 +174,7 @@ impl Args {
             let message = format!("{} has no column of an error that is known", table.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("`rackmesh read` shows how it is read").into());
         }
+        read.spec = Arc::new(read.spec.for_columns(&kinds));
         read.notes.extend(self.notes(&read.spec, &kinds));
         let mut rows = self.rows(&mut read, table, &kinds, output)?;
         tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
@@ -218,7 +219,12 @@ impl Args {
         let exact: Vec<_> = kinds.iter().filter(exact).map(|kind| kind.key()).collect();
         let exact = (!spec.uncertainties.is_empty() && !exact.is_empty())
             .then(|| format!("taken as exact, because no uncertainty is given: {}", exact.join(", ")));
-        lacking.into_iter().chain(batch::of_every_part(&of_every)).chain(exact).collect()
+        lacking
+            .into_iter()
+            .chain(batch::of_every_part(&of_every))
+            .chain(spec.extents_in_words(&[kinds, &of_every].concat()))
+            .chain(exact)
+            .collect()
     }
 
     /// Every part, evaluated; one whose values cannot be read has none.

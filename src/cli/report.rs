@@ -92,7 +92,9 @@ impl Args {
         if has_errors || self.files.is_empty() {
             statuses.push(self.evaluation(&spec, &mut page, output)?);
         }
-        self.mesh(&spec, &mut page, output)?;
+        if has_errors || spec.has_deviations() {
+            self.mesh(&spec, &mut page, output)?;
+        }
         if !self.files.is_empty() {
             statuses.push(self.lot(&spec, &mut page, output)?);
         }
@@ -134,9 +136,6 @@ impl Args {
     fn mesh(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
         let heading = "Exact mesh along the stroke".to_owned();
-        if spec.errors.is_empty() && !spec.has_deviations() {
-            return Ok(());
-        }
         let tables = mesh::measured_tables(spec, &self.spec)?;
         let input = match spec.mesh(&tables) {
             Ok(input) => input,

@@ -53,6 +53,12 @@ impl Extent {
         }
     }
 
+    /// Whether an error that counts these can have it: only a pitch has a total.
+    #[must_use]
+    pub const fn fits(self, unit: Unit) -> bool {
+        !matches!(self, Self::Total) || matches!(unit, Unit::Pitch)
+    }
+
     /// In words: `one space`, `every pitch, any sign`. Where pitches add up, `in_contact` says how many at most.
     #[must_use]
     pub fn words(self, unit: Unit, in_contact: Option<u32>) -> String {

@@ -22,7 +22,8 @@ impl PartError {
         Self { law, value: value.into(), extent: law.kind().usual_extent(), is_tolerance: false, total: None }
     }
 
-    /// A permissible deviation in place of a measured one: on each tooth the error is any from minus to plus `value`.
+    /// A permissible deviation in place of a measured one: any from minus to plus `value`, each tooth its own unless another
+    /// extent is given.
     #[must_use]
     pub fn within(law: Law, value: impl Into<ErrorValue>) -> Self {
         Self { law, value: value.into(), extent: Extent::Each, is_tolerance: true, total: None }
@@ -50,6 +51,12 @@ impl PartError {
     #[must_use]
     pub fn with_value(self, value: impl Into<ErrorValue>) -> Self {
         Self { value: value.into(), ..self }
+    }
+
+    /// The same error as a measured one, whose sign counts.
+    #[must_use]
+    pub fn measured(self) -> Self {
+        Self { is_tolerance: false, ..self }
     }
 
     /// On which teeth it is.

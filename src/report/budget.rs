@@ -2,13 +2,13 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{class_json, interval_json, interval_text};
+use super::evaluation::{ON_WORST_TEETH, class_json, interval_json, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table};
 use crate::decision::budget::{Budget, Line, Rule};
 use crate::decision::class::ErrorClass;
-use crate::decision::{Limit, Stack};
-use crate::deviation::{ErrorKind, ErrorValue, Part};
+use crate::decision::{Interval, Limit, Stack};
+use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
 use crate::formula::{Input, Model};
 use crate::quantity::{Length, LengthUnit};
 
@@ -29,6 +29,10 @@ pub struct BudgetReport<'a> {
     pub classes: &'a [ErrorClass],
     /// For free tolerances, the coarsest grade that stays within them, if a standard is known.
     pub grades: &'a [ErrorClass],
+    /// What the exact mesh reaches with these tolerances on the worst teeth that a search finds, if it was asked.
+    pub reached: Option<Interval>,
+    /// Remarks on the result's validity.
+    pub notes: Vec<String>,
     /// Room for the tornado plot.
     pub screen: Screen,
 }
@@ -100,6 +104,13 @@ impl BudgetReport<'_> {
                 format!("{stack} {text} mm, within {}", self.limit)
             }
         }
+    }
+
+    /// What the mesh makes of the tolerances, beside their bound.
+    fn reached_text(&self) -> Option<String> {
+        let (reached, bound) = (self.reached?, self.budget.combined.range.ok()?);
+        let (reached, bound) = (interval_text(&reached), interval_text(&bound));
+        Some(format!("reached: {reached} mm, of the worst case's {bound} mm; {ON_WORST_TEETH}"))
     }
 
     /// Horizontal bars for a screen.
@@ -210,14 +221,25 @@ impl Report for BudgetReport<'_> {
             "tolerances": tolerances,
             "worst_case_mm": budget.combined.range.ok().map(interval_json),
             "rss_mm": budget.combined.rss.ok().map(interval_json),
+            "reached_mm": self.reached.map(interval_json),
             "simulation": simulated,
             "sensitivities": sensitivities,
+            "notes": self.notes,
         })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header =
-            ["error", "fixed", "tolerance_mm", "tolerance_deg", "delta_cd_mm", "share", "sensitivity", "feasible"];
+        let header = [
+            "error",
+            "fixed",
+            "tolerance_mm",
+            "tolerance_deg",
+            "delta_cd_mm",
+            "share",
+            "sensitivity",
+            "feasible",
+            "extent",
+        ];
         let mut rows = vec![header.map(str::to_owned).to_vec()];
         let feasible = self.budget.is_feasible();
         for line in &self.budget.lines {
@@ -235,6 +257,7 @@ impl Report for BudgetReport<'_> {
                 plain(line.share),
                 slope.and_then(|slope| slope.value).map(plain).unwrap_or_default(),
                 feasible.to_string(),
+                line.error.extent().name().to_owned(),
             ]);
         }
         rows
@@ -251,6 +274,10 @@ impl Report for BudgetReport<'_> {
             Column::number("ΔCD alone\n[mm]"),
             Column::number(share),
         ];
+        let has_extents = budget.lines.iter().any(|line| line.error.extent() != Extent::Each);
+        if has_extents {
+            columns.push(Column::text("on"));
+        }
         if !self.grades.is_empty() {
             columns.push(Column::number("grade\nwithin"));
         }
@@ -268,6 +295,9 @@ impl Report for BudgetReport<'_> {
                 if known { interval_text(&line.range) } else { "-".to_owned() },
                 format!("{:.0} %", 100.0 * line.share),
             ];
+            if has_extents {
+                row.push(line.error.extent().words(line.error.kind().unit(), None));
+            }
             if !self.grades.is_empty() {
                 let grade = self.grades.iter().find(|grade| grade.kind == line.error.kind());
                 row.push(grade.map_or_else(|| "-".to_owned(), |grade| grade.permissible.grade.to_string()));
@@ -298,6 +328,8 @@ impl Report for BudgetReport<'_> {
                 settings.draws
             )));
         }
+        blocks.extend(self.notes.iter().cloned().map(Block::Note));
+        blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
             Block::Verdict(crate::decision::Verdict::Pass, self.sentence())
         } else {

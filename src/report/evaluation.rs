@@ -169,7 +169,7 @@ impl EvaluationReport<'_> {
                 "reached".to_owned(),
                 millimetres(reached.lower.mm()),
                 millimetres(reached.upper.mm()),
-                "exact mesh, errors on the worst teeth that a search finds".to_owned(),
+                ON_WORST_TEETH.to_owned(),
             ]
         });
         Table {
@@ -252,6 +252,15 @@ impl EvaluationReport<'_> {
         };
         Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule}){without}", evaluation.judged_by)))
     }
+}
+
+/// Where errors are when it is said what they reach.
+pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth that a search finds";
+
+/// What a bound rests on, a remark each.
+#[must_use]
+pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
+    notes.iter().map(|note| format!("note: {}", bound_note(note, missing))).collect()
 }
 
 /// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
@@ -533,11 +542,10 @@ impl<'a> EvaluationReport<'a> {
     /// where they would narrow a range.
     #[must_use]
     pub fn new(title: Option<&'a str>, evaluation: &'a Evaluation, missing: &[&str]) -> Self {
-        let notes = evaluation.notes.iter().map(|note| format!("note: {}", bound_note(note, missing))).collect();
         Self {
             title,
             evaluation,
-            notes,
+            notes: bound_remarks(&evaluation.notes, missing),
             mesh: None,
             classes: Vec::new(),
             rule: Rule::Simple,

@@ -44,7 +44,7 @@ pub use calculation::{Calculation, ResultUnit};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
 pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
-pub use evaluation::{EvaluationReport, MeshPart, bound_note};
+pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 
 pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "batch")]

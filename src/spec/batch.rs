@@ -3,15 +3,17 @@
 
 use crate::table::{DecimalMark, Field, Given, Holds, Want};
 use std::ops::Range;
+use std::sync::Arc;
 
 use toml::de::DeValue;
 
+use super::errors::{Errors, read_extent_value};
 use super::keys::{self, Kind, Section};
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
-use crate::deviation::{ErrorKind, ErrorValue};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::deviation::{self, ErrorKind, ErrorValue, Extent};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::law::page_of;
 use crate::formula::{Law, Model, PartError};
 use crate::quantity::{AngleUnit, Length, LengthUnit, QuantityError, Unit};
@@ -44,6 +46,8 @@ pub struct BatchColumn {
     pub nominal: Option<Located<ErrorValue>>,
     /// `measured` or `deviation`.
     pub kind: Option<Located<&'static str>>,
+    /// On which teeth each of its values is.
+    pub extent: Option<Located<Extent>>,
 }
 
 /// What the numbers of a column are.
@@ -75,8 +79,12 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
 }
 
 fn column(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<BatchColumn>> {
-    let section: &'static Section =
-        if kind == ErrorKind::RackLead { &keys::ANGLE_COLUMN } else { &keys::LENGTH_COLUMN };
+    let section: &'static Section = match (kind, kind.unit()) {
+        (ErrorKind::RackLead, _) => &keys::ANGLE_COLUMN,
+        (_, deviation::Unit::Space) => &keys::SIZE_COLUMN,
+        (_, deviation::Unit::Pitch) => &keys::PITCH_COLUMN,
+        (_, deviation::Unit::Tooth) => &keys::SLOPE_COLUMN,
+    };
     reader.table(kind.key(), section, |reader| {
         let unit = reader.column_unit("unit");
         let length = if kind == ErrorKind::RackLead { reader.length("length") } else { None };
@@ -90,6 +98,10 @@ fn column(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Bat
             length,
             nominal: nominal(reader, kind),
             kind: reader.word("kind"),
+            extent: reader
+                .table
+                .and_then(|table| table.get(keys::EXTENT))
+                .and_then(|value| read_extent_value(reader, kind, value)),
         }
     })
 }
@@ -101,6 +113,26 @@ fn nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Er
     } else {
         let length = reader.length("nominal")?;
         Some(Located { value: ErrorValue::Length(length.value), span: length.span })
+    }
+}
+
+impl BatchSection {
+    /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
+    pub(super) fn other_extents(&self, errors: &Errors, source: &Arc<Source>) -> Vec<Diagnostic> {
+        let has_value = |kind: ErrorKind| errors.values.iter().any(|(other, _)| *other == kind);
+        let of_tables = errors.extents.iter().filter(|(kind, _)| !has_value(*kind));
+        let contradicted = of_tables.filter_map(|(kind, in_errors)| {
+            let (_, column) = self.columns.iter().find(|(column, _)| column == kind)?;
+            let in_column = column.value.extent.as_ref().filter(|extent| extent.value != in_errors.value)?;
+            let key = format!("{}.{}", kind.key(), keys::EXTENT);
+            let message = format!(
+                "`errors.{key}` is \"{}\" and `batch.columns.{key}` is \"{}\", and both are of the values of a table",
+                in_errors.value, in_column.value
+            );
+            let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help("leave one of them out");
+            Some(diagnostic.at(source, in_column.span.clone(), ""))
+        });
+        contradicted.collect()
     }
 }
 
@@ -209,6 +241,31 @@ impl Spec {
                 .map(|length| length.value)
                 .or(self.evaluation_length.filter(|_| kind == ErrorKind::RackLead)),
         }
+    }
+
+    /// The same spec for tables that have columns of these errors: their values are on the teeth that `[batch.columns]` says,
+    /// if it says so.
+    #[must_use]
+    pub fn for_columns(&self, in_table: &[ErrorKind]) -> Self {
+        let mut spec = self.clone();
+        for kind in in_table {
+            if let Some(extent) = self.batch_column(*kind).and_then(|column| column.value.extent.clone()) {
+                spec.extents.retain(|(other, _)| other != kind);
+                spec.extents.push((*kind, extent));
+            }
+        }
+        spec
+    }
+
+    /// Where the values of errors are, in words, as far as the spec says so: `rack_pitch each (every pitch, any sign)`.
+    #[must_use]
+    pub fn extents_in_words(&self, errors: &[ErrorKind]) -> Option<String> {
+        let stated = errors.iter().filter_map(|kind| {
+            let (_, extent) = self.extents.iter().find(|(of, _)| of == kind)?;
+            Some(format!("{} {} ({})", kind.key(), extent.value, extent.value.words(kind.unit(), None)))
+        });
+        let stated: Vec<_> = stated.collect();
+        (!stated.is_empty()).then(|| format!("extent: {}", stated.join("; ")))
     }
 
     /// The errors that the spec speaks of, those of columns first, each in its order.

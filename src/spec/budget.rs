@@ -1,17 +1,18 @@
 //! `[budget]`: which tolerances are fixed, which are sought, and how they add up. Resolved for `rackmesh budget`;
 //! allocates nothing.
 
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 
-use super::errors::read_error_value;
+use super::errors::{read_error_value, read_extent};
+use super::keys;
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
 use crate::decision::LimitTarget;
 use crate::decision::budget::simulation::Spread;
-use crate::decision::budget::{Entry, Freedom};
+use crate::decision::budget::{Entry, Free, Freedom};
 use crate::decision::class::ErrorClass;
-use crate::deviation::ErrorKind;
+use crate::deviation::{ErrorKind, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartError;
 
@@ -26,6 +27,8 @@ pub struct BudgetSection {
     pub spread: Option<Located<&'static str>>,
     /// The errors.
     pub errors: Vec<(ErrorKind, Located<WrittenTolerance>)>,
+    /// On which teeth errors may be, where it says so.
+    pub extents: Vec<(ErrorKind, Located<Extent>)>,
 }
 
 /// One error of `[budget]`.
@@ -39,6 +42,13 @@ pub enum WrittenTolerance {
 }
 
 impl BudgetSection {
+    /// On which teeth an error may be: each, with a value of its own, unless it says otherwise.
+    #[must_use]
+    pub fn extent(&self, kind: ErrorKind) -> Extent {
+        let written = self.extents.iter().find(|(of, _)| *of == kind);
+        written.map_or(Extent::Each, |(_, extent)| extent.value)
+    }
+
     /// How errors spread within their tolerances, if that is given.
     #[must_use]
     pub fn spread(&self) -> Option<Spread> {
@@ -57,6 +67,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BudgetSection {
         conforming: fraction(reader, "conforming"),
         spread: reader.word("distribution"),
         errors: ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, tolerance(reader, kind)?))).collect(),
+        extents: ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect(),
     }
 }
 
@@ -77,7 +88,8 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<
     let free = |freedom| Some(Located { value: WrittenTolerance::Free(freedom), span: span.clone() });
     match value.get_ref() {
         DeValue::String(text) if text.trim() == "free" => return free(Freedom::Weight(1.0)),
-        DeValue::Table(table) if table.len() == 1 => {
+        DeValue::Table(table) if table.len() == 1 && has_extent(table) => return free(Freedom::Weight(1.0)),
+        DeValue::Table(table) if table.len() == 1 + usize::from(has_extent(table)) => {
             for (key, freedom) in [("weight", Freedom::Weight as fn(f64) -> Freedom), ("cost", Freedom::Cost)] {
                 if let Some(number) = table.get(key) {
                     let number = reader.plain_number(key, number)?;
@@ -93,17 +105,22 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<
         _ => {}
     }
     // what was measured is no tolerance
-    let is_tolerance = |key: &str| matches!(key, "class" | "f_h_beta" | "length");
+    let is_tolerance = |key: &str| matches!(key, "value" | "class" | "f_h_beta" | "length" | keys::EXTENT);
     if let DeValue::Table(table) = value.get_ref()
         && !table.iter().all(|(key, _)| is_tolerance(key.get_ref()))
     {
         let message = format!("`{name}` of a budget is a table that makes no tolerance");
-        let help = "write \"12 um\", { class = 7 }, { weight = 2 }, { cost = 3 } or \"free\"";
+        let help = "write \"12 um\", { class = 7 }, { weight = 2 }, { cost = 3 } or \"free\"; \
+                    with an extent { value = \"12 um\", extent = \"one\" } or { weight = 2, extent = \"one\" }";
         reader.report(Diagnostic::error(Code::BadErrorEntry, message).help(help), span, "");
         return None;
     }
     let written = read_error_value(reader, kind, value)?;
     Some(Located { value: WrittenTolerance::Fixed(written), span })
+}
+
+fn has_extent(table: &DeTable<'_>) -> bool {
+    table.contains_key(keys::EXTENT)
 }
 
 impl Spec {
@@ -114,7 +131,10 @@ impl Spec {
     /// Diagnostics for gear data that a formula needs, and classes that have no value.
     pub fn budget_entries(&self) -> Result<(Vec<Entry>, Vec<ErrorClass>), Diagnostics> {
         if self.budget.errors.is_empty() {
-            let free = |kind| Ok(Entry::Free(self.law(kind, "a budget")?, Freedom::Weight(1.0)));
+            let free = |kind| {
+                let law = self.law(kind, "a budget")?;
+                Ok(Entry::Free(Free { law, freedom: Freedom::Weight(1.0), extent: Extent::Each }))
+            };
             return Ok((ErrorKind::OF_PAPER.into_iter().map(free).collect::<Result<_, Diagnostics>>()?, Vec::new()));
         }
         let (mut entries, mut classes) = (Vec::new(), Vec::new());
@@ -130,12 +150,15 @@ impl Spec {
                     continue;
                 }
             };
+            let extent = self.budget.extent(*kind);
             let tolerance = match &written.value {
                 WrittenTolerance::Free(freedom) => {
-                    entries.push(Entry::Free(law, *freedom));
+                    entries.push(Entry::Free(Free { law, freedom: *freedom, extent }));
                     continue;
                 }
-                WrittenTolerance::Fixed(WrittenError::Value(value)) => PartError::within(law, value.abs()),
+                WrittenTolerance::Fixed(WrittenError::Value(value)) => {
+                    PartError::within(law, value.abs()).with_extent(extent)
+                }
                 WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
                     let mut missing = MissingKeys::default();
                     let class = self.class(*kind, *grade, &written.span, &mut missing);

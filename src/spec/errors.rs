@@ -10,9 +10,10 @@ use super::Located;
 use super::keys;
 use super::reader::{SectionReader, similar};
 use crate::decision::uncertainty as uncertain;
-use crate::deviation::{ErrorKind, ErrorValue, Extent, Unit};
+use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
+use crate::judge::bound::ErrorInputError;
 use crate::quantity::Length;
 
 /// An entry of `[errors]`, as far as it can be understood without the gear data.
@@ -44,7 +45,7 @@ pub(super) struct Errors {
     /// The errors whose value is that of every part.
     pub(super) every_part: Vec<ErrorKind>,
     /// On which teeth errors are, where that is written.
-    pub(super) extents: Vec<(ErrorKind, Extent)>,
+    pub(super) extents: Vec<(ErrorKind, Located<Extent>)>,
     /// The evaluation length of f_Hβ.
     pub(super) evaluation_length: Option<Length>,
 }
@@ -89,15 +90,24 @@ fn is_of_every_part(reader: &mut SectionReader<'_>, kind: ErrorKind) -> bool {
 }
 
 /// On which teeth an error is, if that is written.
-fn read_extent(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Extent> {
+pub(super) fn read_extent(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Extent>> {
     let value = reader.table?.get(kind.key())?.get_ref().as_table()?.get(keys::EXTENT)?;
+    read_extent_value(reader, kind, value)
+}
+
+/// Reads an extent that an error of this kind can have.
+pub(super) fn read_extent_value(
+    reader: &mut SectionReader<'_>,
+    kind: ErrorKind,
+    value: &Spanned<DeValue<'_>>,
+) -> Option<Located<Extent>> {
     let DeValue::String(text) = value.get_ref() else {
         reader.wrong_type(keys::EXTENT, value, "text in quotes");
         return None;
     };
     let refusal = match text.parse::<Extent>() {
-        Ok(Extent::Total) if kind.unit() != Unit::Pitch => "only a pitch has a total cumulative deviation".to_owned(),
-        Ok(extent) => return Some(extent),
+        Ok(extent) if extent.fits(kind.unit()) => return Some(Located { value: extent, span: value.span() }),
+        Ok(_) => ErrorInputError::NoTotal.to_string(),
         Err(unknown) => unknown.to_string(),
     };
     let message = format!("`{}.{}`: {refusal}", kind.key(), keys::EXTENT);

@@ -7,7 +7,7 @@ mod simulation;
 pub(crate) use scatter::SCATTER;
 pub(crate) use simulation::{SIMULATION, YOKE};
 
-use crate::deviation::ErrorKind;
+use crate::deviation::{self, ErrorKind};
 use crate::formula::domain;
 use crate::quantity::{Bound, Domain};
 
@@ -39,6 +39,8 @@ pub(crate) enum Kind {
         /// Whether the column holds lead errors.
         of_lead: bool,
     },
+    /// On which teeth an error is that counts these.
+    Extent(deviation::Unit),
     /// One of these words.
     Word(&'static [&'static str]),
     /// The name of an accuracy standard and its edition.
@@ -136,7 +138,7 @@ pub(crate) const TOP: Section = Section {
 /// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
 pub(crate) const EVERY_PART: &str = "every_part";
 
-/// In an entry of `[errors]`, beside its value or alone: on which teeth it is.
+/// In an entry of `[errors]`, beside its value or alone, of a column or of `[budget]`: on which teeth an error is.
 pub(crate) const EXTENT: &str = "extent";
 
 /// The keys of an uncertainty, beside the value that it is of.
@@ -450,15 +452,32 @@ const COLUMN_KIND: Key = key(
 
 const COLUMN_NAME: Key = key("name", Kind::Text, "The column's name in the header, if it is not the error's own.");
 
-pub(crate) const LENGTH_COLUMN: Section = Section {
-    name: "batch.columns.(error)",
-    doc: "A column of lengths.",
-    keys: &[
-        COLUMN_NAME,
-        key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers. Default: the header's, or mm."),
-        key("nominal", Kind::Length(Domain::any("nominal value", "M_nom")), "Nominal value of what was measured."),
-        COLUMN_KIND,
-    ],
+const LENGTH_UNIT: Key =
+    key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers. Default: the header's, or mm.");
+
+const LENGTH_NOMINAL: Key =
+    key("nominal", Kind::Length(Domain::any("nominal value", "M_nom")), "Nominal value of what was measured.");
+
+const fn column_extent(unit: deviation::Unit) -> Key {
+    key(EXTENT, Kind::Extent(unit), "On which teeth each value is. Default: that of [errors], or as without a column.")
+}
+
+pub(crate) const SIZE_COLUMN: Section = Section {
+    name: "batch.columns.(size)",
+    doc: "A column of sizes.",
+    keys: &[COLUMN_NAME, LENGTH_UNIT, LENGTH_NOMINAL, COLUMN_KIND, column_extent(deviation::Unit::Space)],
+};
+
+pub(crate) const PITCH_COLUMN: Section = Section {
+    name: "batch.columns.(pitch)",
+    doc: "A column of pitches.",
+    keys: &[COLUMN_NAME, LENGTH_UNIT, LENGTH_NOMINAL, COLUMN_KIND, column_extent(deviation::Unit::Pitch)],
+};
+
+pub(crate) const SLOPE_COLUMN: Section = Section {
+    name: "batch.columns.pinion_lead",
+    doc: "A column of helix slope deviations f_Hβ.",
+    keys: &[COLUMN_NAME, LENGTH_UNIT, LENGTH_NOMINAL, COLUMN_KIND, column_extent(deviation::Unit::Tooth)],
 };
 
 pub(crate) const ANGLE_COLUMN: Section = Section {
@@ -474,6 +493,7 @@ pub(crate) const ANGLE_COLUMN: Section = Section {
         key("length", Kind::Length(domain::EVALUATION_LENGTH), "Evaluation length of f_Hβ."),
         key("nominal", Kind::Angle(Domain::any("nominal value", "β_nom")), "Nominal value of what was measured."),
         COLUMN_KIND,
+        column_extent(deviation::Unit::Tooth),
     ],
 };
 
@@ -482,12 +502,12 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
     doc: "Where a table with a row per part has what, if its header does not say so.",
     keys: &[
         key("part_id", Kind::Text, "Name of the column that names the part. Default part_id."),
-        key("rack_over_roller", Kind::Table(&LENGTH_COLUMN), "The rack's over-roller measure or error."),
-        key("rack_pitch", Kind::Table(&LENGTH_COLUMN), "The rack's pitch or pitch error."),
+        key("rack_over_roller", Kind::Table(&SIZE_COLUMN), "The rack's over-roller measure or error."),
+        key("rack_pitch", Kind::Table(&PITCH_COLUMN), "The rack's pitch or pitch error."),
         key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle, its error, or f_Hβ."),
-        key("pinion_radial", Kind::Table(&LENGTH_COLUMN), "The pinion's radial measure or error."),
-        key("pinion_pitch", Kind::Table(&LENGTH_COLUMN), "The pinion's single pitch deviation."),
-        key("pinion_lead", Kind::Table(&LENGTH_COLUMN), "The pinion's helix slope deviation f_Hβ."),
+        key("pinion_radial", Kind::Table(&SIZE_COLUMN), "The pinion's radial measure or error."),
+        key("pinion_pitch", Kind::Table(&PITCH_COLUMN), "The pinion's single pitch deviation."),
+        key("pinion_lead", Kind::Table(&SLOPE_COLUMN), "The pinion's helix slope deviation f_Hβ."),
     ],
 };
 
@@ -519,7 +539,8 @@ const FRACTION: Domain =
 
 pub(crate) const BUDGET: Section = Section {
     name: "budget",
-    doc: "Which tolerances are fixed, which are sought, and how they add up.",
+    doc: "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \"each\" or \
+          \"total\" beside one, on which teeth. Default each.",
     keys: &[
         key("stack", Kind::Word(&["worst", "rss", "simulation"]), "How tolerances add up. Default worst."),
         key("conforming", Kind::Number(FRACTION), "Fraction of random assemblies that must conform. Default 0.9973."),

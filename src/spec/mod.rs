@@ -98,7 +98,7 @@ pub struct Spec {
     /// block.
     pub every_part: Vec<ErrorKind>,
     /// On which teeth errors are, where `[errors]` says so.
-    pub extents: Vec<(ErrorKind, Extent)>,
+    pub extents: Vec<(ErrorKind, Located<Extent>)>,
     /// The length over which `[errors]` evaluates f_Hβ.
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
@@ -151,13 +151,14 @@ impl Spec {
             standard: reader.standard("standard"),
             diameter: reader.rack_diameter("diameter"),
         });
-        let errors::Errors { values: errors, nominals, unmeasured, every_part, extents, evaluation_length } =
-            sections.read(&keys::ERRORS, errors::read);
+        let errors = sections.read(&keys::ERRORS, errors::read);
         let limits = sections.read(&keys::LIMITS, limits::read);
         let batch = sections.read(&keys::BATCH, batch::read);
         let simulation = sections.read(&keys::SIMULATION, simulation::read);
         let scatter = sections.read(&keys::SCATTER, scatter::read);
         let rule = sections.read(&keys::DECISION, |reader| reader.rule("rule"));
+        diagnostics.extend(batch.other_extents(&errors, &source));
+        let errors::Errors { values: errors, nominals, unmeasured, every_part, extents, evaluation_length } = errors;
         let pair = pair.with(pair::HelixAngles::of(&rack, &pinion), &source, &mut diagnostics);
         if diagnostics.is_empty() {
             let spec = Self {

@@ -90,11 +90,11 @@ impl Spec {
         if self.errors.is_empty() { Ok(Vec::new()) } else { self.part_errors() }
     }
 
-    /// An error on the teeth that `[errors]` says, if it says so.
+    /// An error on the teeth that the spec says, if it says so.
     #[must_use]
     pub fn extended(&self, error: PartError) -> PartError {
         let extent = self.extents.iter().find(|(kind, _)| *kind == error.kind());
-        extent.map_or(error, |(_, extent)| error.with_extent(*extent))
+        extent.map_or(error, |(_, extent)| error.with_extent(extent.value))
     }
 
     /// The same spec with other errors, as measured on a part; their formulas ask for gear data as if they

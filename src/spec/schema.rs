@@ -88,6 +88,7 @@ fn property(key: &Key, section: &str) -> Value {
         }
         Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
         Kind::Error(kind) => error(kind),
+        Kind::Extent(unit) => extent(unit),
         Kind::Word(words) => json!({ "enum": words }),
         Kind::Tolerance(kind) => {
             let number = json!({ "type": "number", "exclusiveMinimum": 0 });
@@ -96,7 +97,7 @@ fn property(key: &Key, section: &str) -> Value {
                     "type": "object",
                     "additionalProperties": false,
                     "required": [name],
-                    "properties": { name: number },
+                    "properties": { name: number, EXTENT: extent(kind.unit()) },
                 })
             };
             json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
@@ -163,10 +164,9 @@ fn uncertainty_properties() -> Map<String, Value> {
         .collect()
 }
 
-/// The extents that an error of this kind may have: only a pitch has a total.
-fn extent(kind: ErrorKind) -> Value {
-    let fits = |extent: &Extent| *extent != Extent::Total || kind.unit() == Unit::Pitch;
-    json!({ "enum": Extent::EVERY.into_iter().filter(fits).map(Extent::name).collect::<Vec<_>>() })
+/// The extents that an error that counts these may have.
+fn extent(unit: Unit) -> Value {
+    json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(unit)).map(Extent::name).collect::<Vec<_>>() })
 }
 
 fn length_text() -> Value {
@@ -190,7 +190,7 @@ fn error(kind: ErrorKind) -> Value {
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         if *form != ["class"] {
             properties.extend(uncertainty_properties());
-            properties.insert(EXTENT.to_owned(), extent(kind));
+            properties.insert(EXTENT.to_owned(), extent(kind.unit()));
         }
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
@@ -204,7 +204,7 @@ fn error(kind: ErrorKind) -> Value {
     }
     // the uncertainty and extent of values that come from a table
     let mut properties = uncertainty_properties();
-    properties.insert(EXTENT.to_owned(), extent(kind));
+    properties.insert(EXTENT.to_owned(), extent(kind.unit()));
     forms.push(json!({
         "type": "object",
         "additionalProperties": false,

@@ -65,6 +65,10 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[batch.columns]\nrack_pitch = { unit = \"um\", length = 18 }",
         "[batch.columns]\nrack_lead = { unit = \"grad\" }",
         "[batch.columns]\nrack_lead = { length = 0 }",
+        "[batch.columns]\nrack_pitch = { extent = \"some\" }",
+        "[batch.columns]\nrack_over_roller = { extent = \"total\" }",
+        "[batch.columns]\nrack_lead = { extent = \"total\" }",
+        "[batch.columns]\npinion_lead = { extent = \"total\" }",
         "[batch.columns]\npinion_lead = { unit = \"deg\" }",
         "[limits]\ncenter_distance = 0.05",
         "[limits]\ncenter_distance = {}",
@@ -85,6 +89,9 @@ fn the_schema_and_the_reader_refuse_the_same() {
         "[budget]\nrack_pitch = { weight = 0 }",
         "[budget]\nrack_pitch = { weight = 1, cost = 1 }",
         "[budget]\nrack_pitch = \"fre\"",
+        "[budget]\nrack_pitch = { weight = 1, extent = \"some\" }",
+        "[budget]\nrack_lead = { cost = 1, extent = \"total\" }",
+        "[budget]\nrack_pitch = { class = 7, extent = \"one\" }",
     ] {
         assert!(!valid(text), "the schema accepts {text}");
         assert!(Spec::parse("test", text).is_err(), "the reader accepts {text}");
@@ -104,11 +111,15 @@ fn the_schema_and_the_reader_accept_the_same() {
         "[batch]\nignore = [\"Temperature*\", \"remark\"]\nothers = \"ignore\"",
         "[batch.columns]\nrack_pitch = { unit = \"micron\" }\nrack_lead = { unit = \"um\", length = \"18 mm\" }",
         "[batch.columns]\nrack_lead = { unit = \"gon\" }",
+        "[batch.columns]\nrack_pitch = { extent = \"total\" }\npinion_lead = { extent = \"each\" }",
+        "[batch.columns]\nrack_over_roller = { extent = \"all\" }\nrack_lead = { extent = \"one\" }",
         "[errors]\npinion_lead = \"8 um\"",
         "[errors]\npinion_lead = { measured = 0.009, nominal = 0.001, u = \"1 um\", every_part = true }",
         "[errors]\npinion_lead = { class = 7 }",
         "[limits]\npinion_lead = \"±10 um\"",
         "[budget]\npinion_lead = { weight = 2 }",
+        "[budget]\nrack_pitch = { weight = 2, extent = \"total\" }\nrack_lead = { cost = 2, extent = \"one\" }",
+        "[budget]\nrack_pitch = { value = \"8 um\", extent = \"one\" }\npinion_radial = { extent = \"all\" }",
         "[batch.columns]\npinion_lead = { name = \"fHb\", unit = \"um\", nominal = 0.001 }",
         "[scatter]\npinion_lead = \"3 um\"",
     ] {

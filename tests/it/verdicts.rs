@@ -228,6 +228,161 @@ fn a_batch_gives_the_verdicts_of_eval() {
     }
 }
 
+/// What is written of a column's values holds for each of them, in every command that reads tables.
+#[test]
+fn a_column_says_on_which_teeth_its_values_are() {
+    let folder = Folder::new("column-extents");
+    let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    std::fs::write(&table, "part_id,fp max\nA,0.012\n").expect("written");
+    let write = |errors: &str| {
+        let columns = "[batch.columns]\nrack_pitch = { name = \"fp max\", unit = \"mm\", extent = \"each\" }\n";
+        let text = format!("{PAPER}[errors]\n{errors}\n{columns}[limits]\ncenter_distance = \"±0.04\"\n");
+        std::fs::write(&file, text).expect("written");
+    };
+    let every_part = "pinion_pitch = { value = 0.005, every_part = true }";
+    let expected =
+        eval(&format!("{PAPER}[errors]\nrack_pitch = {{ value = 0.012, extent = \"each\" }}\npinion_pitch = 0.005\n"));
+    // beside a value, `[errors]` says of that value where it is, and nothing of the column's
+    for beside in ["", "rack_pitch = { value = 0.001, extent = \"one\" }", "rack_pitch = { extent = \"each\" }"] {
+        write(&format!("{every_part}\n{beside}"));
+        let batch = run(&["batch", &file, &table, "--format", "jsonl", "--decimals", "full"], "");
+        assert_eq!(batch.code, Some(0), "{}", batch.stderr);
+        let row = batch.json();
+        let ranges =
+            (row["range_lower_mm"].as_f64().expect("a number"), row["range_upper_mm"].as_f64().expect("a number"));
+        assert_eq!(ranges, range(&expected), "{beside}");
+        assert!(batch.stderr.contains("note: extent: rack_pitch each (every pitch, any sign)\n"), "{}", batch.stderr);
+        let paste = run(&["paste", &file, &table, "--format", "json"], "");
+        assert_eq!(range(&paste), range(&expected), "{beside}");
+        let json = paste.json();
+        assert_eq!([&json["contributions"][0]["extent"], &json["contributions"][1]["extent"]], ["each", "one"]);
+    }
+    let page = run(&["report", &file, &table], "").stdout;
+    assert!(page.contains("extent: rack_pitch each (every pitch, any sign)"), "{page}");
+}
+
+/// A value that every part has is where `[errors]` says, not where a column says that the table lacks.
+#[test]
+fn a_column_that_is_not_there_says_nothing() {
+    let folder = Folder::new("column-extents-lacking");
+    let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    std::fs::write(&table, "part_id,rack_over_roller\nA,0.012\n").expect("written");
+    let text = "[errors]\npinion_radial = { value = 0.004, every_part = true }\n[batch.columns]\npinion_radial = { extent = \"all\" }\n";
+    std::fs::write(&file, text).expect("written");
+    let ranges = (0.012, 0.016);
+    let row = run(&["batch", &file, &table, "--format", "jsonl"], "").json();
+    assert_eq!((row["range_lower_mm"].as_f64(), row["range_upper_mm"].as_f64()), (Some(ranges.0), Some(ranges.1)));
+    assert_eq!(range(&run(&["paste", &file, &table, "--format", "json"], "")), ranges);
+}
+
+/// Of the values of a table the spec says one thing.
+#[test]
+fn columns_and_errors_say_the_same() {
+    let folder = Folder::new("column-extents-contradicted");
+    let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    std::fs::write(&table, "part_id,rack_pitch\nA,0.012\n").expect("written");
+    for entry in ["{ extent = \"one\" }", "{ nominal = 0, extent = \"one\" }", "{ u = \"1 um\", extent = \"one\" }"] {
+        let text =
+            format!("{PAPER}[errors]\nrack_pitch = {entry}\n[batch.columns]\nrack_pitch = {{ extent = \"each\" }}\n");
+        std::fs::write(&file, &text).expect("written");
+        for command in ["batch", "paste", "report"] {
+            let ended = run(&[command, &file, &table], "");
+            let why = "`errors.rack_pitch.extent` is \"one\" and `batch.columns.rack_pitch.extent` is \"each\"";
+            assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{command} {entry}");
+            assert!(ended.stderr.contains(why) && ended.stderr.contains("spec.toml:16:25"), "{}", ended.stderr);
+        }
+    }
+    let total = "[batch.columns]\nrack_over_roller = { extent = \"total\" }\n";
+    std::fs::write(&file, total).expect("written");
+    let ended = run(&["batch", &file, &table], "");
+    assert!(ended.stderr.contains("spec.toml:2:31"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("`rack_over_roller.extent`: only a pitch"), "{}", ended.stderr);
+}
+
+/// A budget grants what `eval` passes on the same teeth, with either sign.
+#[test]
+fn a_budget_is_of_the_teeth_that_it_says() {
+    let limits = "[limits]\ncenter_distance = \"±0.05\"\n";
+    let budget = format!(
+        "{PAPER}[budget]\nrack_over_roller = {{ value = \"10 um\", extent = \"all\" }}\nrack_pitch = {{ weight = 2, extent = \"one\" }}\n\
+         pinion_pitch = {{ extent = \"part\" }}\n{limits}"
+    );
+    let ended = run(&["budget", "-", "--format", "json"], &budget);
+    let json = ended.json();
+    let upper = json["worst_case_mm"]["upper"].as_f64().expect("a number");
+    assert!(ended.code == Some(0) && upper <= 0.05 && upper > 0.05 - 1e-7, "{}", ended.stdout);
+    let lines = json["tolerances"].as_array().expect("a list");
+    assert_eq!(lines.iter().map(|line| line["extent"].clone()).collect::<Vec<_>>(), ["all", "one", "part"]);
+    for (sign, factor, code) in [("", 1.0, 0), ("-", 1.0, 0), ("", 1.02, 1)] {
+        let errors: Vec<_> = lines
+            .iter()
+            .map(|line| {
+                let value = factor * line["tolerance_mm"].as_f64().expect("a number");
+                format!(
+                    "{} = {{ value = {sign}{value}, extent = {} }}\n",
+                    line["error"].as_str().expect("a text"),
+                    line["extent"]
+                )
+            })
+            .collect();
+        let errors = errors.concat();
+        assert_eq!(eval(&format!("{PAPER}[errors]\n{errors}{limits}")).code, Some(code), "{errors}");
+    }
+    let page = run(&["budget", "-"], &budget).stdout;
+    assert!(page.contains("  a run of pitches\n") && page.contains("  one pitch\n"), "{page}");
+    // where a single pitch is off there is a bound without the pair
+    let unknown = "[pair]\nnormal_pressure_angle = 20\n[budget]\nrack_pitch = { extent = \"one\" }\n";
+    assert_eq!(run(&["budget", "-"], &format!("{unknown}{limits}")).code, Some(0));
+    let each = run(&["budget", "-"], &format!("{unknown}{limits}").replace("one", "each"));
+    assert!(each.code == Some(2) && each.stderr.contains("pair.normal_module"), "{}", each.stderr);
+}
+
+/// What the mesh reaches with the tolerances that a budget grants is what it reaches with them in `eval`.
+#[test]
+fn a_budget_says_what_its_tolerances_reach() {
+    let limits = "[limits]\ncenter_distance = \"±0.05\"\n";
+    let entries = "[budget]\nrack_over_roller = \"10 um\"\nrack_pitch = \"free\"\npinion_radial = { weight = 2 }\n";
+    let budget = format!("{PAPER}{entries}{limits}");
+    let of = |arguments: &[&str], spec: &str| run(&[&["budget", "-"], arguments].concat(), spec);
+    let ended = of(&["--format", "json"], &budget);
+    let json = ended.json();
+    let ends = |of: &Value| (of["lower"].as_f64().expect("a number"), of["upper"].as_f64().expect("a number"));
+    let (reached, bound) = (ends(&json["reached_mm"]), ends(&json["worst_case_mm"]));
+    assert!(bound.0 <= reached.0 && reached.0 < 0.0 && 0.0 < reached.1 && reached.1 <= bound.1, "{}", ended.stdout);
+    let lines = json["tolerances"].as_array().expect("a list").iter();
+    let errors: Vec<_> = lines
+        .map(|line| {
+            format!(
+                "{} = {{ value = {}, extent = \"each\" }}\n",
+                line["error"].as_str().expect("a key"),
+                line["tolerance_mm"]
+            )
+        })
+        .collect();
+    let evaluated = eval(&format!("{PAPER}[errors]\n{}{limits}", errors.concat())).json();
+    assert_eq!(json["reached_mm"], evaluated["reached_mm"]);
+    assert_eq!(json["notes"], evaluated["notes"]);
+    let page = of(&[], &budget).stdout;
+    let line = format!("\nreached: {:.4} … +{:.4} mm, of the worst case's ", reached.0, reached.1);
+    assert_eq!(page.matches(&line).count(), 1, "{line} {page}");
+
+    let not_reached = |arguments: &[&str], spec: &str, code: i32| {
+        let ended = of(&[&["--format", "json"], arguments].concat(), spec);
+        assert_eq!((ended.code, &ended.json()["reached_mm"]), (Some(code), &Value::Null), "{}", ended.stdout);
+        let page = of(arguments, spec).stdout;
+        assert!(!page.contains("reached"), "{page}");
+        page
+    };
+    not_reached(&["--no-mesh"], &budget, 0);
+    not_reached(&[], &format!("{budget}[support]\nroll = \"free\"\nroll_axis_depth = 8\n"), 0);
+    // what is not granted reaches nothing
+    not_reached(&[], &budget.replace("10 um", "60 um"), 1);
+    let unknown = budget.replace("tip_diameter = 19.738\n", "").replace("\"free\"", "{ extent = \"one\" }");
+    let page = not_reached(&[], &unknown, 0);
+    let missing = "note: the pair's geometry would narrow the worst case: `pinion.tip_diameter` is missing";
+    assert_eq!(page.matches(missing).count(), 1, "{page}");
+}
+
 /// Parts without a range are no parts that pass: the exit status, the summary and what pipelines read say so, and why.
 #[test]
 fn a_batch_without_ranges_does_not_pass() {

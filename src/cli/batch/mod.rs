@@ -488,6 +488,7 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
         .collect();
     notes.extend(lacking("tables lack", spec, plan.lacking(), plan.is_partial()));
     notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
+    notes.extend(plan.extents_in_words());
     let exact: Vec<_> = plan.taken_as_exact().iter().map(|kind| kind.key()).collect();
     if !exact.is_empty() {
         let names = exact.join(", ");

@@ -11,9 +11,9 @@ mod tests;
 use thiserror::Error;
 
 use super::{Combined, EvaluationError, Interval, Limit, Stack, Verdict};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::formula::{Law, Model, PartError, Sensitivity};
-use crate::judge::bound::{Basis, ExtendedError, Open};
+use crate::judge::bound::{Basis, ExtendedError, Note, Open};
 use crate::quantity::{DomainError, Length};
 use simulation::{Assembly, Simulated, Simulation};
 
@@ -50,13 +50,31 @@ pub enum Freedom {
     Cost(f64),
 }
 
+/// A tolerance that is sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Free {
+    /// The law of its error.
+    pub law: Law,
+    /// What decides its size.
+    pub freedom: Freedom,
+    /// On which teeth the error may be.
+    pub extent: Extent,
+}
+
+impl Free {
+    /// The tolerance of this size.
+    fn within(&self, value: ErrorValue) -> PartError {
+        PartError::within(self.law, value).with_extent(self.extent)
+    }
+}
+
 /// One error of a budget.
 #[derive(Debug, Clone, Copy)]
 pub enum Entry {
     /// Its tolerance is fixed: the error lies within plus and minus its value.
     Fixed(PartError),
     /// Its tolerance is sought.
-    Free(Law, Freedom),
+    Free(Free),
 }
 
 impl Entry {
@@ -65,7 +83,7 @@ impl Entry {
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Fixed(error) => error.kind(),
-            Self::Free(law, _) => law.kind(),
+            Self::Free(free) => free.law.kind(),
         }
     }
 }
@@ -113,6 +131,8 @@ pub struct Budget {
     pub lines: Vec<Line>,
     /// The tolerances combined as `eval` does.
     pub combined: Combined,
+    /// What their bound rests on.
+    pub notes: Vec<Note>,
     /// What the simulation of these tolerances gave.
     pub simulated: Option<Simulated>,
     /// Errors without which the fixed tolerances would leave something: empty if the budget is feasible.
@@ -230,18 +250,13 @@ fn ratio(freedom: Freedom, rule: Rule) -> f64 {
 }
 
 /// The largest tolerance of which ΔCD does not exceed `delta_cd`.
-fn largest_tolerance(law: Law, delta_cd: Length, model: Model) -> Result<PartError, BudgetError> {
-    match law.largest_error(delta_cd, model) {
-        Ok(value) => Ok(PartError::within(law, value)),
+fn largest_tolerance(free: &Free, delta_cd: Length, model: Model) -> Result<PartError, BudgetError> {
+    match free.law.largest_error(delta_cd, model) {
+        Ok(value) => Ok(free.within(value)),
         // beyond what any angle does: as good as unbounded
         Err(DomainError::NeverReached { .. }) => Err(BudgetError::Unbounded),
-        Err(error) => Err(of_kind(law.kind())(error)),
+        Err(error) => Err(of_kind(free.law.kind())(error)),
     }
-}
-
-/// An error of nothing.
-fn nothing(law: Law) -> PartError {
-    PartError::within(law, ErrorValue::zero(law.kind()))
 }
 
 /// The magnitude of ΔCD of an error's tolerance.
@@ -296,7 +311,8 @@ fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembl
     let simulated = assembly.map(|assembly| assembly.outcome(&allocated.errors)).transpose()?;
     broken_by.sort();
     broken_by.dedup();
-    Ok(Budget { lines, combined, simulated, broken_by })
+    let notes = request.basis.bound_of(&allocated.errors).notes;
+    Ok(Budget { lines, combined, notes, simulated, broken_by })
 }
 
 /// Tolerances and the scale that they stand for.
@@ -324,8 +340,8 @@ impl<'a> Scaled<'a> {
             return Err(open.into());
         }
         for (index, entry) in request.entries.iter().enumerate() {
-            if let Entry::Free(law, _) = entry {
-                scaled.own[index] = own_share(*law, request)?;
+            if let Entry::Free(free) = entry {
+                scaled.own[index] = own_share(free, request)?;
             }
         }
         Ok(scaled)
@@ -335,9 +351,9 @@ impl<'a> Scaled<'a> {
         let entries = self.request.entries.iter().zip(&self.own);
         let at = |(entry, own): (&Entry, &Option<Length>)| match entry {
             Entry::Fixed(error) => Ok(*error),
-            Entry::Free(law, freedom) => {
-                let share = length_of(*law, scale * ratio(*freedom, self.request.rule))?;
-                largest_tolerance(*law, own.map_or(share, |own| own.min(share)), self.request.model)
+            Entry::Free(free) => {
+                let share = length_of(free.law, scale * ratio(free.freedom, self.request.rule))?;
+                largest_tolerance(free, own.map_or(share, |own| own.min(share)), self.request.model)
             }
         };
         entries.map(at).collect()
@@ -356,8 +372,8 @@ impl<'a> Scaled<'a> {
     fn all_at_own_limits(&self) -> Result<Option<Allocated>, BudgetError> {
         let mut scale: f64 = 0.0;
         for (entry, own) in self.request.entries.iter().zip(&self.own) {
-            let Entry::Free(_, freedom) = entry else { continue };
-            let (Some(own), ratio) = (own, ratio(*freedom, self.request.rule)) else { return Ok(None) };
+            let Entry::Free(free) = entry else { continue };
+            let (Some(own), ratio) = (own, ratio(free.freedom, self.request.rule)) else { return Ok(None) };
             if ratio > 0.0 {
                 // beyond where the limit stops it
                 scale = scale.max(2.0 * own.mm() / ratio);
@@ -369,7 +385,7 @@ impl<'a> Scaled<'a> {
     /// Whether every free error with a weight gets a tolerance.
     fn gives_something(&self, errors: &[PartError]) -> bool {
         self.request.entries.iter().zip(errors).all(|(entry, error)| match entry {
-            Entry::Free(_, freedom) => ratio(*freedom, self.request.rule) == 0.0 || !error.value().is_zero(),
+            Entry::Free(free) => ratio(free.freedom, self.request.rule) == 0.0 || !error.value().is_zero(),
             Entry::Fixed(_) => true,
         })
     }
@@ -381,10 +397,10 @@ impl<'a> Scaled<'a> {
         conforms: Conforms<'_>,
     ) -> Result<Vec<PartError>, BudgetError> {
         for index in 0..errors.len() {
-            let Entry::Free(law, _) = self.request.entries[index] else { continue };
+            let Entry::Free(free) = self.request.entries[index] else { continue };
             let share = magnitude(&errors[index], self.request.model)?;
             let rounded = Length::from_fm((share.fm() + ROUNDED_FM - 1) / ROUNDED_FM * ROUNDED_FM);
-            let longer = std::mem::replace(&mut errors[index], largest_tolerance(law, rounded, self.request.model)?);
+            let longer = std::mem::replace(&mut errors[index], largest_tolerance(&free, rounded, self.request.model)?);
             let is_inside = conforms(&errors) == Ok(true) && within_own_limit(self.request, &errors[index]) == Ok(true);
             if !is_inside {
                 errors[index] = longer;
@@ -395,8 +411,8 @@ impl<'a> Scaled<'a> {
 
     /// Whether an entry would have more at this scale if it had no limit of its own.
     fn is_at_own_limit(&self, index: usize, scale: f64) -> bool {
-        let Entry::Free(_, freedom) = self.request.entries[index] else { return false };
-        let share = scale * ratio(freedom, self.request.rule);
+        let Entry::Free(free) = self.request.entries[index] else { return false };
+        let share = scale * ratio(free.freedom, self.request.rule);
         self.own[index].is_some_and(|own| share > own.mm() * (1.0 + OWN_LIMIT_NEAR))
     }
 }
@@ -409,11 +425,11 @@ fn length_of(law: Law, mm: f64) -> Result<Length, BudgetError> {
 }
 
 /// The ΔCD up to which an error stays inside its own limit; `None` if it has none or is not stopped by it.
-fn own_share(law: Law, request: &Request) -> Result<Option<Length>, BudgetError> {
-    if !request.own_limits.iter().any(|(kind, _)| *kind == law.kind()) {
+fn own_share(free: &Free, request: &Request) -> Result<Option<Length>, BudgetError> {
+    if !request.own_limits.iter().any(|(kind, _)| *kind == free.law.kind()) {
         return Ok(None);
     }
-    let at = |scale: f64| Ok(vec![largest_tolerance(law, length_of(law, scale)?, request.model)?]);
+    let at = |scale: f64| Ok(vec![largest_tolerance(free, length_of(free.law, scale)?, request.model)?]);
     match simulation::largest_scale(at, |errors| within_own_limit(request, &errors[0])) {
         Ok(largest) => Ok(Some(magnitude(&largest.errors[0], request.model)?)),
         Err(BudgetError::Unbounded) => Ok(None),
@@ -449,7 +465,7 @@ fn breaking(scaled: &Scaled<'_>, conforms: Conforms<'_>) -> Result<Vec<ErrorKind
     fixed.sort_by(|a, b| b.cmp(a));
     let mut without = Vec::new();
     for (_, index) in fixed {
-        rest[index] = nothing(rest[index].law());
+        rest[index] = rest[index].with_value(ErrorValue::zero(rest[index].kind()));
         without.push(rest[index].kind());
         if conforms(&rest) == Ok(true) {
             return Ok(without);

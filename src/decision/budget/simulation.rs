@@ -1,8 +1,9 @@
 //! Random assemblies: which fraction conforms.
 //!
 //! Each error is drawn from its distribution within plus and minus its tolerance, independently of the others. An
-//! assembly conforms if the worst case of its errors lies inside the limit, which is what `eval` judges: a drawn size or lead is
-//! that of every tooth, a drawn pitch deviation the largest of any sign on every tooth. The draws are the
+//! assembly conforms if the worst case of its errors lies inside the limit, which is what `eval` judges. Of a tolerance of each
+//! tooth a drawn size or lead is that of every tooth, a drawn pitch deviation the largest of any sign on every tooth; with another
+//! extent what is drawn has that one. The draws are the
 //! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
 //! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
@@ -107,7 +108,7 @@ impl Assembly {
 
     /// How many assemblies with these tolerances conform.
     pub(super) fn count(&self, errors: &[PartError]) -> Result<u64, Open> {
-        let drawn: Vec<_> = errors.iter().map(|error| error.with_extent(drawn_extent(error.kind()))).collect();
+        let drawn: Vec<_> = errors.iter().map(|error| error.measured().with_extent(drawn_extent(error))).collect();
         let scales = self.basis.scales(&drawn)?;
         let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &scales);
         Ok(parallel::map(parallel::cores(), self.blocks.len(), || (), count).0.into_iter().sum())
@@ -138,11 +139,12 @@ impl Assembly {
     }
 }
 
-/// A drawn error's teeth: a size or lead is that of the part, the largest pitch deviation may be on any of them.
-const fn drawn_extent(kind: ErrorKind) -> Extent {
-    match kind {
-        ErrorKind::RackPitch | ErrorKind::PinionPitch => Extent::Each,
-        _ => Extent::All,
+/// A drawn error's teeth: of each tooth, a size or lead is that of the part, the largest pitch deviation may be on any of them.
+const fn drawn_extent(tolerance: &PartError) -> Extent {
+    match (tolerance.extent(), tolerance.kind()) {
+        (Extent::Each, ErrorKind::RackPitch | ErrorKind::PinionPitch) => Extent::Each,
+        (Extent::Each, _) => Extent::All,
+        (extent, _) => extent,
     }
 }
 

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use super::simulation::Spread;
 use super::*;
 use crate::decision::{Evaluation, LimitTarget, Stack, Verdict, evaluate};
+use crate::deviation::Extent::{All, Each, One, Part, Total};
 use crate::judge::bound::{GivenGeometry, GivenPair, KnownPairs};
 use crate::quantity::Angle;
 
@@ -40,6 +41,10 @@ fn weight(number: u32) -> Freedom {
     Freedom::Weight(f64::from(number))
 }
 
+fn free(law: Law, freedom: Freedom) -> Entry {
+    Entry::Free(Free { law, freedom, extent: Extent::Each })
+}
+
 fn fixed(law: Law, value: &str) -> Entry {
     Entry::Fixed(PartError::within(law, length(value)))
 }
@@ -71,7 +76,7 @@ fn read_again(error: &PartError, factor: f64) -> PartError {
         ErrorValue::Length(_) => ErrorValue::Length(Length::from_mm(value).unwrap()),
         _ => ErrorValue::Angle(Angle::from_degrees(value).unwrap()),
     };
-    PartError::within(error.law(), value)
+    error.with_value(value)
 }
 
 /// What `eval` says of the tolerances of a budget, some of them enlarged by 1 %.
@@ -116,12 +121,8 @@ fn check(request: &Request) -> Budget {
 fn shares_stand_in_the_ratio_of_weights() {
     let [over_roller, pitch, lead, radial, _] = formulas();
     for rule in [Rule::WorstCase, Rule::Rss] {
-        let entries = vec![
-            fixed(radial, "0.01"),
-            Entry::Free(over_roller, weight(1)),
-            Entry::Free(pitch, weight(2)),
-            Entry::Free(lead, weight(1)),
-        ];
+        let entries =
+            vec![fixed(radial, "0.01"), free(over_roller, weight(1)), free(pitch, weight(2)), free(lead, weight(1))];
         let budget = check(&request(entries, "0.05", rule));
         let shares: Vec<f64> = budget.lines.iter().map(|line| line.delta_cd.mm()).collect();
         assert_eq!(shares[0], 0.01);
@@ -134,10 +135,9 @@ fn shares_stand_in_the_ratio_of_weights() {
 #[test]
 fn sizes_share_a_limit_exactly() {
     let [over_roller, _, _, radial, _] = formulas();
-    let budget =
-        check(&of_sizes(vec![fixed(radial, "0.01"), Entry::Free(over_roller, weight(3))], "0.05", Rule::WorstCase));
+    let budget = check(&of_sizes(vec![fixed(radial, "0.01"), free(over_roller, weight(3))], "0.05", Rule::WorstCase));
     assert_eq!(budget.lines[1].error.value(), ErrorValue::Length(length("0.04")));
-    let budget = check(&of_sizes(vec![fixed(over_roller, "0.05"), Entry::Free(radial, weight(7))], "0.13", Rule::Rss));
+    let budget = check(&of_sizes(vec![fixed(over_roller, "0.05"), free(radial, weight(7))], "0.13", Rule::Rss));
     assert_eq!(budget.lines[1].error.value(), ErrorValue::Length(length("0.12")));
     assert!((budget.lines[0].share - 25.0 / 169.0).abs() < 1e-12, "{:?}", budget.lines);
 }
@@ -147,7 +147,7 @@ fn costs_are_smallest_where_they_are_said_to_be() {
     let [over_roller, _, _, radial, _] = formulas();
     let cost = Freedom::Cost;
     for (rule, ratio) in [(Rule::WorstCase, 8_f64.sqrt()), (Rule::Rss, 2.0)] {
-        let entries = vec![Entry::Free(over_roller, cost(1.0)), Entry::Free(radial, cost(8.0))];
+        let entries = vec![free(over_roller, cost(1.0)), free(radial, cost(8.0))];
         let budget = check(&of_sizes(entries, "0.06", rule));
         let (a, b) = (budget.lines[0].delta_cd.mm(), budget.lines[1].delta_cd.mm());
         assert!((b / a - ratio).abs() < 1e-7);
@@ -165,7 +165,7 @@ fn costs_are_smallest_where_they_are_said_to_be() {
 fn each_end_of_the_limit_stops_what_reaches_it() {
     let [_, pitch, _, _, pinion_pitch] = formulas();
     let of = |laws: &[Law], lower: &str, upper: &str| {
-        let entries = laws.iter().map(|law| Entry::Free(*law, weight(1))).collect();
+        let entries = laws.iter().map(|law| free(*law, weight(1))).collect();
         let request = Request { limit: limit(Some(lower), Some(upper)), ..request(entries, "1", Rule::WorstCase) };
         check(&request).lines[0].delta_cd.mm()
     };
@@ -179,11 +179,49 @@ fn each_end_of_the_limit_stops_what_reaches_it() {
     assert!(alone < narrow, "{alone} {narrow}");
 }
 
+/// Tolerances of one tooth, a run, all: the bound of either sign of them is what meets the limit.
+#[test]
+fn tolerances_are_of_the_teeth_that_their_extents_say() {
+    let [over_roller, pitch, lead, radial, pinion_pitch] = formulas();
+    let of = |extents: [Extent; 5], rule| {
+        let entries = [over_roller, pitch, lead, radial, pinion_pitch].into_iter().zip(extents);
+        let entries = entries.map(|(law, extent)| Entry::Free(Free { law, freedom: weight(1), extent })).collect();
+        request(entries, "0.05", rule)
+    };
+    for extents in [[One; 5], [Part; 5], [All; 5], [All, One, All, One, Total], [Each, One, One, Part, Each]] {
+        let request = of(extents, Rule::WorstCase);
+        let budget = check(&request);
+        // what is measured later has a sign
+        for sign in [1.0, -1.0] {
+            let errors: Vec<_> = budget.lines.iter().map(|line| read_again(&line.error.measured(), sign)).collect();
+            let limits = [(LimitTarget::CenterDistance, request.limit)].to_vec();
+            let found = evaluate(&errors, &limits, Model::Exact, Stack::Range, &request.basis).unwrap();
+            assert_eq!(found.verdict, Some(Verdict::Pass), "{extents:?} {sign}");
+        }
+        check(&of(extents, Rule::Rss));
+        let few = Simulation { draws: 5_000, ..simulation(1.0, Spread::Uniform) };
+        let simulated = allocate(&of(extents, Rule::Simulation(few))).unwrap();
+        assert!(simulated.lines[0].delta_cd >= budget.lines[0].delta_cd, "{extents:?}");
+    }
+    let granted = |extents| allocate(&of(extents, Rule::WorstCase)).unwrap().lines[0].delta_cd;
+    assert!(granted([One; 5]) > granted([Each; 5]));
+}
+
+/// One pitch adds to none: no geometry is needed.
+#[test]
+fn the_pitch_of_one_tooth_needs_no_pair() {
+    let one = Free { law: formulas()[1], freedom: weight(1), extent: Extent::One };
+    let budget = check(&of_sizes(vec![Entry::Free(one)], "0.05", Rule::WorstCase));
+    assert_eq!(budget.lines[0].delta_cd, length("0.05"));
+    // a step may sink without geometry
+    assert_eq!(budget.lines[0].range.lower, length("-0.05"));
+}
+
 #[test]
 fn an_own_limit_leaves_more_to_the_others() {
     let [over_roller, _, _, radial, _] = formulas();
     for (own, at_own_limit, left) in [("0.005", true, "0.045"), ("0.025", false, "0.025"), ("1", false, "0.025")] {
-        let entries = vec![Entry::Free(over_roller, weight(1)), Entry::Free(radial, weight(1))];
+        let entries = vec![free(over_roller, weight(1)), free(radial, weight(1))];
         let mut request = of_sizes(entries, "0.05", Rule::WorstCase);
         request.own_limits = vec![(ErrorKind::PinionRadial, Limit::symmetric(length(own)))];
         let budget = check(&request);
@@ -191,12 +229,12 @@ fn an_own_limit_leaves_more_to_the_others() {
         assert_eq!(budget.lines[0].delta_cd, length(left));
     }
     // nobody takes what own limits leave over
-    let mut alone = of_sizes(vec![Entry::Free(radial, weight(1))], "0.05", Rule::WorstCase);
+    let mut alone = of_sizes(vec![free(radial, weight(1))], "0.05", Rule::WorstCase);
     alone.own_limits = vec![(ErrorKind::PinionRadial, Limit::symmetric(length("0.005")))];
     let budget = check(&alone);
     assert!(budget.lines[0].at_own_limit && budget.lines[0].delta_cd == length("0.005"));
     // of a pitch what all teeth in contact do counts
-    let entries = vec![Entry::Free(over_roller, weight(1)), Entry::Free(formulas()[1], weight(1))];
+    let entries = vec![free(over_roller, weight(1)), free(formulas()[1], weight(1))];
     let mut request = request(entries, "0.05", Rule::WorstCase);
     request.own_limits = vec![(ErrorKind::RackPitch, limit(None, Some("0.005")))];
     let budget = check(&request);
@@ -206,7 +244,7 @@ fn an_own_limit_leaves_more_to_the_others() {
 #[test]
 fn who_has_no_weight_gets_nothing() {
     let [over_roller, _, _, radial, _] = formulas();
-    let entries = vec![Entry::Free(over_roller, weight(1)), Entry::Free(radial, weight(0))];
+    let entries = vec![free(over_roller, weight(1)), free(radial, weight(0))];
     let budget = allocate(&of_sizes(entries, "0.05", Rule::WorstCase)).unwrap();
     assert_eq!([budget.lines[0].delta_cd, budget.lines[1].delta_cd], [length("0.05"), Length::ZERO]);
 }
@@ -216,7 +254,7 @@ fn a_fixed_tolerance_beyond_its_own_limit_breaks_the_budget() {
     let simulated = Rule::Simulation(simulation(0.9, Spread::Uniform));
     for rule in [Rule::WorstCase, Rule::Rss, simulated] {
         for (value, broken) in [("0.009", false), ("0.01", false), ("0.0101", true), ("-0.0101", true)] {
-            let entries = vec![fixed(Law::pinion_radial(), value), Entry::Free(Law::rack_over_roller(), weight(1))];
+            let entries = vec![fixed(Law::pinion_radial(), value), free(Law::rack_over_roller(), weight(1))];
             let mut request = of_sizes(entries, "0.05", rule);
             request.own_limits = vec![(ErrorKind::PinionRadial, Limit::symmetric(length("0.01")))];
             let budget = allocate(&request).unwrap();
@@ -231,12 +269,12 @@ fn a_fixed_tolerance_beyond_its_own_limit_breaks_the_budget() {
 fn an_infeasible_budget_names_what_breaks_it() {
     let [over_roller, pitch, _, radial, _] = formulas();
     let broken_by = |request: Request| allocate(&request).unwrap().broken_by;
-    let entries = vec![fixed(radial, "0.04"), fixed(over_roller, "-0.02"), Entry::Free(pitch, weight(1))];
+    let entries = vec![fixed(radial, "0.04"), fixed(over_roller, "-0.02"), free(pitch, weight(1))];
     assert_eq!(broken_by(request(entries, "0.05", Rule::WorstCase)), [ErrorKind::PinionRadial]);
     // exactly the limit is enough, and leaves nothing for a free one
     let exactly = vec![fixed(radial, "0.05")];
     assert_eq!(broken_by(of_sizes(exactly.clone(), "0.05", Rule::WorstCase)), []);
-    let and_free = [exactly, vec![Entry::Free(over_roller, weight(1))]].concat();
+    let and_free = [exactly, vec![free(over_roller, weight(1))]].concat();
     assert_eq!(broken_by(of_sizes(and_free, "0.05", Rule::WorstCase)), [ErrorKind::PinionRadial]);
     let two = vec![fixed(radial, "0.06"), fixed(over_roller, "0.07")];
     assert_eq!(broken_by(of_sizes(two, "0.05", Rule::Rss)), [ErrorKind::RackOverRoller, ErrorKind::PinionRadial]);
@@ -245,7 +283,7 @@ fn an_infeasible_budget_names_what_breaks_it() {
 #[test]
 fn a_limit_without_room_is_an_error() {
     let of = |lower: Option<&str>, upper: Option<&str>| {
-        let entries = vec![Entry::Free(Law::rack_over_roller(), weight(1))];
+        let entries = vec![free(Law::rack_over_roller(), weight(1))];
         let request = Request { limit: limit(lower, upper), ..of_sizes(entries, "1", Rule::WorstCase) };
         allocate(&request).map(|budget| budget.lines[0].delta_cd.mm())
     };
@@ -259,7 +297,7 @@ fn a_limit_without_room_is_an_error() {
 /// Every pitch adds up with those beside it: how many are in contact must be known.
 #[test]
 fn pitches_need_the_pair() {
-    let entries = vec![Entry::Free(formulas()[1], weight(1))];
+    let entries = vec![free(formulas()[1], weight(1))];
     let problem = allocate(&of_sizes(entries, "0.05", Rule::WorstCase)).unwrap_err();
     assert_eq!(problem, BudgetError::Open(Open::TeethInContactUnknown));
 }
@@ -268,7 +306,7 @@ fn pitches_need_the_pair() {
 #[test]
 fn a_limit_must_stop_the_tolerances_while_the_pair_meshes() {
     for rule in [Rule::WorstCase, Rule::Simulation(Simulation { draws: 1000, ..simulation(0.99, Spread::Uniform) })] {
-        let entries = vec![Entry::Free(Law::rack_over_roller(), weight(1))];
+        let entries = vec![free(Law::rack_over_roller(), weight(1))];
         assert_eq!(allocate(&request(entries, "20", rule)).unwrap_err(), BudgetError::Unbounded, "{rule:?}");
     }
 }
@@ -315,7 +353,7 @@ fn spreads_have_names() {
 fn a_single_uniform_error_conforms_up_to_its_quantile() {
     // |e| ≤ L for a fraction L/T of a uniform error: T = L / 0.95
     let settings = simulation(0.95, Spread::Uniform);
-    let entries = vec![Entry::Free(Law::rack_over_roller(), weight(1))];
+    let entries = vec![free(Law::rack_over_roller(), weight(1))];
     let budget = allocate(&of_sizes(entries, "0.0475", Rule::Simulation(settings))).unwrap();
     let simulated = budget.simulated.unwrap();
     assert!(simulated.conforming >= 0.95 && simulated.conforming < 0.9501);
@@ -329,7 +367,7 @@ fn other_distributions_conform_up_to_their_quantiles() {
     use crate::decision::statistics::{normal_cdf, normal_quantile};
     let normal = normal_quantile(0.5 + 0.475 * (2.0 * normal_cdf(3.0) - 1.0)) / 3.0;
     for (spread, quantile) in [(Spread::Triangular, 1.0 - 0.05_f64.sqrt()), (Spread::Normal, normal)] {
-        let entries = vec![Entry::Free(Law::rack_over_roller(), weight(1))];
+        let entries = vec![free(Law::rack_over_roller(), weight(1))];
         let budget = allocate(&of_sizes(entries, "0.05", Rule::Simulation(simulation(0.95, spread)))).unwrap();
         assert!((budget.lines[0].delta_cd.mm() * quantile / 0.05 - 1.0).abs() < 0.01, "{spread:?}");
     }
@@ -341,11 +379,11 @@ fn simulated_tolerances_conform_and_no_more() {
     for spread in [Spread::Uniform, Spread::Normal, Spread::Triangular] {
         let settings = Simulation { draws: 20_000, ..simulation(0.99, spread) };
         let entries = vec![
-            Entry::Free(over_roller, weight(1)),
-            Entry::Free(pitch, weight(1)),
-            Entry::Free(lead, weight(1)),
+            free(over_roller, weight(1)),
+            free(pitch, weight(1)),
+            free(lead, weight(1)),
             fixed(radial, "0.004"),
-            Entry::Free(pinion_pitch, weight(1)),
+            free(pinion_pitch, weight(1)),
         ];
         let request = request(entries, "0.05", Rule::Simulation(settings));
         let budget = allocate(&request).unwrap();
@@ -373,7 +411,7 @@ fn the_worst_case_approaches_a_simulation_in_which_all_conform() {
     for laws in [[over_roller, pitch, lead], [radial, pinion_pitch, pitch], [lead, radial, pinion_pitch]] {
         for (lower, upper) in [("-0.05", "0.05"), ("-0.03", "0.08")] {
             let of = |rule: Rule| {
-                let entries = laws.iter().map(|law| Entry::Free(*law, weight(1))).collect();
+                let entries = laws.iter().map(|law| free(*law, weight(1))).collect();
                 let request = Request { limit: limit(Some(lower), Some(upper)), ..request(entries, "1", rule) };
                 allocate(&request).unwrap().lines[0].delta_cd.mm()
             };
@@ -388,7 +426,7 @@ fn the_worst_case_approaches_a_simulation_in_which_all_conform() {
 fn an_own_limit_in_a_simulated_budget() {
     let settings = simulation(0.99, Spread::Uniform);
     let [over_roller, pitch, _, radial, _] = formulas();
-    let entries = vec![Entry::Free(over_roller, weight(1)), Entry::Free(pitch, weight(1)), fixed(radial, "0.004")];
+    let entries = vec![free(over_roller, weight(1)), free(pitch, weight(1)), fixed(radial, "0.004")];
     let mut request = request(entries, "0.05", Rule::Simulation(settings));
     request.own_limits = vec![
         (ErrorKind::RackPitch, limit(None, Some("0.005"))),
@@ -405,7 +443,7 @@ fn an_own_limit_in_a_simulated_budget() {
 fn an_infeasible_simulation_names_what_breaks_it() {
     let settings = simulation(0.99, Spread::Uniform);
     let [over_roller, pitch, _, radial, _] = formulas();
-    let entries = vec![fixed(radial, "0.004"), fixed(over_roller, "0.09"), Entry::Free(pitch, weight(1))];
+    let entries = vec![fixed(radial, "0.004"), fixed(over_roller, "0.09"), free(pitch, weight(1))];
     let budget = allocate(&request(entries, "0.05", Rule::Simulation(settings))).unwrap();
     assert_eq!(budget.broken_by, [ErrorKind::RackOverRoller]);
     let entries = vec![fixed(radial, "0.2"), fixed(over_roller, "0.9")];
@@ -435,10 +473,10 @@ proptest! {
                 // few and small enough to be feasible whatever adds up
                 let share = Length::from_mm(upper * lower.min(1.0) * 0.03 * shares[index]).unwrap();
                 let freedom = f64::from(weights[index]);
-                match largest_tolerance(law, share, Model::Exact).unwrap() {
+                match largest_tolerance(&Free { law, freedom: weight(1), extent: Extent::Each }, share, Model::Exact).unwrap() {
                     error if is_fixed[index] => Entry::Fixed(error),
-                    _ if by_cost => Entry::Free(law, Freedom::Cost(freedom)),
-                    _ => Entry::Free(law, Freedom::Weight(freedom)),
+                    _ if by_cost => free(law, Freedom::Cost(freedom)),
+                    _ => free(law, Freedom::Weight(freedom)),
                 }
             })
             .collect();

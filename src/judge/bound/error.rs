@@ -13,6 +13,8 @@ use crate::trig;
 pub struct ExtendedError {
     pub(in crate::judge) effect: Effect,
     pub(super) extent: Extent,
+    /// Whether its sign is not known: it is any from minus to plus the value, wherever it is.
+    pub(in crate::judge) either_sign: bool,
 }
 
 /// What an error does, in mm and rad.
@@ -84,7 +86,8 @@ const LONGEST: f64 = 1e6;
 
 impl ExtendedError {
     /// An error of nothing, for lists of a fixed length.
-    pub(crate) const NONE: Self = Self { effect: Effect::Size { part: Part::Rack, value: 0.0 }, extent: Extent::All };
+    pub(crate) const NONE: Self =
+        Self { effect: Effect::Size { part: Part::Rack, value: 0.0 }, extent: Extent::All, either_sign: false };
 
     /// An error of a kind with a [`Law`]. Signed if it is measured; of a tolerance
     /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
@@ -123,15 +126,16 @@ impl ExtendedError {
             }
             _ => return Err(ErrorInputError::WrongDimension),
         };
-        Self { effect, extent }.checked()
+        Self { effect, extent, either_sign: false }.checked()
     }
 
-    /// The error of a part.
+    /// The error of a part; the sign of a tolerance is not known.
     ///
     /// # Errors
     /// [`ErrorInputError`] as [`ExtendedError::new`].
     pub fn of(error: &PartError) -> Result<Self, ErrorInputError> {
         let extended = Self::new(error.law(), error.value(), error.extent())?;
+        let extended = if error.is_tolerance() { extended.of_either_sign() } else { extended };
         Ok(error.total().map_or(extended, |total| extended.within_total(total.mm())))
     }
 
@@ -151,6 +155,16 @@ impl ExtendedError {
             Effect::Size { .. } => {}
         }
         self
+    }
+
+    /// The same error if its sign is not known; of each tooth, and in total, it never is.
+    pub(in crate::judge) fn of_either_sign(self) -> Self {
+        Self { either_sign: matches!(self.extent, Extent::One | Extent::Part | Extent::All), ..self }
+    }
+
+    /// An error whose sign is not known, with either of them.
+    pub(in crate::judge) fn signs(self) -> Option<[Self; 2]> {
+        self.either_sign.then(|| [1.0, -1.0].map(|sign| Self { either_sign: false, ..self.scaled(sign) }))
     }
 
     /// The same error at a share of its value.

@@ -31,6 +31,8 @@ pub(super) struct Leads {
     one_tooth: bool,
     /// The extent, where there is only one lead.
     extent: Option<Extent>,
+    /// The only lead, if its sign is not known.
+    unsigned: Option<ExtendedError>,
 }
 
 /// What leads ask for at most and give way at most, at the nodes of a table: each is computed when it is first needed, for
@@ -91,17 +93,33 @@ const CELLS: i32 = 96;
 impl Leads {
     /// No lead of a part.
     pub(super) fn none(part: Part) -> Self {
-        Self { part, values: Range { lower: 0.0, upper: 0.0 }, lines: None, one_tooth: true, extent: None }
+        Self {
+            part,
+            values: Range { lower: 0.0, upper: 0.0 },
+            lines: None,
+            one_tooth: true,
+            extent: None,
+            unsigned: None,
+        }
     }
 
-    /// With one error of the part more, if it is a lead; the rack's lines are those of the last one.
+    /// With one error of the part more; one that is no lead adds nothing, the rack's lines are those of the last one. Beside others a lead whose sign is not known counts as if every
+    /// tooth had its own.
     #[inline]
     pub(super) fn with(self, error: &ExtendedError) -> Self {
-        match error.effect {
-            Effect::RackLead { value, rack } => self.with_value(value, error.extent, Some(rack)),
-            Effect::PinionLead { value, gain } => self.with_value(gain * value, error.extent, None),
-            Effect::Size { .. } | Effect::Pitch(_) => self,
-        }
+        let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
+        let extent = if error.either_sign { Extent::Each } else { error.extent };
+        let leads = match error.effect {
+            Effect::RackLead { value, rack } => self.with_value(value, extent, Some(rack)),
+            Effect::PinionLead { value, gain } => self.with_value(gain * value, extent, None),
+            Effect::Size { .. } | Effect::Pitch(_) => return self,
+        };
+        Self { unsigned: (is_first && error.either_sign).then_some(*error), ..leads }
+    }
+
+    /// The only lead with either sign, if its sign is not known.
+    pub(super) fn signs(&self) -> Option<[Self; 2]> {
+        Some(self.unsigned?.signs()?.map(|error| Self::none(self.part).with(&error)))
     }
 
     fn with_value(mut self, value: f64, extent: Extent, lines: Option<RackLines>) -> Self {

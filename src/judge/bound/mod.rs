@@ -64,6 +64,17 @@ impl ErrorRange {
         Self::within(value, value)
     }
 
+    /// What one error or another one does, or none of them.
+    fn or(self, other: Self) -> Self {
+        Self {
+            raw_lower_mm: self.raw_lower_mm.min(other.raw_lower_mm).min(0.0),
+            lower_mm: self.lower_mm.min(other.lower_mm).min(0.0),
+            upper_mm: self.upper_mm.max(other.upper_mm).max(0.0),
+            raw_upper_mm: self.raw_upper_mm.max(other.raw_upper_mm).max(0.0),
+            in_contact: self.in_contact.max(other.in_contact),
+        }
+    }
+
     /// What it can do alone.
     #[must_use]
     pub const fn alone(self) -> Range {

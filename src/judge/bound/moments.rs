@@ -1,6 +1,7 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
 use super::error::{Effect, PitchEffect};
+use super::sum::range_of;
 use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, Open};
 use crate::deviation::Part;
 
@@ -18,6 +19,16 @@ pub struct Moments {
 const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
 const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 
+impl Moments {
+    /// Of a tolerance, of whose two ends these are the moments: what it does grows in proportion to it, either way.
+    fn or(self, other: Self) -> Self {
+        let mean_mm = FOLDED_MEAN * 0.5 * (self.mean_mm + other.mean_mm);
+        let square = |of: Self| of.mean_mm * of.mean_mm + of.deviation_mm * of.deviation_mm;
+        let variance = 0.5 * (square(self) + square(other)) / 9.0 - mean_mm * mean_mm;
+        Self { mean_mm, deviation_mm: variance.max(0.0).sqrt() }
+    }
+}
+
 /// Mean and spread of one error at any one stroke, which does this range alone. A tolerance is 3σ of a normal distribution.
 /// A measured size or lead acts with its value; a measured step acts during its share of the stroke, or always if the
 /// geometry is not known.
@@ -25,6 +36,10 @@ const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 /// # Errors
 /// [`Open`] if it follows from a range that there is not.
 pub fn moments(error: &ExtendedError, range: Result<ErrorRange, Open>, knowledge: &Knowledge) -> Result<Moments, Open> {
+    if let Some([one, other]) = error.signs() {
+        let of = |error: &ExtendedError| moments(error, range_of(error, knowledge), knowledge);
+        return Ok(of(&one)?.or(of(&other)?));
+    }
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
     let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
     Ok(match (error.effect, error.extent) {

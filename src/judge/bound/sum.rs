@@ -56,6 +56,9 @@ pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
 
 /// What one error can do alone.
 pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+    if let Some([one, other]) = error.signs() {
+        return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
+    }
     let range = match error.effect {
         Effect::Size { part, value } => size(part, value, error.extent, knowledge),
         Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
@@ -124,6 +127,9 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
 }
 
 fn leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
+    if let Some([one, other]) = leads.signs() {
+        return self::leads(&one, knowledge).or(self::leads(&other, knowledge));
+    }
     match known(knowledge) {
         Some(known) => leads.of_pair(known),
         None => leads.of_any_pair(leads.lines().map_or(0.0, |lines| assumed_height(lines, knowledge))),

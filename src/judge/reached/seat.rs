@@ -107,6 +107,9 @@ fn balance(errors: &[ExtendedError], error: &ExtendedError) -> Vec<f64> {
 
 /// The places of an error, or of its flank sides.
 fn choices(error: &ExtendedError, leads: &[f64], places: &Places) -> Vec<Vec<Vec<Run>>> {
+    if let Some(signs) = error.signs() {
+        return vec![signs.iter().flat_map(|error| choices(error, leads, places)).flatten().collect()];
+    }
     match error.effect {
         Effect::Size { value, .. } => vec![places.of_teeth(value, error.extent())],
         Effect::Pitch(pitch) => places.of_pitch(&pitch, error.extent()),

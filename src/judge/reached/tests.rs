@@ -54,6 +54,19 @@ fn one_step_lifts_once() {
     assert!(runs.len() == 1 && runs[0].first == runs[0].last && runs[0].value == 0.012, "{runs:?}");
 }
 
+/// A tolerance is put on with either sign.
+#[test]
+fn a_tolerance_reaches_what_either_sign_does() {
+    let pair = reproduction::pair().unwrap();
+    for (kind, extent) in [(0, Extent::All), (0, Extent::One), (1, Extent::All), (3, Extent::Part)] {
+        let of_sign = |sign: f64| of(pair, &[error(&pair, kind, extent, sign * 0.012)]);
+        let (found, one, other) =
+            (of(pair, &[error(&pair, kind, extent, 0.012).of_either_sign()]), of_sign(1.0), of_sign(-1.0));
+        near(found.lower_mm, one.lower_mm.min(other.lower_mm));
+        near(found.upper_mm, one.upper_mm.max(other.upper_mm));
+    }
+}
+
 /// Spaces that are higher: all of them, one of them, each of them either way.
 #[test]
 fn a_size_acts_as_its_extent_says() {
@@ -90,7 +103,10 @@ fn check(seed: u64) -> Option<Vec<String>> {
     let plain = GivenPair::plain(pair);
     let given = if random.chance(0.1) { random::with_form(&mut random, plain) } else { plain };
     let count = 1 + random.below(3);
-    let errors: Vec<ExtendedError> = (0..count).map(|_| random::error(&mut random, &pair).error).collect();
+    let mut errors: Vec<ExtendedError> = (0..count).map(|_| random::error(&mut random, &pair).error).collect();
+    if random.chance(0.25) {
+        errors = errors.into_iter().map(ExtendedError::of_either_sign).collect();
+    }
     let basis = Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..Basis::default() };
     let range = basis.together(&errors).total.ok()?;
     let found = match reached(&errors, &given) {

@@ -1,6 +1,6 @@
 //! Closed forms: the paper's pair, spur gears, sums.
 
-use super::random::drawn;
+use super::random::{self, Random, drawn};
 use crate::deviation::ErrorKind;
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
@@ -34,6 +34,52 @@ fn error(pair: &Pair, kind: u32, extent: Extent, value: f64) -> ExtendedError {
 
 fn near(value: f64, expected: f64) {
     assert!((value - expected).abs() < 1e-9, "{value} {expected}");
+}
+
+/// Whatever sign and share of its tolerance an error has, it stays inside the range of the tolerance.
+#[test]
+fn tolerances_hold_errors_of_either_sign() {
+    let mut random = Random(0x746f_6c65);
+    let mut held = 0;
+    for _ in 0..200 {
+        let pair = random::pair(&mut random);
+        let errors: Vec<_> = (0..3).map(|_| random::error(&mut random, &pair).error).collect();
+        let tolerances: Vec<_> = errors.iter().copied().map(ExtendedError::of_either_sign).collect();
+        let pairs = KnownPairs::new(GivenPair::plain(pair));
+        let Ok(known) = pairs.for_errors(&tolerances, None) else { continue };
+        let known = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
+        for knowledge in [known, Knowledge::default(), Knowledge { rolls: true, ..Knowledge::default() }] {
+            let Ok(outer) = bound(&tolerances, &knowledge).total else { continue };
+            for _ in 0..8 {
+                let some: Vec<_> = errors.iter().map(|error| error.scaled(random.range(-1.0, 1.0))).collect();
+                let Range { lower, upper } = bound(&some, &knowledge).total.unwrap();
+                assert!(
+                    lower >= outer.lower - 1e-9 && upper <= outer.upper + 1e-9,
+                    "{some:?} {lower} {upper} {outer:?}"
+                );
+                held += 1;
+            }
+        }
+    }
+    assert!(held > 2_000, "{held}");
+}
+
+/// Of a size either way the mean is nothing; what a step does that carries for a share of the stroke, it does for that share.
+#[test]
+fn the_spread_of_a_tolerance_is_that_of_both_signs() {
+    let pair = reproduction::pair().unwrap();
+    let of = |kind, extent| {
+        let (error, knowledge) = (error(&pair, kind, extent, 0.03).of_either_sign(), Knowledge::default());
+        moments(&error, bound(&[error], &knowledge).errors[0], &knowledge).unwrap()
+    };
+    let size = of(0, Extent::All);
+    near(size.mean_mm, 0.0);
+    near(size.deviation_mm, 0.01);
+    // without geometry a step is taken to carry always: a folded normal
+    let gain = 0.03 / (2.0 * trig::tan(19.9 * DEGREE));
+    let step = of(1, Extent::One);
+    near(step.mean_mm, gain * (2.0 / std::f64::consts::PI).sqrt() / 3.0);
+    near(step.deviation_mm, gain * (1.0 - 2.0 / std::f64::consts::PI).sqrt() / 3.0);
 }
 
 /// z = 20, straight teeth, α_n = 20°, short rack teeth: at times one tooth carries alone.
