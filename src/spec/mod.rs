@@ -29,6 +29,7 @@ mod simulation;
 mod template;
 mod uncertainty;
 
+pub use basis::GEOMETRY_KEYS;
 pub use batch::{BatchColumn, BatchSection, Reading};
 pub use budget::{BudgetSection, WrittenTolerance};
 pub use class::ToleranceSection;
