@@ -5,14 +5,17 @@ use clap::Subcommand;
 use super::eval::ModelArg;
 use super::explain::for_screen;
 use super::output::{Failure, Output, Status};
-use crate::deviation::ErrorValue;
+use crate::decision::Interval;
 use crate::deviation::plausible::{self, Doubt, Written};
+use crate::deviation::{ErrorValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{CATALOGUE, FormulaPage, Law, Model, ideal_pin, roller_change};
+use crate::formula::{CATALOGUE, FormulaPage, Law, Model, PartError, ideal_pin, roller_change};
+use crate::judge::bound::{Basis, ErrorInputError};
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
-use crate::report::{Calculation, Format, ResultUnit};
+use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks};
+use crate::spec::GEOMETRY_KEYS;
 
 pub(super) const ABOUT: &str = "Compute one formula: prints just the number and its unit";
 
@@ -22,6 +25,7 @@ pub(super) const ABOUT: &str = "Compute one formula: prints just the number and 
 Examples:
   rackmesh calc over-roller --measured 25.0131 --nominal 25
   rackmesh calc pitch 20um --pressure-angle 20 --helix-angle 12 --explain
+  rackmesh calc radial -4um --extent all
   rackmesh calc lead --inverse 50um --face-width 19.7 --pressure-angle 19.9
   rackmesh calc over-pin --normal-module 2 --pressure-angle 20 --pin 4 --datum 22")]
 pub(super) struct Args {
@@ -106,6 +110,9 @@ struct Given {
           conflicts_with_all = ["measured", "nominal"])]
     #[expect(clippy::option_option, reason = "tells an absent flag, the bare flag, and the flag with a value apart")]
     inverse: Option<Option<String>>,
+    /// On which teeth the error is: adds what it can do wherever it is. Unless given, that of a measured error in a spec.
+    #[arg(long, value_enum, conflicts_with = "inverse")]
+    extent: Option<Extent>,
 }
 
 #[derive(Debug, clap::Args)]
@@ -299,10 +306,10 @@ impl Common {
         known.ok_or_else(|| usage(format!("the result is {dimension}, and `{unit}` is none of its units: {names}")))
     }
 
-    /// Prints a result: its line, its explanation, or a report.
-    fn print(&self, output: &mut Output, mut calculation: Calculation) -> Result<Status, Failure> {
-        calculation.unit = self.unit(calculation.unit)?;
-        calculation.decimals = self.decimals.map(usize::from);
+    /// Prints a result: its line, its explanation, or a report; what it returns has the unit and decimals that are printed.
+    fn print(&self, output: &mut Output, calculation: Calculation) -> Result<Calculation, Failure> {
+        let unit = self.unit(calculation.unit)?;
+        let calculation = Calculation { unit, decimals: self.decimals.map(usize::from), ..calculation };
         if let Some(format) = self.format {
             output.report(&calculation, format)?;
         } else if self.explain {
@@ -314,7 +321,22 @@ impl Common {
                 output.remark(&remark);
             }
         }
-        Ok(Status::Pass)
+        Ok(calculation)
+    }
+
+    /// Prints ΔCD of an error, or the error, and what the error can do if it is asked on which teeth it is.
+    fn print_error(&self, output: &mut Output, given: &Given, calculation: Calculation) -> Result<Status, Failure> {
+        let printed = self.print(output, calculation)?;
+        if given.extent.is_none() {
+            return Ok(Status::Pass);
+        }
+        if self.format.is_none() {
+            for remark in printed.worst_case_remark().iter().chain(&printed.notes) {
+                output.remark(remark);
+            }
+        }
+        let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());
+        Ok(if is_open { Status::Undecided } else { Status::Pass })
     }
 }
 
@@ -336,25 +358,33 @@ impl Args {
     }
 }
 
-/// Says what is suspicious about an argument, and refuses what is impossible.
-fn sensible(output: &mut Output, name: &str, doubt: Option<Doubt>) -> Result<(), Failure> {
-    let Some(doubt) = doubt else { return Ok(()) };
+/// Says what is suspicious about an argument, and refuses what is impossible. What was said goes with the result.
+fn sensible(output: &mut Output, name: &str, doubt: Option<Doubt>) -> Result<Option<String>, Failure> {
+    let Some(doubt) = doubt else { return Ok(None) };
     let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(Written::Argument));
     if doubt.is_impossible {
         return Err(Diagnostic::error(Code::Implausible, message).help(help).into());
     }
-    output.diagnostic(&Diagnostic::warning(Code::Implausible, message).help(help));
-    Ok(())
+    let warning = Diagnostic::warning(Code::Implausible, message).help(help);
+    output.diagnostic(&warning);
+    Ok(Some(warning.sentence()))
 }
 
-fn sensible_angles(output: &mut Output, pressure_angle: Angle, helix_angle: Angle) -> Result<(), Failure> {
-    sensible(output, "--pressure-angle", plausible::pressure_angle(pressure_angle))?;
-    sensible(output, "--helix-angle", plausible::helix_angle(helix_angle))
+fn sensible_angles(output: &mut Output, pressure_angle: Angle, helix_angle: Angle) -> Result<Vec<String>, Failure> {
+    let pressure_angle = sensible(output, "--pressure-angle", plausible::pressure_angle(pressure_angle))?;
+    let helix_angle = sensible(output, "--helix-angle", plausible::helix_angle(helix_angle))?;
+    Ok(pressure_angle.into_iter().chain(helix_angle).collect())
+}
+
+fn sensible_pair(output: &mut Output, pressure_angle: Angle, normal_module: Length) -> Result<Vec<String>, Failure> {
+    let pressure_angle = sensible(output, "--pressure-angle", plausible::pressure_angle(pressure_angle))?;
+    let normal_module = sensible(output, "--normal-module", plausible::normal_module(normal_module))?;
+    Ok(pressure_angle.into_iter().chain(normal_module).collect())
 }
 
 /// Says what is suspicious about the error that is asked about; what the law has no value for, the law refuses.
-fn sensible_error(output: &mut Output, law: Law, given: &Given, asked: &Asked) -> Result<(), Failure> {
-    let Asked::DeltaCd(error) = asked else { return Ok(()) };
+fn sensible_error(output: &mut Output, law: Law, given: &Given, asked: &Asked) -> Result<Option<String>, Failure> {
+    let Asked::DeltaCd(error) = asked else { return Ok(None) };
     by_law(law, asked, Model::Exact).map_err(|error| refused(&error))?;
     let doubt = plausible::deviation(*error, None);
     let doubt = if given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
@@ -365,7 +395,42 @@ fn sensible_error(output: &mut Output, law: Law, given: &Given, asked: &Asked) -
 fn calculation(formula: &'static FormulaPage, result: impl Into<ErrorValue>) -> Calculation {
     let result = result.into();
     let unit = base_unit(result);
-    Calculation { formula, result, model: None, other: None, unit, decimals: None, is_bound: false }
+    Calculation {
+        formula,
+        result,
+        model: None,
+        other: None,
+        unit,
+        decimals: None,
+        is_bound: false,
+        worst_case: None,
+        notes: Vec::new(),
+    }
+}
+
+/// The same with what the error can do, if ΔCD of one is asked, and what that rests on; nothing more is known of the pair.
+fn with_worst_case(calculation: Calculation, law: Law, given: &Given, asked: &Asked) -> Result<Calculation, Failure> {
+    let Asked::DeltaCd(error) = asked else { return Ok(calculation) };
+    let kind = law.kind();
+    let extent = given.extent.unwrap_or(kind.usual_extent());
+    if !extent.fits(kind.unit()) {
+        return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
+    }
+    let bound = Basis::default().bound_of(&[PartError::new(law, *error).with_extent(extent)]);
+    let range = Interval::of(bound.total).map_err(|problem| refused(&problem.into()))?;
+    let notes = [bound_remarks(&bound.notes, &missing_geometry(law)), calculation.notes].concat();
+    Ok(Calculation { worst_case: Some(WorstCase { kind, extent, range }), notes, ..calculation })
+}
+
+/// The keys of the pair's geometry that a formula does not take.
+fn missing_geometry(law: Law) -> Vec<&'static str> {
+    let geometry = law.geometry();
+    let is_given = |key: &str| match key {
+        "pair.normal_pressure_angle" => geometry.is_some(),
+        "rack.face_width" => geometry.is_some_and(|geometry| geometry.face_width.is_some()),
+        _ => false,
+    };
+    GEOMETRY_KEYS.into_iter().filter(|key| !is_given(key)).collect()
 }
 
 /// What a law gives for what is asked.
@@ -383,24 +448,26 @@ fn by_law(law: Law, asked: &Asked, model: Model) -> Result<ErrorValue, DomainErr
 fn signed(args: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
     let asked = args.given.asked::<Length>()?;
     let result = by_law(law, &asked, Model::Exact).map_err(|error| refused(&error))?;
-    sensible_error(output, law, &args.given, &asked)?;
-    args.common.print(output, Calculation { is_bound: asked.is_bound(), ..calculation(law.page(), result) })
+    let notes = sensible_error(output, law, &args.given, &asked)?.into_iter().collect();
+    let calculation = Calculation { is_bound: asked.is_bound(), notes, ..calculation(law.page(), result) };
+    args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
 }
 
 fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Result<Status, Failure> {
     let (law, asked) = (law.map_err(|error| refused(&error))?, args.given.asked::<Length>()?);
-    sensible_angles(output, args.pressure_angle, args.helix_angle)?;
-    sensible_error(output, law, &args.given, &asked)?;
-    by_models(output, &args.common, law, &asked, args.model.into())
+    let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
+    notes.extend(sensible_error(output, law, &args.given, &asked)?);
+    let calculation = Calculation { notes, ..by_models(law, &asked, args.model.into())? };
+    args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
 }
 
 /// The chosen model's value and the other's.
-fn by_models(output: &mut Output, common: &Common, law: Law, asked: &Asked, model: Model) -> Result<Status, Failure> {
+fn by_models(law: Law, asked: &Asked, model: Model) -> Result<Calculation, Failure> {
     let result = by_law(law, asked, model).map_err(|error| refused(&error))?;
     // the other model may have no value where the chosen one has
     let other = Some(by_law(law, asked, model.other()).unwrap_or(result));
     let (is_bound, unit) = (asked.is_bound(), asked.unit(result));
-    common.print(output, Calculation { model: Some(model), other, is_bound, unit, ..calculation(law.page(), result) })
+    Ok(Calculation { model: Some(model), other, is_bound, unit, ..calculation(law.page(), result) })
 }
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
@@ -413,10 +480,11 @@ fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
     };
     let law =
         Law::rack_lead(args.pressure_angle, args.helix_angle, args.face_width).map_err(|error| refused(&error))?;
-    sensible_angles(output, args.pressure_angle, args.helix_angle)?;
-    sensible(output, "--face-width", plausible::face_width(args.face_width, None))?;
-    sensible_error(output, law, &args.given, &asked)?;
-    by_models(output, &args.common, law, &asked, args.model.into())
+    let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
+    notes.extend(sensible(output, "--face-width", plausible::face_width(args.face_width, None))?);
+    notes.extend(sensible_error(output, law, &args.given, &asked)?);
+    let calculation = Calculation { notes, ..by_models(law, &asked, args.model.into())? };
+    args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
 }
 
 /// The page of a formula that is no law.
@@ -427,9 +495,9 @@ fn page(name: &str) -> &'static FormulaPage {
 fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {
     let diameter = ideal_pin::diameter(args.normal_module, args.pressure_angle, args.tooth_thickness);
     let diameter = diameter.map_err(|error| refused(&error))?;
-    sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
-    sensible(output, "--normal-module", plausible::normal_module(args.normal_module))?;
-    args.common.print(output, calculation(page("ideal-pin"), diameter))
+    let notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
+    args.common.print(output, Calculation { notes, ..calculation(page("ideal-pin"), diameter) })?;
+    Ok(Status::Pass)
 }
 
 fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> {
@@ -441,14 +509,16 @@ fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> 
         datum: args.datum,
     };
     let measure = over_pin.measure().map_err(|error| refused(&error))?;
-    sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
-    sensible(output, "--normal-module", plausible::normal_module(args.normal_module))?;
-    args.common.print(output, calculation(page("over-pin"), measure))
+    let notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
+    args.common.print(output, Calculation { notes, ..calculation(page("over-pin"), measure) })?;
+    Ok(Status::Pass)
 }
 
 fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status, Failure> {
     let difference = roller_change::difference(args.from, args.to, args.pressure_angle);
     let difference = difference.map_err(|error| refused(&error))?;
-    sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
-    args.common.print(output, calculation(page("roller-change"), difference))
+    let doubt = sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
+    let notes = doubt.into_iter().collect();
+    args.common.print(output, Calculation { notes, ..calculation(page("roller-change"), difference) })?;
+    Ok(Status::Pass)
 }

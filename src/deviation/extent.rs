@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 /// On which teeth an error is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Extent {
     /// One space, one step between teeth, or one tooth; which one is not known.
     One,

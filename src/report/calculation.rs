@@ -2,11 +2,14 @@
 
 use serde_json::{Value, json};
 
+use super::evaluation::interval_json;
 use super::number::{plain, plain_padded, truncated};
 use super::{Block, Column, Report, Table};
-use crate::deviation::ErrorValue;
+use crate::decision::Interval;
+use crate::deviation::{ErrorKind, ErrorValue, Extent};
 use crate::formula::{FormulaPage, Model};
-use crate::quantity::{AngleUnit, LengthUnit};
+use crate::judge::bound::Open;
+use crate::quantity::{AngleUnit, Length, LengthUnit};
 
 /// One formula evaluated once.
 #[derive(Debug, Clone)]
@@ -25,6 +28,28 @@ pub struct Calculation {
     pub decimals: Option<usize>,
     /// Whether the result is the largest value allowed, so that it must not be rounded up.
     pub is_bound: bool,
+    /// What the error can do, of ΔCD of an error.
+    pub worst_case: Option<WorstCase>,
+    /// Remarks on the result's validity.
+    pub notes: Vec<String>,
+}
+
+/// What an error can do wherever it is, of a pair of which nothing is known but what its formula needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WorstCase {
+    /// The kind of error.
+    pub kind: ErrorKind,
+    /// On which teeth it is.
+    pub extent: Extent,
+    /// The lowest and the highest ΔCD.
+    pub range: Result<Interval, Open>,
+}
+
+impl WorstCase {
+    /// Its extent in words.
+    fn on(&self) -> String {
+        self.extent.words(self.kind.unit(), None)
+    }
 }
 
 /// The unit of a result, in the spelling in which it was asked for.
@@ -62,6 +87,27 @@ impl Calculation {
             None => plain_padded(number, 6),
         };
         format!("{text} {}", self.unit_name())
+    }
+
+    /// Both ends in the unit of the result, or one where they are the same.
+    fn range_text(&self, Interval { lower, upper }: Interval) -> String {
+        let end = |end: Length| {
+            let text = self.value_text(end.into());
+            if end > Length::ZERO { format!("+{text}") } else { text }
+        };
+        let unit = format!(" {}", self.unit_name());
+        if lower == upper { end(upper) } else { format!("{} … {}", end(lower).trim_end_matches(&unit), end(upper)) }
+    }
+
+    /// What the error can do and on which teeth; `None` if no error is asked about.
+    #[must_use]
+    pub fn worst_case_remark(&self) -> Option<String> {
+        let worst_case = self.worst_case?;
+        let on = worst_case.on();
+        Some(match worst_case.range {
+            Ok(range) => format!("worst case: {} ({on})", self.range_text(range)),
+            Err(open) => format!("worst case: open ({on}): {open}"),
+        })
     }
 
     /// The number and its unit.
@@ -121,18 +167,29 @@ impl Report for Calculation {
         if let (Some(model), Some(other)) = (self.model, self.other) {
             json[format!("{}_{key}", model.other())] = base_value(other).1.into();
         }
+        if let Some(worst_case) = self.worst_case {
+            json["extent"] = worst_case.extent.name().into();
+            json["range_mm"] = worst_case.range.ok().map(interval_json).into();
+        }
+        json["notes"] = self.notes.clone().into();
         json
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
         let (key, base) = base_value(self.result);
         let model = self.model.map(Model::name).unwrap_or_default();
-        vec![
-            ["formula", "model", key, "value", "unit"].map(str::to_owned).into(),
-            [self.formula.name, model, &plain(base), &plain(self.number(self.result)), self.unit_name()]
-                .map(str::to_owned)
-                .into(),
-        ]
+        let mut header = ["formula", "model", key, "value", "unit"].map(str::to_owned).to_vec();
+        let mut row = [self.formula.name, model, &plain(base), &plain(self.number(self.result)), self.unit_name()]
+            .map(str::to_owned)
+            .to_vec();
+        if let Some(worst_case) = self.worst_case {
+            let end = |end: fn(Interval) -> Length| worst_case.range.map(|range| plain(end(range).mm()));
+            let ends = [end(|range| range.lower), end(|range| range.upper)].map(Result::unwrap_or_default);
+            header.extend(["extent", "lower_mm", "upper_mm"].map(str::to_owned));
+            row.push(worst_case.extent.name().to_owned());
+            row.extend(ends);
+        }
+        vec![header, row]
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -144,10 +201,19 @@ impl Report for Calculation {
             let equation = self.formula.equation(model.unwrap_or_default()).to_owned();
             vec![equation, model.map_or("-", Model::name).to_owned(), self.value_text(value)]
         });
-        vec![Block::Table(Table {
+        let mut blocks = vec![Block::Table(Table {
             rows: rows.collect(),
             columns: vec![Column::text("formula"), Column::text("model"), Column::number("value")],
-        })]
+        })];
+        blocks.extend(self.worst_case.map(|worst_case| {
+            let range = worst_case.range.map_or_else(|_| "open".to_owned(), |range| self.range_text(range));
+            Block::Table(Table {
+                rows: vec![vec![range, worst_case.on()]],
+                columns: vec![Column::number("worst case"), Column::text("on")],
+            })
+        }));
+        blocks.extend(self.notes.iter().cloned().map(Block::Note));
+        blocks
     }
 }
 
@@ -180,6 +246,8 @@ mod tests {
                     unit: ResultUnit::Length(unit, unit.symbol().to_owned()),
                     decimals,
                     is_bound: true,
+                    worst_case: None,
+                    notes: Vec::new(),
                 };
                 let printed: Length = quantity(&calculation.line());
                 let reached = law.delta_cd(lead_slope(printed, over).expect("a length"), model).expect("in its domain");

@@ -40,7 +40,7 @@ pub mod xlsx;
 #[cfg(feature = "batch")]
 pub use batch::{Basis, BatchReport};
 pub use budget::BudgetReport;
-pub use calculation::{Calculation, ResultUnit};
+pub use calculation::{Calculation, ResultUnit, WorstCase};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
 pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};

@@ -8,6 +8,17 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth};
 use crate::quantity::Length;
 
+/// The keys of a pair's geometry, but for how its rack is held.
+pub const GEOMETRY_KEYS: [&str; 7] = [
+    "pair.normal_module",
+    "pair.normal_pressure_angle",
+    "rack.face_width",
+    "rack.addendum",
+    "pinion.teeth",
+    "pinion.tip_diameter",
+    "pinion.face_width",
+];
+
 impl Spec {
     /// What bounds rest on: the pair's geometry if the spec gives all of it, else what it states.
     ///
@@ -76,17 +87,18 @@ impl Spec {
     pub fn missing_geometry(&self) -> Vec<&'static str> {
         let (pair, rack, pinion) = (&self.pair, &self.rack, &self.pinion);
         let rolls = self.support.roll.as_ref().is_some_and(|roll| roll.value != "fixed");
-        let keys = [
-            ("pair.normal_module", pair.normal_module.is_some()),
-            ("pair.normal_pressure_angle", pair.normal_pressure_angle.is_some()),
-            ("rack.face_width", rack.face_width.is_some()),
-            ("rack.addendum", rack.addendum.is_some()),
-            ("pinion.teeth", pinion.teeth.is_some()),
-            ("pinion.tip_diameter", pinion.tip_diameter.is_some()),
-            ("pinion.face_width", pinion.face_width.is_some()),
-            ("support.roll_axis_depth", !rolls || self.support.roll_axis_depth.is_some()),
+        let given = [
+            pair.normal_module.is_some(),
+            pair.normal_pressure_angle.is_some(),
+            rack.face_width.is_some(),
+            rack.addendum.is_some(),
+            pinion.teeth.is_some(),
+            pinion.tip_diameter.is_some(),
+            pinion.face_width.is_some(),
         ];
-        keys.into_iter().filter(|(_, is_given)| !is_given).map(|(key, _)| key).collect()
+        let depth = ("support.roll_axis_depth", !rolls || self.support.roll_axis_depth.is_some());
+        let keys = GEOMETRY_KEYS.into_iter().zip(given).chain([depth]);
+        keys.filter(|(_, is_given)| !is_given).map(|(key, _)| key).collect()
     }
 
     /// The pair with all that is given of it but its errors; `None` if a key is missing.

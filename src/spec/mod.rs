@@ -30,6 +30,7 @@ mod template;
 mod uncertainty;
 mod vary;
 
+pub use basis::GEOMETRY_KEYS;
 pub use batch::{BatchColumn, BatchSection, Reading};
 pub use budget::{BudgetSection, WrittenTolerance};
 pub use class::ToleranceSection;

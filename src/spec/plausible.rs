@@ -30,11 +30,7 @@ impl Spec {
     /// The same as sentences, for the notes of a result.
     #[must_use]
     pub fn suspicions_in_words(&self) -> Vec<String> {
-        let sentence = |found: Diagnostic| match found.help {
-            Some(help) => format!("{}; {help}", found.message),
-            None => found.message,
-        };
-        self.suspicions().into_iter().map(sentence).collect()
+        self.suspicions().iter().map(Diagnostic::sentence).collect()
     }
 
     /// What in it is impossible.

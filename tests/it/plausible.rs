@@ -56,6 +56,9 @@ fn calc_warns_and_refuses() {
     let ended = run(&["calc", "pitch", "12um", "--pressure-angle", "20", "--helix-angle", "0.436"], "");
     assert_eq!(ended.code, Some(0));
     assert!(ended.stderr.contains("--helix-angle: 0.436° is small for a helix angle"), "{}", ended.stderr);
+    let ended = run(&["calc", "pin", "--normal-module", "2", "--pressure-angle", "2", "--format", "json"], "");
+    let doubt = "--pressure-angle: 2° is small for a pressure angle; check the unit and the decimal mark";
+    assert!(ended.stdout.ends_with(&format!("\"notes\": [\n    \"{doubt}\"\n  ]\n}}\n")), "{}", ended.stdout);
     let ended = run(&["calc", "pitch", "12um", "--pressure-angle", "0.349"], "");
     assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""));
     assert!(ended.stderr.contains("if that is radians, write 0.349rad"), "{}", ended.stderr);

@@ -383,6 +383,62 @@ fn a_budget_says_what_its_tolerances_reach() {
     assert_eq!(page.matches(missing).count(), 1, "{page}");
 }
 
+/// One error on its teeth: `calc` says what `eval` says of the same error where nothing else is known.
+#[test]
+fn one_error_is_on_the_teeth_that_it_is_said_to_be() {
+    let pitch = ["calc", "pitch", "12um", "--pressure-angle", "20", "--helix-angle", "12"];
+    let lead = ["calc", "lead", "0.1", "--pressure-angle", "20", "--face-width", "20"];
+    let radial = ["calc", "radial", "--measured", "8.4", "--nominal", "8.404"];
+    let gear = "[pair]\nnormal_pressure_angle = 20\n[rack]\n";
+    let specs = [
+        (&pitch[..], format!("{gear}helix_angle = 12\n[errors]\nrack_pitch = {{ value = \"12 um\"")),
+        (&lead[..], format!("{gear}face_width = 20\n[errors]\nrack_lead = {{ value = 0.1")),
+        (&radial[..], "[errors]\npinion_radial = { measured = 8.4, nominal = 8.404".to_owned()),
+    ];
+    for (arguments, spec) in &specs {
+        for extent in [None, Some("one"), Some("part"), Some("all"), Some("each"), Some("total")] {
+            let entry = extent.map_or_else(String::new, |extent| format!(", extent = \"{extent}\""));
+            let evaluated = eval(&format!("{spec}{entry} }}\n"));
+            let option = extent.map_or_else(Vec::new, |extent| vec!["--extent", extent]);
+            let ended = run(&[*arguments, &["--format", "json"], &option].concat(), "");
+            if evaluated.stdout.is_empty() {
+                assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{arguments:?} {extent:?}");
+                let why = "only a pitch has a total cumulative deviation";
+                assert!(ended.stderr.contains(why) && evaluated.stderr.contains(why), "{}", ended.stderr);
+                continue;
+            }
+            let (json, evaluated) = (ended.json(), evaluated.json());
+            let contribution = &evaluated["contributions"][0];
+            for key in ["extent", "range_mm"] {
+                assert_eq!(json[key], contribution[key], "{arguments:?} {extent:?}");
+            }
+            assert_eq!(json["notes"], evaluated["notes"], "{arguments:?} {extent:?}");
+            let is_open = contribution["range_mm"].is_null();
+            assert_eq!(ended.code, Some(if is_open { 2 } else { 0 }), "{arguments:?} {extent:?}");
+        }
+    }
+    // the number stays alone on standard output
+    let ended = run(&[&pitch[..], &["--extent", "one", "--unit", "um", "--decimals", "1"]].concat(), "");
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(0), "16.1 um\n"));
+    assert!(ended.stderr.contains("\nworst case: -16.1 … +16.1 um (one pitch)\n"), "{}", ended.stderr);
+    let ended = run(&[&pitch[..], &["--extent", "each"]].concat(), "");
+    assert_eq!(ended.code, Some(2));
+    assert!(
+        ended.stderr.contains("\nworst case: open (every pitch, any sign): errors of many pitches"),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("`pair.normal_module`, `rack.face_width`"), "{}", ended.stderr);
+    let ended = run(&["calc", "radial", "-4um", "--extent", "part", "--format", "csv"], "");
+    assert!(
+        ended.stdout.ends_with(",extent,lower_mm,upper_mm\npinion-radial,,-0.004,-0.004,mm,part,-0.004,0\n"),
+        "{}",
+        ended.stdout
+    );
+    // what is asked for is no error on any teeth
+    assert_eq!(run(&["calc", "radial", "--inverse", "4um", "--extent", "one"], "").code, Some(2));
+}
+
 /// Parts without a range are no parts that pass: the exit status, the summary and what pipelines read say so, and why.
 #[test]
 fn a_batch_without_ranges_does_not_pass() {
