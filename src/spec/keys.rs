@@ -459,7 +459,11 @@ const LENGTH_NOMINAL: Key =
     key("nominal", Kind::Length(Domain::any("nominal value", "M_nom")), "Nominal value of what was measured.");
 
 const fn column_extent(unit: deviation::Unit) -> Key {
-    key(EXTENT, Kind::Extent(unit), "On which teeth each value is. Default: as [errors] says, or as of any measured value.")
+    key(
+        EXTENT,
+        Kind::Extent(unit),
+        "On which teeth each value is. Default: as [errors] says, or as of any measured value.",
+    )
 }
 
 pub(crate) const SIZE_COLUMN: Section = Section {

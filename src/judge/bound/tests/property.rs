@@ -1,6 +1,7 @@
 //! Errors on random teeth through the exact mesh: never outside their bound.
 
 use super::random::{self, Drawn, Random};
+use crate::gear::Pair;
 use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPairs, Range, bound};
 use crate::judge::reached::placed::Placed;
 use crate::mesh::{Ending, Mesh, Sampler, Support};
@@ -61,6 +62,13 @@ fn case(random: &mut Random, rolls: bool) -> Case {
     Case { given, drawn }
 }
 
+/// Whether flanks touch within what is assumed of a pair that is not known: a quarter of the face width.
+fn is_as_high_as_assumed(pair: &Pair) -> bool {
+    let rack = pair.rack();
+    let below = pair.pinion().tip_radius_mm - pair.nominal_center_distance_mm();
+    rack.addendum_mm.max(below) < 0.24 * rack.face_width_mm
+}
+
 fn outside(range: &Range, reached: &Range) -> f64 {
     (range.lower - reached.lower).max(reached.upper - range.upper)
 }
@@ -79,7 +87,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     // errors that bring ever more teeth into play are open
     let total = of_known.total.ok()?;
     let mut wider: Vec<(&str, Bound)> = Vec::new();
-    if known.carries_lines() && known.own_mm() == (Range { lower: 0.0, upper: 0.0 }) {
+    if known.carries_lines() && is_as_high_as_assumed(&pair) && known.own_mm() == (Range { lower: 0.0, upper: 0.0 }) {
         wider.push(("unknown", with(Geometry::Unknown)));
         if known.line.has_both_flanks_of_a_pinion_tooth() && known.line.has_both_flanks_of_a_rack_tooth() {
             wider.push(("both flanks", with(Geometry::BothFlanks)));
