@@ -112,7 +112,7 @@ impl DecisionArgs {
             propagation: known.propagation,
             simulation: known.simulation,
             taken_as_exact: spec.taken_as_exact(),
-            of_teeth: spec.uncertainty_of_teeth(),
+            through_mesh: !spec.teeth_sensitivities.is_empty(),
         }))
     }
 

@@ -27,7 +27,8 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> 
     let followed = Followed::of(&input.mesh);
     let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| unsolved(&error))?;
     let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, followed.tolerance_mm)?;
-    Ok(spec.with_known_teeth(KnownTeeth { range: followed.judged(&extremes) }, sensitivities))
+    let certain = spec.certain_teeth(&tables);
+    Ok(spec.with_known_teeth(KnownTeeth { range: followed.judged(&extremes) }, sensitivities, certain))
 }
 
 fn no_strokes(error: &StrokesError) -> Failure {

@@ -6,7 +6,7 @@ use super::number::{millimetres, plain};
 use super::{Block, Column, Table};
 use crate::decision::monte_carlo::{PartSimulation, Simulation, Validation, validate};
 use crate::decision::rule::{Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
-use crate::decision::uncertainty::{FOLD, Linear, OfTeeth, Propagation};
+use crate::decision::uncertainty::{FOLD, Linear, Propagation};
 use crate::decision::{LimitCheck, Rule, Stack, Verdict};
 use crate::deviation::ErrorKind;
 
@@ -19,8 +19,8 @@ pub struct UncertaintyPart {
     pub simulation: Option<PartSimulation>,
     /// Measured errors without an uncertainty.
     pub taken_as_exact: Vec<ErrorKind>,
-    /// How that of teeth that are known one by one came into it.
-    pub of_teeth: OfTeeth,
+    /// Whether that of teeth that are known one by one is in it.
+    pub through_mesh: bool,
 }
 
 /// A length of an uncertainty in µm for people: two decimals, more for small ones.
@@ -201,16 +201,12 @@ impl UncertaintyPart {
             let names: Vec<_> = self.taken_as_exact.iter().map(|kind| kind.name()).collect();
             notes.push(format!("taken as exact, because no uncertainty is given: {}", names.join(", ")));
         }
-        match self.of_teeth {
-            OfTeeth::NoneKnown => {}
-            OfTeeth::Exact => notes.push(
-                "taken as exact, because no uncertainty is given: the teeth that are known one by one".to_owned(),
-            ),
-            OfTeeth::ThroughMesh => notes.push(
+        if self.through_mesh {
+            notes.push(
                 "what is uncertain about the teeth that are known one by one counts by the derivatives of the exact mesh \
                  at its lowest and highest ΔCD, each measured value by itself"
                     .to_owned(),
-            ),
+            );
         }
         if let Some(simulation) = &self.simulation {
             let outcome = &simulation.outcome;

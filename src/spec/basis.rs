@@ -51,10 +51,16 @@ impl Spec {
     }
 
     /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error, and
-    /// how that follows from what is uncertain: see [`Spec::teeth_sensitivities`].
+    /// how that follows from what is uncertain: see [`Spec::teeth_sensitivities`] and
+    /// [`Spec::certain_teeth`].
     #[must_use]
-    pub fn with_known_teeth(self, known_teeth: KnownTeeth, teeth_sensitivities: Vec<TeethSensitivity>) -> Self {
-        Self { known_teeth: Some(known_teeth), teeth_sensitivities, ..self }
+    pub fn with_known_teeth(
+        self,
+        known_teeth: KnownTeeth,
+        teeth_sensitivities: Vec<TeethSensitivity>,
+        teeth_taken_as_exact: Vec<ErrorKind>,
+    ) -> Self {
+        Self { known_teeth: Some(known_teeth), teeth_sensitivities, teeth_taken_as_exact, ..self }
     }
 
     /// Whether the teeth of a part are known one by one.

@@ -120,6 +120,8 @@ pub struct Spec {
     pub known_teeth: Option<KnownTeeth>,
     /// How that follows from what is uncertain.
     pub teeth_sensitivities: Vec<TeethSensitivity>,
+    /// What was measured of these teeth and has no uncertainty.
+    pub teeth_taken_as_exact: Vec<ErrorKind>,
 }
 
 impl Spec {
@@ -186,6 +188,7 @@ impl Spec {
                 correlations,
                 known_teeth: None,
                 teeth_sensitivities: Vec::new(),
+                teeth_taken_as_exact: Vec::new(),
             };
             let impossible = spec.impossibilities();
             if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }

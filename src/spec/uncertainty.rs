@@ -12,9 +12,7 @@ use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
 use super::{Located, Spec};
 use crate::decision::Rule;
-use crate::decision::uncertainty::{
-    Distribution, OfTeeth, Source, TeethSensitivity, Uncertainties, Uncertainty, UncertaintyError,
-};
+use crate::decision::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
 use crate::deviation::ErrorKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
@@ -350,24 +348,14 @@ impl Spec {
         })
     }
 
-    /// How the uncertainty of teeth that are known one by one comes into results.
-    #[must_use]
-    pub fn uncertainty_of_teeth(&self) -> OfTeeth {
-        let is_measured = |teeth: &TeethSensitivity| matches!(teeth.source, Source::Error(_));
-        match self.known_teeth {
-            None => OfTeeth::NoneKnown,
-            Some(_) if self.teeth_sensitivities.iter().any(is_measured) => OfTeeth::ThroughMesh,
-            Some(_) => OfTeeth::Exact,
-        }
-    }
-
     /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.
     #[must_use]
     pub fn taken_as_exact(&self) -> Vec<ErrorKind> {
         let has = |kind: ErrorKind| self.uncertainties.iter().any(|(source, _)| *source == Source::Error(kind));
         let measured =
             self.errors.iter().filter(|(_, written)| !matches!(written.value, super::WrittenError::Class(_)));
-        measured.map(|(kind, _)| *kind).filter(|kind| !has(*kind)).collect()
+        let single = measured.map(|(kind, _)| *kind).filter(|kind| !has(*kind));
+        single.chain(self.teeth_taken_as_exact.iter().copied()).collect()
     }
 }
 

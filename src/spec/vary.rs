@@ -58,6 +58,15 @@ impl Spec {
             .map_err(|error| Diagnostic::error(Code::NoMesh, error.to_string()).into())
     }
 
+    /// What was measured of teeth that this spec or its tables know one by one, and has no uncertainty.
+    #[must_use]
+    pub fn certain_teeth(&self, tables: &MeasuredTables) -> Vec<ErrorKind> {
+        let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
+        let is_uncertain = |source: Source| self.uncertainties.iter().any(|(other, _)| *other == source);
+        let mut is_certain = |source: Source| !is_uncertain(source) && !whole.values(source).is_empty();
+        ErrorKind::ALL.into_iter().filter(|kind| is_certain(Source::Error(*kind))).collect()
+    }
+
     /// The mesh with each uncertain value off by about its standard uncertainty, one after the other: sizes of the gear, and
     /// every value of the teeth that are known one by one. What is measured tooth by tooth is one value for each of
     /// them, what a deviation gives for some teeth is one for all of these.

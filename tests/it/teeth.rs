@@ -125,13 +125,21 @@ fn the_uncertainty_of_known_teeth_goes_through_the_mesh() {
 #[test]
 fn the_uncertainty_of_measured_spaces_is_that_of_each() {
     let folder = Folder::new("teeth-uncertain");
-    let spec = |u: &str| format!("{PAIR}[errors]\nrack_pitch = {{ u = \"{u} um\" }}\n{LIMIT}");
+    let spec = |u: &str| {
+        format!("{PAIR}[errors]\nrack_over_roller = {{ u = \"0.1 um\" }}\nrack_pitch = {{ u = \"{u} um\" }}\n{LIMIT}")
+    };
     let table = spaces(|space| if space < 6 { 0 } else { -18 });
     for (u, code) in [("0.5", 0), ("3", 3)] {
         let ended = batch(&folder, &spec(u), &table, &["--rule", "iso14253"]);
         assert_eq!(ended.code, Some(code), "{u}: {} {}", ended.stdout, ended.stderr);
     }
-    // a rule that needs an uncertainty passes nothing without
+    // the table has over-pin values, too, and a rule that needs an uncertainty passes nothing without
+    let half = format!("{PAIR}[errors]\nrack_pitch = {{ u = \"0.5 um\" }}\n{LIMIT}");
+    for (more, code) in [(&[][..], 2), (&["--partial"][..], 0)] {
+        let ended = batch(&folder, &half, &table, &[&["--rule", "iso14253"], more].concat());
+        assert_eq!(ended.code, Some(code), "{} {}", ended.stdout, ended.stderr);
+        assert!(ended.stderr.contains("rack_over_roller"), "{}", ended.stderr);
+    }
     let certain = format!("{PAIR}{LIMIT}");
     let refused = batch(&folder, &certain, &table, &["--rule", "iso14253"]);
     assert_eq!(refused.code, Some(2), "{} {}", refused.stdout, refused.stderr);

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::decision::uncertainty::{self, OfTeeth, propagate};
+use crate::decision::uncertainty::{self, propagate};
 use crate::decision::{
     Evaluation, Interval, JudgedBy, LimitCheck, LimitTarget, Limits, Rule, Stack, Verdict, evaluate,
 };
@@ -42,6 +42,8 @@ pub struct JudgedTeeth {
     pub limits: Vec<LimitCheck>,
     /// Of all limits; `None` without one, or if something is missing.
     pub verdict: Option<Verdict>,
+    /// What was measured and is taken as exact, or judged by nobody, beside values that are uncertain.
+    pub note: Option<String>,
 }
 
 impl TeethJudge {
@@ -112,9 +114,11 @@ impl TeethJudge {
         let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| no_mesh(error.to_string()))?;
         let spec = &self.measured_only;
         let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, followed.tolerance_mm)?;
-        let spec = spec.clone().with_known_teeth(KnownTeeth { range: followed.judged(&extremes) }, sensitivities);
+        let (known, certain) = (KnownTeeth { range: followed.judged(&extremes) }, spec.certain_teeth(tables));
+        let spec = spec.clone().with_known_teeth(known, sensitivities, certain);
+        let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
         let mut evaluation = self.evaluated(&spec)?;
-        if !self.lacking.is_empty() && !self.is_partial {
+        if (lacks_uncertainty || !self.lacking.is_empty()) && !self.is_partial {
             evaluation.leave_open(LimitTarget::CenterDistance);
         }
         let ends = strokes.first().zip(strokes.last());
@@ -124,7 +128,27 @@ impl TeethJudge {
             by: evaluation.judged_by,
             limits: evaluation.limits,
             verdict: evaluation.verdict,
+            note: self.note_of_certain(&spec),
         })
+    }
+
+    /// What has no uncertainty where others have one, and what follows.
+    fn note_of_certain(&self, spec: &Spec) -> Option<String> {
+        let is_certain = |kind: &ErrorKind| {
+            spec.uncertainties.iter().all(|(source, _)| *source != uncertainty::Source::Error(*kind))
+        };
+        let beside = self.errors.iter().map(PartError::kind).filter(is_certain);
+        let names = spec.taken_as_exact().into_iter().chain(beside).map(ErrorKind::key).collect::<Vec<_>>().join(", ");
+        let rule = &self.rule;
+        if spec.uncertainties.is_empty() || names.is_empty() {
+            None
+        } else if rule.needs_uncertainty() && !self.is_partial && !spec.teeth_taken_as_exact.is_empty() {
+            Some(format!(
+                "no uncertainty is given, and the rule {rule} needs one: {names}; --partial takes these as exact"
+            ))
+        } else {
+            Some(format!("taken as exact, because no uncertainty is given: {names}"))
+        }
     }
 
     /// Known teeth and errors of the other part together, by the rule.
@@ -145,9 +169,6 @@ impl TeethJudge {
         let propagation = propagation.map_err(|error| no_result(error.to_string()))?;
         let decided = evaluation.decide_by(&self.rule, propagation.as_ref(), None);
         decided.map_err(|error| no_result(error.to_string()))?;
-        if self.rule.needs_uncertainty() && !self.is_partial && spec.uncertainty_of_teeth() == OfTeeth::Exact {
-            evaluation.leave_open(LimitTarget::CenterDistance);
-        }
         Ok(evaluation)
     }
 }

@@ -19,7 +19,7 @@ pub use inputs::{Uncertainties, UncertaintyError};
 pub use propagation::{Part, Point, Propagator, Spread, Spreads, propagate};
 pub use result::{EndWeights, InputContribution, Linear, Propagation};
 pub use source::{Distribution, Source, Uncertainty};
-pub use teeth::{OfTeeth, TeethSensitivity, VariedTeeth, teeth_sensitivities};
+pub use teeth::{TeethSensitivity, VariedTeeth, teeth_sensitivities};
 
 /// A magnitude whose error is nearer to zero than this many standard uncertainties is not linear: at three the ends of
 /// a 95 % interval are off by 0.0005 u, which two digits do not show.

@@ -28,17 +28,6 @@ pub struct VariedTeeth {
     pub mesh: Mesh,
 }
 
-/// How the uncertainty of known teeth came into a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OfTeeth {
-    /// No teeth are known one by one.
-    NoneKnown,
-    /// Nothing that was measured of them has an uncertainty.
-    Exact,
-    /// Through the mesh's derivatives.
-    ThroughMesh,
-}
-
 /// An extreme is looked for so many pitches around where it is without the variation.
 const AROUND: f64 = 0.1;
 
