@@ -4,10 +4,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use rackmesh::decision::{Limit, LimitTarget, Stack, evaluate};
+use rackmesh::evaluation::evaluate;
 use rackmesh::formula::over_pin::OverPin;
-use rackmesh::formula::{Law, Model, PartError, ideal_pin, roller_change};
+use rackmesh::formula::{Law, Model, PartDeviation, ideal_pin, roller_change};
 use rackmesh::judge::bound::Basis;
+use rackmesh::judge::{Limit, LimitTarget, Stack};
 use rackmesh::quantity::{Angle, Length};
 
 fn angle(text: &str) -> Angle {
@@ -65,11 +66,11 @@ fn evaluation(c: &mut Criterion) {
     let (alpha, beta) = (angle("20"), angle("12"));
     let lead = Law::rack_lead(alpha, beta, length("19.7")).expect("valid");
     let errors = [
-        PartError::new(Law::rack_over_roller(), length("13 um")),
-        PartError::new(Law::rack_pitch(alpha, beta).expect("valid"), length("12 um")),
-        PartError::new(lead, angle("0.0255")),
-        PartError::new(Law::pinion_radial(), length("-4 um")),
-        PartError::new(Law::pinion_pitch(alpha, beta).expect("valid"), length("9 um")),
+        PartDeviation::new(Law::rack_over_roller(), length("13 um")),
+        PartDeviation::new(Law::rack_pitch(alpha, beta).expect("valid"), length("12 um")),
+        PartDeviation::new(lead, angle("0.0255")),
+        PartDeviation::new(Law::pinion_radial(), length("-4 um")),
+        PartDeviation::new(Law::pinion_pitch(alpha, beta).expect("valid"), length("9 um")),
     ];
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.05")))];
     let basis = Basis::default();

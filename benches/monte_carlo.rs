@@ -6,16 +6,16 @@ use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rackmesh::decision::monte_carlo::racks::{RackSettings, Scatter, simulate_racks};
-use rackmesh::decision::monte_carlo::{Settings, simulate_part};
-use rackmesh::decision::uncertainty::{Part, Source, Uncertainties, Uncertainty};
-use rackmesh::decision::{Limit, LimitTarget, Stack};
-use rackmesh::deviation::ErrorKind;
-use rackmesh::formula::{Law, Model, PartError};
+use rackmesh::chance::racks::{RackSettings, Scatter, simulate_racks};
+use rackmesh::chance::{Settings, simulate_part};
+use rackmesh::deviation::DeviationKind;
+use rackmesh::formula::{Law, Model, PartDeviation};
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
 use rackmesh::judge::bound::Basis;
+use rackmesh::judge::{Limit, LimitTarget, Stack};
 use rackmesh::mesh::Mesh;
 use rackmesh::quantity::{Angle, Length};
+use rackmesh::uncertainty::{Part, Source, Uncertainties, Uncertainty};
 
 fn angle(text: &str) -> Angle {
     text.parse().expect("an angle")
@@ -25,16 +25,16 @@ fn length(text: &str) -> Length {
     text.parse().expect("a length")
 }
 
-fn errors() -> Vec<PartError> {
+fn errors() -> Vec<PartDeviation> {
     let (alpha, rack, pinion) = (angle("20"), angle("12"), angle("21"));
     let pitch = Law::rack_pitch(alpha, rack).expect("valid");
     let lead = Law::rack_lead(alpha, rack, length("19.7")).expect("valid");
     vec![
-        PartError::new(Law::rack_over_roller(), length("13 um")),
-        PartError::new(pitch, length("12 um")),
-        PartError::new(lead, angle("0.0255")),
-        PartError::new(Law::pinion_radial(), length("-4 um")),
-        PartError::new(Law::pinion_pitch(alpha, pinion).expect("valid"), length("9 um")),
+        PartDeviation::new(Law::rack_over_roller(), length("13 um")),
+        PartDeviation::new(pitch, length("12 um")),
+        PartDeviation::new(lead, angle("0.0255")),
+        PartDeviation::new(Law::pinion_radial(), length("-4 um")),
+        PartDeviation::new(Law::pinion_pitch(alpha, pinion).expect("valid"), length("9 um")),
     ]
 }
 
@@ -46,7 +46,7 @@ fn draws(c: &mut Criterion) {
         Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &basis, teeth: &[] };
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.05")))];
     let errors_only: Vec<_> =
-        ErrorKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();
+        DeviationKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();
     let mut with_gear = errors_only.clone();
     with_gear.push((Source::NormalPressureAngle, Uncertainty::standard(0.02)));
     let mut group = c.benchmark_group("draws of five errors");

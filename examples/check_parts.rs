@@ -2,9 +2,10 @@
 //!
 //! Run with `cargo run --example check_parts`.
 
-use rackmesh::decision::{Limit, LimitTarget, Stack, Verdict, evaluate};
-use rackmesh::formula::{Law, Model, PartError};
+use rackmesh::evaluation::evaluate;
+use rackmesh::formula::{Law, Model, PartDeviation};
 use rackmesh::judge::bound::Basis;
+use rackmesh::judge::{Limit, LimitTarget, Stack, Verdict};
 use rackmesh::quantity::{Angle, Length};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,8 +18,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     {
         let measured: Length = over_roller.parse()?;
         let errors = [
-            PartError::new(Law::rack_over_roller(), measured - nominal),
-            PartError::new(lead, lead_error.parse::<Angle>()?),
+            PartDeviation::new(Law::rack_over_roller(), measured - nominal),
+            PartDeviation::new(lead, lead_error.parse::<Angle>()?),
         ];
         let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default())?;
         let verdict = if evaluation.verdict == Some(Verdict::Pass) { "pass" } else { "FAIL" };

@@ -2,8 +2,9 @@
 //!
 //! Run with `cargo run --example evaluate_spec`.
 
-use rackmesh::decision::{Stack, evaluate};
+use rackmesh::evaluation::evaluate;
 use rackmesh::formula::Model;
+use rackmesh::judge::Stack;
 use rackmesh::spec::Spec;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -19,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             center_distance = "±0.03"
         "#,
     )?;
-    let evaluation = evaluate(&spec.part_errors()?, &spec.limits(), Model::Exact, Stack::Range, &spec.basis()?)?;
+    let evaluation = evaluate(&spec.part_deviations()?, &spec.limits(), Model::Exact, Stack::Range, &spec.basis()?)?;
     for contribution in &evaluation.contributions {
         println!("{}: {:.4} mm", contribution.kind, contribution.exact.mm());
     }

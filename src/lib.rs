@@ -18,8 +18,12 @@
 //! | [`mesh`] | ΔCD along the stroke: the exact zero-backlash mesh of every tooth's own deviations |
 //! | [`multibody`] | elastic contact simulated: equilibrium along the stroke, motion in time |
 //! | [`reproduction`] | the paper's tables and figure, computed again |
-//! | [`judge`] | bounds of ΔCD for errors with extents |
-//! | [`decision`] | errors combined, and judged against limits |
+//! | [`statistics`] | distribution functions, quantiles, capability |
+//! | [`judge`] | bounds of ΔCD for errors with extents, how they add up, limits, decision rules, classes and grades |
+//! | [`uncertainty`] | from the uncertainties of inputs to that of ΔCD |
+//! | [`evaluation`] | the errors of a part, judged |
+//! | [`chance`] | random parts and random racks |
+//! | [`budget`] | the largest tolerances that a limit leaves |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
 #![cfg_attr(feature = "table", doc = "| [`table`] | tables of measured values |")]
 #![cfg_attr(feature = "batch", doc = "| [`batch`] | tables with a row per part, of any length |")]
@@ -40,14 +44,15 @@
 //!
 //! # For a check
 //! ```
-//! use rackmesh::decision::{Limit, LimitTarget, Stack, Verdict, evaluate};
-//! use rackmesh::formula::{Law, Model, PartError};
+//! use rackmesh::evaluation::evaluate;
+//! use rackmesh::judge::{Limit, LimitTarget, Stack, Verdict};
+//! use rackmesh::formula::{Law, Model, PartDeviation};
 //! use rackmesh::judge::bound::Basis;
 //! use rackmesh::quantity::Length;
 //!
 //! let (measured, nominal): (Length, Length) = ("25.0131".parse()?, "25.0000".parse()?);
 //! let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric("0.0131".parse()?))];
-//! let errors = [PartError::new(Law::rack_over_roller(), measured - nominal)];
+//! let errors = [PartDeviation::new(Law::rack_over_roller(), measured - nominal)];
 //! let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default())?;
 //! assert_eq!(evaluation.verdict, Some(Verdict::Pass)); // equal to the limit is inside it
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -60,7 +65,7 @@
 use rackmesh::spec::Spec;
 
 let spec = Spec::parse("rack.toml", "[errors]\nrack_over_roller = \"13 um\"")?;
-assert_eq!(spec.part_errors()?.len(), 1);
+assert_eq!(spec.part_deviations()?.len(), 1);
 # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
 ```
 "#
@@ -68,11 +73,13 @@ assert_eq!(spec.part_errors()?.len(), 1);
 
 #[cfg(feature = "batch")]
 pub mod batch;
+pub mod budget;
+pub mod chance;
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod decision;
 pub mod deviation;
 pub mod diagnostic;
+pub mod evaluation;
 pub mod formula;
 pub mod gear;
 pub mod judge;
@@ -87,6 +94,7 @@ pub mod reproduction;
 #[cfg(feature = "spec")]
 pub mod spec;
 pub mod standard;
+pub mod statistics;
 #[cfg(feature = "table")]
 #[cfg_attr(
     not(feature = "cli"),
@@ -94,3 +102,4 @@ pub mod standard;
 )]
 pub mod table;
 pub mod trig;
+pub mod uncertainty;

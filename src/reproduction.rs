@@ -9,7 +9,7 @@
 //! rms: that agreement confirms nothing, and any other pair with those values is as good ([`pair`]).
 
 use crate::deviation::{
-    DeviationError, ErrorValue, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
+    DeviationError, DeviationValue, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
 };
 use crate::formula::{Law, Model};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
@@ -139,7 +139,7 @@ impl Printed {
     /// None that the printed values can cause.
     pub fn analytic(&self, model: Model) -> Result<Length, ReproductionError> {
         let pressure_angle: Angle = PRESSURE_ANGLE.parse()?;
-        let (law, error): (Law, ErrorValue) = match self.table {
+        let (law, error): (Law, DeviationValue) = match self.table {
             PaperTable::Pitch => (Law::rack_pitch(pressure_angle, Angle::ZERO)?, self.error.parse::<Length>()?.into()),
             PaperTable::Lead => {
                 let law = Law::rack_lead(pressure_angle, Angle::ZERO, FACE_WIDTH.parse()?)?;

@@ -1,8 +1,9 @@
 //! The spec reader: any text is read or refused, every refusal can be shown, and what was read can be
 //! evaluated and meshed or says why not.
 
-use rackmesh::decision::{Combined, Stack, evaluate};
+use rackmesh::evaluation::evaluate;
 use rackmesh::formula::Model;
+use rackmesh::judge::{Combined, Stack};
 use rackmesh::spec::{MeasuredTables, Spec};
 
 /// Reads the input as a spec and asks for everything that follows from it.
@@ -15,7 +16,7 @@ pub fn check(data: &[u8]) {
             return;
         }
     };
-    if let (Ok(errors), Ok(basis)) = (spec.part_errors(), spec.basis())
+    if let (Ok(errors), Ok(basis)) = (spec.part_deviations(), spec.basis())
         && let Ok(evaluation) = evaluate(&errors, &spec.limits(), Model::Exact, Stack::Range, &basis)
     {
         let Combined { range, rss } = evaluation.combined;

@@ -11,12 +11,12 @@ use super::plan::Plan;
 use super::results::{KINDS, Margin, Refusal, Results, spread_of};
 use super::statistics::Statistics;
 use super::uncertain::RowUncertainty;
-use crate::decision::Verdict;
-use crate::decision::uncertainty::Spreads;
 use crate::deviation::plausible::Reach;
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::judge::Verdict;
 use crate::quantity::shown;
 use crate::table::{Block, Fault};
+use crate::uncertainty::Spreads;
 
 /// A row of a block.
 #[derive(Clone, Copy)]
@@ -55,7 +55,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
-    deviations: [ErrorValue; KINDS],
+    deviations: [DeviationValue; KINDS],
     /// Which deviations are not suspicious.
     usual: Reach,
     /// Whether rejected rows are kept at all.
@@ -65,7 +65,7 @@ pub(super) struct Evaluator<'a> {
 impl<'a> Evaluator<'a> {
     pub(super) fn new(plan: &'a Plan, layout: &'a Layout, file: &Arc<str>, keeps_rejects: bool) -> Self {
         let quantities = if plan.request.statistics { plan.quantities().count() } else { 0 };
-        let mut deviations = [ErrorValue::zero(ErrorKind::RackOverRoller); KINDS];
+        let mut deviations = [DeviationValue::zero(DeviationKind::RackOverRoller); KINDS];
         for (deviation, source) in deviations.iter_mut().zip(&plan.sources) {
             *deviation = source.of_every_part.unwrap_or(*deviation);
         }

@@ -2,7 +2,7 @@
 
 use super::output::Output;
 use super::plan::{Plan, Source, missing};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Reading;
@@ -80,7 +80,7 @@ impl Layout {
         let sources = plan.sources.iter().zip(&self.columns).zip(counts).filter(|(_, count)| **count > 0);
         let sentence = |((source, column), count): ((&Source, &Option<usize>), &u64)| {
             let title = self.titles.get((*column)?)?;
-            let is_lead = source.law.kind() == ErrorKind::RackLead;
+            let is_lead = source.law.kind() == DeviationKind::RackLead;
             Some(format!("{table}: `{title}`: {}", DoubtedColumn { usual, is_lead, count: *count }))
         };
         sources.filter_map(sentence).collect()

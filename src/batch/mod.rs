@@ -19,7 +19,7 @@
 //! # Right to the last digit
 //! A cell such as `25.0131` becomes a [`Length`](crate::quantity::Length), from which the nominal value is taken:
 //! differences are decimal differences. ΔCD, the combinations and the verdict are computed by the functions that
-//! [`evaluate`](crate::decision::evaluate) calls.
+//! [`evaluate`](crate::evaluation::evaluate) calls.
 //!
 //! # Example
 //! ```

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use super::results::KINDS;
 use super::statistics::{Moving, Statistics};
-use crate::decision::{LimitTarget, Verdict};
 use crate::diagnostic::Code;
+use crate::judge::{LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
 use crate::table::{AsideReading, Contradiction, Place, Reading, cell_text};
 

@@ -3,10 +3,10 @@
 
 use super::plan::listed;
 use super::request::Request;
-use crate::decision::monte_carlo::Simulation;
-use crate::decision::{LimitTarget, Limits, Stack};
-use crate::deviation::ErrorKind;
+use crate::chance::Simulation;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::judge::{LimitTarget, Limits, Stack};
 use crate::table::Table;
 
 /// One column of the output.
@@ -100,10 +100,10 @@ impl Simulated {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Asked {
     Id,
-    Own(ErrorKind),
-    Standard(ErrorKind),
-    Expanded(ErrorKind),
-    Simulated(ErrorKind, Simulated),
+    Own(DeviationKind),
+    Standard(DeviationKind),
+    Expanded(DeviationKind),
+    Simulated(DeviationKind, Simulated),
     Conformance(LimitTarget),
     Result(Output),
     Copied(String),
@@ -114,7 +114,7 @@ impl Asked {
     pub(super) fn all(
         table: &Table,
         request: &Request,
-        present: &[ErrorKind],
+        present: &[DeviationKind],
         limits: &Limits,
         is_uncertain: bool,
     ) -> Result<Vec<Self>, Diagnostic> {
@@ -186,7 +186,7 @@ impl Asked {
     }
 
     /// The output itself; `None` if what it is of is not there.
-    pub(super) fn output(self, index: &dyn Fn(ErrorKind) -> Option<usize>, judged: &Limits) -> Option<Output> {
+    pub(super) fn output(self, index: &dyn Fn(DeviationKind) -> Option<usize>, judged: &Limits) -> Option<Output> {
         Some(match self {
             Self::Id => Output::Id,
             Self::Own(kind) => Output::Error(index(kind)?),
@@ -200,7 +200,7 @@ impl Asked {
     }
 
     /// The error that it is about, if it is about one.
-    pub(super) fn error(&self) -> Option<ErrorKind> {
+    pub(super) fn error(&self) -> Option<DeviationKind> {
         match self {
             Self::Own(kind)
             | Self::Standard(kind)
@@ -213,11 +213,11 @@ impl Asked {
 }
 
 /// The name of the column with an error's ΔCD.
-pub(super) fn column_name(kind: ErrorKind) -> String {
+pub(super) fn column_name(kind: DeviationKind) -> String {
     format!("{}_mm", own_name(kind))
 }
 
-pub(super) fn own_name(kind: ErrorKind) -> String {
+pub(super) fn own_name(kind: DeviationKind) -> String {
     format!("delta_cd_{}", kind.key())
 }
 

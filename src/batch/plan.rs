@@ -11,12 +11,12 @@ use super::output::{
 };
 use super::request::{Request, RowFormat};
 use super::uncertain::Uncertain;
-use crate::decision::monte_carlo::MonteCarloError;
-use crate::decision::{Limit, LimitTarget, Limits, Rule, Stack};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::chance::MonteCarloError;
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Law, Model, PartError};
+use crate::formula::{Law, Model, PartDeviation};
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Note, Open};
+use crate::judge::{Limit, LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
 use crate::quantity::{Length, shown};
 use crate::spec::{Reading, Spec};
@@ -32,15 +32,15 @@ pub(super) struct Source {
     pub(super) is_limited: bool,
     pub(super) reading: Reading,
     /// The value that every part has; `None` if it is read from the table.
-    pub(super) of_every_part: Option<ErrorValue>,
+    pub(super) of_every_part: Option<DeviationValue>,
 }
 
 impl Source {
     /// Of an error of any value.
-    fn new(error: &PartError, reading: Reading, limits: &Limits) -> Result<Self, Diagnostic> {
+    fn new(error: &PartDeviation, reading: Reading, limits: &Limits) -> Result<Self, Diagnostic> {
         let kind = error.kind();
         // zero is in every domain: only an extent may not fit
-        let extended = ExtendedError::of(&error.with_value(ErrorValue::zero(kind)))
+        let extended = ExtendedError::of(&error.with_value(DeviationValue::zero(kind)))
             .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
         let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
         Ok(Self { law: error.law(), extended, is_limited, reading, of_every_part: None })
@@ -53,7 +53,7 @@ impl Source {
 pub struct Plan {
     pub(super) sources: Vec<Source>,
     /// The errors that the first table has columns of, and those of every part.
-    pub(super) present: Vec<ErrorKind>,
+    pub(super) present: Vec<DeviationKind>,
     pub(super) outputs: Vec<Output>,
     pub(super) model: Model,
     pub(super) stack: Stack,
@@ -69,7 +69,7 @@ pub struct Plan {
     /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
     pub(super) unjudged: Vec<LimitTarget>,
     /// The errors that the spec asks for and the table lacks.
-    pub(super) lacking: Vec<ErrorKind>,
+    pub(super) lacking: Vec<DeviationKind>,
     /// What the parts are judged without, as told by the user.
     pub(super) without: String,
     has_id: bool,
@@ -100,8 +100,8 @@ impl Plan {
         let of_every_part = spec.errors_of_every_part(&in_table)?;
         let lacking = spec.lacking(&in_table);
         let is_present =
-            |kind: &ErrorKind| in_table.contains(kind) || of_every_part.iter().any(|error| error.kind() == *kind);
-        let present: Vec<_> = ErrorKind::ALL.into_iter().filter(is_present).collect();
+            |kind: &DeviationKind| in_table.contains(kind) || of_every_part.iter().any(|error| error.kind() == *kind);
+        let present: Vec<_> = DeviationKind::ALL.into_iter().filter(is_present).collect();
         let limits = spec.limits();
         let is_uncertain = !spec.uncertainties_of(&present)?.is_empty();
         if !is_uncertain {
@@ -110,17 +110,16 @@ impl Plan {
         let outputs = Asked::all(table, &request, &present, &limits, is_uncertain)?;
         let judged_together = limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
         let combined = outputs.iter().any(|output| matches!(output, Asked::Result(_)));
-        let needed = |kind: ErrorKind| {
+        let needed = |kind: DeviationKind| {
             let limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
             judged_together || combined || limited || outputs.iter().any(|asked| asked.error() == Some(kind))
         };
         let needed: Vec<_> = present.iter().copied().filter(|kind| needed(*kind)).collect();
         let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
-        let index = |kind: ErrorKind| sources.iter().position(|source| source.law.kind() == kind);
+        let index = |kind: DeviationKind| sources.iter().position(|source| source.law.kind() == kind);
         // a rule that needs uncertainties judges nothing of which one is missing
         let uncertainties = spec.uncertainties_of(&present)?;
-        let is_certain =
-            |kind: &ErrorKind| uncertainties.of(crate::decision::uncertainty::Source::Error(*kind)).is_none();
+        let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Source::Error(*kind)).is_none();
         let lacks_uncertainty = request.rule.needs_uncertainty() && !request.partial && in_table.iter().any(is_certain);
         let is_read = |on: LimitTarget| match on {
             _ if lacks_uncertainty => false,
@@ -198,7 +197,7 @@ impl Plan {
     fn columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t Column>, Diagnostics> {
         let mut found = Vec::new();
         let mut diagnostics = Vec::new();
-        for kind in ErrorKind::ALL {
+        for kind in DeviationKind::ALL {
             let mut columns = table.columns.iter().filter(|column| column.kind == Some(kind));
             match (columns.next(), columns.next()) {
                 (Some(first), Some(second)) => {
@@ -251,10 +250,10 @@ impl Plan {
 
     /// Errors that are measured and to which the spec gives no uncertainty, while it gives others one.
     #[must_use]
-    pub fn taken_as_exact(&self) -> Vec<ErrorKind> {
+    pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
         let Some(uncertain) = &self.uncertain else { return Vec::new() };
         let known = uncertain.propagator.uncertainties();
-        let given = |kind: &ErrorKind| known.of(crate::decision::uncertainty::Source::Error(*kind)).is_some();
+        let given = |kind: &DeviationKind| known.of(crate::uncertainty::Source::Error(*kind)).is_some();
         self.errors().filter(|kind| !given(kind)).collect()
     }
 
@@ -355,7 +354,7 @@ impl Plan {
     }
 
     /// The place of an error among the sources.
-    pub(super) fn source_of(&self, kind: ErrorKind) -> Option<usize> {
+    pub(super) fn source_of(&self, kind: DeviationKind) -> Option<usize> {
         self.sources.iter().position(|source| source.law.kind() == kind)
     }
 
@@ -387,7 +386,7 @@ impl Plan {
     }
 
     /// The errors that are read.
-    pub fn errors(&self) -> impl Iterator<Item = ErrorKind> + '_ {
+    pub fn errors(&self) -> impl Iterator<Item = DeviationKind> + '_ {
         self.sources.iter().map(|source| source.law.kind())
     }
 
@@ -405,12 +404,12 @@ impl Plan {
 
     /// Errors that the spec asks for and the table lacks: without them the sum is not that of a part.
     #[must_use]
-    pub fn lacking(&self) -> &[ErrorKind] {
+    pub fn lacking(&self) -> &[DeviationKind] {
         &self.lacking
     }
 
     /// Errors whose value in the spec is that of every part.
-    pub fn of_every_part(&self) -> impl Iterator<Item = ErrorKind> + '_ {
+    pub fn of_every_part(&self) -> impl Iterator<Item = DeviationKind> + '_ {
         self.sources.iter().filter(|source| source.of_every_part.is_some()).map(|source| source.law.kind())
     }
 
@@ -430,9 +429,9 @@ impl Plan {
 /// The errors that are needed, each of a column or with the value that every part has.
 fn sources(
     spec: &Spec,
-    needed: &[ErrorKind],
+    needed: &[DeviationKind],
     columns: &[&Column],
-    of_every_part: &[PartError],
+    of_every_part: &[PartDeviation],
     limits: &Limits,
 ) -> Result<Vec<Source>, Diagnostics> {
     let (mut sources, mut diagnostics) = (Vec::new(), Vec::new());
@@ -443,7 +442,7 @@ fn sources(
         } else {
             let Some(column) = columns.iter().find(|column| column.kind == Some(*kind)) else { continue };
             match spec.law(*kind, &format!("the column of `{}`", kind.key())) {
-                Ok(law) => (spec.extended(PartError::new(law, ErrorValue::zero(*kind))), reading(column)),
+                Ok(law) => (spec.extended(PartDeviation::new(law, DeviationValue::zero(*kind))), reading(column)),
                 Err(problems) => {
                     diagnostics.extend(problems.0);
                     continue;
@@ -451,7 +450,7 @@ fn sources(
             }
         };
         match Source::new(&error, reading, limits) {
-            Ok(source) => sources.push(Source { of_every_part: of_every_part.map(PartError::value), ..source }),
+            Ok(source) => sources.push(Source { of_every_part: of_every_part.map(PartDeviation::value), ..source }),
             Err(problem) => diagnostics.push(problem),
         }
     }
@@ -503,7 +502,7 @@ fn refuse_without_uncertainty(request: &Request) -> Result<(), Diagnostic> {
 
 fn no_column(table: &Table) -> Diagnostic {
     let message = format!("{} has no column of an error that is known", table.name);
-    let known: Vec<_> = ErrorKind::ALL.into_iter().map(ErrorKind::key).collect();
+    let known: Vec<_> = DeviationKind::ALL.into_iter().map(DeviationKind::key).collect();
     let help = format!(
         "it has {}; name its columns {}, or say what they are: [batch.columns] rack_pitch = {{ name = \"…\" }}",
         listed(table),
@@ -513,7 +512,7 @@ fn no_column(table: &Table) -> Diagnostic {
 }
 
 /// A column that the spec promises or the run needs is not there.
-pub(super) fn missing(spec: &Spec, table: &Table, kind: ErrorKind) -> Diagnostic {
+pub(super) fn missing(spec: &Spec, table: &Table, kind: DeviationKind) -> Diagnostic {
     let column = spec.batch_column(kind);
     let name = column.and_then(|column| column.value.name.as_deref()).unwrap_or(kind.key());
     let diagnostic = Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", table.name)).help(format!(

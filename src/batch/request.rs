@@ -1,9 +1,9 @@
 //! What is asked of a batch. Filled by the command line, read by the plan; knows no table.
 
 use super::number::Decimals;
-use crate::decision::monte_carlo::Settings;
-use crate::decision::{Rule, Stack, Verdict};
+use crate::chance::Settings;
 use crate::formula::Model;
+use crate::judge::{Rule, Stack, Verdict};
 
 /// What is asked of a batch.
 #[expect(clippy::struct_excessive_bools, reason = "independent options")]

@@ -4,16 +4,17 @@
 use super::output::{Of, Output};
 use super::plan::Plan;
 use super::uncertain::RowUncertainty;
-use crate::decision::rule::{Ends, verdict};
-use crate::decision::uncertainty::{Spread, Spreads};
-use crate::decision::{Interval, LimitTarget, Stack, Verdict, overall};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::evaluation::overall;
 use crate::judge::bound::{ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Reached};
+use crate::judge::rule::{Ends, verdict};
+use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::trig;
+use crate::uncertainty::{Spread, Spreads};
 
-pub(super) const KINDS: usize = ErrorKind::ALL.len();
+pub(super) const KINDS: usize = DeviationKind::ALL.len();
 
 /// The results of one part.
 #[derive(Debug, Clone, Copy)]
@@ -53,18 +54,18 @@ pub(super) struct Margin {
 
 /// The value of an error as the bound takes it, mm or rad.
 #[inline]
-fn plain_value(value: ErrorValue) -> f64 {
+fn plain_value(value: DeviationValue) -> f64 {
     match value {
-        ErrorValue::Length(length) => length.mm(),
-        ErrorValue::Angle(angle) => angle.radians(),
-        ErrorValue::Slope(slope) => trig::atan(slope),
+        DeviationValue::Length(length) => length.mm(),
+        DeviationValue::Angle(angle) => angle.radians(),
+        DeviationValue::Slope(slope) => trig::atan(slope),
     }
 }
 
 impl Results {
     /// The results of the deviations, one per source of the plan. What has no bound is left out.
     #[inline]
-    pub(super) fn new(plan: &Plan, deviations: &[ErrorValue; KINDS]) -> Result<Self, Refusal> {
+    pub(super) fn new(plan: &Plan, deviations: &[DeviationValue; KINDS]) -> Result<Self, Refusal> {
         let of_source = |index, problem| Refusal::of(plan, Some(index), &problem);
         let mut errors = [ExtendedError::NONE; KINDS];
         let mut results =

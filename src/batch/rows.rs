@@ -7,7 +7,7 @@ use super::request::RowFormat;
 use super::results::{Results, spread_of};
 use super::uncertain::RowUncertainty;
 use super::write;
-use crate::decision::Verdict;
+use crate::judge::Verdict;
 
 impl Evaluator<'_> {
     /// Writes the row.

@@ -5,8 +5,8 @@
 //! where the spread is small against the mean. Quantiles come from a histogram of which each bin is 1/1024
 //! of its values wide at most, so they are within 0.05 % of a value.
 
-use crate::decision::capability::{FEWEST_PARTS, Normality};
 use crate::quantity::Length;
+use crate::statistics::capability::{FEWEST_PARTS, Normality};
 
 /// Leading bits of a magnitude that tell its bin: bins are 1/1024 of their values wide at most.
 const BIN_BITS: u32 = 11;

@@ -5,15 +5,15 @@ use super::output::Of;
 use super::plan::Source;
 use super::request::Request;
 use super::results::{KINDS, Results};
-use crate::decision::Limits;
-use crate::decision::monte_carlo::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
-use crate::decision::uncertainty::{Part, Point, Propagator, Spreads, TeethSensitivity};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::chance::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::PartError;
+use crate::formula::PartDeviation;
 use crate::formula::over_pin::OverPin;
+use crate::judge::Limits;
 use crate::judge::bound::Basis;
 use crate::spec::{Reading, Spec};
+use crate::uncertainty::{Part, Point, Propagator, Spreads, TeethSensitivity};
 
 /// What is known of the uncertainty of a part's results.
 pub(super) struct RowUncertainty {
@@ -62,17 +62,18 @@ impl Uncertain {
         let kinds: Vec<_> = sources.iter().map(|source| source.law.kind()).collect();
         let over_pin = spec.over_pin().filter(|over_pin| {
             // another nominal value may stand in the way
-            let computed = over_pin.measure().map(ErrorValue::Length);
+            let computed = over_pin.measure().map(DeviationValue::Length);
             computed.is_ok_and(|nominal| {
                 let nominal = Reading::Measured(nominal);
                 let is_so =
-                    |source: &Source| source.law.kind() == ErrorKind::RackOverRoller && source.reading == nominal;
+                    |source: &Source| source.law.kind() == DeviationKind::RackOverRoller && source.reading == nominal;
                 sources.iter().any(is_so)
             })
         });
         let uncertainties = spec.uncertainties_of(&kinds)?;
         let zero = |source: &Source| {
-            PartError::new(source.law, ErrorValue::zero(source.law.kind())).with_extent(source.extended.extent())
+            PartDeviation::new(source.law, DeviationValue::zero(source.law.kind()))
+                .with_extent(source.extended.extent())
         };
         let errors: Vec<_> = sources.iter().map(zero).collect();
         let part = Part {
@@ -95,7 +96,7 @@ impl Uncertain {
     pub(super) fn of_row(
         &self,
         sources: &[Source],
-        deviations: &[ErrorValue; KINDS],
+        deviations: &[DeviationValue; KINDS],
         results: &Results,
         limits: &Limits,
     ) -> Result<RowUncertainty, MonteCarloError> {
@@ -107,8 +108,8 @@ impl Uncertain {
         let Some(settings) = &self.monte_carlo else {
             return Ok(RowUncertainty { spreads, simulation: None, validated: None });
         };
-        let error = |(source, value): (&Source, &ErrorValue)| {
-            PartError::new(source.law, *value).with_extent(source.extended.extent())
+        let error = |(source, value): (&Source, &DeviationValue)| {
+            PartDeviation::new(source.law, *value).with_extent(source.extended.extent())
         };
         let errors: Vec<_> = sources.iter().zip(deviations).map(error).collect();
         let part = Part {

@@ -5,13 +5,13 @@ use clap::Subcommand;
 use super::eval::ModelArg;
 use super::explain::for_screen;
 use super::output::{Failure, Output, Status};
-use crate::decision::Interval;
 use crate::deviation::plausible::{self, Doubt, Written};
-use crate::deviation::{ErrorValue, Extent};
+use crate::deviation::{DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{CATALOGUE, FormulaPage, Law, Model, PartError, ideal_pin, roller_change};
+use crate::formula::{CATALOGUE, FormulaPage, Law, Model, PartDeviation, ideal_pin, roller_change};
+use crate::judge::Interval;
 use crate::judge::bound::{Basis, ErrorInputError};
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
 use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks};
@@ -222,7 +222,7 @@ struct RollerChange {
 /// What a ΔCD formula is asked for.
 enum Asked {
     /// ΔCD of this error.
-    DeltaCd(ErrorValue),
+    DeltaCd(DeviationValue),
     /// The largest error within this ΔCD.
     Error(Length),
     /// The largest helix slope deviation over this length within this ΔCD.
@@ -236,7 +236,7 @@ impl Asked {
     }
 
     /// The unit of the answer unless another is asked for.
-    fn unit(&self, answer: ErrorValue) -> ResultUnit {
+    fn unit(&self, answer: DeviationValue) -> ResultUnit {
         match (self, answer) {
             (Self::SlopeDeviation { .. }, _) => ResultUnit::Length(LengthUnit::Micrometre, "µm".to_owned()),
             (_, answer) => base_unit(answer),
@@ -245,10 +245,10 @@ impl Asked {
 }
 
 /// The unit that values have in a spec.
-fn base_unit(value: ErrorValue) -> ResultUnit {
+fn base_unit(value: DeviationValue) -> ResultUnit {
     match value {
-        ErrorValue::Length(_) => ResultUnit::Length(LengthUnit::Millimetre, "mm".to_owned()),
-        ErrorValue::Angle(_) | ErrorValue::Slope(_) => ResultUnit::Angle(AngleUnit::Degree, "deg".to_owned()),
+        DeviationValue::Length(_) => ResultUnit::Length(LengthUnit::Millimetre, "mm".to_owned()),
+        DeviationValue::Angle(_) | DeviationValue::Slope(_) => ResultUnit::Angle(AngleUnit::Degree, "deg".to_owned()),
     }
 }
 
@@ -272,8 +272,8 @@ fn read<Q: std::str::FromStr<Err = QuantityError>>(text: &str) -> Result<Q, Fail
 }
 
 impl Given {
-    fn asked<E: std::str::FromStr<Err = QuantityError> + Into<ErrorValue>>(&self) -> Result<Asked, Failure> {
-        let value = |text: &str| -> Result<ErrorValue, Failure> { Ok(read::<E>(text)?.into()) };
+    fn asked<E: std::str::FromStr<Err = QuantityError> + Into<DeviationValue>>(&self) -> Result<Asked, Failure> {
+        let value = |text: &str| -> Result<DeviationValue, Failure> { Ok(read::<E>(text)?.into()) };
         match (&self.value, &self.measured, &self.nominal, &self.inverse) {
             (None, _, _, Some(Some(delta_cd))) | (Some(delta_cd), _, _, Some(None)) => {
                 Ok(Asked::Error(read(delta_cd)?))
@@ -392,7 +392,7 @@ fn sensible_error(output: &mut Output, law: Law, given: &Given, asked: &Asked) -
 }
 
 /// A result of a formula in its base unit.
-fn calculation(formula: &'static FormulaPage, result: impl Into<ErrorValue>) -> Calculation {
+fn calculation(formula: &'static FormulaPage, result: impl Into<DeviationValue>) -> Calculation {
     let result = result.into();
     let unit = base_unit(result);
     Calculation {
@@ -416,7 +416,7 @@ fn with_worst_case(calculation: Calculation, law: Law, given: &Given, asked: &As
     if !extent.fits(kind.unit()) {
         return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
     }
-    let bound = Basis::default().bound_of(&[PartError::new(law, *error).with_extent(extent)]);
+    let bound = Basis::default().bound_of(&[PartDeviation::new(law, *error).with_extent(extent)]);
     let range = Interval::of(bound.total).map_err(|problem| refused(&problem.into()))?;
     let notes = [bound_remarks(&bound.notes, &missing_geometry(law)), calculation.notes].concat();
     Ok(Calculation { worst_case: Some(WorstCase { kind, extent, range }), notes, ..calculation })
@@ -434,12 +434,12 @@ fn missing_geometry(law: Law) -> Vec<&'static str> {
 }
 
 /// What a law gives for what is asked.
-fn by_law(law: Law, asked: &Asked, model: Model) -> Result<ErrorValue, DomainError> {
+fn by_law(law: Law, asked: &Asked, model: Model) -> Result<DeviationValue, DomainError> {
     match asked {
-        Asked::DeltaCd(error) => law.delta_cd(*error, model).map(ErrorValue::Length),
+        Asked::DeltaCd(error) => law.delta_cd(*error, model).map(DeviationValue::Length),
         Asked::Error(delta_cd) => law.largest_error(*delta_cd, model),
         Asked::SlopeDeviation { delta_cd, length } => {
-            law.largest_slope_deviation(*delta_cd, *length, model).map(ErrorValue::Length)
+            law.largest_slope_deviation(*delta_cd, *length, model).map(DeviationValue::Length)
         }
     }
 }

@@ -2,13 +2,13 @@
 
 use super::eval::ModelArg;
 use super::output::{Failure, Output, Status};
-use crate::decision::class::{self, DiameterSource, Meshing, RackDiameter};
-use crate::decision::class_mesh::{self, arrangement};
-use crate::decision::grade::{self, GradeSearch, Obtained};
-use crate::deviation::{ErrorKind, Part};
+use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::{Model, PartError, domain};
+use crate::formula::{Model, PartDeviation, domain};
 use crate::gear::Pair;
+use crate::judge::class::{self, DiameterSource, Meshing, RackDiameter};
+use crate::judge::class_mesh::{self, arrangement};
+use crate::judge::grade::{self, GradeSearch, Obtained};
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
 use crate::spec::{MeasuredValue, Spec};
@@ -324,12 +324,12 @@ impl Args {
         output: &mut Output,
     ) -> Result<Status, Failure> {
         // with a spec: the errors that it gives, or the paper's; without: what acts on the part's teeth independently
-        let kinds: Vec<ErrorKind> = match spec {
+        let kinds: Vec<DeviationKind> = match spec {
             Some(spec) if !spec.errors.is_empty() => spec.errors.iter().map(|(kind, _)| *kind).collect(),
-            Some(_) => ErrorKind::OF_PAPER.to_vec(),
+            Some(_) => DeviationKind::OF_PAPER.to_vec(),
             None => match self.part() {
-                Part::Rack => vec![ErrorKind::RackOverRoller, ErrorKind::RackPitch, ErrorKind::RackLead],
-                Part::Pinion => vec![ErrorKind::PinionRadial, ErrorKind::PinionPitch],
+                Part::Rack => vec![DeviationKind::RackOverRoller, DeviationKind::RackPitch, DeviationKind::RackLead],
+                Part::Pinion => vec![DeviationKind::PinionRadial, DeviationKind::PinionPitch],
             },
         };
         let (kinds, left_out): (Vec<_>, Vec<_>) =
@@ -343,8 +343,8 @@ impl Args {
                 sized.push(self.sized(part, spec)?);
             }
         }
-        let of = |kind: ErrorKind| sized.iter().find(|sized| sized.part == kind.part());
-        let tolerance = |kind: ErrorKind, grade: u8| -> Result<PartError, StandardOrEffect> {
+        let of = |kind: DeviationKind| sized.iter().find(|sized| sized.part == kind.part());
+        let tolerance = |kind: DeviationKind, grade: u8| -> Result<PartDeviation, StandardOrEffect> {
             // the others were left out
             let deviation = class::deviation_of(kind).unwrap_or(Deviation::SinglePitch);
             let missing = || StandardError::NoSuchDeviation { standard, deviation };

@@ -1,14 +1,15 @@
 //! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
 
 use super::output::Failure;
-use crate::decision::monte_carlo::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, PartSimulation, Settings};
-use crate::decision::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyError};
-use crate::decision::{Evaluation, Limits, Rule};
+use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, PartSimulation, Settings};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::PartError;
+use crate::evaluation::Evaluation;
+use crate::formula::PartDeviation;
 use crate::judge::bound::Basis;
+use crate::judge::{Limits, Rule};
 use crate::report::UncertaintyPart;
 use crate::spec::Spec;
+use crate::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyError};
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct DecisionArgs {
@@ -79,7 +80,7 @@ impl DecisionArgs {
     pub(super) fn judge(
         &self,
         spec: &Spec,
-        errors: &[PartError],
+        errors: &[PartDeviation],
         basis: &Basis,
         evaluation: &mut Evaluation,
     ) -> Result<Option<UncertaintyPart>, Failure> {
@@ -145,7 +146,7 @@ fn simulate(
     limits: &Limits,
     settings: &Settings,
 ) -> Result<PartSimulation, Failure> {
-    monte_carlo::simulate_part(part, uncertainties, limits, settings).map_err(|error| unsimulated(&error).into())
+    chance::simulate_part(part, uncertainties, limits, settings).map_err(|error| unsimulated(&error).into())
 }
 
 fn unsimulated(error: &MonteCarloError) -> Diagnostic {

@@ -6,10 +6,11 @@ use super::decision::DecisionArgs;
 use super::mesh;
 use super::output::{Failure, Output, Status};
 use super::teeth::{self, with_known_teeth};
-use crate::decision::{self, Evaluation, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::{Model, PartError};
+use crate::evaluation::{Evaluation, evaluate};
+use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::Basis;
+use crate::judge::{LimitTarget, Stack, Verdict};
 use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
 use crate::spec::Spec;
 
@@ -95,7 +96,7 @@ impl Args {
         let spec = with_known_teeth(super::read_spec(&path, output)?, &path)?;
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) =
-            judged(&spec, &spec.part_errors()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
+            judged(&spec, &spec.part_deviations()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
         if !self.no_mesh {
             evaluation.reached = teeth::reached(&spec, &basis)?;
         }
@@ -120,14 +121,14 @@ impl Args {
 /// uncertainty.
 pub(super) fn judged(
     spec: &Spec,
-    errors: &[PartError],
+    errors: &[PartDeviation],
     basis: &Basis,
     decision: &DecisionArgs,
     model: Model,
     stack: Stack,
 ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-    let mut evaluation = decision::evaluate(errors, &spec.limits(), model, stack, basis)
-        .map_err(|failure| spec.explain_failure(&failure))?;
+    let mut evaluation =
+        evaluate(errors, &spec.limits(), model, stack, basis).map_err(|failure| spec.explain_failure(&failure))?;
     let uncertainty = decision.judge(spec, errors, basis, &mut evaluation)?;
     Ok((evaluation, uncertainty))
 }

@@ -30,31 +30,27 @@ const METHODS: &[Page] = &[
     Page {
         name: "combination",
         aliases: &["range", "worst-case", "worst", "rss", "stack"],
-        text: include_str!("../decision/stack.md"),
+        text: include_str!("../judge/stack.md"),
     },
-    Page { name: "uncertainty", aliases: &["gum", "u", "k"], text: include_str!("../decision/uncertainty/method.md") },
+    Page { name: "uncertainty", aliases: &["gum", "u", "k"], text: include_str!("../uncertainty/method.md") },
     Page {
         name: "rule",
         aliases: &["iso14253", "guard", "simple", "conformance", "risk"],
-        text: include_str!("../decision/rule.md"),
+        text: include_str!("../judge/rule.md"),
     },
-    Page {
-        name: "monte-carlo",
-        aliases: &["simulation-of-errors"],
-        text: include_str!("../decision/monte_carlo/method.md"),
-    },
+    Page { name: "monte-carlo", aliases: &["simulation-of-errors"], text: include_str!("../chance/method.md") },
     Page {
         name: "capability",
         aliases: &["cp", "cpk", "pp", "ppk"],
-        text: include_str!("../decision/capability/method.md"),
+        text: include_str!("../statistics/capability/method.md"),
     },
-    Page { name: "budget", aliases: &["tolerance"], text: include_str!("../decision/budget/method.md") },
+    Page { name: "budget", aliases: &["tolerance"], text: include_str!("../budget/method.md") },
     Page {
         name: "permissible",
         aliases: &["standard", "iso1328", "din3962", "jisb1702", "f-p", "f-pt", "f-r", "f-beta"],
         text: include_str!("../standard/method.md"),
     },
-    Page { name: "class", aliases: &["grade"], text: include_str!("../decision/class.md") },
+    Page { name: "class", aliases: &["grade"], text: include_str!("../judge/class.md") },
     Page { name: "mesh", aliases: &["exact-mesh"], text: include_str!("../mesh/method.md") },
     Page {
         name: "curve",

@@ -8,10 +8,10 @@ use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::teeth::{Judged, with_known_teeth};
-use crate::decision::{LimitTarget, Prediction, Verdict};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
-use crate::deviation::{ErrorValue, PinionToothRow, RackDeviationKind};
+use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::judge::{LimitTarget, Prediction, Verdict};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
@@ -187,7 +187,7 @@ pub(super) fn notes(input: &MeshInput) -> Vec<String> {
 fn doubted_rows(input: &MeshInput) -> Vec<String> {
     let usual = Reach::usual(Length::from_mm(input.mesh.pair().normal_module_mm()).ok());
     let note = |part: &str, values: Vec<f64>| {
-        let values = values.into_iter().filter_map(|mm| Length::from_mm(mm).ok()).map(ErrorValue::Length);
+        let values = values.into_iter().filter_map(|mm| Length::from_mm(mm).ok()).map(DeviationValue::Length);
         let count = usual.doubted(&values.collect::<Vec<_>>());
         (count > 0).then(|| format!("the {part}'s table: {}", DoubtedColumn { usual, is_lead: false, count }))
     };

@@ -2,10 +2,10 @@
 
 use super::output::{Failure, Output, Status};
 use super::{long, mesh};
-use crate::decision::monte_carlo::DEFAULT_SEED;
-use crate::decision::monte_carlo::racks::{RackSettings, RacksError, simulate_racks};
-use crate::decision::{LimitTarget, Verdict};
+use crate::chance::DEFAULT_SEED;
+use crate::chance::racks::{RackSettings, RacksError, simulate_racks};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::judge::{LimitTarget, Verdict};
 use crate::quantity::Length;
 use crate::report::{Format, RacksReport};
 

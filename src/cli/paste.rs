@@ -9,11 +9,11 @@ use super::output::{Failure, Output, Status};
 use super::tables::{self, Opened, ReadArgs};
 use super::{batch, mesh, office, page, target, teeth, terminal};
 use crate::batch::TeethJudge;
-use crate::decision::uncertainty::Source as Uncertain;
-use crate::decision::{Evaluation, LimitTarget};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::evaluation::Evaluation;
+use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
     EvaluationReport, Format, MeshReport, PartRow, PartsReport, Report, SpacesReport, Together, UncertaintyPart,
@@ -21,6 +21,7 @@ use crate::report::{
 };
 use crate::spec::{MeasuredTables, Spec};
 use crate::table::{Container, Gatherer, Reading, Source, Table, Teeth, Want, gather, refusal};
+use crate::uncertainty::Source as Uncertain;
 
 pub(super) const ABOUT: &str =
     "Evaluate a pasted block of measured values: cells of a spreadsheet, a CMM report, a mail";
@@ -140,7 +141,12 @@ impl Args {
         }
     }
 
-    fn evaluate(&self, read: &Read, basis: &Basis, errors: &[(ErrorKind, ErrorValue)]) -> Result<Judged, Failure> {
+    fn evaluate(
+        &self,
+        read: &Read,
+        basis: &Basis,
+        errors: &[(DeviationKind, DeviationValue)],
+    ) -> Result<Judged, Failure> {
         let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
         let of_every_part = read.spec.errors_of_every_part(&in_table)?;
         let all = errors.iter().copied().chain(of_every_part.iter().map(|error| (error.kind(), error.value())));
@@ -148,12 +154,12 @@ impl Args {
         all.sort_by_key(|(kind, _)| *kind);
         let spec = read.spec.with_errors(&all);
         let (mut evaluation, uncertainty) =
-            eval::judged(&spec, &spec.part_errors()?, basis, &self.decision, self.model.into(), self.stack.into())?;
+            eval::judged(&spec, &spec.part_deviations()?, basis, &self.decision, self.model.into(), self.stack.into())?;
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
             evaluation.leave_open(LimitTarget::CenterDistance);
         }
         let is_certain =
-            |kind: &ErrorKind| read.spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(*kind));
+            |kind: &DeviationKind| read.spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(*kind));
         if !self.partial && self.decision.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
             for on in read.spec.limits().into_iter().map(|(on, _)| on) {
                 evaluation.leave_open(on);
@@ -169,7 +175,7 @@ impl Args {
                 .help("for a part's errors put on its teeth: rackmesh eval --mesh")
                 .into());
         }
-        let kinds: Vec<ErrorKind> = table.kinds().collect();
+        let kinds: Vec<DeviationKind> = table.kinds().collect();
         if kinds.is_empty() {
             let message = format!("{} has no column of an error that is known", table.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("`rackmesh read` shows how it is read").into());
@@ -212,10 +218,10 @@ impl Args {
     }
 
     /// What the block leaves to say: what it lacks, and what counts for every part.
-    fn notes(&self, spec: &Spec, kinds: &[ErrorKind]) -> Vec<String> {
+    fn notes(&self, spec: &Spec, kinds: &[DeviationKind]) -> Vec<String> {
         let of_every: Vec<_> = spec.every_part.iter().copied().filter(|kind| !kinds.contains(kind)).collect();
         let lacking = batch::lacking("block lacks", spec, &spec.lacking(kinds), self.partial);
-        let exact = |kind: &&ErrorKind| spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(**kind));
+        let exact = |kind: &&DeviationKind| spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(**kind));
         let exact: Vec<_> = kinds.iter().filter(exact).map(|kind| kind.key()).collect();
         let exact = (!spec.uncertainties.is_empty() && !exact.is_empty())
             .then(|| format!("taken as exact, because no uncertainty is given: {}", exact.join(", ")));
@@ -232,7 +238,7 @@ impl Args {
         &self,
         read: &mut Read,
         table: Table,
-        kinds: &[ErrorKind],
+        kinds: &[DeviationKind],
         output: &mut Output,
     ) -> Result<Vec<PartRow>, Failure> {
         let name = Arc::clone(&table.name);
@@ -283,7 +289,7 @@ impl Args {
             }
         }
         for ((kind, title), count) in kinds.iter().zip(&titles).zip(doubted).filter(|(_, count)| *count > 0) {
-            let column = DoubtedColumn { usual, is_lead: *kind == ErrorKind::RackLead, count };
+            let column = DoubtedColumn { usual, is_lead: *kind == DeviationKind::RackLead, count };
             read.reading.notes.push(format!("{name}: `{title}`: {column}"));
         }
         Ok(rows)

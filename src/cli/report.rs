@@ -12,9 +12,9 @@ use super::tables::{self, Files, ReadArgs};
 use super::teeth::{self, Judged, with_known_teeth};
 use super::{batch, mesh, target};
 use crate::batch::{Batch, Layout, Outcome, Packing, Plan, Request, Rows, Sink, Sinks, Teeth, TeethRequest};
-use crate::decision::{LimitTarget, Stack};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::judge::{LimitTarget, Stack};
 use crate::quantity::Length;
 use crate::report::html::{Chart, InputFile, Page, Section};
 use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
@@ -84,7 +84,7 @@ impl Args {
         }
         let mut statuses = Vec::new();
         // of a lot, the spec may say no more than what its table's values are to be taken with
-        let has_value = |kind: ErrorKind| spec.errors.iter().any(|(error, _)| *error == kind);
+        let has_value = |kind: DeviationKind| spec.errors.iter().any(|(error, _)| *error == kind);
         let nominals = spec.nominals.iter().map(|(kind, _)| *kind);
         let mut promised = nominals.chain(spec.unmeasured.iter().map(|(kind, _)| *kind));
         let is_one_part = self.files.is_empty() || promised.all(has_value);
@@ -113,7 +113,7 @@ impl Args {
         let spec = &with_known_teeth(spec.clone(), &self.spec)?;
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) =
-            eval::judged(spec, &spec.part_errors()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
+            eval::judged(spec, &spec.part_deviations()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
         evaluation.reached = teeth::reached(spec, &basis)?;
         for target in evaluation.not_given() {
             output.diagnostic(&eval::unjudged(spec, target));

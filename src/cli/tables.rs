@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::output::{Failure, Output};
 use super::stream;
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::report;
@@ -166,7 +166,7 @@ impl ReadArgs {
         adjust: &dyn Fn(Want) -> Want,
     ) -> Result<Files, Failure> {
         let mut strangers: Vec<Stranger> = Vec::new();
-        let mut still_missing: Vec<ErrorKind> = Vec::new();
+        let mut still_missing: Vec<DeviationKind> = Vec::new();
         let (mut first, mut failed) = (None, Vec::new());
         let mut kept = Vec::new();
         for path in paths {

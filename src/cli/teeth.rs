@@ -5,13 +5,14 @@ use super::decision::DecisionArgs;
 use super::eval;
 use super::mesh::{measured_tables, unsolved};
 use super::output::Failure;
-use crate::decision::{Evaluation, Interval, JudgedBy, Limit, LimitCheck, LimitTarget, Stack, Verdict};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::{Model, PartError};
+use crate::evaluation::{Evaluation, JudgedBy, LimitCheck};
+use crate::formula::{Model, PartDeviation};
 use crate::gear::Pair;
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, KnownTeeth, Open, Range};
 use crate::judge::reached::{self, Placement, Reached};
 use crate::judge::strokes::{Followed, StrokesError};
+use crate::judge::{Interval, Limit, LimitTarget, Stack, Verdict};
 use crate::mesh::{Mesh, Support};
 use crate::spec::Spec;
 
@@ -61,7 +62,7 @@ impl Judged {
 
     /// The mesh of the worst placement found: at the end that is nearer to the limit, or the upper one.
     pub(super) fn worst_mesh(&self, spec: &Spec, pair: &Pair, limit: Option<&Limit>) -> Result<Option<Mesh>, Failure> {
-        let Some(reached) = worst_placements(&spec.part_errors()?, &self.basis)? else { return Ok(None) };
+        let Some(reached) = worst_placements(&spec.part_deviations()?, &self.basis)? else { return Ok(None) };
         let below = limit.and_then(|limit| limit.lower).map_or(f64::INFINITY, |lower| reached.lower_mm - lower.mm());
         let above = limit.and_then(|limit| limit.upper).map_or(f64::INFINITY, |upper| upper.mm() - reached.upper_mm);
         let Placement { rack, pinion, .. } = if below < above { reached.lower } else { reached.upper };
@@ -76,19 +77,19 @@ pub(super) fn reached(spec: &Spec, basis: &Basis) -> Result<Option<Interval>, Fa
     if !spec.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance) {
         return Ok(None);
     }
-    reached_by(&spec.part_errors()?, basis)
+    reached_by(&spec.part_deviations()?, basis)
 }
 
 /// What errors reach on the worst teeth that a search finds, if the whole pair is known; nothing beside known teeth, or with a
 /// rack that may roll.
-pub(super) fn reached_by(errors: &[PartError], basis: &Basis) -> Result<Option<Interval>, Failure> {
+pub(super) fn reached_by(errors: &[PartDeviation], basis: &Basis) -> Result<Option<Interval>, Failure> {
     let Some(Reached { lower_mm, upper_mm, .. }) = worst_placements(errors, basis)? else { return Ok(None) };
     let interval = Interval::nearest(Range { lower: lower_mm, upper: upper_mm });
     Ok(Some(interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?))
 }
 
 /// The worst placements that a search finds, where there are any to be found.
-fn worst_placements(errors: &[PartError], basis: &Basis) -> Result<Option<Reached>, Failure> {
+fn worst_placements(errors: &[PartDeviation], basis: &Basis) -> Result<Option<Reached>, Failure> {
     let GivenGeometry::Known(pairs) = &basis.geometry else { return Ok(None) };
     if basis.known_teeth.is_some() || errors.is_empty() {
         return Ok(None);

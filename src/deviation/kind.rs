@@ -30,7 +30,7 @@ impl Part {
 /// A kind of manufacturing error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
-pub enum ErrorKind {
+pub enum DeviationKind {
     /// Over-roller error of the rack: a shift of its pitch line.
     RackOverRoller,
     /// Pitch error of the rack.
@@ -45,7 +45,7 @@ pub enum ErrorKind {
     PinionLead,
 }
 
-impl ErrorKind {
+impl DeviationKind {
     /// The kinds that the paper has a formula for, in its order.
     pub const OF_PAPER: [Self; 5] =
         [Self::RackOverRoller, Self::RackPitch, Self::RackLead, Self::PinionRadial, Self::PinionPitch];
@@ -122,7 +122,7 @@ impl ErrorKind {
     }
 }
 
-impl fmt::Display for ErrorKind {
+impl fmt::Display for DeviationKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
@@ -130,7 +130,7 @@ impl fmt::Display for ErrorKind {
 
 /// The value of an error: a length, or an angle for a lead error of the rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ErrorValue {
+pub enum DeviationValue {
     /// A deviation in length.
     Length(Length),
     /// A deviation in angle.
@@ -139,12 +139,12 @@ pub enum ErrorValue {
     Slope(f64),
 }
 
-impl ErrorValue {
+impl DeviationValue {
     /// No error of a kind.
     #[must_use]
-    pub const fn zero(kind: ErrorKind) -> Self {
+    pub const fn zero(kind: DeviationKind) -> Self {
         match kind {
-            ErrorKind::RackLead => Self::Angle(Angle::ZERO),
+            DeviationKind::RackLead => Self::Angle(Angle::ZERO),
             _ => Self::Length(Length::ZERO),
         }
     }
@@ -190,7 +190,7 @@ impl ErrorValue {
     }
 }
 
-impl fmt::Display for ErrorValue {
+impl fmt::Display for DeviationValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Length(length) => length.fmt(f),
@@ -200,13 +200,13 @@ impl fmt::Display for ErrorValue {
     }
 }
 
-impl From<Length> for ErrorValue {
+impl From<Length> for DeviationValue {
     fn from(length: Length) -> Self {
         Self::Length(length)
     }
 }
 
-impl From<Angle> for ErrorValue {
+impl From<Angle> for DeviationValue {
     fn from(angle: Angle) -> Self {
         Self::Angle(angle)
     }
@@ -219,13 +219,13 @@ mod tests {
     #[test]
     fn keys_are_those_of_a_spec() {
         let keys = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch", "pinion_lead"];
-        assert_eq!(ErrorKind::ALL.map(ErrorKind::key), keys);
-        assert!(ErrorKind::ALL.starts_with(&ErrorKind::OF_PAPER));
+        assert_eq!(DeviationKind::ALL.map(DeviationKind::key), keys);
+        assert!(DeviationKind::ALL.starts_with(&DeviationKind::OF_PAPER));
     }
 
     #[test]
     fn keys_begin_with_the_part() {
-        for kind in ErrorKind::ALL {
+        for kind in DeviationKind::ALL {
             assert!(kind.key().starts_with(kind.part().name()), "{kind}");
         }
     }

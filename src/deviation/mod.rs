@@ -1,6 +1,6 @@
 //! What is wrong with a part.
 //!
-//! For the formulas, one value per kind of error ([`ErrorKind`]). For the mesh and the multibody model, one
+//! For the formulas, one value per kind of error ([`DeviationKind`]). For the mesh and the multibody model, one
 //! displacement and one lead deviation per tooth and flank: [`RackFlanks`] and [`PinionFlanks`], made by the
 //! spec layer from any number of deviations that add up, and from measured rows ([`RackSpaceRow`],
 //! [`PinionToothRow`]). Nothing here reads a file or computes a contact.
@@ -18,7 +18,7 @@ mod tooth_range;
 pub use error::{DeviationError, DeviationQuantity};
 pub use extent::{Extent, Unit, UnknownExtent};
 pub use form::{PinionForm, RackForm};
-pub use kind::{ErrorKind, ErrorValue, Part};
+pub use kind::{DeviationKind, DeviationValue, Part};
 pub use measured::{PinionToothRow, RackSpaceRow, pinion_flanks_from_rows, rack_flanks_from_spaces};
 pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
 pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};

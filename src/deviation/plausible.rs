@@ -15,7 +15,7 @@
 
 use std::fmt;
 
-use super::ErrorValue;
+use super::DeviationValue;
 use crate::quantity::{Angle, Length};
 
 /// A whole number of millimetres.
@@ -83,28 +83,28 @@ impl Reach {
     /// Whether a value is beyond it.
     #[must_use]
     #[inline]
-    pub fn is_exceeded_by(&self, value: ErrorValue) -> bool {
+    pub fn is_exceeded_by(&self, value: DeviationValue) -> bool {
         match value {
-            ErrorValue::Length(length) => length.abs() > self.length,
-            ErrorValue::Angle(angle) => angle.abs() > self.angle,
-            ErrorValue::Slope(slope) => slope.abs() > self.slope,
+            DeviationValue::Length(length) => length.abs() > self.length,
+            DeviationValue::Angle(angle) => angle.abs() > self.angle,
+            DeviationValue::Slope(slope) => slope.abs() > self.slope,
         }
     }
 
     /// How many of a column's values are suspicious, if this is what is usual.
     #[must_use]
-    pub fn doubted(&self, values: &[ErrorValue]) -> u64 {
+    pub fn doubted(&self, values: &[DeviationValue]) -> u64 {
         values.iter().filter(|value| self.is_reached_by(**value)).count() as u64
     }
 
     /// Whether a value is beyond it or at its end.
     #[must_use]
     #[inline]
-    pub fn is_reached_by(&self, value: ErrorValue) -> bool {
+    pub fn is_reached_by(&self, value: DeviationValue) -> bool {
         match value {
-            ErrorValue::Length(length) => length.abs() >= self.length,
-            ErrorValue::Angle(angle) => angle.abs() >= self.angle,
-            ErrorValue::Slope(slope) => slope.abs() >= self.slope,
+            DeviationValue::Length(length) => length.abs() >= self.length,
+            DeviationValue::Angle(angle) => angle.abs() >= self.angle,
+            DeviationValue::Slope(slope) => slope.abs() >= self.slope,
         }
     }
 }
@@ -161,7 +161,7 @@ pub struct Doubt {
     /// What it is of.
     pub quantity: Quantity,
     /// The value.
-    pub value: ErrorValue,
+    pub value: DeviationValue,
     /// Whether no part can have it; else it is suspicious.
     pub is_impossible: bool,
     /// What was probably meant.
@@ -170,16 +170,18 @@ pub struct Doubt {
 
 /// The doubt about the value of an error.
 #[must_use]
-pub fn deviation(value: ErrorValue, module: Option<Length>) -> Option<Doubt> {
+pub fn deviation(value: DeviationValue, module: Option<Length>) -> Option<Doubt> {
     let usual = Reach::usual(module);
     if !usual.is_reached_by(value) {
         return None;
     }
     let (quantity, meant) = match value {
-        ErrorValue::Length(length) => (Quantity::Deviation(module), size_or_micrometres(length, usual.length)),
-        ErrorValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => (Quantity::Lead, Meant::Unit("arcmin")),
-        ErrorValue::Angle(_) => (Quantity::Lead, Meant::Unknown),
-        ErrorValue::Slope(_) => (Quantity::Lead, Meant::Slope),
+        DeviationValue::Length(length) => (Quantity::Deviation(module), size_or_micrometres(length, usual.length)),
+        DeviationValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => {
+            (Quantity::Lead, Meant::Unit("arcmin"))
+        }
+        DeviationValue::Angle(_) => (Quantity::Lead, Meant::Unknown),
+        DeviationValue::Slope(_) => (Quantity::Lead, Meant::Slope),
     };
     let is_impossible = Reach::possible(module).is_exceeded_by(value);
     Some(Doubt { quantity, value, is_impossible, meant })
@@ -202,7 +204,7 @@ pub fn pressure_angle(angle: Angle) -> Option<Doubt> {
     let value = angle.degrees();
     (value > 0.0 && value < SMALL_PRESSURE_ANGLE).then(|| Doubt {
         quantity: Quantity::PressureAngle,
-        value: ErrorValue::Angle(angle),
+        value: DeviationValue::Angle(angle),
         is_impossible: value < SMALLEST_PRESSURE_ANGLE,
         meant: if PRESSURE_ANGLES_RAD.contains(&value) { Meant::Unit("rad") } else { Meant::Unknown },
     })
@@ -213,7 +215,7 @@ pub fn pressure_angle(angle: Angle) -> Option<Doubt> {
 pub fn helix_angle(angle: Angle) -> Option<Doubt> {
     HELIX_ANGLES_RAD.contains(&angle.abs().degrees()).then_some(Doubt {
         quantity: Quantity::HelixAngle,
-        value: ErrorValue::Angle(angle),
+        value: DeviationValue::Angle(angle),
         is_impossible: false,
         meant: Meant::Unit("rad"),
     })
@@ -234,7 +236,7 @@ pub fn face_width(width: Length, module: Option<Length>) -> Option<Doubt> {
 }
 
 fn large(quantity: Quantity, value: Length) -> Doubt {
-    Doubt { quantity, value: ErrorValue::Length(value), is_impossible: false, meant: Meant::Unit("um") }
+    Doubt { quantity, value: DeviationValue::Length(value), is_impossible: false, meant: Meant::Unit("um") }
 }
 
 impl Doubt {
@@ -276,14 +278,14 @@ fn name(unit: &'static str) -> &'static str {
 }
 
 /// A value as it is shown: the angle of a slope with few digits.
-struct Shown(ErrorValue);
+struct Shown(DeviationValue);
 
 impl fmt::Display for Shown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
-            ErrorValue::Length(length) => length.fmt(f),
-            ErrorValue::Angle(angle) => angle.fmt(f),
-            slope @ ErrorValue::Slope(_) => write!(f, "{:.2}°", slope.base()),
+            DeviationValue::Length(length) => length.fmt(f),
+            DeviationValue::Angle(angle) => angle.fmt(f),
+            slope @ DeviationValue::Slope(_) => write!(f, "{:.2}°", slope.base()),
         }
     }
 }
@@ -366,7 +368,7 @@ mod tests {
             ("-12", Some("2"), Some((true, MICROMETRES))),
             ("1", Some("20"), Some((false, MICROMETRES))),
         ] {
-            let found = deviation(ErrorValue::Length(length(value)), module.map(length));
+            let found = deviation(DeviationValue::Length(length(value)), module.map(length));
             assert_eq!(said(found), expected, "{value} {module:?}");
         }
     }
@@ -374,17 +376,17 @@ mod tests {
     #[test]
     fn leads() {
         for (value, expected) in [
-            (ErrorValue::Angle(angle("0.0017")), None),
-            (ErrorValue::Angle(angle("-1.999")), None),
-            (ErrorValue::Angle(angle("2")), Some((false, Meant::Unit("arcmin")))),
-            (ErrorValue::Angle(angle("-15")), Some((false, Meant::Unit("arcmin")))),
-            (ErrorValue::Angle(angle("45")), Some((false, Meant::Unit("arcmin")))),
-            (ErrorValue::Angle(angle("46")), Some((true, Meant::Unit("arcmin")))),
-            (ErrorValue::Angle(angle("120")), Some((true, Meant::Unknown))),
-            (ErrorValue::Slope(0.034), None),
-            (ErrorValue::Slope(-0.035), Some((false, Meant::Slope))),
-            (ErrorValue::Slope(1.0), Some((false, Meant::Slope))),
-            (ErrorValue::Slope(1.01), Some((true, Meant::Slope))),
+            (DeviationValue::Angle(angle("0.0017")), None),
+            (DeviationValue::Angle(angle("-1.999")), None),
+            (DeviationValue::Angle(angle("2")), Some((false, Meant::Unit("arcmin")))),
+            (DeviationValue::Angle(angle("-15")), Some((false, Meant::Unit("arcmin")))),
+            (DeviationValue::Angle(angle("45")), Some((false, Meant::Unit("arcmin")))),
+            (DeviationValue::Angle(angle("46")), Some((true, Meant::Unit("arcmin")))),
+            (DeviationValue::Angle(angle("120")), Some((true, Meant::Unknown))),
+            (DeviationValue::Slope(0.034), None),
+            (DeviationValue::Slope(-0.035), Some((false, Meant::Slope))),
+            (DeviationValue::Slope(1.0), Some((false, Meant::Slope))),
+            (DeviationValue::Slope(1.01), Some((true, Meant::Slope))),
         ] {
             assert_eq!(said(deviation(value, Some(length("2")))), expected, "{value:?}");
         }
@@ -424,12 +426,12 @@ mod tests {
 
     #[test]
     fn what_to_write_is_what_reads_as_meant() {
-        let doubt = deviation(ErrorValue::Length(length("12")), None).expect("much");
+        let doubt = deviation(DeviationValue::Length(length("12")), None).expect("much");
         assert_eq!(doubt.remedy(Written::Spec), "if that is µm, write \"12 um\"");
         assert_eq!(doubt.remedy(Written::Argument), "if that is µm, write 12um");
         assert_eq!(doubt.of_difference().remedy(Written::Spec), "check the unit and the decimal mark");
         assert_eq!(length("12 um"), length("0.012"));
-        let size = deviation(ErrorValue::Length(length("25.013")), None).expect("much");
+        let size = deviation(DeviationValue::Length(length("25.013")), None).expect("much");
         assert_eq!(size.remedy(Written::Argument), "if that is a measured size, write --measured 25.013 --nominal …");
     }
 }

@@ -14,7 +14,7 @@
 //! shapes are derived in [`mesh::relations`](crate::mesh::relations).
 
 use super::{FormulaPage, Input, Model, Sensitivity, catalogue, domain};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::quantity::{Angle, Domain, DomainError, Length};
 use crate::trig;
 
@@ -35,7 +35,7 @@ use crate::trig;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
-    kind: ErrorKind,
+    kind: DeviationKind,
     /// What the gain follows from; `None` for a shift.
     geometry: Option<Geometry>,
     /// Of the exact and the paper's model: per step, or in femtometres per unit of sine or tangent.
@@ -69,13 +69,13 @@ pub(crate) const RADIANS_PER_DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// pitch error, 1 / (2 cos β tan α_n) of the rack's lead error; in the paper's model cos β is 1. Of the pinion's lead, in
 /// both models, 1 / (2 sin α_t), tan α_t = tan α_n / cos β: the same as cos β_b / (2 sin α_n).
 #[must_use]
-pub(crate) fn unit_gain(kind: ErrorKind, model: Model, tan_alpha: f64, cos_beta: f64) -> f64 {
+pub(crate) fn unit_gain(kind: DeviationKind, model: Model, tan_alpha: f64, cos_beta: f64) -> f64 {
     match (kind, model) {
-        (ErrorKind::RackOverRoller | ErrorKind::PinionRadial, _) => 1.0,
-        (ErrorKind::PinionLead, _) => (tan_alpha * tan_alpha + cos_beta * cos_beta).sqrt() / (2.0 * tan_alpha),
+        (DeviationKind::RackOverRoller | DeviationKind::PinionRadial, _) => 1.0,
+        (DeviationKind::PinionLead, _) => (tan_alpha * tan_alpha + cos_beta * cos_beta).sqrt() / (2.0 * tan_alpha),
         (_, Model::Paper) => 0.5 / tan_alpha,
-        (ErrorKind::RackPitch | ErrorKind::PinionPitch, Model::Exact) => cos_beta / (2.0 * tan_alpha),
-        (ErrorKind::RackLead, Model::Exact) => 0.5 / (cos_beta * tan_alpha),
+        (DeviationKind::RackPitch | DeviationKind::PinionPitch, Model::Exact) => cos_beta / (2.0 * tan_alpha),
+        (DeviationKind::RackLead, Model::Exact) => 0.5 / (cos_beta * tan_alpha),
     }
 }
 
@@ -83,7 +83,7 @@ impl Law {
     #[doc = include_str!("over_roller.md")]
     #[must_use]
     pub const fn rack_over_roller() -> Self {
-        Self { kind: ErrorKind::RackOverRoller, geometry: None, gains: [1.0; 2] }
+        Self { kind: DeviationKind::RackOverRoller, geometry: None, gains: [1.0; 2] }
     }
 
     #[doc = include_str!("rack_pitch.md")]
@@ -93,7 +93,7 @@ impl Law {
     pub fn rack_pitch(normal_pressure_angle: Angle, rack_helix_angle: Angle) -> Result<Self, DomainError> {
         let of_rack =
             Geometry { pressure_angle: normal_pressure_angle, helix_angle: rack_helix_angle, face_width: None };
-        Self::new(ErrorKind::RackPitch, of_rack, &domain::RACK_HELIX_ANGLE)
+        Self::new(DeviationKind::RackPitch, of_rack, &domain::RACK_HELIX_ANGLE)
     }
 
     #[doc = include_str!("rack_lead.md")]
@@ -111,13 +111,13 @@ impl Law {
             helix_angle: rack_helix_angle,
             face_width: Some(face_width),
         };
-        Self::new(ErrorKind::RackLead, of_rack, &domain::RACK_HELIX_ANGLE)
+        Self::new(DeviationKind::RackLead, of_rack, &domain::RACK_HELIX_ANGLE)
     }
 
     #[doc = include_str!("pinion_radial.md")]
     #[must_use]
     pub const fn pinion_radial() -> Self {
-        Self { kind: ErrorKind::PinionRadial, geometry: None, gains: [1.0; 2] }
+        Self { kind: DeviationKind::PinionRadial, geometry: None, gains: [1.0; 2] }
     }
 
     #[doc = include_str!("pinion_pitch.md")]
@@ -127,7 +127,7 @@ impl Law {
     pub fn pinion_pitch(normal_pressure_angle: Angle, pinion_helix_angle: Angle) -> Result<Self, DomainError> {
         let of_pinion =
             Geometry { pressure_angle: normal_pressure_angle, helix_angle: pinion_helix_angle, face_width: None };
-        Self::new(ErrorKind::PinionPitch, of_pinion, &domain::PINION_HELIX_ANGLE)
+        Self::new(DeviationKind::PinionPitch, of_pinion, &domain::PINION_HELIX_ANGLE)
     }
 
     #[doc = include_str!("pinion_lead.md")]
@@ -137,10 +137,10 @@ impl Law {
     pub fn pinion_lead(normal_pressure_angle: Angle, pinion_helix_angle: Angle) -> Result<Self, DomainError> {
         let of_pinion =
             Geometry { pressure_angle: normal_pressure_angle, helix_angle: pinion_helix_angle, face_width: None };
-        Self::new(ErrorKind::PinionLead, of_pinion, &domain::PINION_HELIX_ANGLE)
+        Self::new(DeviationKind::PinionLead, of_pinion, &domain::PINION_HELIX_ANGLE)
     }
 
-    fn new(kind: ErrorKind, geometry: Geometry, helix: &Domain) -> Result<Self, DomainError> {
+    fn new(kind: DeviationKind, geometry: Geometry, helix: &Domain) -> Result<Self, DomainError> {
         domain::NORMAL_PRESSURE_ANGLE.check_angle(geometry.pressure_angle)?;
         helix.check_angle(geometry.helix_angle)?;
         let tan_alpha = trig::tan_of(geometry.pressure_angle);
@@ -159,7 +159,7 @@ impl Law {
             && face_width_mm >= 0.0;
         let tan_alpha = trig::tan(pressure_angle * RADIANS_PER_DEGREE);
         let cos_beta = trig::cos(helix_angle * RADIANS_PER_DEGREE);
-        let width = if self.kind == ErrorKind::RackLead { face_width_mm * FM_PER_MM } else { 1.0 };
+        let width = if self.kind == DeviationKind::RackLead { face_width_mm * FM_PER_MM } else { 1.0 };
         let gain = |model| {
             if is_valid { width * unit_gain(self.kind, model, tan_alpha, cos_beta) } else { f64::NAN }
         };
@@ -168,7 +168,7 @@ impl Law {
 
     /// The kind of error.
     #[must_use]
-    pub const fn kind(self) -> ErrorKind {
+    pub const fn kind(self) -> DeviationKind {
         self.kind
     }
 
@@ -187,10 +187,10 @@ impl Law {
 
     const fn shape(self, model: Model) -> Shape {
         match (self.kind, model) {
-            (ErrorKind::RackOverRoller | ErrorKind::PinionRadial, _) => Shape::Shift,
-            (ErrorKind::RackPitch | ErrorKind::PinionPitch | ErrorKind::PinionLead, _) => Shape::Step,
-            (ErrorKind::RackLead, Model::Exact) => Shape::Sine,
-            (ErrorKind::RackLead, Model::Paper) => Shape::Tangent,
+            (DeviationKind::RackOverRoller | DeviationKind::PinionRadial, _) => Shape::Shift,
+            (DeviationKind::RackPitch | DeviationKind::PinionPitch | DeviationKind::PinionLead, _) => Shape::Step,
+            (DeviationKind::RackLead, Model::Exact) => Shape::Sine,
+            (DeviationKind::RackLead, Model::Paper) => Shape::Tangent,
         }
     }
 
@@ -199,30 +199,30 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if the error is outside its domain or no length or angle as the law needs it, or if the result
     /// is beyond the largest length.
-    pub fn delta_cd(self, error: impl Into<ErrorValue>, model: Model) -> Result<Length, DomainError> {
+    pub fn delta_cd(self, error: impl Into<DeviationValue>, model: Model) -> Result<Length, DomainError> {
         let error = error.into();
         let gain = self.gain(model);
         #[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
         let fm = match (self.shape(model), error) {
-            (Shape::Shift, ErrorValue::Length(length)) => return Ok(length),
-            (Shape::Step, ErrorValue::Length(length)) => gain * length.abs().fm() as f64,
-            (Shape::Sine, ErrorValue::Angle(angle)) => {
+            (Shape::Shift, DeviationValue::Length(length)) => return Ok(length),
+            (Shape::Step, DeviationValue::Length(length)) => gain * length.abs().fm() as f64,
+            (Shape::Sine, DeviationValue::Angle(angle)) => {
                 domain::LEAD_ERROR.check_angle(angle)?;
                 gain * trig::sin_of(angle.abs())
             }
-            (Shape::Tangent, ErrorValue::Angle(angle)) => {
+            (Shape::Tangent, DeviationValue::Angle(angle)) => {
                 domain::LEAD_ERROR.check_angle(angle)?;
                 gain * trig::tan_of(angle.abs())
             }
             // sin(atan t) = t / √(1 + t²)
-            (Shape::Sine, ErrorValue::Slope(slope)) => gain * (slope.abs() / (1.0 + slope * slope).sqrt()),
-            (Shape::Tangent, ErrorValue::Slope(slope)) => gain * slope.abs(),
+            (Shape::Sine, DeviationValue::Slope(slope)) => gain * (slope.abs() / (1.0 + slope * slope).sqrt()),
+            (Shape::Tangent, DeviationValue::Slope(slope)) => gain * slope.abs(),
             (_, error) => return Err(self.wrong_dimension(error)),
         };
         Ok(Length::nearest(fm, "ΔCD")?)
     }
 
-    fn wrong_dimension(self, error: ErrorValue) -> DomainError {
+    fn wrong_dimension(self, error: DeviationValue) -> DomainError {
         DomainError::WrongDimension { error: self.kind.name(), value: error.to_string() }
     }
 
@@ -261,7 +261,7 @@ impl Law {
     pub fn relative_sensitivities(self, model: Model) -> Vec<(Input, f64)> {
         let Some(Geometry { pressure_angle, helix_angle, face_width }) = self.geometry else { return Vec::new() };
         let (sin, cos) = trig::sin_cos_of(pressure_angle);
-        if self.kind == ErrorKind::PinionLead {
+        if self.kind == DeviationKind::PinionLead {
             let (sin_beta, cos_beta) = trig::sin_cos_of(helix_angle);
             // cos² β_b = sin² α + cos² β cos² α
             let base = sin * sin + cos_beta * cos_beta * cos * cos;
@@ -275,7 +275,7 @@ impl Law {
         if model == Model::Exact {
             // d(ln cos β)/dβ = -tan β
             let by_beta = RADIANS_PER_DEGREE * trig::tan_of(helix_angle);
-            all.push((Input::HelixAngle, if self.kind == ErrorKind::RackLead { by_beta } else { 0.0 - by_beta }));
+            all.push((Input::HelixAngle, if self.kind == DeviationKind::RackLead { by_beta } else { 0.0 - by_beta }));
         }
         all
     }
@@ -284,7 +284,11 @@ impl Law {
     ///
     /// # Errors
     /// [`DomainError`] as for [`delta_cd`](Self::delta_cd).
-    pub fn sensitivities(self, error: impl Into<ErrorValue>, model: Model) -> Result<Vec<Sensitivity>, DomainError> {
+    pub fn sensitivities(
+        self,
+        error: impl Into<DeviationValue>,
+        model: Model,
+    ) -> Result<Vec<Sensitivity>, DomainError> {
         let error = error.into();
         let delta_cd_mm = self.delta_cd(error, model)?.mm();
         let at_kink = self.shape(model) != Shape::Shift && error.is_zero();
@@ -300,28 +304,28 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if `delta_cd` is negative where the error can only push the pinion away, or if no error reaches
     /// it.
-    pub fn largest_error(self, delta_cd: Length, model: Model) -> Result<ErrorValue, DomainError> {
+    pub fn largest_error(self, delta_cd: Length, model: Model) -> Result<DeviationValue, DomainError> {
         /// 1e-11° in nano-arcseconds, and how many of them are just below 90°.
         const DECIMAL: i64 = 36;
         const BELOW_RIGHT_ANGLE: i64 = 9_000_000_000_000 - 1;
         let shape = self.shape(model);
-        let (error, farthest): (fn(i64) -> ErrorValue, i64) = match shape {
-            Shape::Shift => return Ok(ErrorValue::Length(delta_cd)),
-            Shape::Step => (|fm| ErrorValue::Length(Length::from_fm(fm)), Length::LARGEST.fm()),
+        let (error, farthest): (fn(i64) -> DeviationValue, i64) = match shape {
+            Shape::Shift => return Ok(DeviationValue::Length(delta_cd)),
+            Shape::Step => (|fm| DeviationValue::Length(Length::from_fm(fm)), Length::LARGEST.fm()),
             Shape::Sine | Shape::Tangent => {
-                (|decimals| ErrorValue::Angle(Angle::from_nas(decimals * DECIMAL)), BELOW_RIGHT_ANGLE)
+                (|decimals| DeviationValue::Angle(Angle::from_nas(decimals * DECIMAL)), BELOW_RIGHT_ANGLE)
             }
         };
         domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
         if delta_cd.is_zero() {
-            return Ok(ErrorValue::zero(self.kind));
+            return Ok(DeviationValue::zero(self.kind));
         }
         let within = |steps: i64| self.delta_cd(error(steps), model).is_ok_and(|reached| reached <= delta_cd);
         match last_within(farthest, within) {
             Some(steps) => Ok(error(steps)),
             None => Err(DomainError::NeverReached {
                 error: match (shape, self.kind) {
-                    (Shape::Step, ErrorKind::PinionLead) => "helix slope deviation up to 1 km",
+                    (Shape::Step, DeviationKind::PinionLead) => "helix slope deviation up to 1 km",
                     (Shape::Step, _) => "pitch error up to 1 km",
                     _ => "lead angle error below 90°",
                 },
@@ -389,20 +393,20 @@ fn last_within(farthest: i64, within: impl Fn(i64) -> bool) -> Option<i64> {
 
 /// The page of the law of a kind of error.
 #[must_use]
-pub fn page_of(kind: ErrorKind) -> &'static FormulaPage {
+pub fn page_of(kind: DeviationKind) -> &'static FormulaPage {
     match kind {
-        ErrorKind::RackOverRoller => &catalogue::RACK_OVER_ROLLER,
-        ErrorKind::RackPitch => &catalogue::RACK_PITCH,
-        ErrorKind::RackLead => &catalogue::RACK_LEAD,
-        ErrorKind::PinionRadial => &catalogue::PINION_RADIAL,
-        ErrorKind::PinionPitch => &catalogue::PINION_PITCH,
-        ErrorKind::PinionLead => &catalogue::PINION_LEAD,
+        DeviationKind::RackOverRoller => &catalogue::RACK_OVER_ROLLER,
+        DeviationKind::RackPitch => &catalogue::RACK_PITCH,
+        DeviationKind::RackLead => &catalogue::RACK_LEAD,
+        DeviationKind::PinionRadial => &catalogue::PINION_RADIAL,
+        DeviationKind::PinionPitch => &catalogue::PINION_PITCH,
+        DeviationKind::PinionLead => &catalogue::PINION_LEAD,
     }
 }
 
 /// The right-hand side of a law's equation, as its page prints it: `|Δp| cos β_r / (2 tan α_n)`.
 #[must_use]
-pub fn equation(kind: ErrorKind, model: Model) -> &'static str {
+pub fn equation(kind: DeviationKind, model: Model) -> &'static str {
     page_of(kind).equation(model).trim_start_matches("ΔCD = ")
 }
 
@@ -410,9 +414,9 @@ pub fn equation(kind: ErrorKind, model: Model) -> &'static str {
 ///
 /// # Errors
 /// [`DomainError`] if the length is not above 0.
-pub fn lead_slope(helix_slope_deviation: Length, length: Length) -> Result<ErrorValue, DomainError> {
+pub fn lead_slope(helix_slope_deviation: Length, length: Length) -> Result<DeviationValue, DomainError> {
     domain::EVALUATION_LENGTH.check_length(length)?;
-    Ok(ErrorValue::Slope(helix_slope_deviation.mm() / length.mm()))
+    Ok(DeviationValue::Slope(helix_slope_deviation.mm() / length.mm()))
 }
 
 #[cfg(test)]
@@ -465,14 +469,14 @@ mod tests {
             for model in [Model::Exact, Model::Paper] {
                 for text in ["0.000000000001", "0.013", "0.1", "1.7"] {
                     let largest = law.largest_error(length(text), model).unwrap();
-                    let (held, next): (ErrorValue, ErrorValue) = match largest {
-                        ErrorValue::Length(error) => (error.into(), (error + Length::from_fm(1)).into()),
-                        ErrorValue::Angle(error) => {
+                    let (held, next): (DeviationValue, DeviationValue) = match largest {
+                        DeviationValue::Length(error) => (error.into(), (error + Length::from_fm(1)).into()),
+                        DeviationValue::Angle(error) => {
                             let printed: Angle = error.to_string().trim_end_matches('°').parse().unwrap();
                             assert_eq!(printed, error, "read back as printed");
-                            (ErrorValue::Angle(printed), (error + angle("0.00000000001")).into())
+                            (DeviationValue::Angle(printed), (error + angle("0.00000000001")).into())
                         }
-                        ErrorValue::Slope(_) => unreachable!(),
+                        DeviationValue::Slope(_) => unreachable!(),
                     };
                     assert!(law.delta_cd(held, model).unwrap() <= length(text), "{law:?} {text}");
                     assert!(law.delta_cd(next, model).unwrap() > length(text), "{law:?} {text}");
@@ -567,12 +571,12 @@ mod tests {
     /// The paper's formulas know no helix, so they have no derivative by it; at no error there is none by a magnitude.
     #[test]
     fn what_a_law_is_sensitive_to() {
-        let inputs = |law: Law, error: ErrorValue, model| {
+        let inputs = |law: Law, error: DeviationValue, model| {
             let all = law.sensitivities(error, model).unwrap();
             all.iter().filter(|one| one.value.is_some()).map(|one| one.input).collect::<Vec<_>>()
         };
         let [shift, step, lead, .., pinion_lead] = laws("20", "15");
-        let error = ErrorValue::Length(length("0.02"));
+        let error = DeviationValue::Length(length("0.02"));
         assert_eq!(inputs(shift, Length::ZERO.into(), Model::Exact), [Input::Error]);
         assert_eq!(inputs(step, error, Model::Exact), [Input::Error, Input::NormalPressureAngle, Input::HelixAngle]);
         assert_eq!(inputs(step, error, Model::Paper), [Input::Error, Input::NormalPressureAngle]);
@@ -599,7 +603,8 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_an_error() {
         let [shift, step, lead, ..] = laws("5", "0");
-        for (law, error) in [(shift, angle("1").into()), (step, ErrorValue::Slope(0.1)), (lead, length("1").into())] {
+        for (law, error) in [(shift, angle("1").into()), (step, DeviationValue::Slope(0.1)), (lead, length("1").into())]
+        {
             assert!(matches!(law.delta_cd(error, Model::Exact), Err(DomainError::WrongDimension { .. })));
         }
         let overflow = step.delta_cd(length("1e6"), Model::Exact).unwrap_err().to_string();
@@ -626,11 +631,11 @@ mod tests {
                 assert!(!equation(law.kind(), model).is_empty(), "{law:?}");
             }
         }
-        assert_eq!(equation(ErrorKind::RackPitch, Model::Exact), "|Δp| cos β_r / (2 tan α_n)");
-        assert_eq!(equation(ErrorKind::RackLead, Model::Paper), "k |tan Δβ| / (2 tan α_n)");
-        assert_eq!(equation(ErrorKind::PinionRadial, Model::Paper), "r - r_nom");
+        assert_eq!(equation(DeviationKind::RackPitch, Model::Exact), "|Δp| cos β_r / (2 tan α_n)");
+        assert_eq!(equation(DeviationKind::RackLead, Model::Paper), "k |tan Δβ| / (2 tan α_n)");
+        assert_eq!(equation(DeviationKind::PinionRadial, Model::Paper), "r - r_nom");
         for model in [Model::Exact, Model::Paper] {
-            assert_eq!(equation(ErrorKind::PinionLead, model), "|f_Hβ| cos β_b / (2 sin α_n)");
+            assert_eq!(equation(DeviationKind::PinionLead, model), "|f_Hβ| cos β_b / (2 sin α_n)");
         }
     }
 }

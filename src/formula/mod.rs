@@ -2,7 +2,7 @@
 //!
 //! The formulas of the paper *Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing*, sections 2.1 and
 //! 2.2, and one for the pinion's lead, which it does not have; each with a page of its equation, symbols, units, domain and source. Those of ΔCD are [laws](Law): value, inverse
-//! (the largest error that stays within a ΔCD) and sensitivities (∂ΔCD/∂input) in one place. The decision module evaluates
+//! (the largest error that stays within a ΔCD) and sensitivities (∂ΔCD/∂input) in one place. The [evaluation](crate::evaluation) evaluates
 //! and combines them; they take validated quantities and know nothing of files or tables.
 //!
 //! | error | ΔCD | law |
@@ -26,13 +26,13 @@ pub mod over_pin;
 pub mod roller_change;
 
 mod catalogue;
-mod part_error;
+mod part_deviation;
 
 #[cfg(feature = "spec")]
 pub(crate) use catalogue::OVER_PIN;
 pub use catalogue::{CATALOGUE, FormulaPage};
 pub use law::{Geometry, Law};
-pub use part_error::PartError;
+pub use part_deviation::PartDeviation;
 
 use std::fmt;
 

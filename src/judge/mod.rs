@@ -1,8 +1,25 @@
-//! What errors can do at worst. [`bound`] computes ranges of ΔCD that no placement of the errors leaves, [`reached`] finds
-//! placements that come near their ends.
+//! What errors do at worst, and what limits say of it.
 //!
-//! Called by whoever gives a verdict; knows nothing of files, limits or words of a report.
+//! [`bound`] computes ranges of ΔCD that no placement of the errors leaves, [`reached`] finds placements that come near their
+//! ends; a [`Stack`] is how errors combine, a [`Limit`] what the sum may be, a [`Rule`] how much uncertainty a verdict bears.
+//! Sums and comparisons are exact: a result equal to a limit in decimal arithmetic is inside it.
+//!
+//! Called by whoever gives a verdict; knows nothing of files or words of a report.
 
 pub mod bound;
+pub mod class;
+pub mod class_mesh;
+pub mod grade;
+mod limit;
+mod measured;
+mod prediction;
 pub mod reached;
+pub mod rule;
+mod stack;
 pub mod strokes;
+
+pub use limit::{Limit, LimitTarget, Limits, Verdict};
+pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};
+pub use prediction::{Predicted, Prediction};
+pub use rule::Rule;
+pub use stack::{Combined, Interval, Stack};

@@ -6,9 +6,12 @@ use super::number::{millimetres, plain};
 use super::uncertainty::{micrometres, rule_name};
 use super::{Block, Column, Report, Table, judged_without};
 use crate::batch::{Counts, Outcome, Part, Plan, QUANTILES, Statistics};
-use crate::decision::capability::{FEWEST_PARTS, Gauge, Index, Normality, PRELIMINARY_PARTS, performance, short_term};
-use crate::decision::{JudgedBy, LimitTarget, Limits, Rule, Stack, Verdict};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
+use crate::evaluation::JudgedBy;
+use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
+use crate::statistics::capability::{
+    FEWEST_PARTS, Gauge, Index, Normality, PRELIMINARY_PARTS, performance, short_term,
+};
 
 /// What the parts of a batch were evaluated by and held against.
 #[derive(Debug)]
@@ -26,7 +29,7 @@ pub struct Basis {
     /// The limits that something needed is missing for.
     pub unjudged: Vec<LimitTarget>,
     /// Errors that the spec asks for and the parts were judged without.
-    pub without: Vec<ErrorKind>,
+    pub without: Vec<DeviationKind>,
 }
 
 impl Basis {
@@ -475,7 +478,7 @@ impl Report for BatchReport<'_> {
                     "line": part.line,
                     "record": part.record,
                     "place": part.place,
-                    "limit_on": part.on.map(crate::decision::LimitTarget::key),
+                    "limit_on": part.on.map(crate::judge::LimitTarget::key),
                     "result_lower_mm": part.result_mm.0,
                     "result_upper_mm": part.result_mm.1,
                     "margin_mm": part.on.map(|_| part.margin_mm),

@@ -5,11 +5,11 @@ use serde_json::{Value, json};
 use super::evaluation::{ON_WORST_TEETH, class_json, interval_json, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table};
-use crate::decision::budget::{Budget, Line, Rule};
-use crate::decision::class::ErrorClass;
-use crate::decision::{Interval, Limit, Stack};
-use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
+use crate::budget::{Budget, Line, Rule};
+use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::formula::{Input, Model};
+use crate::judge::class::ErrorClass;
+use crate::judge::{Interval, Limit, Stack};
 use crate::quantity::{Length, LengthUnit};
 
 /// A budget with what it was asked for.
@@ -38,9 +38,9 @@ pub struct BudgetReport<'a> {
 }
 
 /// What an input is called, with its unit.
-fn input_name(kind: ErrorKind, input: Input) -> (String, &'static str) {
+fn input_name(kind: DeviationKind, input: Input) -> (String, &'static str) {
     match input {
-        Input::Error if kind == ErrorKind::RackLead => (kind.to_string(), "mm/°"),
+        Input::Error if kind == DeviationKind::RackLead => (kind.to_string(), "mm/°"),
         Input::Error => (kind.to_string(), "mm/mm"),
         Input::NormalPressureAngle => ("normal pressure angle α_n".to_owned(), "mm/°"),
         Input::HelixAngle if kind.part() == Part::Pinion => ("helix angle of the pinion β_p".to_owned(), "mm/°"),
@@ -150,7 +150,7 @@ impl BudgetReport<'_> {
     fn tolerance_text(line: &Line) -> String {
         // cut, not rounded: what is printed meets the limit
         match line.error.value() {
-            ErrorValue::Length(length) => {
+            DeviationValue::Length(length) => {
                 format!("±{} µm", truncated(length.abs().in_unit(LengthUnit::Micrometre), 3))
             }
             angle => format!("±{}°", truncated(angle.abs().base(), 6)),
@@ -177,7 +177,7 @@ impl Report for BudgetReport<'_> {
                 let kind = line.error.kind();
                 let class = self.classes.iter().find(|class| class.kind == kind);
                 let value = (feasible || line.is_fixed).then(|| line.error.value().abs().base());
-                let key = if kind == ErrorKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
+                let key = if kind == DeviationKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
                 let of_line = line.sensitivities.iter().map(|sensitivity| {
                     let (input, unit) = input_name(kind, sensitivity.input);
                     json!({ "input": input, "unit": unit, "value": sensitivity.value })
@@ -246,7 +246,8 @@ impl Report for BudgetReport<'_> {
             let kind = line.error.kind();
             let known = feasible || line.is_fixed;
             let value = if known { plain(line.error.value().abs().base()) } else { String::new() };
-            let (mm, deg) = if kind == ErrorKind::RackLead { (String::new(), value) } else { (value, String::new()) };
+            let (mm, deg) =
+                if kind == DeviationKind::RackLead { (String::new(), value) } else { (value, String::new()) };
             let slope = line.sensitivities.iter().find(|sensitivity| sensitivity.input == Input::Error);
             rows.push(vec![
                 kind.key().to_owned(),
@@ -331,7 +332,7 @@ impl Report for BudgetReport<'_> {
         blocks.extend(self.notes.iter().cloned().map(Block::Note));
         blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
-            Block::Verdict(crate::decision::Verdict::Pass, self.sentence())
+            Block::Verdict(crate::judge::Verdict::Pass, self.sentence())
         } else {
             let names: Vec<String> = budget
                 .broken_by
@@ -344,7 +345,7 @@ impl Report for BudgetReport<'_> {
                 .collect();
             let sentence =
                 format!("the fixed tolerances take more than the limit: {}; {}", names.join(", "), self.sentence());
-            Block::Verdict(crate::decision::Verdict::Fail, sentence)
+            Block::Verdict(crate::judge::Verdict::Fail, sentence)
         });
         blocks
     }

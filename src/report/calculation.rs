@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use super::evaluation::interval_json;
 use super::number::{plain, plain_padded, truncated};
 use super::{Block, Column, Report, Table};
-use crate::decision::Interval;
-use crate::deviation::{ErrorKind, ErrorValue, Extent};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{FormulaPage, Model};
+use crate::judge::Interval;
 use crate::judge::bound::Open;
 use crate::quantity::{AngleUnit, Length, LengthUnit};
 
@@ -17,11 +17,11 @@ pub struct Calculation {
     /// The formula, as `explain` knows it.
     pub formula: &'static FormulaPage,
     /// What was computed, by the chosen model if there is a choice.
-    pub result: ErrorValue,
+    pub result: DeviationValue,
     /// The chosen model; `None` if the formula has one reading only.
     pub model: Option<Model>,
     /// What the other model gives.
-    pub other: Option<ErrorValue>,
+    pub other: Option<DeviationValue>,
     /// The unit of the result.
     pub unit: ResultUnit,
     /// Decimals of the result; `None` for all of them, and at least six.
@@ -38,7 +38,7 @@ pub struct Calculation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WorstCase {
     /// The kind of error.
-    pub kind: ErrorKind,
+    pub kind: DeviationKind,
     /// On which teeth it is.
     pub extent: Extent,
     /// The lowest and the highest ΔCD.
@@ -64,10 +64,10 @@ pub enum ResultUnit {
 
 impl Calculation {
     /// The value in the unit asked for.
-    fn number(&self, value: ErrorValue) -> f64 {
+    fn number(&self, value: DeviationValue) -> f64 {
         match (value, &self.unit) {
-            (ErrorValue::Length(length), ResultUnit::Length(unit, _)) => length.in_unit(*unit),
-            (ErrorValue::Angle(angle), ResultUnit::Angle(unit, _)) => angle.in_unit(*unit),
+            (DeviationValue::Length(length), ResultUnit::Length(unit, _)) => length.in_unit(*unit),
+            (DeviationValue::Angle(angle), ResultUnit::Angle(unit, _)) => angle.in_unit(*unit),
             // a result has the dimension of its unit
             (value, _) => value.base(),
         }
@@ -79,7 +79,7 @@ impl Calculation {
         }
     }
 
-    fn value_text(&self, value: ErrorValue) -> String {
+    fn value_text(&self, value: DeviationValue) -> String {
         let number = self.number(value);
         let text = match self.decimals {
             Some(decimals) if self.is_bound => truncated(number, decimals),
@@ -146,9 +146,9 @@ impl Calculation {
     }
 }
 
-fn base_value(value: ErrorValue) -> (&'static str, f64) {
+fn base_value(value: DeviationValue) -> (&'static str, f64) {
     match value {
-        ErrorValue::Length(length) => ("value_mm", length.mm()),
+        DeviationValue::Length(length) => ("value_mm", length.mm()),
         angle => ("value_deg", angle.base()),
     }
 }

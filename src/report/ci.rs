@@ -6,7 +6,7 @@ use super::batch::{Basis, grouped, whereabouts};
 use super::number::millimetres;
 use super::reading::remarks;
 use crate::batch::{Outcome, Part};
-use crate::decision::Verdict;
+use crate::judge::Verdict;
 
 /// Annotations that a page shows of one step.
 pub const ANNOTATIONS_SHOWN: usize = 10;

@@ -5,10 +5,10 @@ use serde_json::{Value, json};
 use super::evaluation::{interval_json, interval_text};
 use super::number::{millimetres, plain};
 use super::{Block, Column, Report, Table};
-use crate::decision::class::{DiameterSource, Effect};
-use crate::decision::grade::{GradeSearch, Obtained, overall};
-use crate::decision::{Combined, Limit, Stack, Verdict};
 use crate::deviation::Part;
+use crate::judge::class::{DiameterSource, Effect};
+use crate::judge::grade::{GradeSearch, Obtained, overall};
+use crate::judge::{Combined, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
 

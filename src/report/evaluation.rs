@@ -6,12 +6,13 @@ use serde_json::{Value, json};
 use super::number::{millimetres, plain, signed, tidy};
 use super::uncertainty::{UncertaintyPart, decision_json, indeterminate_sentence, rule_name};
 use super::{Block, Column, Report, Table, judged_without};
-use crate::decision::class::ErrorClass;
-use crate::decision::{Evaluation, Interval, JudgedBy, LimitCheck, LimitTarget, Rule, Stack, Unjudged, Verdict};
-use crate::deviation::{ErrorKind, ErrorValue, Extent};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
+use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, Unjudged};
 use crate::formula::Model;
 use crate::formula::law::equation;
 use crate::judge::bound::Note;
+use crate::judge::class::ErrorClass;
+use crate::judge::{Interval, LimitTarget, Rule, Stack, Verdict};
 use crate::mesh::Summary;
 use crate::quantity::{Length, LengthUnit};
 
@@ -33,7 +34,7 @@ pub struct EvaluationReport<'a> {
     /// The uncertainty of the results, where uncertainties are given.
     pub uncertainty: Option<UncertaintyPart>,
     /// Errors that the spec asks for and the part was judged without.
-    pub without: Vec<ErrorKind>,
+    pub without: Vec<DeviationKind>,
 }
 
 /// The exact mesh of the same parts, in short.
@@ -67,7 +68,7 @@ struct ContributionRow {
 }
 
 impl EvaluationReport<'_> {
-    fn class(&self, kind: ErrorKind) -> Option<&ErrorClass> {
+    fn class(&self, kind: DeviationKind) -> Option<&ErrorClass> {
         self.classes.iter().find(|class| class.kind == kind)
     }
 
@@ -75,7 +76,7 @@ impl EvaluationReport<'_> {
         let model = self.evaluation.model;
         self.evaluation.contributions.iter().map(move |contribution| {
             let (deviation_mm, deviation_deg) = match &contribution.value {
-                ErrorValue::Length(length) => (Some(length.mm()), None),
+                DeviationValue::Length(length) => (Some(length.mm()), None),
                 angle => (None, Some(angle.base())),
             };
             ContributionRow {
@@ -113,7 +114,7 @@ impl EvaluationReport<'_> {
         ]);
         let rows = evaluation.contributions.iter().map(|contribution| {
             let deviation = match &contribution.value {
-                ErrorValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
+                DeviationValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
                 angle => format!("{}°", signed(angle.base(), 4)),
             };
             // a permissible deviation has no sign, and ΔCD has one only where it can push one way

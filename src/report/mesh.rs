@@ -7,8 +7,9 @@ use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
 use super::{Block, Column, Report, Screen, Table, sketch};
-use crate::decision::{Interval, JudgedBy, Limit, LimitCheck, LimitTarget, Prediction, Rule, Unjudged, Verdict};
+use crate::evaluation::{JudgedBy, LimitCheck, Unjudged};
 use crate::judge::bound::Open;
+use crate::judge::{Interval, Limit, LimitTarget, Prediction, Rule, Verdict};
 use crate::mesh::{Curve, Mesh, Summary};
 use crate::quantity::Length;
 

@@ -64,7 +64,7 @@ pub use uncertainty::UncertaintyPart;
 
 use serde_json::Value;
 
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 
 /// An output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -114,7 +114,7 @@ pub trait Report {
 }
 
 /// The end of a verdict's sentence: what the parts were judged without, as the user asked for.
-fn judged_without(kinds: &[ErrorKind]) -> String {
+fn judged_without(kinds: &[DeviationKind]) -> String {
     let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
     if names.is_empty() { String::new() } else { format!("; judged without {}", names.join(", ")) }
 }

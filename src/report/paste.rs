@@ -5,11 +5,12 @@ use serde_json::{Map, Value, json};
 use super::number::{millimetres, plain, signed};
 use super::uncertainty::micrometres;
 use super::{Block, Column, Report, Table, UncertaintyPart, judged_without};
-use crate::decision::uncertainty::{Linear, Propagation};
-use crate::decision::{Evaluation, Interval, MeasuredPart, Stack, Verdict};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
+use crate::judge::{Interval, MeasuredPart, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
+use crate::uncertainty::{Linear, Propagation};
 
 /// One part of several.
 #[derive(Debug)]
@@ -32,16 +33,16 @@ pub struct PartsReport<'a> {
     /// The parts.
     pub rows: &'a [PartRow],
     /// Errors that the spec asks for and the parts were judged without.
-    pub without: &'a [ErrorKind],
+    pub without: &'a [DeviationKind],
 }
 
 impl PartsReport<'_> {
-    fn kinds(&self) -> Vec<ErrorKind> {
-        let present = |kind: &ErrorKind| {
+    fn kinds(&self) -> Vec<DeviationKind> {
+        let present = |kind: &DeviationKind| {
             let mut evaluations = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
             evaluations.any(|evaluation| evaluation.contributions.iter().any(|c| c.kind == *kind))
         };
-        ErrorKind::ALL.into_iter().filter(present).collect()
+        DeviationKind::ALL.into_iter().filter(present).collect()
     }
 
     fn is_uncertain(&self) -> bool {
@@ -57,7 +58,7 @@ impl PartsReport<'_> {
 /// A result that has an uncertainty.
 #[derive(Clone, Copy)]
 enum Of {
-    Error(ErrorKind),
+    Error(DeviationKind),
     Lower,
     Upper,
 }
@@ -73,7 +74,7 @@ impl Of {
 }
 
 /// Each error's ΔCD and the ends of the combination, by the names that `batch` gives them.
-fn kinds_and_ends(kinds: &[ErrorKind], stack: Stack) -> Vec<(String, Of)> {
+fn kinds_and_ends(kinds: &[DeviationKind], stack: Stack) -> Vec<(String, Of)> {
     let mut all: Vec<_> = kinds.iter().map(|kind| (format!("delta_cd_{}", kind.key()), Of::Error(*kind))).collect();
     match stack {
         Stack::Range => all.extend([("range_lower".to_owned(), Of::Lower), ("range_upper".to_owned(), Of::Upper)]),
@@ -91,7 +92,7 @@ fn ends(evaluation: Option<&Evaluation>) -> [Option<Length>; 4] {
     [range.map(|r| r.lower), range.map(|r| r.upper), rss.map(|r| r.lower), rss.map(|r| r.upper)]
 }
 
-fn delta_cd(evaluation: &Evaluation, kind: ErrorKind) -> Option<Length> {
+fn delta_cd(evaluation: &Evaluation, kind: DeviationKind) -> Option<Length> {
     let contribution = evaluation.contributions.iter().find(|contribution| contribution.kind == kind)?;
     Some(contribution.delta_cd(evaluation.model))
 }
@@ -250,9 +251,9 @@ impl SpacesReport<'_> {
     }
 }
 
-fn deviation_text(value: ErrorValue) -> String {
+fn deviation_text(value: DeviationValue) -> String {
     match value {
-        ErrorValue::Length(length) => signed(length.in_unit(LengthUnit::Micrometre), 1),
+        DeviationValue::Length(length) => signed(length.in_unit(LengthUnit::Micrometre), 1),
         angle => signed(angle.base(), 4),
     }
 }
@@ -268,7 +269,7 @@ impl Report for SpacesReport<'_> {
                 object.insert(self.place().to_owned(), row.number.into());
                 for (feature, effect) in measured.features.iter().zip(&row.effects) {
                     let key = feature.key();
-                    let name = if feature.error() == ErrorKind::RackLead { "deg" } else { "mm" };
+                    let name = if feature.error() == DeviationKind::RackLead { "deg" } else { "mm" };
                     let deviation = effect.map(|effect| effect.deviation.base());
                     object.insert(format!("{key}_deviation_{name}"), deviation.into());
                     object.insert(
@@ -292,7 +293,7 @@ impl Report for SpacesReport<'_> {
     fn rows(&self) -> Vec<Vec<String>> {
         let mut header = vec![self.place().to_owned()];
         for feature in &self.measured.features {
-            let unit = if feature.error() == ErrorKind::RackLead { "deg" } else { "mm" };
+            let unit = if feature.error() == DeviationKind::RackLead { "deg" } else { "mm" };
             header.push(format!("{}_deviation_{unit}", feature.key()));
             header.push(format!("delta_cd_{}_mm", feature.key()));
         }
@@ -318,7 +319,7 @@ impl Report for SpacesReport<'_> {
         let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
         let mut columns = vec![Column::number(self.place())];
         for feature in &measured.features {
-            let unit = if feature.error() == ErrorKind::RackLead { "°" } else { "µm" };
+            let unit = if feature.error() == DeviationKind::RackLead { "°" } else { "µm" };
             columns.push(Column::number(format!("{}\n[{unit}]", feature.name())));
             columns.push(Column::number("ΔCD\n[mm]"));
         }
@@ -341,7 +342,7 @@ impl Report for SpacesReport<'_> {
             else {
                 continue;
             };
-            let unit = if feature.error() == ErrorKind::RackLead { "°" } else { " µm" };
+            let unit = if feature.error() == DeviationKind::RackLead { "°" } else { " µm" };
             rows.push(vec![
                 feature.name().to_owned(),
                 format!("{}{unit}, {} {number}", deviation_text(largest.deviation), self.place()),

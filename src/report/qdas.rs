@@ -1,7 +1,7 @@
 //! Rows of a report as a Q-DAS file: lengths become characteristics, for the statistics software that the values came
 //! from.
 
-use crate::decision::{LimitTarget, Limits};
+use crate::judge::{LimitTarget, Limits};
 use crate::quantity::Length;
 use crate::table::qdas::{Column, PartDefinition, write};
 
@@ -27,7 +27,7 @@ pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
                 LimitTarget::Error(kind) => stem.strip_prefix("delta_cd_") == Some(kind.key()),
             };
             let limit = limits.iter().find(|(target, _)| limited(target)).map(|(_, limit)| limit);
-            let end = |end: fn(&crate::decision::Limit) -> Option<Length>| limit.and_then(end).map(Length::mm);
+            let end = |end: fn(&crate::judge::Limit) -> Option<Length>| limit.and_then(end).map(Length::mm);
             Column {
                 number: header[*index].clone(),
                 name: stem.replace('_', " ").replace("delta cd", "Delta CD"),

@@ -4,13 +4,11 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, tidy};
 use super::{Block, Column, Report, Table};
-use crate::decision::class::ErrorClass;
-use crate::decision::monte_carlo::racks::{
-    Quantile, RackResult, RackSettings, STEPS_PER_PITCH, Scatter, quantiles, share,
-};
-use crate::decision::uncertainty::{Distribution, Uncertainty};
-use crate::decision::{Limit, Verdict};
+use crate::chance::racks::{Quantile, RackResult, RackSettings, STEPS_PER_PITCH, Scatter, quantiles, share};
+use crate::judge::class::ErrorClass;
+use crate::judge::{Limit, Verdict};
 use crate::quantity::Length;
+use crate::uncertainty::{Distribution, Uncertainty};
 
 /// The shares whose quantiles are printed.
 const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];

@@ -8,7 +8,7 @@ use comfy_table::{
 };
 
 use super::Screen;
-use crate::decision::Verdict;
+use crate::judge::Verdict;
 
 /// A piece of a report.
 #[derive(Debug, Clone)]

@@ -4,11 +4,12 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, plain};
 use super::{Block, Column, Table};
-use crate::decision::monte_carlo::{PartSimulation, Simulation, Validation, validate};
-use crate::decision::rule::{Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
-use crate::decision::uncertainty::{FOLD, Linear, Propagation};
-use crate::decision::{LimitCheck, Rule, Stack, Verdict};
-use crate::deviation::ErrorKind;
+use crate::chance::{PartSimulation, Simulation, Validation, validate};
+use crate::deviation::DeviationKind;
+use crate::evaluation::LimitCheck;
+use crate::judge::rule::{Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
+use crate::judge::{Rule, Stack, Verdict};
+use crate::uncertainty::{FOLD, Linear, Propagation};
 
 /// The uncertainty of an evaluation's results.
 #[derive(Debug)]
@@ -18,7 +19,7 @@ pub struct UncertaintyPart {
     /// The simulated result, where it was asked for.
     pub simulation: Option<PartSimulation>,
     /// Measured errors without an uncertainty.
-    pub taken_as_exact: Vec<ErrorKind>,
+    pub taken_as_exact: Vec<DeviationKind>,
     /// Whether that of teeth that are known one by one is in it.
     pub through_mesh: bool,
 }
@@ -61,7 +62,7 @@ impl UncertaintyPart {
     fn results(&self) -> Vec<(&'static str, String, &Linear, Option<&Simulation>)> {
         let [lower, upper] = self.end_names();
         let simulation = self.simulation.as_ref();
-        let simulated = |kind: ErrorKind| {
+        let simulated = |kind: DeviationKind| {
             simulation.and_then(|s| s.errors().find(|(other, _)| *other == kind).map(|(_, result)| result))
         };
         let errors = self.propagation.errors.iter();
@@ -441,8 +442,8 @@ fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> 
 /// The sentence of a verdict that is indeterminate.
 pub(super) fn indeterminate_sentence(check: &LimitCheck, rule: &Rule, stack: Stack) -> String {
     let what = match check.on {
-        crate::decision::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
-        crate::decision::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
+        crate::judge::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
+        crate::judge::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
     };
     debug_assert_eq!(check.verdict, Some(Verdict::Indeterminate));
     format!("{what} is too near a limit to prove conformity or non-conformity (rule {})", rule_name(rule))

@@ -2,11 +2,11 @@
 //! bound, and requires nothing.
 
 use super::Spec;
-use crate::decision::uncertainty::TeethSensitivity;
-use crate::deviation::{ErrorKind, Part, PinionForm, RackForm};
+use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth};
 use crate::quantity::Length;
+use crate::uncertainty::TeethSensitivity;
 
 /// The keys of a pair's geometry, but for how its rack is held.
 pub const GEOMETRY_KEYS: [&str; 7] = [
@@ -58,7 +58,7 @@ impl Spec {
         self,
         known_teeth: KnownTeeth,
         teeth_sensitivities: Vec<TeethSensitivity>,
-        teeth_taken_as_exact: Vec<ErrorKind>,
+        teeth_taken_as_exact: Vec<DeviationKind>,
     ) -> Self {
         Self { known_teeth: Some(known_teeth), teeth_sensitivities, teeth_taken_as_exact, ..self }
     }
@@ -76,7 +76,7 @@ impl Spec {
     ///
     /// # Errors
     /// A diagnostic that names the error.
-    pub fn refuse_both_ways(&self, errors: &[ErrorKind]) -> Result<(), Diagnostic> {
+    pub fn refuse_both_ways(&self, errors: &[DeviationKind]) -> Result<(), Diagnostic> {
         let Some(kind) = errors.iter().find(|kind| self.knows_teeth(kind.part())) else { return Ok(()) };
         let part = kind.part().name();
         let message = format!("the {part} is given both ways: `{}` as one value, and its teeth one by one", kind.key());

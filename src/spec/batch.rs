@@ -12,10 +12,10 @@ use super::keys::{self, Kind, Section};
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
-use crate::deviation::{self, ErrorKind, ErrorValue, Extent};
+use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::law::page_of;
-use crate::formula::{Law, Model, PartError};
+use crate::formula::{Law, Model, PartDeviation};
 use crate::quantity::{AngleUnit, Length, LengthUnit, QuantityError, Unit};
 
 /// `[batch]`.
@@ -24,7 +24,7 @@ pub struct BatchSection {
     /// The column that names the part.
     pub part_id: Option<String>,
     /// `[batch.columns]`, in the paper's order.
-    pub columns: Vec<(ErrorKind, Located<BatchColumn>)>,
+    pub columns: Vec<(DeviationKind, Located<BatchColumn>)>,
     /// The columns that are not to be used: patterns in which `*` stands for any characters, and case does not count.
     pub ignore: Vec<Located<String>>,
     /// What stands before decimals, if the spec says so.
@@ -43,7 +43,7 @@ pub struct BatchColumn {
     /// The evaluation length of f_Hβ, in the entry of a lead error only.
     pub length: Option<Located<Length>>,
     /// The nominal value.
-    pub nominal: Option<Located<ErrorValue>>,
+    pub nominal: Option<Located<DeviationValue>>,
     /// `measured` or `deviation`.
     pub kind: Option<Located<&'static str>>,
     /// On which teeth each of its values is.
@@ -57,14 +57,14 @@ pub enum Reading {
     /// The error itself.
     Deviation,
     /// A measured value, from which this nominal value is taken.
-    Measured(ErrorValue),
+    Measured(DeviationValue),
 }
 
 /// Reads `[batch]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
     let columns = reader.table("columns", &keys::BATCH_COLUMNS, |reader| BatchSection {
         part_id: reader.text("part_id"),
-        columns: ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, column(reader, kind)?))).collect(),
+        columns: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, column(reader, kind)?))).collect(),
         ..BatchSection::default()
     });
     BatchSection {
@@ -78,16 +78,16 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
     }
 }
 
-fn column(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<BatchColumn>> {
+fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<BatchColumn>> {
     let section: &'static Section = match (kind, kind.unit()) {
-        (ErrorKind::RackLead, _) => &keys::ANGLE_COLUMN,
+        (DeviationKind::RackLead, _) => &keys::ANGLE_COLUMN,
         (_, deviation::Unit::Space) => &keys::SIZE_COLUMN,
         (_, deviation::Unit::Pitch) => &keys::PITCH_COLUMN,
         (_, deviation::Unit::Tooth) => &keys::SLOPE_COLUMN,
     };
     reader.table(kind.key(), section, |reader| {
         let unit = reader.column_unit("unit");
-        let length = if kind == ErrorKind::RackLead { reader.length("length") } else { None };
+        let length = if kind == DeviationKind::RackLead { reader.length("length") } else { None };
         if let (Some(length), Some(Unit::Angle(unit))) = (&length, unit.as_ref().map(|unit| unit.value)) {
             let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
             reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone(), "");
@@ -106,20 +106,20 @@ fn column(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Bat
     })
 }
 
-fn nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<ErrorValue>> {
-    if kind == ErrorKind::RackLead {
+fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
+    if kind == DeviationKind::RackLead {
         let angle = reader.angle("nominal")?;
-        Some(Located { value: ErrorValue::Angle(angle.value), span: angle.span })
+        Some(Located { value: DeviationValue::Angle(angle.value), span: angle.span })
     } else {
         let length = reader.length("nominal")?;
-        Some(Located { value: ErrorValue::Length(length.value), span: length.span })
+        Some(Located { value: DeviationValue::Length(length.value), span: length.span })
     }
 }
 
 impl BatchSection {
     /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
     pub(super) fn other_extents(&self, errors: &Errors, source: &Arc<Source>) -> Vec<Diagnostic> {
-        let has_value = |kind: ErrorKind| errors.values.iter().any(|(other, _)| *other == kind);
+        let has_value = |kind: DeviationKind| errors.values.iter().any(|(other, _)| *other == kind);
         let of_tables = errors.extents.iter().filter(|(kind, _)| !has_value(*kind));
         let contradicted = of_tables.filter_map(|(kind, in_errors)| {
             let (_, column) = self.columns.iter().find(|(column, _)| column == kind)?;
@@ -192,7 +192,7 @@ fn no_unit(symbol: &str, of_lead: bool) -> String {
 impl Spec {
     /// The entry of `[batch.columns]` for an error.
     #[must_use]
-    pub fn batch_column(&self, kind: ErrorKind) -> Option<&Located<BatchColumn>> {
+    pub fn batch_column(&self, kind: DeviationKind) -> Option<&Located<BatchColumn>> {
         self.batch.columns.iter().find(|(column, _)| *column == kind).map(|(_, column)| column)
     }
 
@@ -207,7 +207,7 @@ impl Spec {
         Want {
             expected: self.asked_errors(),
             own: self.batch.part_id.iter().map(|name| (name.clone(), Field::PartId)).chain(own).collect(),
-            given: ErrorKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
+            given: DeviationKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
             module: self.pair.normal_module.as_ref().map(|module| module.value),
             face_width: self.rack.face_width.as_ref().map(|width| width.value),
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
@@ -218,7 +218,7 @@ impl Spec {
     }
 
     /// What the spec says of the column of an error.
-    fn given(&self, kind: ErrorKind) -> Given {
+    fn given(&self, kind: DeviationKind) -> Given {
         let column = self.batch_column(kind).map(|column| &column.value);
         let stated = column.and_then(|column| column.kind.as_ref()).map(|stated| stated.value);
         let holds = match stated {
@@ -239,14 +239,14 @@ impl Spec {
             length: column
                 .and_then(|column| column.length.as_ref())
                 .map(|length| length.value)
-                .or(self.evaluation_length.filter(|_| kind == ErrorKind::RackLead)),
+                .or(self.evaluation_length.filter(|_| kind == DeviationKind::RackLead)),
         }
     }
 
     /// The same spec for tables that have columns of these errors: their values are on the teeth that `[batch.columns]` says,
     /// if it says so.
     #[must_use]
-    pub fn for_columns(&self, in_table: &[ErrorKind]) -> Self {
+    pub fn for_columns(&self, in_table: &[DeviationKind]) -> Self {
         let mut spec = self.clone();
         for kind in in_table {
             if let Some(extent) = self.batch_column(*kind).and_then(|column| column.value.extent.clone()) {
@@ -259,7 +259,7 @@ impl Spec {
 
     /// Where the values of errors are, in words, as far as the spec says so: `rack_pitch each (every pitch, any sign)`.
     #[must_use]
-    pub fn extents_in_words(&self, errors: &[ErrorKind]) -> Option<String> {
+    pub fn extents_in_words(&self, errors: &[DeviationKind]) -> Option<String> {
         let stated = errors.iter().filter_map(|kind| {
             let (_, extent) = self.extents.iter().find(|(of, _)| of == kind)?;
             Some(format!("{} {} ({})", kind.key(), extent.value, extent.value.words(kind.unit(), None)))
@@ -269,12 +269,12 @@ impl Spec {
     }
 
     /// The errors that the spec speaks of, those of columns first, each in its order.
-    fn asked_errors(&self) -> Vec<ErrorKind> {
+    fn asked_errors(&self) -> Vec<DeviationKind> {
         let columns = self.batch.columns.iter().map(|(kind, column)| (column.span.start, *kind));
         let errors = self.errors.iter().map(|(kind, error)| (error.span.start, *kind));
         let nominals = self.nominals.iter().map(|(kind, nominal)| (nominal.span.start, *kind));
         let unmeasured = self.unmeasured.iter().map(|(kind, place)| (place.start, *kind));
-        let mut asked: Vec<ErrorKind> = Vec::new();
+        let mut asked: Vec<DeviationKind> = Vec::new();
         for mut written in [columns.collect::<Vec<_>>(), errors.chain(nominals).chain(unmeasured).collect()] {
             written.sort_unstable();
             for (_, kind) in written {
@@ -290,18 +290,18 @@ impl Spec {
     ///
     /// # Errors
     /// Diagnostics for gear data that a formula needs, or a value that it does not take.
-    pub fn errors_of_every_part(&self, in_table: &[ErrorKind]) -> Result<Vec<PartError>, Diagnostics> {
-        let is_so = |kind: &ErrorKind| self.every_part.contains(kind) && !in_table.contains(kind);
+    pub fn errors_of_every_part(&self, in_table: &[DeviationKind]) -> Result<Vec<PartDeviation>, Diagnostics> {
+        let is_so = |kind: &DeviationKind| self.every_part.contains(kind) && !in_table.contains(kind);
         let errors = self.errors.iter().filter(|(kind, _)| is_so(kind)).cloned().collect::<Vec<_>>();
         if errors.is_empty() {
             return Ok(Vec::new());
         }
-        Self { errors, nominals: Vec::new(), unmeasured: Vec::new(), ..self.clone() }.part_errors()
+        Self { errors, nominals: Vec::new(), unmeasured: Vec::new(), ..self.clone() }.part_deviations()
     }
 
     /// The errors that the spec asks for and a table lacks: without them the sum is not that of a part.
     #[must_use]
-    pub fn lacking(&self, in_table: &[ErrorKind]) -> Vec<ErrorKind> {
+    pub fn lacking(&self, in_table: &[DeviationKind]) -> Vec<DeviationKind> {
         self.asked_errors().into_iter().filter(|kind| !in_table.contains(kind)).collect()
     }
 
@@ -311,7 +311,7 @@ impl Spec {
     /// # Errors
     /// Diagnostics for gear data that a computed nominal value needs, or a kind of column that contradicts
     /// its nominal value.
-    pub fn reading(&self, kind: ErrorKind) -> Result<Reading, Diagnostics> {
+    pub fn reading(&self, kind: DeviationKind) -> Result<Reading, Diagnostics> {
         let column = self.batch_column(kind);
         let stated = column.and_then(|column| column.value.kind.as_ref());
         let in_column = column.and_then(|column| column.value.nominal.as_ref());
@@ -349,14 +349,14 @@ impl Spec {
     }
 
     /// The nominal measure over a roller.
-    fn over_roller(&self, roller: Length, written: &Located<WrittenError>) -> Result<ErrorValue, Diagnostics> {
+    fn over_roller(&self, roller: Length, written: &Located<WrittenError>) -> Result<DeviationValue, Diagnostics> {
         let mut missing = MissingKeys::default();
         let place = Some((written.span.clone(), "its nominal value is to be computed".to_owned()));
         let need = || ("the nominal measure over the roller".to_owned(), place.clone());
         let Some(over_pin) = self.over_pin_of(roller, &mut missing, &need) else {
             return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
         };
-        over_pin.measure().map(ErrorValue::Length).map_err(|error| {
+        over_pin.measure().map(DeviationValue::Length).map_err(|error| {
             let diagnostic = Diagnostic::error(Code::OutOfDomain, error.to_string());
             diagnostic.at(&self.source, written.span.clone(), "").into()
         })
@@ -366,7 +366,7 @@ impl Spec {
     ///
     /// # Errors
     /// A diagnostic for each key that the law needs and the spec does not have.
-    pub fn law(&self, kind: ErrorKind, what: &str) -> Result<Law, Diagnostics> {
+    pub fn law(&self, kind: DeviationKind, what: &str) -> Result<Law, Diagnostics> {
         let mut missing = MissingKeys::default();
         let place = self.place_of(kind);
         let label = page_of(kind).equation(Model::Exact);
@@ -379,7 +379,7 @@ impl Spec {
     }
 
     /// Where the spec speaks of an error.
-    fn place_of(&self, kind: ErrorKind) -> Option<Range<usize>> {
+    fn place_of(&self, kind: DeviationKind) -> Option<Range<usize>> {
         let column = self.batch_column(kind).map(|column| column.span.clone());
         let error = || self.errors.iter().find(|(error, _)| *error == kind).map(|(_, error)| error.span.clone());
         let nominal =
@@ -397,12 +397,12 @@ mod tests {
     }
 
     fn measured(mm: &str) -> Reading {
-        Reading::Measured(ErrorValue::Length(mm.parse().unwrap()))
+        Reading::Measured(DeviationValue::Length(mm.parse().unwrap()))
     }
 
     #[test]
     fn a_nominal_value_makes_a_column_measured() {
-        let reading = |text: &str| spec(text).reading(ErrorKind::RackOverRoller).unwrap();
+        let reading = |text: &str| spec(text).reading(DeviationKind::RackOverRoller).unwrap();
         assert_eq!(reading(""), Reading::Deviation);
         assert_eq!(reading("[errors]\nrack_over_roller = 0.01"), Reading::Deviation);
         assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25.0 }"), measured("25"));
@@ -412,13 +412,13 @@ mod tests {
         assert_eq!(reading(both), Reading::Deviation);
         let roller = "[pair]\nnormal_module = 2.5\nnormal_pressure_angle = 20\n[rack]\ndatum = 21.5\n\
                       [errors]\nrack_over_roller = { roller = 5, measured = 26 }";
-        let Reading::Measured(ErrorValue::Length(nominal)) = reading(roller) else { panic!() };
+        let Reading::Measured(DeviationValue::Length(nominal)) = reading(roller) else { panic!() };
         assert_eq!(format!("{:.3}", nominal.mm()), "25.915");
     }
 
     #[test]
     fn contradictions_are_refused_with_their_place() {
-        let problem = |text: &str| spec(text).reading(ErrorKind::RackPitch).unwrap_err().to_string();
+        let problem = |text: &str| spec(text).reading(DeviationKind::RackPitch).unwrap_err().to_string();
         assert_eq!(
             problem("[batch.columns]\nrack_pitch = { kind = \"measured\" }"),
             "spec.toml:2:23: error[missing-key]: the column of `rack_pitch` holds measured values, and there is no nominal value"
@@ -503,8 +503,8 @@ mod tests {
     #[test]
     fn only_what_a_column_needs_is_required() {
         let spec = spec("[errors]\nrack_lead = 0.1");
-        assert!(spec.law(ErrorKind::PinionRadial, "the column").is_ok());
-        let missing = spec.law(ErrorKind::RackLead, "column `lead`").unwrap_err().to_string();
+        assert!(spec.law(DeviationKind::PinionRadial, "the column").is_ok());
+        let missing = spec.law(DeviationKind::RackLead, "column `lead`").unwrap_err().to_string();
         assert!(missing.contains("`pair.normal_pressure_angle` is missing; column `lead` needs it"), "{missing}");
         assert!(missing.contains("`rack.face_width` is missing"), "{missing}");
     }

@@ -8,13 +8,13 @@ use super::keys;
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
-use crate::decision::LimitTarget;
-use crate::decision::budget::simulation::Spread;
-use crate::decision::budget::{Entry, Free, Freedom};
-use crate::decision::class::ErrorClass;
-use crate::deviation::{ErrorKind, Extent};
+use crate::budget::simulation::Spread;
+use crate::budget::{Entry, Free, Freedom};
+use crate::deviation::{DeviationKind, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::PartError;
+use crate::formula::PartDeviation;
+use crate::judge::LimitTarget;
+use crate::judge::class::ErrorClass;
 
 /// `[budget]`.
 #[derive(Debug, Clone, Default)]
@@ -26,9 +26,9 @@ pub struct BudgetSection {
     /// How errors spread within their tolerances.
     pub spread: Option<Located<&'static str>>,
     /// The errors.
-    pub errors: Vec<(ErrorKind, Located<WrittenTolerance>)>,
+    pub errors: Vec<(DeviationKind, Located<WrittenTolerance>)>,
     /// On which teeth errors may be, where it says so.
-    pub extents: Vec<(ErrorKind, Located<Extent>)>,
+    pub extents: Vec<(DeviationKind, Located<Extent>)>,
 }
 
 /// One error of `[budget]`.
@@ -44,7 +44,7 @@ pub enum WrittenTolerance {
 impl BudgetSection {
     /// On which teeth an error may be: each, with a value of its own, unless it says otherwise.
     #[must_use]
-    pub fn extent(&self, kind: ErrorKind) -> Extent {
+    pub fn extent(&self, kind: DeviationKind) -> Extent {
         let written = self.extents.iter().find(|(of, _)| *of == kind);
         written.map_or(Extent::Each, |(_, extent)| extent.value)
     }
@@ -66,8 +66,8 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BudgetSection {
         stack: reader.word("stack"),
         conforming: fraction(reader, "conforming"),
         spread: reader.word("distribution"),
-        errors: ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, tolerance(reader, kind)?))).collect(),
-        extents: ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect(),
+        errors: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, tolerance(reader, kind)?))).collect(),
+        extents: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect(),
     }
 }
 
@@ -81,7 +81,7 @@ fn fraction(reader: &mut SectionReader<'_>, name: &str) -> Option<Located<f64>> 
     None
 }
 
-fn tolerance(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<WrittenTolerance>> {
+fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<WrittenTolerance>> {
     let name = kind.key();
     let value = reader.table?.get(name)?;
     let span = value.span();
@@ -135,7 +135,10 @@ impl Spec {
                 let law = self.law(kind, "a budget")?;
                 Ok(Entry::Free(Free { law, freedom: Freedom::Weight(1.0), extent: Extent::Each }))
             };
-            return Ok((ErrorKind::OF_PAPER.into_iter().map(free).collect::<Result<_, Diagnostics>>()?, Vec::new()));
+            return Ok((
+                DeviationKind::OF_PAPER.into_iter().map(free).collect::<Result<_, Diagnostics>>()?,
+                Vec::new(),
+            ));
         }
         let (mut entries, mut classes) = (Vec::new(), Vec::new());
         let mut diagnostics = Vec::new();
@@ -157,7 +160,7 @@ impl Spec {
                     continue;
                 }
                 WrittenTolerance::Fixed(WrittenError::Value(value)) => {
-                    PartError::within(law, value.abs()).with_extent(extent)
+                    PartDeviation::within(law, value.abs()).with_extent(extent)
                 }
                 WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
                     let mut missing = MissingKeys::default();
@@ -186,7 +189,7 @@ impl Spec {
 
     /// The limits of single errors' ΔCD.
     #[must_use]
-    pub fn own_limits(&self) -> Vec<(ErrorKind, crate::decision::Limit)> {
+    pub fn own_limits(&self) -> Vec<(DeviationKind, crate::judge::Limit)> {
         self.limits
             .iter()
             .filter_map(|(target, limit)| match target {

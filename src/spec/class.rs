@@ -5,11 +5,11 @@ use std::ops::Range;
 
 use super::resolve::MissingKeys;
 use super::{Located, Spec};
-use crate::decision::class::{
+use crate::deviation::{DeviationKind, Part};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::judge::class::{
     self, DiameterSource, ErrorClass, RackDiameter, developed_diameter, deviation_of, reference_diameter,
 };
-use crate::deviation::{ErrorKind, Part};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length};
 use crate::standard::{Size, Standard, StandardError, Wheel};
 
@@ -71,14 +71,14 @@ impl Spec {
 
     /// What a grade permits of a kind of error, if the spec says enough for it.
     #[must_use]
-    pub fn class_of(&self, kind: ErrorKind, grade: u8) -> Option<ErrorClass> {
+    pub fn class_of(&self, kind: DeviationKind, grade: u8) -> Option<ErrorClass> {
         self.class(kind, grade, &(0..0), &mut MissingKeys::default())?.ok()
     }
 
     /// What `{ class = grade }` of a kind of error comes to; `None` if a key is missing.
     pub(super) fn class(
         &self,
-        kind: ErrorKind,
+        kind: DeviationKind,
         grade: u8,
         span: &Range<usize>,
         missing: &mut MissingKeys,
@@ -122,7 +122,7 @@ impl Spec {
             }
         };
         let face_width = match kind {
-            ErrorKind::RackLead => Some(missing.take("rack", "face_width", self.rack.face_width.as_ref(), need)?),
+            DeviationKind::RackLead => Some(missing.take("rack", "face_width", self.rack.face_width.as_ref(), need)?),
             _ => None,
         };
         Some(match class::error_value(kind, &permissible, face_width) {
@@ -172,8 +172,9 @@ impl Spec {
         })
     }
 
-    fn no_class(&self, kind: ErrorKind, error: &StandardError, span: &Range<usize>) -> Diagnostic {
-        let example = if kind == ErrorKind::RackLead { "{ f_h_beta = \"8 um\", length = 18 }" } else { "\"12 um\"" };
+    fn no_class(&self, kind: DeviationKind, error: &StandardError, span: &Range<usize>) -> Diagnostic {
+        let example =
+            if kind == DeviationKind::RackLead { "{ f_h_beta = \"8 um\", length = 18 }" } else { "\"12 um\"" };
         let help = match error {
             StandardError::Grade { .. } => "give a grade that the standard has".to_owned(),
             _ => format!("give the permitted value itself: {} = {example}", kind.key()),

@@ -9,19 +9,19 @@ use toml::de::{DeTable, DeValue};
 use super::Located;
 use super::keys;
 use super::reader::{SectionReader, similar};
-use crate::decision::uncertainty as uncertain;
-use crate::deviation::{ErrorKind, ErrorValue, Extent};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::judge::bound::ErrorInputError;
 use crate::quantity::Length;
+use crate::uncertainty as uncertain;
 
 /// An entry of `[errors]`, as far as it can be understood without the gear data.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub enum WrittenError {
     /// A deviation, given or measured minus nominal, or f_Hβ over its length.
-    Value(ErrorValue),
+    Value(DeviationValue),
     /// An over-roller measure whose nominal is to be computed.
     OverRoller {
         /// The measure M.
@@ -37,40 +37,40 @@ pub enum WrittenError {
 #[derive(Default)]
 pub(super) struct Errors {
     /// The values.
-    pub(super) values: Vec<(ErrorKind, Located<WrittenError>)>,
+    pub(super) values: Vec<(DeviationKind, Located<WrittenError>)>,
     /// The nominal values, with a value or alone.
-    pub(super) nominals: Vec<(ErrorKind, Located<ErrorValue>)>,
+    pub(super) nominals: Vec<(DeviationKind, Located<DeviationValue>)>,
     /// The uncertainties of values that stand elsewhere.
-    pub(super) unmeasured: Vec<(ErrorKind, Range<usize>)>,
+    pub(super) unmeasured: Vec<(DeviationKind, Range<usize>)>,
     /// The errors whose value is that of every part.
-    pub(super) every_part: Vec<ErrorKind>,
+    pub(super) every_part: Vec<DeviationKind>,
     /// On which teeth errors are, where that is written.
-    pub(super) extents: Vec<(ErrorKind, Located<Extent>)>,
+    pub(super) extents: Vec<(DeviationKind, Located<Extent>)>,
     /// The evaluation length of f_Hβ.
     pub(super) evaluation_length: Option<Length>,
 }
 
 /// Reads `[errors]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> Errors {
-    let nominals = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
+    let nominals = DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
     let nominals: Vec<_> = nominals.collect();
     let unmeasured: Vec<_> =
-        ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
+        DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
     let alone = |kind| {
         reader.table.and_then(|table| only_nominal(table, kind)).is_some()
             || unmeasured.iter().any(|(other, _)| *other == kind)
     };
-    let kinds: Vec<_> = ErrorKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
+    let kinds: Vec<_> = DeviationKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
     let every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
     let values = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
-    let extents = ErrorKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect();
+    let extents = DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect();
     let evaluation_length = read_evaluation_length(reader);
     Errors { values, nominals, unmeasured, every_part, extents, evaluation_length }
 }
 
 /// The length beside f_Hβ; one that cannot be read is reported with the value.
 fn read_evaluation_length(reader: &mut SectionReader<'_>) -> Option<Length> {
-    let entry = reader.table?.get(ErrorKind::RackLead.key())?.get_ref().as_table()?;
+    let entry = reader.table?.get(DeviationKind::RackLead.key())?.get_ref().as_table()?;
     let value = entry.get("length")?;
     let known = reader.diagnostics.len();
     let length = reader.length_value("length", value);
@@ -79,7 +79,7 @@ fn read_evaluation_length(reader: &mut SectionReader<'_>) -> Option<Length> {
 }
 
 /// Whether the entry of an error says that its value is that of every part.
-fn is_of_every_part(reader: &mut SectionReader<'_>, kind: ErrorKind) -> bool {
+fn is_of_every_part(reader: &mut SectionReader<'_>, kind: DeviationKind) -> bool {
     let entry = reader.table.and_then(|table| table.get(kind.key())?.get_ref().as_table());
     let Some(value) = entry.and_then(|entry| entry.get(keys::EVERY_PART)) else { return false };
     if let DeValue::Boolean(every_part) = value.get_ref() {
@@ -90,7 +90,7 @@ fn is_of_every_part(reader: &mut SectionReader<'_>, kind: ErrorKind) -> bool {
 }
 
 /// On which teeth an error is, if that is written.
-pub(super) fn read_extent(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<Extent>> {
+pub(super) fn read_extent(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<Extent>> {
     let value = reader.table?.get(kind.key())?.get_ref().as_table()?.get(keys::EXTENT)?;
     read_extent_value(reader, kind, value)
 }
@@ -98,7 +98,7 @@ pub(super) fn read_extent(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Op
 /// Reads an extent that an error of this kind can have.
 pub(super) fn read_extent_value(
     reader: &mut SectionReader<'_>,
-    kind: ErrorKind,
+    kind: DeviationKind,
     value: &Spanned<DeValue<'_>>,
 ) -> Option<Located<Extent>> {
     let DeValue::String(text) = value.get_ref() else {
@@ -121,7 +121,7 @@ fn is_beside(key: &str) -> bool {
 }
 
 /// Reads one entry of `[errors]`.
-fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<WrittenError>> {
+fn read_error(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<WrittenError>> {
     let value = reader.table?.get(kind.key())?;
     let written = read_error_value(reader, kind, value)?;
     Some(Located { value: written, span: value.span() })
@@ -130,24 +130,24 @@ fn read_error(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located
 /// Reads the value of an error: a deviation, or a table from which it follows.
 pub(super) fn read_error_value(
     reader: &mut SectionReader<'_>,
-    kind: ErrorKind,
+    kind: DeviationKind,
     value: &Spanned<DeValue<'_>>,
 ) -> Option<WrittenError> {
     let name = kind.key();
-    let is_angle = kind == ErrorKind::RackLead;
+    let is_angle = kind == DeviationKind::RackLead;
     let written = match value.get_ref() {
         DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
         _ if is_angle => WrittenError::Value(reader.angle_value(name, value)?.into()),
         _ => WrittenError::Value(reader.length_value(name, value)?.into()),
     };
-    if let WrittenError::Value(ErrorValue::Angle(angle)) = written {
+    if let WrittenError::Value(DeviationValue::Angle(angle)) = written {
         reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
     }
     Some(written)
 }
 
 /// The entry of an error that has nothing but a nominal value.
-fn only_nominal<'t>(table: &'t DeTable<'_>, kind: ErrorKind) -> Option<&'t DeTable<'t>> {
+fn only_nominal<'t>(table: &'t DeTable<'_>, kind: DeviationKind) -> Option<&'t DeTable<'t>> {
     let entry = table.get(kind.key())?.get_ref().as_table()?;
     let beside = entry.iter().filter(|(key, _)| is_beside(key.get_ref().as_ref())).count();
     (entry.len() == 1 + beside && entry.contains_key("nominal")).then_some(entry)
@@ -155,14 +155,14 @@ fn only_nominal<'t>(table: &'t DeTable<'_>, kind: ErrorKind) -> Option<&'t DeTab
 
 /// The nominal value in an entry of `[errors]`. A value that cannot be read is reported here if it stands alone, and
 /// with the measured one otherwise.
-fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Located<ErrorValue>> {
+fn read_nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
     let table = reader.table?;
     let entry = table.get(kind.key())?.get_ref().as_table()?;
     let value = entry.get("nominal")?;
     let known = reader.diagnostics.len();
     let nominal = match kind {
-        ErrorKind::RackLead => reader.angle_value("nominal", value).map(ErrorValue::Angle),
-        _ => reader.length_value("nominal", value).map(ErrorValue::Length),
+        DeviationKind::RackLead => reader.angle_value("nominal", value).map(DeviationValue::Angle),
+        _ => reader.length_value("nominal", value).map(DeviationValue::Length),
     };
     if only_nominal(table, kind).is_none() {
         reader.diagnostics.truncate(known);
@@ -175,7 +175,7 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Locat
 }
 
 /// Reads an entry of an error that has nothing but an uncertainty or an extent: where it stands.
-fn read_unmeasured(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Range<usize>> {
+fn read_unmeasured(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Range<usize>> {
     let written = reader.table?.get(kind.key())?;
     let entry = written.get_ref().as_table()?;
     let only = !entry.is_empty() && entry.iter().all(|(key, _)| is_beside(key.get_ref().as_ref()));
@@ -188,12 +188,12 @@ fn read_unmeasured(reader: &mut SectionReader<'_>, kind: ErrorKind) -> Option<Ra
 }
 
 /// The keys that the table form of an error may have, in the combinations that make an error.
-pub(super) fn error_table_forms(kind: ErrorKind) -> &'static [&'static [&'static str]] {
+pub(super) fn error_table_forms(kind: DeviationKind) -> &'static [&'static [&'static str]] {
     match kind {
-        ErrorKind::RackOverRoller => {
+        DeviationKind::RackOverRoller => {
             &[&["value"], &["measured", "nominal"], &["measured", "roller"], &["nominal"], &["class"]]
         }
-        ErrorKind::RackLead => {
+        DeviationKind::RackLead => {
             &[&["value"], &["measured", "nominal"], &["f_h_beta", "length"], &["nominal"], &["class"]]
         }
         _ => &[&["value"], &["measured", "nominal"], &["nominal"], &["class"]],
@@ -210,7 +210,7 @@ pub(super) const LARGEST_CLASS: u8 = 12;
 
 fn read_error_table(
     reader: &mut SectionReader<'_>,
-    kind: ErrorKind,
+    kind: DeviationKind,
     entry: &DeTable<'_>,
     span: Range<usize>,
 ) -> Option<WrittenError> {
@@ -296,11 +296,11 @@ fn read_error_table(
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;
             Some(WrittenError::OverRoller { measured: measured?, roller })
         }
-        ["value"] if kind == ErrorKind::RackLead => {
+        ["value"] if kind == DeviationKind::RackLead => {
             Some(WrittenError::Value(reader.angle_value("value", entry.get("value")?)?.into()))
         }
         ["value"] => Some(WrittenError::Value(length("value")?.into())),
-        _ if kind == ErrorKind::RackLead => {
+        _ if kind == DeviationKind::RackLead => {
             let mut angle = |name: &str| reader.angle_value(name, entry.get(name)?);
             let (measured, nominal) = (angle("measured"), angle("nominal"));
             Some(WrittenError::Value((measured? - nominal?).into()))
@@ -324,7 +324,7 @@ fn forms_in_words(forms: &[&[&str]]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::deviation::ErrorKind;
+    use crate::deviation::DeviationKind;
     use crate::spec::Spec;
 
     #[test]
@@ -332,10 +332,13 @@ mod tests {
         let every_part =
             |entry: &str| Spec::parse("spec.toml", &format!("[errors]\n{entry}")).map(|spec| spec.every_part);
         for (entry, kind) in [
-            ("rack_pitch = { value = \"12 um\", every_part = true }", ErrorKind::RackPitch),
-            ("pinion_radial = { measured = 8.5, nominal = 8.4, u = 0.01, every_part = true }", ErrorKind::PinionRadial),
-            ("rack_over_roller = { measured = 25.1, roller = 4, every_part = true }", ErrorKind::RackOverRoller),
-            ("rack_lead = { f_h_beta = 0.008, length = 18, every_part = true }", ErrorKind::RackLead),
+            ("rack_pitch = { value = \"12 um\", every_part = true }", DeviationKind::RackPitch),
+            (
+                "pinion_radial = { measured = 8.5, nominal = 8.4, u = 0.01, every_part = true }",
+                DeviationKind::PinionRadial,
+            ),
+            ("rack_over_roller = { measured = 25.1, roller = 4, every_part = true }", DeviationKind::RackOverRoller),
+            ("rack_lead = { f_h_beta = 0.008, length = 18, every_part = true }", DeviationKind::RackLead),
         ] {
             assert_eq!(every_part(entry).expect(entry), [kind], "{entry}");
             assert!(every_part(&entry.replace("true", "false")).expect(entry).is_empty(), "{entry}");

@@ -7,7 +7,7 @@ mod simulation;
 pub(crate) use scatter::SCATTER;
 pub(crate) use simulation::{SIMULATION, YOKE};
 
-use crate::deviation::{self, ErrorKind};
+use crate::deviation::{self, DeviationKind};
 use crate::formula::domain;
 use crate::quantity::{Bound, Domain};
 
@@ -27,7 +27,7 @@ pub(crate) enum Kind {
     /// A number in a unit, or text that names one of its other units.
     Measure(Domain, Unit),
     /// A deviation, or a table from which one follows.
-    Error(ErrorKind),
+    Error(DeviationKind),
     /// Limits of ΔCD.
     Limit,
     /// The name of a file, relative to the spec.
@@ -52,14 +52,14 @@ pub(crate) enum Kind {
     /// The names of two values.
     Pair,
     /// A tolerance of a budget: fixed, or free with a weight or cost.
-    Tolerance(ErrorKind),
+    Tolerance(DeviationKind),
     /// How a deviation scatters: a standard deviation, a half-width with its distribution, or a class where a
     /// standard limits it as that kind of error.
     Spread {
         /// Whether it is an angle.
         is_angle: bool,
         /// The kind of error whose class it may be.
-        class: Option<ErrorKind>,
+        class: Option<DeviationKind>,
     },
     /// Which teeth: `"all"`, `5`, `"5"`, `"8.."`, `"8..=12"`.
     Teeth,
@@ -307,24 +307,24 @@ pub(crate) const ERRORS: Section = Section {
     keys: &[
         key(
             "rack_over_roller",
-            Kind::Error(ErrorKind::RackOverRoller),
+            Kind::Error(DeviationKind::RackOverRoller),
             "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.",
         ),
-        key("rack_pitch", Kind::Error(ErrorKind::RackPitch), "Pitch error of the rack, along its axis."),
+        key("rack_pitch", Kind::Error(DeviationKind::RackPitch), "Pitch error of the rack, along its axis."),
         key(
             "rack_lead",
-            Kind::Error(ErrorKind::RackLead),
+            Kind::Error(DeviationKind::RackLead),
             "Lead angle error of the rack; or { f_h_beta, length }, a helix slope deviation over its length.",
         ),
-        key("pinion_radial", Kind::Error(ErrorKind::PinionRadial), "Radial measurement error of the pinion."),
+        key("pinion_radial", Kind::Error(DeviationKind::PinionRadial), "Radial measurement error of the pinion."),
         key(
             "pinion_pitch",
-            Kind::Error(ErrorKind::PinionPitch),
+            Kind::Error(DeviationKind::PinionPitch),
             "Single pitch deviation f_p of the pinion, transverse, at the reference circle.",
         ),
         key(
             "pinion_lead",
-            Kind::Error(ErrorKind::PinionLead),
+            Kind::Error(DeviationKind::PinionLead),
             "Helix slope deviation f_Hβ of the pinion over its face width, along the transverse base tangent.",
         ),
     ],
@@ -553,14 +553,14 @@ pub(crate) const BUDGET: Section = Section {
             Kind::Word(&["uniform", "normal", "triangular"]),
             "How errors spread within their tolerances. Default uniform.",
         ),
-        key("rack_over_roller", Kind::Tolerance(ErrorKind::RackOverRoller), "Tolerance of the over-roller error."),
-        key("rack_pitch", Kind::Tolerance(ErrorKind::RackPitch), "Tolerance of the rack's pitch error."),
-        key("rack_lead", Kind::Tolerance(ErrorKind::RackLead), "Tolerance of the rack's lead angle error."),
-        key("pinion_radial", Kind::Tolerance(ErrorKind::PinionRadial), "Tolerance of the pinion's radial error."),
-        key("pinion_pitch", Kind::Tolerance(ErrorKind::PinionPitch), "Tolerance of the pinion's pitch error."),
+        key("rack_over_roller", Kind::Tolerance(DeviationKind::RackOverRoller), "Tolerance of the over-roller error."),
+        key("rack_pitch", Kind::Tolerance(DeviationKind::RackPitch), "Tolerance of the rack's pitch error."),
+        key("rack_lead", Kind::Tolerance(DeviationKind::RackLead), "Tolerance of the rack's lead angle error."),
+        key("pinion_radial", Kind::Tolerance(DeviationKind::PinionRadial), "Tolerance of the pinion's radial error."),
+        key("pinion_pitch", Kind::Tolerance(DeviationKind::PinionPitch), "Tolerance of the pinion's pitch error."),
         key(
             "pinion_lead",
-            Kind::Tolerance(ErrorKind::PinionLead),
+            Kind::Tolerance(DeviationKind::PinionLead),
             "Tolerance of the pinion's helix slope deviation; not among those sought where none is named.",
         ),
     ],

@@ -5,14 +5,14 @@ use toml::de::DeValue;
 use super::Located;
 use super::keys::Kind;
 use super::reader::{self, SectionReader};
-use crate::decision::{Limit, LimitTarget};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::judge::{Limit, LimitTarget};
 use crate::quantity::Length;
 
 /// Reads `[limits]`: of the combined ΔCD, and of the errors.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> Vec<(LimitTarget, Located<Limit>)> {
-    let targets = ErrorKind::ALL.into_iter().map(LimitTarget::Error);
+    let targets = DeviationKind::ALL.into_iter().map(LimitTarget::Error);
     std::iter::once(LimitTarget::CenterDistance)
         .chain(targets)
         .filter_map(|target| Some((target, read_limit(reader, target.key())?)))

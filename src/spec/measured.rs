@@ -2,10 +2,10 @@
 //! blocks and reports.
 
 use super::{MeasuredTables, Spec};
-use crate::decision::{Effect, Feature, MeasuredPart, MeasuredRow};
-use crate::deviation::{ErrorValue, Part};
+use crate::deviation::{DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Model, PartError};
+use crate::formula::{Model, PartDeviation};
+use crate::judge::{Effect, Feature, MeasuredPart, MeasuredRow};
 use crate::quantity::{Angle, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::trig;
@@ -48,9 +48,9 @@ impl Spec {
             }
             (None, None) => (true, Vec::new(), Vec::new()),
         };
-        let zero = |feature: &Feature| (feature.error(), ErrorValue::zero(feature.error()));
+        let zero = |feature: &Feature| (feature.error(), DeviationValue::zero(feature.error()));
         let kinds: Vec<_> = features.iter().map(zero).collect();
-        let formulas = if kinds.is_empty() { Vec::new() } else { self.with_errors(&kinds).part_errors()? };
+        let formulas = if kinds.is_empty() { Vec::new() } else { self.with_errors(&kinds).part_deviations()? };
         let mut rows = Vec::with_capacity(values.len());
         for (number, deviations) in values {
             let mut effects = Vec::with_capacity(deviations.len());
@@ -59,7 +59,7 @@ impl Spec {
                     None => None,
                     Some(deviation) => {
                         let place = if is_rack { "space" } else { "tooth" };
-                        let error = PartError::new(formula.law(), deviation);
+                        let error = PartDeviation::new(formula.law(), deviation);
                         let delta_cd = error.delta_cd(model).map_err(|problem| {
                             let message = format!("{place} {number}: {}: {problem}", formula.kind());
                             Diagnostic::error(Code::OutOfDomain, message)
@@ -111,8 +111,8 @@ impl Spec {
             let mut deviations = Vec::new();
             if over_pin {
                 deviations.push(row.over_pin.map(|measured| match (measured, nominal) {
-                    (Measured::Absolute(length), Some(nominal)) => ErrorValue::Length(length - nominal),
-                    (Measured::Absolute(length) | Measured::Deviation(length), _) => ErrorValue::Length(length),
+                    (Measured::Absolute(length), Some(nominal)) => DeviationValue::Length(length - nominal),
+                    (Measured::Absolute(length) | Measured::Deviation(length), _) => DeviationValue::Length(length),
                 }));
             }
             if step {
@@ -120,15 +120,15 @@ impl Spec {
                     index.checked_sub(1).map(|before| rows[before]).filter(|before| before.space + 1 == row.space);
                 let positions = before.and_then(|before| Some((before.position?, row.position?)));
                 deviations.push(positions.and_then(|positions| match positions {
-                    (Measured::Deviation(a), Measured::Deviation(b)) => Some(ErrorValue::Length(b - a)),
+                    (Measured::Deviation(a), Measured::Deviation(b)) => Some(DeviationValue::Length(b - a)),
                     (Measured::Absolute(a), Measured::Absolute(b)) => {
-                        pitch.map(|pitch| ErrorValue::Length(b - a - pitch))
+                        pitch.map(|pitch| DeviationValue::Length(b - a - pitch))
                     }
                     _ => None,
                 }));
             }
             if lead {
-                deviations.push(row.lead.map(ErrorValue::Angle));
+                deviations.push(row.lead.map(DeviationValue::Angle));
             }
             values.push((row.space, deviations));
         }
@@ -137,7 +137,7 @@ impl Spec {
 }
 
 /// Features, and the deviations of each space or tooth.
-type Values = (Vec<Feature>, Vec<(i64, Vec<Option<ErrorValue>>)>);
+type Values = (Vec<Feature>, Vec<(i64, Vec<Option<DeviationValue>>)>);
 
 fn pinion_values(rows: &[PinionTooth]) -> Values {
     let of = |row: &PinionTooth, feature| match feature {
@@ -149,7 +149,7 @@ fn pinion_values(rows: &[PinionTooth]) -> Values {
     let features: Vec<_> =
         features.into_iter().filter(|feature| rows.iter().any(|row| of(row, *feature).is_some())).collect();
     let values = rows.iter().map(|row| {
-        let deviations = features.iter().map(|feature| of(row, *feature).map(ErrorValue::Length));
+        let deviations = features.iter().map(|feature| of(row, *feature).map(DeviationValue::Length));
         (row.tooth, deviations.collect())
     });
     let values = values.collect();

@@ -8,11 +8,11 @@ use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenPinionDeviation};
 use crate::deviation::plausible;
 use crate::deviation::{
-    ErrorKind, ErrorValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow, RackDeviation,
+    DeviationKind, DeviationValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow, RackDeviation,
     RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows, rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::PartError;
+use crate::formula::PartDeviation;
 use crate::formula::over_pin::OverPin;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
 use crate::judge::bound::pinion_lead_angle_rad;
@@ -154,9 +154,9 @@ impl Spec {
         let origin = if self.has_deviations() || self.errors.is_empty() { Origin::Teeth } else { Origin::Errors };
         let mut pinion_lead_mm = None;
         if origin == Origin::Errors {
-            let errors = self.part_errors()?;
+            let errors = self.part_deviations()?;
             (rack_deviations, pinion_deviations) = on_teeth(&errors, &pair);
-            let lead = errors.iter().find(|error| error.kind() == ErrorKind::PinionLead);
+            let lead = errors.iter().find(|error| error.kind() == DeviationKind::PinionLead);
             pinion_lead_mm = lead.map(|error| error.value().base());
         }
         let rack_rows = match &tables.rack {
@@ -281,12 +281,12 @@ impl Spec {
     /// Refuses a table of a pinion with a deviation that no tooth can have.
     fn check_pinion_rows(&self, teeth: &PinionTeeth) -> Result<(), Diagnostic> {
         for row in &teeth.rows {
-            let length = |length: Option<Length>| length.map(ErrorValue::Length);
+            let length = |length: Option<Length>| length.map(DeviationValue::Length);
             for (what, value) in [
                 ("radial deviation", length(row.radial)),
                 ("left pitch deviation", length(row.left_pitch)),
                 ("right pitch deviation", length(row.right_pitch)),
-                ("lead deviation", row.lead.map(ErrorValue::Angle)),
+                ("lead deviation", row.lead.map(DeviationValue::Angle)),
             ] {
                 if let Some(diagnostic) = self.impossible_row(&teeth.name, row.line, what, value) {
                     return Err(diagnostic.help("check the unit of the column"));
@@ -297,7 +297,7 @@ impl Spec {
     }
 
     /// Why a row of a table has no deviation, if it is impossible.
-    fn impossible_row(&self, table: &str, line: u64, what: &str, value: Option<ErrorValue>) -> Option<Diagnostic> {
+    fn impossible_row(&self, table: &str, line: u64, what: &str, value: Option<DeviationValue>) -> Option<Diagnostic> {
         let doubt = plausible::deviation(value?, self.module()).filter(|doubt| doubt.is_impossible)?;
         Some(Diagnostic::error(Code::Implausible, format!("{table}, line {line}: {what}: {doubt}")))
     }
@@ -316,7 +316,7 @@ impl Spec {
                 (Some(Measured::Absolute(length)), Some(nominal)) => (length - nominal).mm(),
                 _ => 0.0,
             };
-            let deviation = Length::from_mm(height).ok().map(ErrorValue::Length);
+            let deviation = Length::from_mm(height).ok().map(DeviationValue::Length);
             if let Some(diagnostic) = self.impossible_row(&spaces.name, row.line, "over-pin", deviation) {
                 return Err(diagnostic.help("check the units, `rack.pin` and `rack.datum`").into());
             }
@@ -352,8 +352,8 @@ impl Spec {
     /// # Errors
     /// Diagnostics for missing keys, or a thickness that leaves no space.
     pub fn nominal_over_pin(&self) -> Result<Length, Diagnostics> {
-        let given = self.nominals.iter().find(|(kind, _)| *kind == ErrorKind::RackOverRoller);
-        if let Some((_, Located { value: ErrorValue::Length(nominal), .. })) = given {
+        let given = self.nominals.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller);
+        if let Some((_, Located { value: DeviationValue::Length(nominal), .. })) = given {
             return Ok(*nominal);
         }
         let mut missing = MissingKeys::default();
@@ -435,45 +435,45 @@ fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
 }
 
 /// One value per error, put on the teeth as the formulas understand them.
-fn on_teeth(errors: &[PartError], pair: &Pair) -> (Vec<RackDeviation>, Vec<WrittenPinionDeviation>) {
+fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<WrittenPinionDeviation>) {
     let later = ToothRange::new(Some(FIRST_ODD_TOOTH), None).unwrap_or(ToothRange::ALL);
     let half_turn = ToothRange::new(Some(i64::from(pair.pinion().teeth / 2)), None).unwrap_or(ToothRange::ALL);
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     for error in errors {
         // of a permissible deviation, its upper end
         match (error.kind(), error.value()) {
-            (ErrorKind::RackOverRoller, ErrorValue::Length(length)) => {
+            (DeviationKind::RackOverRoller, DeviationValue::Length(length)) => {
                 rack.push(RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::OverRoller(length.mm()) });
             }
-            (ErrorKind::RackPitch, ErrorValue::Length(length)) => {
+            (DeviationKind::RackPitch, DeviationValue::Length(length)) => {
                 rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Shift(length.mm()) });
             }
-            (ErrorKind::PinionRadial, ErrorValue::Length(length)) => {
+            (DeviationKind::PinionRadial, DeviationValue::Length(length)) => {
                 pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
                     teeth: ToothRange::ALL,
                     kind: PinionDeviationKind::Radial(length.mm()),
                 }));
             }
-            (ErrorKind::PinionPitch, ErrorValue::Length(length)) => {
+            (DeviationKind::PinionPitch, DeviationValue::Length(length)) => {
                 pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
                     teeth: half_turn,
                     kind: PinionDeviationKind::Shift(length.mm()),
                 }));
             }
-            (ErrorKind::PinionLead, ErrorValue::Length(length)) => {
+            (DeviationKind::PinionLead, DeviationValue::Length(length)) => {
                 pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
                     teeth: ToothRange::ALL,
                     kind: PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, length.mm())),
                 }));
             }
-            (_, ErrorValue::Angle(angle)) => {
+            (_, DeviationValue::Angle(angle)) => {
                 rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(angle.radians()) });
             }
-            (_, ErrorValue::Slope(tangent)) => {
+            (_, DeviationValue::Slope(tangent)) => {
                 rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(trig::atan(tangent)) });
             }
             // a lead error of the rack is no length
-            (ErrorKind::RackLead, ErrorValue::Length(_)) => {}
+            (DeviationKind::RackLead, DeviationValue::Length(_)) => {}
         }
     }
     (rack, pinion)

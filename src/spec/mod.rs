@@ -1,4 +1,4 @@
-//! The gear spec: TOML as written ([`Spec`]), and what it means ([`Spec::part_errors`],
+//! The gear spec: TOML as written ([`Spec`]), and what it means ([`Spec::part_deviations`],
 //! [`Spec::limits`]).
 //!
 //! The command line reads a file and calls [`Spec::parse`]. Parsing checks what stands in the file,
@@ -50,12 +50,12 @@ use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::decision::uncertainty::{self as uncertain, TeethSensitivity};
-use crate::decision::{Limit, LimitTarget, Rule};
-use crate::deviation::{ErrorKind, ErrorValue, Extent};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::judge::bound::KnownTeeth;
+use crate::judge::{Limit, LimitTarget, Rule};
 use crate::quantity::Length;
+use crate::uncertainty::{self as uncertain, TeethSensitivity};
 use keys::{SECTIONS, Section};
 use reader::{SectionReader, similar};
 
@@ -88,18 +88,18 @@ pub struct Spec {
     /// `[budget]`.
     pub budget: BudgetSection,
     /// `[errors]`, in the paper's order.
-    pub errors: Vec<(ErrorKind, Located<WrittenError>)>,
+    pub errors: Vec<(DeviationKind, Located<WrittenError>)>,
     /// The nominal values that `[errors]` gives, with a measured value or alone: then a batch or a pasted block
     /// holds the measured ones.
-    pub nominals: Vec<(ErrorKind, Located<ErrorValue>)>,
+    pub nominals: Vec<(DeviationKind, Located<DeviationValue>)>,
     /// The entries of `[errors]` that give nothing but the uncertainty of values to come from a batch or a pasted
     /// block.
-    pub unmeasured: Vec<(ErrorKind, Range<usize>)>,
+    pub unmeasured: Vec<(DeviationKind, Range<usize>)>,
     /// The entries of `[errors]` with `every_part = true`: their value is that of every part of a batch or a pasted
     /// block.
-    pub every_part: Vec<ErrorKind>,
+    pub every_part: Vec<DeviationKind>,
     /// On which teeth errors are, where `[errors]` says so.
-    pub extents: Vec<(ErrorKind, Located<Extent>)>,
+    pub extents: Vec<(DeviationKind, Located<Extent>)>,
     /// The length over which `[errors]` evaluates f_Hβ.
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
@@ -121,7 +121,7 @@ pub struct Spec {
     /// How that follows from what is uncertain.
     pub teeth_sensitivities: Vec<TeethSensitivity>,
     /// What was measured of these teeth and has no uncertainty.
-    pub teeth_taken_as_exact: Vec<ErrorKind>,
+    pub teeth_taken_as_exact: Vec<DeviationKind>,
 }
 
 impl Spec {

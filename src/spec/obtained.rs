@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::{MeasuredTables, Spec, WrittenError};
-use crate::decision::class::NO_OVER_ROLLER_CLASS;
-use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
+use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::judge::class::NO_OVER_ROLLER_CLASS;
 use crate::quantity::{Angle, Length};
 use crate::standard::Deviation;
 use crate::table::Measured;
@@ -34,12 +34,12 @@ impl Spec {
     pub fn measured_deviations(&self, tables: &MeasuredTables) -> Result<Vec<MeasuredValue>, Diagnostics> {
         let mut values = Vec::new();
         if self.errors.iter().any(|(_, written)| !matches!(written.value, WrittenError::Class(_))) {
-            for error in self.part_errors()?.iter().filter(|error| !error.is_tolerance()) {
+            for error in self.part_deviations()?.iter().filter(|error| !error.is_tolerance()) {
                 let part = error.kind().part();
                 let amount = match error.value() {
-                    ErrorValue::Length(length) => length.abs(),
-                    ErrorValue::Angle(angle) => self.slope(part, trig::tan_of(angle))?,
-                    ErrorValue::Slope(tangent) => self.slope(part, tangent)?,
+                    DeviationValue::Length(length) => length.abs(),
+                    DeviationValue::Angle(angle) => self.slope(part, trig::tan_of(angle))?,
+                    DeviationValue::Slope(tangent) => self.slope(part, tangent)?,
                 };
                 let origin = format!("[errors] {}", error.kind().key());
                 let graded = graded_as(error.kind(), error.extent());
@@ -154,13 +154,13 @@ const NO_RUNOUT: &str =
     "a standard grades the runout, the largest less the smallest radial value of all spaces, not one value";
 
 /// The deviation that one value of `[errors]` is.
-fn graded_as(kind: ErrorKind, extent: Extent) -> Result<Deviation, &'static str> {
+fn graded_as(kind: DeviationKind, extent: Extent) -> Result<Deviation, &'static str> {
     match (kind, extent) {
-        (ErrorKind::RackOverRoller, _) => Err(NO_OVER_ROLLER_CLASS),
-        (ErrorKind::PinionRadial, _) => Err(NO_RUNOUT),
-        (ErrorKind::RackPitch | ErrorKind::PinionPitch, Extent::Total) => Ok(Deviation::TotalPitch),
-        (ErrorKind::RackPitch | ErrorKind::PinionPitch, _) => Ok(Deviation::SinglePitch),
-        (ErrorKind::RackLead | ErrorKind::PinionLead, _) => Ok(Deviation::HelixSlope),
+        (DeviationKind::RackOverRoller, _) => Err(NO_OVER_ROLLER_CLASS),
+        (DeviationKind::PinionRadial, _) => Err(NO_RUNOUT),
+        (DeviationKind::RackPitch | DeviationKind::PinionPitch, Extent::Total) => Ok(Deviation::TotalPitch),
+        (DeviationKind::RackPitch | DeviationKind::PinionPitch, _) => Ok(Deviation::SinglePitch),
+        (DeviationKind::RackLead | DeviationKind::PinionLead, _) => Ok(Deviation::HelixSlope),
     }
 }
 

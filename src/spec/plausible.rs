@@ -7,7 +7,7 @@ use super::errors::WrittenError;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenPinionDeviation};
 use crate::deviation::plausible::{self, Doubt, Written};
-use crate::deviation::{ErrorKind, ErrorValue, PinionDeviationKind, RackDeviationKind};
+use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::quantity::{Angle, Length, parse_f64};
 
@@ -98,13 +98,13 @@ impl Spec {
     }
 
     /// The doubt about an entry of `[errors]`; a class is the standard's.
-    fn doubted_error(&self, kind: ErrorKind, written: &Located<WrittenError>) -> Option<DoubtedKey> {
+    fn doubted_error(&self, kind: DeviationKind, written: &Located<WrittenError>) -> Option<DoubtedKey> {
         let (value, is_difference) = match written.value {
             WrittenError::Value(value) => (value, self.nominals.iter().any(|(of, _)| *of == kind)),
             WrittenError::OverRoller { measured, roller } => {
                 let need = || (kind.key().to_owned(), None);
                 let over_pin = self.over_pin_of(roller, &mut MissingKeys::default(), &need)?;
-                (ErrorValue::Length(measured - over_pin.measure().ok()?), true)
+                (DeviationValue::Length(measured - over_pin.measure().ok()?), true)
             }
             WrittenError::Class(_) => return None,
         };
@@ -116,7 +116,7 @@ impl Spec {
     /// The doubts about deviations of single teeth.
     fn doubted_teeth(&self) -> Vec<DoubtedKey> {
         let module = self.module();
-        let doubted = |name: &str, value: Option<ErrorValue>, span: &Range<usize>| {
+        let doubted = |name: &str, value: Option<DeviationValue>, span: &Range<usize>| {
             let doubt = plausible::deviation(value?, module)?;
             Some(DoubtedKey { name: name.to_owned(), span: span.clone(), doubt })
         };
@@ -135,7 +135,7 @@ impl Spec {
 }
 
 /// The value of a deviation of rack teeth.
-fn of_rack(kind: RackDeviationKind) -> Option<ErrorValue> {
+fn of_rack(kind: RackDeviationKind) -> Option<DeviationValue> {
     use RackDeviationKind::{Lead, Left, OverRoller, Pitch, Right, Shift, Thickness};
     match kind {
         OverRoller(mm) | Pitch(mm) | Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) => length(mm),
@@ -144,7 +144,7 @@ fn of_rack(kind: RackDeviationKind) -> Option<ErrorValue> {
 }
 
 /// The value of a deviation of the pinion.
-fn of_pinion(deviation: &WrittenPinionDeviation) -> Option<ErrorValue> {
+fn of_pinion(deviation: &WrittenPinionDeviation) -> Option<DeviationValue> {
     use PinionDeviationKind::{Lead, Left, Radial, Right, Shift, Thickness};
     match deviation {
         WrittenPinionDeviation::Teeth(of_teeth) => match of_teeth.kind {
@@ -155,12 +155,12 @@ fn of_pinion(deviation: &WrittenPinionDeviation) -> Option<ErrorValue> {
     }
 }
 
-fn length(mm: f64) -> Option<ErrorValue> {
-    Length::from_mm(mm).ok().map(ErrorValue::Length)
+fn length(mm: f64) -> Option<DeviationValue> {
+    Length::from_mm(mm).ok().map(DeviationValue::Length)
 }
 
-fn angle(rad: f64) -> Option<ErrorValue> {
-    Angle::from_degrees(rad * (180.0 / std::f64::consts::PI)).ok().map(ErrorValue::Angle)
+fn angle(rad: f64) -> Option<DeviationValue> {
+    Angle::from_degrees(rad * (180.0 / std::f64::consts::PI)).ok().map(DeviationValue::Angle)
 }
 
 #[cfg(test)]

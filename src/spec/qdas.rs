@@ -2,12 +2,12 @@
 //! spec says is never replaced.
 
 use super::{Located, Spec};
-use crate::decision::uncertainty::{Source, Uncertainty};
-use crate::decision::{Limit, LimitTarget};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::formula::Model;
+use crate::judge::{Limit, LimitTarget};
 use crate::quantity::{Angle, Length};
 use crate::table::qdas::{Characteristic, Qdas};
+use crate::uncertainty::{Source, Uncertainty};
 
 impl Spec {
     /// The spec with what a file says of the characteristics that are its errors, and remarks on what was taken and
@@ -21,7 +21,7 @@ impl Spec {
         let mut spec = self.clone();
         let mut notes = Vec::new();
         let own = self.want().own;
-        for kind in ErrorKind::ALL {
+        for kind in DeviationKind::ALL {
             let found = qdas.characteristics.iter().find(|found| Qdas::error_of(found, &own) == Some(kind));
             let Some(found) = found else { continue };
             spec.take_nominal(kind, found, &mut notes);
@@ -31,7 +31,7 @@ impl Spec {
         (spec, notes)
     }
 
-    fn take_nominal(&mut self, kind: ErrorKind, found: &Characteristic, notes: &mut Vec<String>) {
+    fn take_nominal(&mut self, kind: DeviationKind, found: &Characteristic, notes: &mut Vec<String>) {
         let Some(nominal) = found.nominal.as_deref().and_then(|text| value(kind, text, found)) else { return };
         let stated = self.batch_column(kind).is_some_and(|column| {
             column.value.nominal.is_some() || column.value.kind.as_ref().is_some_and(|kind| kind.value == "deviation")
@@ -43,7 +43,7 @@ impl Spec {
     }
 
     /// An expanded uncertainty, whose coverage factor the format does not tell: 2, as is usual.
-    fn take_uncertainty(&mut self, kind: ErrorKind, found: &Characteristic, notes: &mut Vec<String>) {
+    fn take_uncertainty(&mut self, kind: DeviationKind, found: &Characteristic, notes: &mut Vec<String>) {
         const COVERAGE: f64 = 2.0;
         let source = Source::Error(kind);
         let Some(expanded) = found.uncertainty.as_deref().and_then(|text| value(kind, text, found)) else { return };
@@ -57,7 +57,7 @@ impl Spec {
         }
     }
 
-    fn take_limits(&mut self, kind: ErrorKind, found: &Characteristic, model: Model, notes: &mut Vec<String>) {
+    fn take_limits(&mut self, kind: DeviationKind, found: &Characteristic, model: Model, notes: &mut Vec<String>) {
         let target = LimitTarget::Error(kind);
         let end = |text: &Option<String>| text.as_deref().and_then(|text| value(kind, text, found));
         let (lower, upper) = (end(&found.lower), end(&found.upper));
@@ -65,11 +65,11 @@ impl Spec {
             return;
         }
         let nominal = self.nominals.iter().find(|(of, _)| *of == kind).map(|(_, nominal)| nominal.value);
-        let nominal = nominal.unwrap_or(ErrorValue::zero(kind));
+        let nominal = nominal.unwrap_or(DeviationValue::zero(kind));
         let (lower, upper) = (lower.map(|end| end.less(nominal)), upper.map(|end| end.less(nominal)));
         let limit = match (lower, upper) {
             _ if kind.always_acts() => Some(Limit { lower: lower.and_then(length), upper: upper.and_then(length) }),
-            (Some(lower), Some(upper)) if lower == ErrorValue::zero(kind).less(upper) => {
+            (Some(lower), Some(upper)) if lower == DeviationValue::zero(kind).less(upper) => {
                 self.effect(kind, upper, model)
             }
             (None, Some(upper)) => self.effect(kind, upper, model),
@@ -88,24 +88,24 @@ impl Spec {
     }
 
     /// ΔCD of the largest permitted error.
-    fn effect(&self, kind: ErrorKind, largest: ErrorValue, model: Model) -> Option<Limit> {
-        let errors = self.with_errors(&[(kind, largest)]).part_errors().ok()?;
+    fn effect(&self, kind: DeviationKind, largest: DeviationValue, model: Model) -> Option<Limit> {
+        let errors = self.with_errors(&[(kind, largest)]).part_deviations().ok()?;
         let upper = errors.first()?.delta_cd(model).ok()?;
         Some(Limit { lower: None, upper: Some(upper) })
     }
 }
 
-fn value(kind: ErrorKind, text: &str, found: &Characteristic) -> Option<ErrorValue> {
+fn value(kind: DeviationKind, text: &str, found: &Characteristic) -> Option<DeviationValue> {
     let text = format!("{text} {}", found.unit.as_deref().unwrap_or(""));
     match kind {
-        ErrorKind::RackLead => text.parse::<Angle>().ok().map(ErrorValue::Angle),
-        _ => text.parse::<Length>().ok().map(ErrorValue::Length),
+        DeviationKind::RackLead => text.parse::<Angle>().ok().map(DeviationValue::Angle),
+        _ => text.parse::<Length>().ok().map(DeviationValue::Length),
     }
 }
 
-fn length(value: ErrorValue) -> Option<Length> {
+fn length(value: DeviationValue) -> Option<Length> {
     match value {
-        ErrorValue::Length(length) => Some(length),
+        DeviationValue::Length(length) => Some(length),
         _ => None,
     }
 }
@@ -128,12 +128,12 @@ mod tests {
             .collect();
         // 10 µm / (2 tan 45°)
         assert_eq!(limits, [("rack_over_roller", Some(-0.02), Some(0.03)), ("rack_pitch", None, Some(0.005))]);
-        assert_eq!(completed.nominals[0].1.value, ErrorValue::Length("25".parse().unwrap()));
+        assert_eq!(completed.nominals[0].1.value, DeviationValue::Length("25".parse().unwrap()));
         assert_eq!(notes.len(), 5, "{notes:?}");
         let text = "[errors]\nrack_over_roller = { nominal = 24.99 }\n[limits]\nrack_over_roller = \"±1\"";
         let (completed, _) = Spec::parse("rack.toml", text).unwrap().completed_by(&qdas, Model::Exact);
         // the reader of tables refuses what contradicts it
-        assert_eq!(completed.nominals[0].1.value, ErrorValue::Length("24.99".parse().unwrap()));
+        assert_eq!(completed.nominals[0].1.value, DeviationValue::Length("24.99".parse().unwrap()));
         assert_eq!(completed.limits()[0].1.upper, Some("1".parse().unwrap()));
     }
 }

@@ -11,11 +11,11 @@ use super::Located;
 use super::errors::LARGEST_CLASS;
 use super::keys::{Kind, SECTIONS, Section, Unit};
 use super::uncertainty::source_of;
-use crate::decision::class::RackDiameter;
-use crate::decision::uncertainty::{Source as UncertainSource, Uncertainty};
 use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, split_number};
 use crate::standard::Standard;
+use crate::uncertainty::{Source as UncertainSource, Uncertainty};
 
 /// A table of the spec while it is being read.
 pub(super) struct SectionReader<'a> {

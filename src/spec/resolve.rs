@@ -5,12 +5,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Located, Spec, WrittenError};
-use crate::decision::{EvaluationError, Limits};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::evaluation::EvaluationError;
 use crate::formula::law::page_of;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Law, Model, OVER_PIN, PartError};
+use crate::formula::{Law, Model, OVER_PIN, PartDeviation};
+use crate::judge::Limits;
 use crate::quantity::{Angle, DomainError, Length};
 
 impl Spec {
@@ -19,8 +20,8 @@ impl Spec {
     /// # Errors
     /// A diagnostic for each key that an error's formula needs and the spec does not have, for gear data
     /// that contradict each other, or because there are no errors at all.
-    pub fn part_errors(&self) -> Result<Vec<PartError>, Diagnostics> {
-        let unmeasured = |nominal: &&(ErrorKind, _)| self.errors.iter().all(|(kind, _)| *kind != nominal.0);
+    pub fn part_deviations(&self) -> Result<Vec<PartDeviation>, Diagnostics> {
+        let unmeasured = |nominal: &&(DeviationKind, _)| self.errors.iter().all(|(kind, _)| *kind != nominal.0);
         if let Some((kind, nominal)) = self.nominals.iter().find(unmeasured) {
             let message = format!("`{}` has a nominal value, but no measured one", kind.key());
             return Err(Diagnostic::error(Code::BadErrorEntry, message)
@@ -29,7 +30,7 @@ impl Spec {
                 .into());
         }
         let has_value =
-            |kind: ErrorKind| self.knows_teeth(kind.part()) || self.errors.iter().any(|(other, _)| *other == kind);
+            |kind: DeviationKind| self.knows_teeth(kind.part()) || self.errors.iter().any(|(other, _)| *other == kind);
         let without_value = self.unmeasured.iter().find(|(kind, _)| !has_value(*kind));
         if let Some((kind, place)) = without_value {
             let message = format!("`{}` has no value", kind.key());
@@ -69,7 +70,7 @@ impl Spec {
                     None => continue,
                 }
             } else {
-                self.part_error(*kind, written, &mut missing)
+                self.part_deviation(*kind, written, &mut missing)
             };
             match error {
                 Some(Ok(error)) => errors.push(self.extended(error)),
@@ -85,14 +86,14 @@ impl Spec {
     /// The same, or none if there are none: a pair without errors.
     ///
     /// # Errors
-    /// Diagnostics as [`Spec::part_errors`].
-    pub fn part_errors_or_none(&self) -> Result<Vec<PartError>, Diagnostics> {
-        if self.errors.is_empty() { Ok(Vec::new()) } else { self.part_errors() }
+    /// Diagnostics as [`Spec::part_deviations`].
+    pub fn part_errors_or_none(&self) -> Result<Vec<PartDeviation>, Diagnostics> {
+        if self.errors.is_empty() { Ok(Vec::new()) } else { self.part_deviations() }
     }
 
     /// An error on the teeth that the spec says, if it says so.
     #[must_use]
-    pub fn extended(&self, error: PartError) -> PartError {
+    pub fn extended(&self, error: PartDeviation) -> PartDeviation {
         let extent = self.extents.iter().find(|(kind, _)| *kind == error.kind());
         extent.map_or(error, |(_, extent)| error.with_extent(extent.value))
     }
@@ -100,12 +101,12 @@ impl Spec {
     /// The same spec with other errors, as measured on a part; their formulas ask for gear data as if they
     /// stood in `[errors]`.
     #[must_use]
-    pub fn with_errors(&self, errors: &[(ErrorKind, ErrorValue)]) -> Self {
+    pub fn with_errors(&self, errors: &[(DeviationKind, DeviationValue)]) -> Self {
         // the nominal measure over a roller stays what it is computed from, with the uncertainties of that
         let over_pin = self.over_pin().and_then(|over_pin| Some((over_pin.measure().ok()?, over_pin.pin_diameter)));
         let errors = errors.iter().map(|(kind, value)| {
             let written = match (value, over_pin) {
-                (ErrorValue::Length(length), Some((nominal, roller))) if *kind == ErrorKind::RackOverRoller => {
+                (DeviationValue::Length(length), Some((nominal, roller))) if *kind == DeviationKind::RackOverRoller => {
                     WrittenError::OverRoller { measured: *length + nominal, roller }
                 }
                 (value, _) => WrittenError::Value(*value),
@@ -133,29 +134,29 @@ impl Spec {
     }
 
     /// An error with its law; `None` if a key is missing.
-    fn part_error(
+    fn part_deviation(
         &self,
-        kind: ErrorKind,
+        kind: DeviationKind,
         written: &Located<WrittenError>,
         missing: &mut MissingKeys,
-    ) -> Option<Result<PartError, DomainError>> {
+    ) -> Option<Result<PartDeviation, DomainError>> {
         let value = match written.value {
             WrittenError::Value(value) => Ok(value),
             WrittenError::OverRoller { measured, roller } => {
                 let over_pin = self.over_pin_of(roller, missing, &needed_by(kind, written))?;
-                over_pin.measure().map(|nominal| ErrorValue::Length(measured - nominal))
+                over_pin.measure().map(|nominal| DeviationValue::Length(measured - nominal))
             }
             // its value is the class's
             WrittenError::Class(_) => return None,
         };
         let law = self.law_of(kind, missing, &needed_by(kind, written))?;
-        Some(law.and_then(|law| Ok(PartError::new(law, value?))))
+        Some(law.and_then(|law| Ok(PartDeviation::new(law, value?))))
     }
 
     /// The law of a kind of error for this gear; `None` if a key is missing.
     pub(super) fn law_of(
         &self,
-        kind: ErrorKind,
+        kind: DeviationKind,
         missing: &mut MissingKeys,
         need: &dyn Fn() -> Need,
     ) -> Option<Result<Law, DomainError>> {
@@ -164,12 +165,12 @@ impl Spec {
         let mut pressure_angle =
             || missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), need);
         Some(match kind {
-            ErrorKind::RackOverRoller => Ok(Law::rack_over_roller()),
-            ErrorKind::PinionRadial => Ok(Law::pinion_radial()),
-            ErrorKind::RackPitch => Law::rack_pitch(pressure_angle()?, rack),
-            ErrorKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, pinion),
-            ErrorKind::PinionLead => Law::pinion_lead(pressure_angle()?, pinion),
-            ErrorKind::RackLead => {
+            DeviationKind::RackOverRoller => Ok(Law::rack_over_roller()),
+            DeviationKind::PinionRadial => Ok(Law::pinion_radial()),
+            DeviationKind::RackPitch => Law::rack_pitch(pressure_angle()?, rack),
+            DeviationKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, pinion),
+            DeviationKind::PinionLead => Law::pinion_lead(pressure_angle()?, pinion),
+            DeviationKind::RackLead => {
                 let pressure_angle = pressure_angle();
                 let face_width = missing.take("rack", "face_width", self.rack.face_width.as_ref(), need);
                 Law::rack_lead(pressure_angle?, rack, face_width?)
@@ -212,7 +213,7 @@ impl Spec {
 pub(super) type Need = (String, Option<(Range<usize>, String)>);
 
 /// The need of an error of `[errors]`.
-fn needed_by(kind: ErrorKind, written: &Located<WrittenError>) -> impl Fn() -> Need {
+fn needed_by(kind: DeviationKind, written: &Located<WrittenError>) -> impl Fn() -> Need {
     move || {
         let formula = match written.value {
             // the nominal of M - M_nom is the measure over the pin

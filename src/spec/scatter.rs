@@ -6,11 +6,11 @@ use super::keys::{self, Kind};
 use super::reader::{SectionReader, similar};
 use super::resolve::MissingKeys;
 use super::{Located, Spec};
-use crate::decision::class::ErrorClass;
-use crate::decision::monte_carlo::racks::Scatter;
-use crate::decision::uncertainty::{Distribution, Uncertainty};
-use crate::deviation::ErrorKind;
+use crate::chance::racks::Scatter;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::judge::class::ErrorClass;
+use crate::uncertainty::{Distribution, Uncertainty};
 
 /// A spread as written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,7 +144,7 @@ impl Spec {
 /// The values that a class leaves, all alike: within plus and minus what it permits; of a runout, all of its peak to peak
 /// value, which is twice the eccentricity.
 fn within_class(class: &ErrorClass) -> Uncertainty {
-    let is_runout = class.kind == ErrorKind::PinionRadial;
+    let is_runout = class.kind == DeviationKind::PinionRadial;
     let half_width = if is_runout { class.permissible.length().mm() } else { class.value.base() };
     Uncertainty::half_width(half_width.abs(), Distribution::Rectangular)
 }

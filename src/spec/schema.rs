@@ -7,10 +7,10 @@ use serde_json::{Map, Value, json};
 use super::errors::{LARGEST_CLASS, error_table_forms, is_of_a_part};
 use super::keys::{EVERY_PART, EXTENT, Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use super::uncertainty::source_of;
-use crate::decision::uncertainty::Source;
-use crate::deviation::{ErrorKind, Extent, Unit};
+use crate::deviation::{DeviationKind, Extent, Unit};
 use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
 use crate::standard::Standard;
+use crate::uncertainty::Source;
 
 /// The JSON Schema (draft 2020-12) of the spec, so that editors complete keys and mark mistakes.
 #[must_use]
@@ -179,8 +179,8 @@ fn length_pattern(sign: &str) -> String {
     format!(r"^\s*{sign}[0-9.]+([eE][+\-]?[0-9]+)?\s*({})?\s*$", units.join("|"))
 }
 
-fn error(kind: ErrorKind) -> Value {
-    let text = if kind == ErrorKind::RackLead { json!({ "type": "string" }) } else { length_text() };
+fn error(kind: DeviationKind) -> Value {
+    let text = if kind == DeviationKind::RackLead { json!({ "type": "string" }) } else { length_text() };
     let mut forms = vec![json!({ "type": "number" }), text];
     for form in error_table_forms(kind) {
         let value = |name: &str| match name {

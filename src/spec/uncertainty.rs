@@ -11,20 +11,20 @@ use toml::de::{DeTable, DeValue};
 use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
 use super::{Located, Spec};
-use crate::decision::Rule;
-use crate::decision::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
+use crate::judge::Rule;
+use crate::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
 
 /// Every source that a spec can name.
 const SOURCES: [Source; 14] = [
-    Source::Error(ErrorKind::RackOverRoller),
-    Source::Error(ErrorKind::RackPitch),
-    Source::Error(ErrorKind::RackLead),
-    Source::Error(ErrorKind::PinionRadial),
-    Source::Error(ErrorKind::PinionPitch),
-    Source::Error(ErrorKind::PinionLead),
+    Source::Error(DeviationKind::RackOverRoller),
+    Source::Error(DeviationKind::RackPitch),
+    Source::Error(DeviationKind::RackLead),
+    Source::Error(DeviationKind::PinionRadial),
+    Source::Error(DeviationKind::PinionPitch),
+    Source::Error(DeviationKind::PinionLead),
     Source::NormalModule,
     Source::NormalPressureAngle,
     Source::RackHelixAngle,
@@ -282,7 +282,7 @@ impl Spec {
     /// The inputs of the over-roller nominal, if the spec has it computed.
     #[must_use]
     pub fn over_pin(&self) -> Option<OverPin> {
-        let (_, written) = self.errors.iter().find(|(kind, _)| *kind == ErrorKind::RackOverRoller)?;
+        let (_, written) = self.errors.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller)?;
         let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
         Some(OverPin {
             normal_module: self.pair.normal_module.as_ref()?.value,
@@ -305,18 +305,18 @@ impl Spec {
     ///
     /// # Errors
     /// As [`uncertainties`](Self::uncertainties).
-    pub fn uncertainties_of(&self, kinds: &[ErrorKind]) -> Result<Uncertainties, Diagnostics> {
-        let given = |kind: ErrorKind| kinds.contains(&kind);
-        let pitch = given(ErrorKind::RackPitch) || given(ErrorKind::RackLead);
-        let of_pinion = given(ErrorKind::PinionPitch) || given(ErrorKind::PinionLead);
-        let nominal = given(ErrorKind::RackOverRoller) && self.over_pin().is_some();
+    pub fn uncertainties_of(&self, kinds: &[DeviationKind]) -> Result<Uncertainties, Diagnostics> {
+        let given = |kind: DeviationKind| kinds.contains(&kind);
+        let pitch = given(DeviationKind::RackPitch) || given(DeviationKind::RackLead);
+        let of_pinion = given(DeviationKind::PinionPitch) || given(DeviationKind::PinionLead);
+        let nominal = given(DeviationKind::RackOverRoller) && self.over_pin().is_some();
         let of_known_teeth = |source: Source| self.teeth_sensitivities.iter().any(|teeth| teeth.source == source);
         let counts = |source: Source| match source {
             _ if of_known_teeth(source) => true,
             Source::Error(kind) => given(kind),
             Source::NormalPressureAngle => pitch || of_pinion || nominal,
             Source::RackHelixAngle => pitch,
-            Source::FaceWidth => given(ErrorKind::RackLead),
+            Source::FaceWidth => given(DeviationKind::RackLead),
             Source::PinionHelixAngle => of_pinion,
             Source::NormalModule | Source::ToothThickness | Source::Datum | Source::Roller => nominal,
         };
@@ -350,8 +350,8 @@ impl Spec {
 
     /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.
     #[must_use]
-    pub fn taken_as_exact(&self) -> Vec<ErrorKind> {
-        let has = |kind: ErrorKind| self.uncertainties.iter().any(|(source, _)| *source == Source::Error(kind));
+    pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
+        let has = |kind: DeviationKind| self.uncertainties.iter().any(|(source, _)| *source == Source::Error(kind));
         let measured =
             self.errors.iter().filter(|(_, written)| !matches!(written.value, super::WrittenError::Class(_)));
         let single = measured.map(|(kind, _)| *kind).filter(|kind| !has(*kind));
@@ -374,7 +374,7 @@ mod tests {
 
     #[test]
     fn every_way_to_write_an_uncertainty() {
-        let pitch = Source::Error(ErrorKind::RackPitch);
+        let pitch = Source::Error(DeviationKind::RackPitch);
         for (entry, expected) in [
             ("rack_pitch = { value = 0.01, u = \"0.8 um\" }", 0.0008),
             ("rack_pitch = { measured = 6.3, nominal = 6.29, U = \"1.6 um\", k = 2 }", 0.0008),
@@ -384,7 +384,7 @@ mod tests {
             assert!((standard(entry, pitch).standard - expected).abs() < 1e-15, "{entry}");
         }
         assert_eq!(standard("rack_pitch = { value = 0.01, u = 0.001, dof = 9 }", pitch).dof, 9.0);
-        let lead = Source::Error(ErrorKind::RackLead);
+        let lead = Source::Error(DeviationKind::RackLead);
         // Δβ = atan(f/L): u(Δβ) = u(f) L/(L² + f²)
         let slope = standard("rack_lead = { f_h_beta = \"8 um\", length = 20, u = \"1 um\" }", lead).standard;
         let expected = 0.001 * 20.0 / (400.0 + 0.008 * 0.008) * 180.0 / std::f64::consts::PI;
@@ -396,7 +396,7 @@ mod tests {
         assert!((face.standard - 0.3 / 3.0_f64.sqrt()).abs() < 1e-15);
         let over_roller = "rack_over_roller = { measured = 25.5, roller = { value = 4, u = \"0.5 um\" }, u = 0.001 }";
         assert_eq!(standard(over_roller, Source::Roller).standard, 0.0005);
-        assert_eq!(standard(over_roller, Source::Error(ErrorKind::RackOverRoller)).standard, 0.001);
+        assert_eq!(standard(over_roller, Source::Error(DeviationKind::RackOverRoller)).standard, 0.001);
     }
 
     #[test]
@@ -405,7 +405,7 @@ mod tests {
             "[rack]\nface_width = { value = 20, u = 0.1 }\n[errors]\npinion_radial = { value = 0.01, u = 0.001 }\n";
         let spec = Spec::parse("test", text).unwrap();
         let sources: Vec<_> = spec.uncertainties().unwrap().inputs().iter().map(|(source, _)| *source).collect();
-        assert_eq!(sources, [Source::Error(ErrorKind::PinionRadial)]);
+        assert_eq!(sources, [Source::Error(DeviationKind::PinionRadial)]);
         assert!(spec.taken_as_exact().is_empty());
     }
 

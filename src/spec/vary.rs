@@ -2,8 +2,7 @@
 //! Solves nothing.
 
 use super::{Located, MeasuredTables, Spec, WrittenPinionDeviation};
-use crate::decision::uncertainty::{Source, TeethSensitivity, VariedTeeth, teeth_sensitivities};
-use crate::deviation::{ErrorKind, Part, PinionDeviationKind, RackDeviationKind};
+use crate::deviation::{DeviationKind, Part, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::judge::bound::pinion_lead_angle_rad;
@@ -11,6 +10,7 @@ use crate::judge::strokes::Extremes;
 use crate::mesh::Mesh;
 use crate::quantity::{Angle, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
+use crate::uncertainty::{Source, TeethSensitivity, VariedTeeth, teeth_sensitivities};
 
 /// By how much a value is off at least, mm or degrees, so that a curve tells it.
 const LEAST: f64 = 1e-3;
@@ -60,11 +60,11 @@ impl Spec {
 
     /// What was measured of teeth that this spec or its tables know one by one, and has no uncertainty.
     #[must_use]
-    pub fn certain_teeth(&self, tables: &MeasuredTables) -> Vec<ErrorKind> {
+    pub fn certain_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
         let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
         let is_uncertain = |source: Source| self.uncertainties.iter().any(|(other, _)| *other == source);
         let mut is_certain = |source: Source| !is_uncertain(source) && !whole.values(source).is_empty();
-        ErrorKind::ALL.into_iter().filter(|kind| is_certain(Source::Error(*kind))).collect()
+        DeviationKind::ALL.into_iter().filter(|kind| is_certain(Source::Error(*kind))).collect()
     }
 
     /// The mesh with each uncertain value off by about its standard uncertainty, one after the other: sizes of the gear, and
@@ -83,7 +83,7 @@ impl Spec {
             let (source, by) = (*source, uncertainty.value.standard.max(LEAST));
             // f_Hβ of a pinion is a length, and its teeth have the angle that this is
             let step = match source {
-                Source::Error(ErrorKind::PinionLead) => {
+                Source::Error(DeviationKind::PinionLead) => {
                     pinion_lead_angle_rad(&self.pair("the exact mesh")?, by) / RADIANS_PER_DEGREE
                 }
                 _ => by,
@@ -139,41 +139,41 @@ impl Whole {
     }
 }
 
-fn of_rack(kind: ErrorKind, deviation: &mut RackDeviationKind) -> Option<Value<'_>> {
+fn of_rack(kind: DeviationKind, deviation: &mut RackDeviationKind) -> Option<Value<'_>> {
     use RackDeviationKind::{Lead, OverRoller, Pitch, Shift};
     match (kind, deviation) {
-        (ErrorKind::RackOverRoller, OverRoller(mm)) | (ErrorKind::RackPitch, Pitch(mm) | Shift(mm)) => {
+        (DeviationKind::RackOverRoller, OverRoller(mm)) | (DeviationKind::RackPitch, Pitch(mm) | Shift(mm)) => {
             Some(Value::Mm(mm))
         }
-        (ErrorKind::RackLead, Lead(rad)) => Some(Value::Rad(rad)),
+        (DeviationKind::RackLead, Lead(rad)) => Some(Value::Rad(rad)),
         _ => None,
     }
 }
 
-fn of_pinion(kind: ErrorKind, deviation: &mut PinionDeviationKind) -> Option<Value<'_>> {
+fn of_pinion(kind: DeviationKind, deviation: &mut PinionDeviationKind) -> Option<Value<'_>> {
     use PinionDeviationKind::{Lead, Radial, Shift};
     match (kind, deviation) {
-        (ErrorKind::PinionRadial, Radial(mm)) | (ErrorKind::PinionPitch, Shift(mm)) => Some(Value::Mm(mm)),
-        (ErrorKind::PinionLead, Lead(rad)) => Some(Value::Rad(rad)),
+        (DeviationKind::PinionRadial, Radial(mm)) | (DeviationKind::PinionPitch, Shift(mm)) => Some(Value::Mm(mm)),
+        (DeviationKind::PinionLead, Lead(rad)) => Some(Value::Rad(rad)),
         _ => None,
     }
 }
 
-fn of_space(kind: ErrorKind, row: &mut RackSpace) -> Option<Value<'_>> {
+fn of_space(kind: DeviationKind, row: &mut RackSpace) -> Option<Value<'_>> {
     let measured = match kind {
-        ErrorKind::RackOverRoller => row.over_pin.as_mut(),
-        ErrorKind::RackPitch => row.position.as_mut(),
-        ErrorKind::RackLead => return row.lead.as_mut().map(Value::Angle),
+        DeviationKind::RackOverRoller => row.over_pin.as_mut(),
+        DeviationKind::RackPitch => row.position.as_mut(),
+        DeviationKind::RackLead => return row.lead.as_mut().map(Value::Angle),
         _ => None,
     };
     measured.map(|(Measured::Absolute(length) | Measured::Deviation(length))| Value::Length(length))
 }
 
-fn of_tooth(kind: ErrorKind, row: &mut PinionTooth) -> Vec<Value<'_>> {
+fn of_tooth(kind: DeviationKind, row: &mut PinionTooth) -> Vec<Value<'_>> {
     let lengths = match kind {
-        ErrorKind::PinionRadial => [row.radial.as_mut(), None, None],
-        ErrorKind::PinionPitch => [row.position.as_mut(), row.left_pitch.as_mut(), row.right_pitch.as_mut()],
-        ErrorKind::PinionLead => return row.lead.iter_mut().map(Value::Angle).collect(),
+        DeviationKind::PinionRadial => [row.radial.as_mut(), None, None],
+        DeviationKind::PinionPitch => [row.position.as_mut(), row.left_pitch.as_mut(), row.right_pitch.as_mut()],
+        DeviationKind::PinionLead => return row.lead.iter_mut().map(Value::Angle).collect(),
         _ => [None, None, None],
     };
     lengths.into_iter().flatten().map(Value::Length).collect()

@@ -4,7 +4,7 @@
 use super::cell::{Cell, Record};
 use super::encoding::text;
 use super::reading::AsideReading;
-use crate::deviation::ErrorValue;
+use crate::deviation::DeviationValue;
 
 /// Bytes of a block's text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -46,7 +46,7 @@ pub struct Contradiction {
 pub struct Block {
     /// One slice per column of the table; a column that nobody needs is empty. Where a row has a fault, the value is
     /// nothing that was measured.
-    pub(crate) values: Vec<Vec<ErrorValue>>,
+    pub(crate) values: Vec<Vec<DeviationValue>>,
     /// By row.
     pub(crate) faults: Vec<Fault>,
     /// Numbers of spaces or teeth.
@@ -86,7 +86,7 @@ impl Block {
 
     /// The values of a column.
     #[must_use]
-    pub fn values(&self, column: usize) -> &[ErrorValue] {
+    pub fn values(&self, column: usize) -> &[DeviationValue] {
         self.values.get(column).map_or(&[], Vec::as_slice)
     }
 

@@ -9,7 +9,7 @@ use super::shape::{Measurement, Series};
 use super::strangers::unit_in;
 use super::want::Want;
 use crate::deviation::plausible::{self, Reach};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::lead_slope;
 use crate::quantity::{Angle, AngleUnit, Decimal, Length, LengthUnit, QuantityError, Unit, shown};
@@ -33,7 +33,7 @@ pub(crate) enum Nominal {
     /// Nothing: the column holds deviations.
     None,
     /// The same for every part.
-    Fixed(ErrorValue),
+    Fixed(DeviationValue),
     /// What stands beside the value.
     Beside,
 }
@@ -54,7 +54,7 @@ pub(crate) enum Evaluated {
 pub(crate) struct Column {
     pub(crate) field: Field,
     /// The error that it is, where each row is a part.
-    pub(crate) kind: Option<ErrorKind>,
+    pub(crate) kind: Option<DeviationKind>,
     pub(crate) title: String,
     /// The field of a record, where rows are parts.
     pub(crate) place: usize,
@@ -64,7 +64,7 @@ pub(crate) struct Column {
     pub(crate) nominal: Nominal,
     pub(crate) evaluated: Evaluated,
     /// The nominal value that the spec gives, where the table has its own.
-    stated: Option<ErrorValue>,
+    stated: Option<DeviationValue>,
     /// How far a measured value may be from its nominal one, and a deviation from 0.
     farthest: Reach,
     /// The normal module, if it is known.
@@ -91,7 +91,7 @@ pub(crate) struct Companion {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plain {
     unit: Unit,
-    nominal: ErrorValue,
+    nominal: DeviationValue,
     farthest: Reach,
     /// The evaluation length of f_Hβ.
     over: Option<Length>,
@@ -100,16 +100,18 @@ pub(crate) struct Plain {
 impl Plain {
     /// The deviation of a number; `None` where it is too large to be one.
     #[inline]
-    pub(crate) fn deviation(&self, number: Decimal) -> Option<ErrorValue> {
+    pub(crate) fn deviation(&self, number: Decimal) -> Option<DeviationValue> {
         match (self.unit, self.nominal) {
-            (Unit::Length(unit), ErrorValue::Length(nominal)) => {
+            (Unit::Length(unit), DeviationValue::Length(nominal)) => {
                 let deviation = Length::of_number(number, unit).ok()? - nominal;
                 match self.over {
                     Some(over) => lead_slope(deviation, over).ok(),
-                    None => Some(ErrorValue::Length(deviation)),
+                    None => Some(DeviationValue::Length(deviation)),
                 }
             }
-            (Unit::Angle(unit), nominal) => Some(ErrorValue::Angle(Angle::of_number(number, unit).ok()?).less(nominal)),
+            (Unit::Angle(unit), nominal) => {
+                Some(DeviationValue::Angle(Angle::of_number(number, unit).ok()?).less(nominal))
+            }
             _ => None,
         }
         .filter(|deviation| !self.farthest.is_exceeded_by(*deviation))
@@ -144,7 +146,7 @@ impl Column {
     /// The column of a measurement. `kind` is the error that it is where each row is a part.
     pub(crate) fn new(
         measurement: &Measurement,
-        kind: Option<ErrorKind>,
+        kind: Option<DeviationKind>,
         want: &Want,
         mark: DecimalMark,
     ) -> Result<Self, Diagnostics> {
@@ -197,7 +199,7 @@ impl Column {
     }
 
     /// Decides what is taken from a value.
-    fn take_nominal(&mut self, kind: ErrorKind, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
+    fn take_nominal(&mut self, kind: DeviationKind, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
         self.module = want.module;
         self.farthest = Reach::possible(want.module);
         if self.holds == Some(Holds::Deviation) {
@@ -226,11 +228,11 @@ impl Column {
     }
 
     /// The nominal value that every part has; 0 of deviations.
-    pub(crate) fn nominal_of_every_part(&self) -> Option<ErrorValue> {
+    pub(crate) fn nominal_of_every_part(&self) -> Option<DeviationValue> {
         match (self.nominal, self.unit) {
             (Nominal::Fixed(nominal), _) => Some(nominal),
-            (Nominal::None, Unit::Length(_)) => Some(ErrorValue::Length(Length::ZERO)),
-            (Nominal::None, Unit::Angle(_)) => Some(ErrorValue::Angle(Angle::ZERO)),
+            (Nominal::None, Unit::Length(_)) => Some(DeviationValue::Length(Length::ZERO)),
+            (Nominal::None, Unit::Angle(_)) => Some(DeviationValue::Angle(Angle::ZERO)),
             (Nominal::Beside, _) => None,
         }
     }
@@ -257,7 +259,7 @@ impl Column {
     }
 
     /// The deviation that a cell means; `None` if it says that there is none.
-    pub(crate) fn read(&self, cell: &Cell, beside: Companions<&Cell>) -> Result<Option<ErrorValue>, Problem> {
+    pub(crate) fn read(&self, cell: &Cell, beside: Companions<&Cell>) -> Result<Option<DeviationValue>, Problem> {
         if cell.is_missing() {
             return Ok(None);
         }
@@ -295,14 +297,19 @@ impl Column {
     }
 
     /// A deviation that stands for itself.
-    fn deviation(&self, cell: &Cell, value: ErrorValue, beside: &Companions<&Cell>) -> Result<ErrorValue, Problem> {
+    fn deviation(
+        &self,
+        cell: &Cell,
+        value: DeviationValue,
+        beside: &Companions<&Cell>,
+    ) -> Result<DeviationValue, Problem> {
         self.possible(value)?;
         self.check(cell, value, beside)?;
         Ok(value)
     }
 
     /// Refuses what no deviation can be.
-    fn possible(&self, value: ErrorValue) -> Result<(), Problem> {
+    fn possible(&self, value: DeviationValue) -> Result<(), Problem> {
         match plausible::deviation(value, self.module).filter(|doubt| doubt.is_impossible) {
             Some(doubt) => Err(Problem::TooLarge(doubt.to_string())),
             None => Ok(()),
@@ -310,22 +317,22 @@ impl Column {
     }
 
     /// The quantity in a cell.
-    pub(crate) fn quantity(&self, cell: &Cell) -> Result<ErrorValue, Problem> {
+    pub(crate) fn quantity(&self, cell: &Cell) -> Result<DeviationValue, Problem> {
         self.quantity_in(cell, self.unit)
     }
 
     /// The quantity in a companion's cell; `None` if there is none.
-    fn quantity_beside(&self, cell: Option<&Cell>, of: Option<Companion>) -> Result<Option<ErrorValue>, Problem> {
+    fn quantity_beside(&self, cell: Option<&Cell>, of: Option<Companion>) -> Result<Option<DeviationValue>, Problem> {
         let unit = of.map_or(self.unit, |companion| companion.unit);
         cell.filter(|cell| !cell.is_missing()).map(|cell| self.quantity_in(cell, unit)).transpose()
     }
 
-    fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<ErrorValue, Problem> {
+    fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<DeviationValue, Problem> {
         let too_large = |error: QuantityError| Problem::Bad(error.to_string());
         match &cell.content {
             Content::Number(number) => match unit {
-                Unit::Length(unit) => Length::of_number(*number, unit).map(ErrorValue::Length).map_err(too_large),
-                Unit::Angle(unit) => Angle::of_number(*number, unit).map(ErrorValue::Angle).map_err(too_large),
+                Unit::Length(unit) => Length::of_number(*number, unit).map(DeviationValue::Length).map_err(too_large),
+                Unit::Angle(unit) => Angle::of_number(*number, unit).map(DeviationValue::Angle).map_err(too_large),
             },
             Content::Text(text) => self.quantity_of_text(text, cell.is_measure(), unit),
             Content::Other(text) => Err(Problem::Bad(format!("`{}` is not a number", shown(text)))),
@@ -333,7 +340,7 @@ impl Column {
         }
     }
 
-    fn quantity_of_text(&self, text: &str, is_measure: bool, unit: Unit) -> Result<ErrorValue, Problem> {
+    fn quantity_of_text(&self, text: &str, is_measure: bool, unit: Unit) -> Result<DeviationValue, Problem> {
         let reading = marks(text);
         let other = match self.mark {
             DecimalMark::Point => DecimalMark::Comma,
@@ -365,8 +372,8 @@ impl Column {
         let is_bare = number.ends_with(|c: char| c.is_ascii_digit() || c == '.');
         let united = if is_bare { format!("{number} {}", unit.symbol()) } else { number };
         let read = match unit {
-            Unit::Length(_) => united.parse().map(ErrorValue::Length),
-            Unit::Angle(_) => united.parse().map(ErrorValue::Angle),
+            Unit::Length(_) => united.parse().map(DeviationValue::Length),
+            Unit::Angle(_) => united.parse().map(DeviationValue::Angle),
         };
         read.map_err(|error| Problem::Bad(error.to_string()))
     }
@@ -390,7 +397,7 @@ impl Column {
     fn widest(&self, beside: &Companions<&Cell>) -> Result<f64, Problem> {
         let of = self.beside;
         let fixed = if let Nominal::Fixed(nominal) = self.nominal { Some(nominal) } else { None };
-        let nominal = self.quantity_beside(beside.nominal, of.nominal)?.or(fixed).map_or(0.0, ErrorValue::base);
+        let nominal = self.quantity_beside(beside.nominal, of.nominal)?.or(fixed).map_or(0.0, DeviationValue::base);
         // tolerances judge nothing here: one that is no number says nothing of the value's unit
         let upper = self.quantity_beside(beside.upper, of.upper).unwrap_or(None);
         let lower = self.quantity_beside(beside.lower, of.lower).unwrap_or(None);
@@ -409,12 +416,12 @@ impl Column {
     }
 
     /// f_Hβ over its evaluation length.
-    fn slope(&self, value: ErrorValue, beside: Option<&Cell>) -> Result<ErrorValue, Problem> {
-        let ErrorValue::Length(deviation) = value else { return Ok(value) };
+    fn slope(&self, value: DeviationValue, beside: Option<&Cell>) -> Result<DeviationValue, Problem> {
+        let DeviationValue::Length(deviation) = value else { return Ok(value) };
         let over = match (self.evaluated, beside) {
             (Evaluated::Over(over), _) => over,
             (_, cell) => match self.quantity_beside(cell, self.beside.length)? {
-                Some(ErrorValue::Length(over)) => over,
+                Some(DeviationValue::Length(over)) => over,
                 _ => return Err(Problem::Bad("there is no evaluation length for this f_Hβ".to_owned())),
             },
         };
@@ -423,7 +430,7 @@ impl Column {
         Ok(slope)
     }
 
-    fn nominal_beside(&self, cell: Option<&Cell>) -> Result<ErrorValue, Problem> {
+    fn nominal_beside(&self, cell: Option<&Cell>) -> Result<DeviationValue, Problem> {
         let Some(nominal) = self.quantity_beside(cell, self.beside.nominal)? else {
             return self.stated.ok_or_else(|| Problem::Bad("there is no nominal value beside it".to_owned()));
         };
@@ -436,7 +443,7 @@ impl Column {
     }
 
     /// Holds a deviation against what stands beside the value: the deviation, and the tolerances.
-    fn check(&self, cell: &Cell, deviation: ErrorValue, beside: &Companions<&Cell>) -> Result<(), Problem> {
+    fn check(&self, cell: &Cell, deviation: DeviationValue, beside: &Companions<&Cell>) -> Result<(), Problem> {
         /// Values this much beyond a tolerance have another unit.
         const TIMES: f64 = 100.0;
         let of = self.beside;
@@ -523,9 +530,9 @@ fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
 }
 
 /// How far a measured value may be from its nominal one: a tenth of it, and no further than any deviation.
-fn near(nominal: ErrorValue, possible: Reach) -> Reach {
+fn near(nominal: DeviationValue, possible: Reach) -> Reach {
     match nominal {
-        ErrorValue::Length(nominal) if !nominal.is_zero() => {
+        DeviationValue::Length(nominal) if !nominal.is_zero() => {
             possible.within(Length::from_fm((nominal.abs().fm() / 10).max(1)))
         }
         _ => possible,
@@ -533,7 +540,7 @@ fn near(nominal: ErrorValue, possible: Reach) -> Reach {
 }
 
 /// The unit of a column: of its heading or cells, of the spec, or that of its key.
-fn unit(measurement: &Measurement, kind: Option<ErrorKind>, want: &Want) -> Result<(Unit, UnitFrom), Diagnostic> {
+fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> Result<(Unit, UnitFrom), Diagnostic> {
     let value = &measurement.value;
     let is_angle = measurement.field.is_angle();
     let dimension = |symbol: &str| unit_of(symbol, is_angle);
@@ -609,8 +616,8 @@ fn is_key(title: &str, field: Field) -> bool {
 /// What an error of a part is called in a table of its teeth or spaces.
 fn of_tooth(field: Field) -> Field {
     match field {
-        Field::Error(ErrorKind::PinionRadial) => Field::Radial,
-        Field::Error(ErrorKind::RackLead) => Field::Lead,
+        Field::Error(DeviationKind::PinionRadial) => Field::Radial,
+        Field::Error(DeviationKind::RackLead) => Field::Lead,
         field => field,
     }
 }

@@ -17,7 +17,7 @@ use super::text::{Text, as_io, setup, unreadable};
 use super::understand::{Understood, in_words, understand_records};
 use super::want::{Given, Want};
 use super::workbook::{Shown, Workbook};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Decimal, Length, Unit};
 
@@ -375,14 +375,14 @@ fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
 }
 
 /// The nominal value of a characteristic in its unit, or that of the spec.
-fn nominal_of(characteristic: &Characteristic, kind: ErrorKind, want: &Want) -> Option<ErrorValue> {
+fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want) -> Option<DeviationValue> {
     let number = Decimal::parse(characteristic.nominal.as_deref()?).ok()?;
     let in_spec = want.given(kind).and_then(|given| given.unit);
     let default = || if Field::Error(kind).is_angle() { "°" } else { "mm" };
     let unit = characteristic.unit.as_deref().map_or(in_spec, Unit::from_symbol);
     match unit.or_else(|| characteristic.unit.is_none().then(|| Unit::from_symbol(default())).flatten())? {
-        Unit::Length(unit) => Length::of_number(number, unit).ok().map(ErrorValue::Length),
-        Unit::Angle(unit) => Angle::of_number(number, unit).ok().map(ErrorValue::Angle),
+        Unit::Length(unit) => Length::of_number(number, unit).ok().map(DeviationValue::Length),
+        Unit::Angle(unit) => Angle::of_number(number, unit).ok().map(DeviationValue::Angle),
     }
 }
 

@@ -86,7 +86,7 @@ pub(crate) use understand::in_words;
 
 use std::sync::Arc;
 
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 use column::{Evaluated, UnitFrom};
 use shape::Measurement;
@@ -101,7 +101,7 @@ pub struct Table {
     /// Columns, lines and characteristics that may be measurements and are not understood.
     pub strangers: Vec<Stranger>,
     /// The errors that keep `others = "ignore"` from holding.
-    pub still_missing: Vec<ErrorKind>,
+    pub still_missing: Vec<DeviationKind>,
     /// Whether each row is a tooth or a space, and not a part.
     pub is_teeth: bool,
     /// Whether parts have names.
@@ -121,7 +121,7 @@ pub struct Table {
 impl Table {
     fn new(name: &str, format: &'static str, understood: &Understood, want: &Want) -> Self {
         let shape = &understood.shape;
-        let found = |kind: &ErrorKind| understood.columns.iter().any(|column| column.kind == Some(*kind));
+        let found = |kind: &DeviationKind| understood.columns.iter().any(|column| column.kind == Some(*kind));
         let missing: Vec<_> = want.expected.iter().copied().filter(|kind| !found(kind)).collect();
         let is_complete = !want.expected.is_empty() && missing.is_empty();
         let sorted = strangers::sort(name, shape, want, is_complete);
@@ -180,7 +180,7 @@ impl Table {
     }
 
     /// The errors that it has columns of.
-    pub fn kinds(&self) -> impl Iterator<Item = ErrorKind> + '_ {
+    pub fn kinds(&self) -> impl Iterator<Item = DeviationKind> + '_ {
         self.columns.iter().filter_map(|column| column.kind)
     }
 
@@ -259,7 +259,8 @@ fn named_only(title: &str, role: &str) -> ColumnReading {
 fn column_reading(column: &Column) -> ColumnReading {
     let is_angle = column.field.is_angle();
     // without a word, a space has measures; a part has deviations where no nominal value is known
-    let of_space = [Field::OverPin, Field::Position, Field::Error(ErrorKind::RackOverRoller)].contains(&column.field);
+    let of_space =
+        [Field::OverPin, Field::Position, Field::Error(DeviationKind::RackOverRoller)].contains(&column.field);
     let holds = match (column.nominal, column.holds) {
         (Nominal::None, Some(Holds::Deviation)) => "deviation",
         (Nominal::None, None) if column.kind.is_some() || !of_space => "deviation",
@@ -268,7 +269,7 @@ fn column_reading(column: &Column) -> ColumnReading {
     let is_slope = is_angle && matches!(column.unit, Unit::Length(_));
     ColumnReading {
         title: column.title.clone(),
-        role: column.kind.map_or(column.field.key(), ErrorKind::key).to_owned(),
+        role: column.kind.map_or(column.field.key(), DeviationKind::key).to_owned(),
         unit: Some(column.unit.symbol().to_owned()),
         unit_is_assumed: column.unit_from == UnitFrom::Key,
         holds: Some(if is_slope { "f_Hβ" } else { holds }),

@@ -11,7 +11,7 @@ use super::grid::is_unit;
 use super::names::{Role, heading, is_statistic, role};
 use super::reading::AsideReading;
 use super::split::{Field, next_record};
-use crate::deviation::ErrorValue;
+use crate::deviation::DeviationValue;
 use crate::quantity::{Decimal, Length, shown};
 
 /// What a field of a line of plain numbers is.
@@ -410,7 +410,7 @@ impl Rows {
         }
         block.copied.extend(std::iter::repeat_n(Span::default(), self.copied.len()));
         for (number, _) in self.columns.iter().enumerate().filter(|(number, _)| self.needed[*number]) {
-            block.values[number].push(ErrorValue::Length(Length::ZERO));
+            block.values[number].push(DeviationValue::Length(Length::ZERO));
         }
         if self.index.is_some() {
             block.index.push(None);
@@ -450,13 +450,13 @@ pub(crate) fn put(
     number: usize,
     column: &Column,
     cell: &Cell,
-    value: Result<Option<ErrorValue>, Problem>,
+    value: Result<Option<DeviationValue>, Problem>,
 ) {
     let (value, fault) = match value {
         Ok(Some(value)) => (value, None),
-        Ok(None) => (ErrorValue::Length(Length::ZERO), Some((true, missing(column, cell)))),
+        Ok(None) => (DeviationValue::Length(Length::ZERO), Some((true, missing(column, cell)))),
         Err(problem @ (Problem::Bad(_) | Problem::Far(_) | Problem::TooLarge(_))) => {
-            (ErrorValue::Length(Length::ZERO), Some((false, problem.message())))
+            (DeviationValue::Length(Length::ZERO), Some((false, problem.message())))
         }
         Err(Problem::OtherMark(message)) => {
             let line = block.lines.last().copied().unwrap_or(0);
@@ -466,7 +466,7 @@ pub(crate) fn put(
                 message: message.clone(),
                 help: "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
             });
-            (ErrorValue::Length(Length::ZERO), Some((false, message)))
+            (DeviationValue::Length(Length::ZERO), Some((false, message)))
         }
     };
     block.values[number].push(value);

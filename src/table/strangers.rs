@@ -7,7 +7,7 @@ use super::names::{Field, Role, heading, is_context, is_evaluation_length, near,
 use super::reading::NotUsed;
 use super::shape::{Aside, Shape, Unknown, uncounted};
 use super::want::Want;
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Unit, shown};
 
@@ -175,7 +175,7 @@ fn stranger(file: &str, unknown: &Unknown) -> Stranger {
 /// The refusal of tables with columns that are not understood, all of them at once; `None` if there are none.
 /// `still_missing` are the errors without which `others = "ignore"` does not hold yet.
 #[must_use]
-pub fn refusal(strangers: &[Stranger], still_missing: &[ErrorKind]) -> Option<Diagnostic> {
+pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Option<Diagnostic> {
     const SHOWN: usize = 20;
     strangers.first()?;
     let listed = strangers.iter().take(SHOWN).map(|stranger| {

@@ -8,7 +8,7 @@ use super::block::{Block, Fault};
 use super::column::Column;
 use super::names::{Field, Holds};
 use super::{Container, Source, Table, Want};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length};
 
@@ -139,7 +139,7 @@ pub(crate) struct LineFault {
 pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
     let has = |fields: &[Field]| columns.iter().any(|column| fields.contains(&column.field));
     let is_pinion = index == Some(Field::Tooth)
-        || has(&[Field::LeftPitch, Field::RightPitch, Field::Radial, Field::Error(ErrorKind::PinionRadial)]);
+        || has(&[Field::LeftPitch, Field::RightPitch, Field::Radial, Field::Error(DeviationKind::PinionRadial)]);
     !is_pinion
 }
 
@@ -259,10 +259,16 @@ impl Gatherer {
         self.parts[part].fault.get_or_insert(LineFault { line, message });
     }
 
-    fn row(&mut self, part: usize, line: u64, index: Option<i64>, value: &dyn Fn(Option<usize>) -> Option<ErrorValue>) {
+    fn row(
+        &mut self,
+        part: usize,
+        line: u64,
+        index: Option<i64>,
+        value: &dyn Fn(Option<usize>) -> Option<DeviationValue>,
+    ) {
         let layout = &self.layout;
         let length = |column| {
-            value(column).and_then(|value| if let ErrorValue::Length(length) = value { Some(length) } else { None })
+            value(column).and_then(|value| if let DeviationValue::Length(length) = value { Some(length) } else { None })
         };
         let angle = |column| value(column).and_then(as_angle);
         let measured = |column, deviates: bool| {
@@ -312,11 +318,11 @@ impl Gatherer {
     }
 }
 
-fn as_angle(value: ErrorValue) -> Option<Angle> {
+fn as_angle(value: DeviationValue) -> Option<Angle> {
     match value {
-        ErrorValue::Angle(angle) => Some(angle),
-        slope @ ErrorValue::Slope(_) => Angle::from_degrees(slope.base()).ok(),
-        ErrorValue::Length(_) => None,
+        DeviationValue::Angle(angle) => Some(angle),
+        slope @ DeviationValue::Slope(_) => Angle::from_degrees(slope.base()).ok(),
+        DeviationValue::Length(_) => None,
     }
 }
 
@@ -327,14 +333,14 @@ impl Layout {
         let deviates =
             |column: Option<usize>| column.is_some_and(|column| columns[column].holds == Some(Holds::Deviation));
         let is_rack = is_rack(columns, table.index_field);
-        let pitch = find(&[Field::Error(ErrorKind::PinionPitch), Field::Error(ErrorKind::RackPitch)]);
+        let pitch = find(&[Field::Error(DeviationKind::PinionPitch), Field::Error(DeviationKind::RackPitch)]);
         if let Some(pitch) = pitch {
             let title = &columns[pitch].title;
             let message = format!("{}: `{title}` of a tooth could be that of its left or its right flank", table.name);
             return Err(Diagnostic::error(Code::AmbiguousBlock, message)
                 .help("name it left_pitch or right_pitch; of a rack's spaces, give positions"));
         }
-        let of_rack = [Field::OverPin, Field::Error(ErrorKind::RackOverRoller), Field::Space];
+        let of_rack = [Field::OverPin, Field::Error(DeviationKind::RackOverRoller), Field::Space];
         let mixes = !is_rack && (find(&of_rack).is_some() || table.index_field == Some(Field::Space));
         if mixes {
             let message = format!("{} mixes spaces of a rack with teeth of a pinion", table.name);
@@ -347,7 +353,7 @@ impl Layout {
                  tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
             ));
         }
-        let radial = find(&[Field::Radial, Field::Error(ErrorKind::PinionRadial)]);
+        let radial = find(&[Field::Radial, Field::Error(DeviationKind::PinionRadial)]);
         if let Some(radial) = radial.filter(|radial| columns[*radial].holds == Some(Holds::Measured)) {
             let message = format!(
                 "{}: `{}` holds measured radii; their deviations are needed",
@@ -366,7 +372,7 @@ impl Layout {
             radial,
             left_pitch: find(&[Field::LeftPitch]),
             right_pitch: find(&[Field::RightPitch]),
-            lead: find(&[Field::Lead, Field::Error(ErrorKind::RackLead)]),
+            lead: find(&[Field::Lead, Field::Error(DeviationKind::RackLead)]),
         })
     }
 }

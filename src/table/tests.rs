@@ -7,7 +7,7 @@ mod strangers;
 mod teeth;
 
 use super::*;
-use crate::deviation::ErrorValue;
+use crate::deviation::DeviationValue;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// A table that was read.
@@ -20,20 +20,20 @@ struct Read {
 
 /// A spec of a rack: the measure over the roller with its nominal value, and the pitch.
 fn want() -> Want {
-    let nominal = ErrorValue::Length("25".parse().unwrap());
+    let nominal = DeviationValue::Length("25".parse().unwrap());
     Want {
-        expected: vec![ErrorKind::RackOverRoller, ErrorKind::RackPitch],
-        given: vec![given(ErrorKind::RackOverRoller, Some(nominal))],
+        expected: vec![DeviationKind::RackOverRoller, DeviationKind::RackPitch],
+        given: vec![given(DeviationKind::RackOverRoller, Some(nominal))],
         ..Want::default()
     }
 }
 
-fn given(kind: ErrorKind, nominal: Option<ErrorValue>) -> Given {
+fn given(kind: DeviationKind, nominal: Option<DeviationValue>) -> Given {
     Given { kind, unit: None, holds: None, nominal: nominal.map(Ok), length: None }
 }
 
 /// A spec that asks for these errors and knows nothing of them.
-fn asks(expected: &[ErrorKind]) -> Want {
+fn asks(expected: &[DeviationKind]) -> Want {
     Want { expected: expected.to_vec(), ..Want::default() }
 }
 
@@ -48,7 +48,7 @@ fn read_file(name: &str, bytes: &[u8], want: &Want) -> Result<Read, String> {
     let strangers = std::mem::take(&mut table.strangers);
     let reading = table.reading.clone();
     let keys: Vec<_> =
-        table.columns.iter().map(|column| column.kind.map_or(column.field.key(), ErrorKind::key)).collect();
+        table.columns.iter().map(|column| column.kind.map_or(column.field.key(), DeviationKind::key)).collect();
     let mut parts = Vec::new();
     for block in table.blocks().map_err(|error| error.to_string())? {
         parts.extend((0..block.rows()).map(|row| part(&block, row, &keys)));
@@ -153,7 +153,7 @@ fn several_parts_in_rows_or_columns() {
 
 #[test]
 fn thousands_marks_minus_signs_and_angles() {
-    let want = asks(&[ErrorKind::RackOverRoller, ErrorKind::RackLead]);
+    let want = asks(&[DeviationKind::RackOverRoller, DeviationKind::RackLead]);
     for (text, expected) in [
         ("1.000,92;-0,5", "rack_over_roller 1000.92 mm rack_lead -0.5°"),
         ("1,000.92;\u{2212}0.5", "rack_over_roller 1000.92 mm rack_lead -0.5°"),
@@ -174,8 +174,8 @@ fn thousands_marks_minus_signs_and_angles() {
 
 #[test]
 fn what_is_ambiguous_is_refused_with_its_readings() {
-    let plain = asks(&[ErrorKind::RackPitch]);
-    let two = asks(&[ErrorKind::RackPitch, ErrorKind::PinionPitch]);
+    let plain = asks(&[DeviationKind::RackPitch]);
+    let two = asks(&[DeviationKind::RackPitch, DeviationKind::PinionPitch]);
     let three =
         "with decimal point: rack_pitch 1.234 mm, rack_pitch 5.678 mm; or with decimal comma: rack_pitch 1.234 µm";
     for (text, want, message, readings) in [
@@ -210,10 +210,10 @@ fn what_is_ambiguous_is_refused_with_its_readings() {
 
 #[test]
 fn what_settles_the_decimal_mark() {
-    let two = asks(&[ErrorKind::RackPitch, ErrorKind::PinionPitch]);
-    let told = |mark| Want { decimal: Some(mark), ..asks(&[ErrorKind::RackPitch]) };
-    let nominal = Some(ErrorValue::Length("25".parse().unwrap()));
-    let known = Want { given: vec![given(ErrorKind::RackPitch, nominal)], ..two.clone() };
+    let two = asks(&[DeviationKind::RackPitch, DeviationKind::PinionPitch]);
+    let told = |mark| Want { decimal: Some(mark), ..asks(&[DeviationKind::RackPitch]) };
+    let nominal = Some(DeviationValue::Length("25".parse().unwrap()));
+    let known = Want { given: vec![given(DeviationKind::RackPitch, nominal)], ..two.clone() };
     let far = "otherwise 25013 mm is far from the nominal value 25 mm";
     for (text, want, by, values) in [
         ("1,234;0,5", &two, "settled by `0,5`", "rack_pitch 1.234 mm pinion_pitch 0.5 mm"),
@@ -283,7 +283,7 @@ fn what_is_wrong_is_said_with_its_place() {
 
 #[test]
 fn missing_values_are_missing_and_none_of_them_ends_the_table() {
-    let want = asks(&[ErrorKind::RackPitch]);
+    let want = asks(&[DeviationKind::RackPitch]);
     for cell in ["", " ", "n.a.", "-", "---", "#DIV/0!", "#NV", "N/A", "NaN", "k.A.", "\u{2014}"] {
         let text = format!("part;rack_pitch;rack_over_roller\nP1;{cell};1\nP2;1;2\nP3;{cell};{cell}\n");
         let expected = [

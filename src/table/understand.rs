@@ -13,7 +13,7 @@ use super::names::{Field, Role, role};
 use super::number::{DecimalMark, Marks};
 use super::shape::{Measurement, NoShape, Shape, has_digit, located, shape};
 use super::want::{Orientation, Want};
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{LengthUnit, Unit, shown};
 
@@ -441,12 +441,12 @@ impl Measurement {
 }
 
 /// The error that a field is, in a table with a row per part.
-pub(crate) fn kind_of(field: Field) -> Option<ErrorKind> {
+pub(crate) fn kind_of(field: Field) -> Option<DeviationKind> {
     match field {
         Field::Error(kind) => Some(kind),
-        Field::OverPin => Some(ErrorKind::RackOverRoller),
-        Field::Lead => Some(ErrorKind::RackLead),
-        Field::Radial => Some(ErrorKind::PinionRadial),
+        Field::OverPin => Some(DeviationKind::RackOverRoller),
+        Field::Lead => Some(DeviationKind::RackLead),
+        Field::Radial => Some(DeviationKind::PinionRadial),
         Field::PartId | Field::Space | Field::Position | Field::Tooth | Field::LeftPitch | Field::RightPitch => None,
     }
 }
@@ -499,9 +499,9 @@ fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
 }
 
 /// A value for people: small lengths in µm.
-pub(crate) fn in_words(value: ErrorValue) -> String {
+pub(crate) fn in_words(value: DeviationValue) -> String {
     match value {
-        ErrorValue::Length(length) if !length.is_zero() && length.abs().mm() < 0.1 => {
+        DeviationValue::Length(length) if !length.is_zero() && length.abs().mm() < 0.1 => {
             format!("{} µm", length.in_unit(LengthUnit::Micrometre))
         }
         value => value.to_string(),

@@ -5,7 +5,7 @@ use super::encoding::Encoding;
 use super::names::{Field, Holds};
 use super::number::DecimalMark;
 use super::workbook::CellRange;
-use crate::deviation::{ErrorKind, ErrorValue};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Diagnostics;
 use crate::quantity::{Length, Unit};
 
@@ -24,13 +24,13 @@ pub enum Orientation {
 #[derive(Debug, Clone)]
 pub struct Given {
     /// The error.
-    pub kind: ErrorKind,
+    pub kind: DeviationKind,
     /// The unit of its numbers.
     pub unit: Option<Unit>,
     /// Whether it holds measured values or deviations.
     pub holds: Option<Holds>,
     /// The nominal value, or what is missing to compute it.
-    pub nominal: Option<Result<ErrorValue, Diagnostics>>,
+    pub nominal: Option<Result<DeviationValue, Diagnostics>>,
     /// The evaluation length of f_Hβ.
     pub length: Option<Length>,
 }
@@ -41,7 +41,7 @@ pub struct Want {
     /// What its columns hold, in order; empty to find out from its header or the spec's order.
     pub fields: Vec<Field>,
     /// The errors that the spec speaks of, in its order.
-    pub expected: Vec<ErrorKind>,
+    pub expected: Vec<DeviationKind>,
     /// Names that the spec gives to columns.
     pub own: Vec<(String, Field)>,
     /// What the spec says of columns.
@@ -74,7 +74,7 @@ pub struct Want {
 
 impl Want {
     /// What the spec says of the column of an error.
-    pub(crate) fn given(&self, kind: ErrorKind) -> Option<&Given> {
+    pub(crate) fn given(&self, kind: DeviationKind) -> Option<&Given> {
         self.given.iter().find(|given| given.kind == kind)
     }
 

@@ -19,13 +19,13 @@ fn errors_are_errors() {
     error::<rackmesh::standard::StandardError>();
     error::<rackmesh::mesh::MeshError>();
     error::<rackmesh::multibody::SimulationError>();
-    error::<rackmesh::decision::EvaluationError>();
-    error::<rackmesh::decision::budget::BudgetError>();
-    error::<rackmesh::decision::class::NoEffect>();
-    error::<rackmesh::decision::class_mesh::NoMeshEffect>();
-    error::<rackmesh::decision::monte_carlo::MonteCarloError>();
-    error::<rackmesh::decision::monte_carlo::racks::RacksError>();
-    error::<rackmesh::decision::uncertainty::UncertaintyError>();
+    error::<rackmesh::evaluation::EvaluationError>();
+    error::<rackmesh::budget::BudgetError>();
+    error::<rackmesh::judge::class::NoEffect>();
+    error::<rackmesh::judge::class_mesh::NoMeshEffect>();
+    error::<rackmesh::chance::MonteCarloError>();
+    error::<rackmesh::chance::racks::RacksError>();
+    error::<rackmesh::uncertainty::UncertaintyError>();
     error::<rackmesh::reproduction::ReproductionError>();
     error::<rackmesh::diagnostic::Diagnostics>();
     #[cfg(feature = "plot")]
@@ -44,7 +44,7 @@ fn values_are_plain_values() {
     value::<rackmesh::deviation::RackFlanks>();
     value::<rackmesh::deviation::PinionFlanks>();
     value::<rackmesh::formula::Law>();
-    value::<rackmesh::formula::PartError>();
+    value::<rackmesh::formula::PartDeviation>();
     value::<rackmesh::standard::Wheel>();
     value::<rackmesh::standard::Permissible>();
     value::<rackmesh::mesh::Mesh>();
@@ -54,9 +54,9 @@ fn values_are_plain_values() {
     value::<rackmesh::multibody::Scene>();
     value::<rackmesh::multibody::Parameters>();
     value::<rackmesh::multibody::Outcome>();
-    value::<rackmesh::decision::Evaluation>();
-    value::<rackmesh::decision::Limit>();
-    value::<rackmesh::decision::Rule>();
+    value::<rackmesh::evaluation::Evaluation>();
+    value::<rackmesh::judge::Limit>();
+    value::<rackmesh::judge::Rule>();
     value::<rackmesh::diagnostic::Diagnostic>();
     #[cfg(feature = "spec")]
     value::<rackmesh::spec::Spec>();

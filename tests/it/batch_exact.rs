@@ -6,13 +6,14 @@ use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
 use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
-use rackmesh::decision::uncertainty::{Linear, Part, propagate};
-use rackmesh::decision::{Interval, LimitTarget, Rule, Stack, Verdict, evaluate};
 use rackmesh::deviation::Extent;
+use rackmesh::evaluation::evaluate;
 use rackmesh::formula::Model;
+use rackmesh::judge::{Interval, LimitTarget, Rule, Stack, Verdict};
 use rackmesh::quantity::Length;
 use rackmesh::spec::Spec;
 use rackmesh::table::{Container, Source};
+use rackmesh::uncertainty::{Linear, Part, propagate};
 
 const COLUMNS: [&str; 5] = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch"];
 
@@ -93,7 +94,7 @@ fn by_eval(case: &Case, values: &[String; 5], id: &str, decimals: Decimals, mode
     let _ = writeln!(text, "pinion_radial = {{ measured = {}, nominal = 8.5{} }}", values[3], case.extent(3));
     let _ = writeln!(text, "pinion_pitch = {{ value = {}{} }}", values[4], case.extent(4));
     let spec = Spec::parse("one.toml", &text).expect("the spec is valid");
-    let errors = spec.part_errors().expect("the errors are there");
+    let errors = spec.part_deviations().expect("the errors are there");
     let basis = spec.basis().expect("the geometry is valid");
     let evaluation = evaluate(&errors, &spec.limits(), model, stack, &basis).expect("the errors are in their domain");
     let write = |length: Length| match decimals {
@@ -315,7 +316,7 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
     let _ = writeln!(text, "pinion_radial = {{ measured = {}, nominal = 8.5, u = \"0.9 um\" }}", values[3]);
     let _ = writeln!(text, "pinion_pitch = {{ value = {}, u = \"0.7 um\" }}", values[4]);
     let spec = Spec::parse("one.toml", &text).expect("the spec is valid");
-    let errors = spec.part_errors().expect("the errors are there");
+    let errors = spec.part_deviations().expect("the errors are there");
     let basis = spec.basis().expect("nothing is known of the pair");
     let mut evaluation =
         evaluate(&errors, &spec.limits(), Model::Exact, stack, &basis).expect("the errors are in their domain");

@@ -4,11 +4,12 @@
 //! rounds, and write the numbers that the library reads as text.
 
 use proptest::prelude::*;
-use rackmesh::decision::{Evaluation, Interval, Limit, LimitTarget, Limits, Stack, Verdict, evaluate};
-use rackmesh::deviation::{ErrorKind, Extent};
+use rackmesh::deviation::{DeviationKind, Extent};
+use rackmesh::evaluation::{Evaluation, evaluate};
 use rackmesh::formula::law::lead_slope;
-use rackmesh::formula::{Law, Model, PartError};
+use rackmesh::formula::{Law, Model, PartDeviation};
 use rackmesh::judge::bound::Basis;
+use rackmesh::judge::{Interval, Limit, LimitTarget, Limits, Stack, Verdict};
 use rackmesh::quantity::{Angle, Length, LengthUnit};
 
 /// `units` · 10^−`decimals` as text.
@@ -94,7 +95,7 @@ fn eightieths(eightieths: i128) -> Length {
 }
 
 /// By what is known without the pair's geometry.
-fn evaluated(errors: &[PartError], limits: &Limits, stack: Stack) -> Evaluation {
+fn evaluated(errors: &[PartDeviation], limits: &Limits, stack: Stack) -> Evaluation {
     evaluate(errors, limits, Model::Exact, stack, &Basis::default()).expect("the errors are in their domain")
 }
 
@@ -131,20 +132,20 @@ const GAINS: [Gain; 10] = [
 ];
 
 impl Term {
-    fn error(&self) -> PartError {
+    fn error(&self) -> PartDeviation {
         let value = self.written.length();
         let error = match self.gain {
-            Gain::OverRoller => PartError::new(Law::rack_over_roller(), value),
-            Gain::Radial => PartError::new(Law::pinion_radial(), value),
+            Gain::OverRoller => PartDeviation::new(Law::rack_over_roller(), value),
+            Gain::Radial => PartDeviation::new(Law::pinion_radial(), value),
             Gain::RackPitch(alpha, beta, _) => {
-                PartError::new(Law::rack_pitch(angle(alpha), angle(beta)).unwrap(), value)
+                PartDeviation::new(Law::rack_pitch(angle(alpha), angle(beta)).unwrap(), value)
             }
             Gain::PinionPitch(alpha, beta, _) => {
-                PartError::new(Law::pinion_pitch(angle(alpha), angle(beta)).unwrap(), value)
+                PartDeviation::new(Law::pinion_pitch(angle(alpha), angle(beta)).unwrap(), value)
             }
             Gain::Lead(slope) => {
                 let formula = Law::rack_lead(angle("45"), angle("0"), value.abs()).unwrap();
-                PartError::new(formula, lead_slope(length(slope), length("4 um")).unwrap())
+                PartDeviation::new(formula, lead_slope(length(slope), length("4 um")).unwrap())
             }
         };
         error.with_extent(self.extent)
@@ -324,11 +325,11 @@ proptest! {
         let mut errors: Vec<_> = legs.iter().zip(signs).map(|(leg, negative)| {
             let value = Written::new(if negative { -leg * scale } else { leg * scale }, unit).length();
             let law = if leg % 2 == 0 { Law::pinion_radial() } else { Law::rack_over_roller() };
-            PartError::within(law, value)
+            PartDeviation::within(law, value)
         }).collect();
         // what is measured moves all of it
         let measured = Written::new(mean, unit);
-        errors.push(PartError::new(Law::rack_over_roller(), measured.length()));
+        errors.push(PartDeviation::new(Law::rack_over_roller(), measured.length()));
         let units = Written::new(root * scale, unit).units;
         let (lower, upper) = (measured.units - units, measured.units + units);
         let limit = Limit { lower: Some(exact(lower + below)), upper: Some(exact(upper + above)) };
@@ -355,7 +356,7 @@ fn every_tenth_of_a_micrometre_is_inside_its_own_limit() {
                 }
                 let limits: Limits =
                     vec![(LimitTarget::CenterDistance, Limit::symmetric(length(&decimal(allowed, 4))))];
-                let errors = [PartError::new(Law::rack_over_roller(), signed)];
+                let errors = [PartDeviation::new(Law::rack_over_roller(), signed)];
                 let verdict = evaluated(&errors, &limits, Stack::Range).verdict;
                 assert_eq!(verdict, Some(expected), "{measured}, {sign}, ±{allowed}");
             }
@@ -392,16 +393,16 @@ fn units_and_signs_in_one_sum() {
 fn limits_on_several_targets() {
     // 0.0131 always, down to −0.02 by one space of the pinion, and 3/4 · 0.02 either way by the pitch
     let errors = [
-        PartError::new(Law::rack_over_roller(), length("25.0131") - length("25.0000")),
-        PartError::new(Law::pinion_radial(), length("-20 um")),
-        PartError::new(Law::rack_pitch(angle("30"), angle("30")).unwrap(), length("-0.02")),
+        PartDeviation::new(Law::rack_over_roller(), length("25.0131") - length("25.0000")),
+        PartDeviation::new(Law::pinion_radial(), length("-20 um")),
+        PartDeviation::new(Law::rack_pitch(angle("30"), angle("30")).unwrap(), length("-0.02")),
     ];
     let limit = |lower: &str, upper: &str| Limit { lower: Some(length(lower)), upper: Some(length(upper)) };
     let limits: Limits = vec![
         (LimitTarget::CenterDistance, limit("-21.9 um", "28.1 um")),
-        (LimitTarget::Error(ErrorKind::RackOverRoller), limit("0.0131", "0.0131")),
-        (LimitTarget::Error(ErrorKind::PinionRadial), limit("-0.02", "0")),
-        (LimitTarget::Error(ErrorKind::RackPitch), limit("-15 um", "0.015")),
+        (LimitTarget::Error(DeviationKind::RackOverRoller), limit("0.0131", "0.0131")),
+        (LimitTarget::Error(DeviationKind::PinionRadial), limit("-0.02", "0")),
+        (LimitTarget::Error(DeviationKind::RackPitch), limit("-15 um", "0.015")),
     ];
     let evaluation = evaluated(&errors, &limits, Stack::Range);
     assert_eq!(evaluation.verdict, Some(Verdict::Pass));

@@ -1,12 +1,13 @@
 //! What is outside a domain is an error that names the quantity and its domain, and nothing panics.
 
 use proptest::prelude::*;
-use rackmesh::decision::{Combined, Interval, Stack, evaluate};
-use rackmesh::deviation::ErrorValue;
+use rackmesh::deviation::DeviationValue;
+use rackmesh::evaluation::evaluate;
 use rackmesh::formula::law::lead_slope;
 use rackmesh::formula::over_pin::OverPin;
-use rackmesh::formula::{Law, Model, PartError, ideal_pin, roller_change};
+use rackmesh::formula::{Law, Model, PartDeviation, ideal_pin, roller_change};
 use rackmesh::judge::bound::Basis;
+use rackmesh::judge::{Combined, Interval, Stack};
 use rackmesh::quantity::{Angle, DomainError, Length};
 
 const MODELS: [Model; 2] = [Model::Exact, Model::Paper];
@@ -268,18 +269,18 @@ fn a_result_beyond_the_grid_names_what_it_is() {
 
 #[test]
 fn an_evaluation_says_which_error_it_stumbled_over() {
-    let evaluated = |errors: &[PartError]| {
+    let evaluated = |errors: &[PartDeviation]| {
         evaluate(errors, &vec![], Model::Exact, Stack::Range, &Basis::default()).unwrap_err().to_string()
     };
     let flat = Law::rack_pitch(deg(1e-12), Angle::ZERO).unwrap();
     let beyond = "is too large: its magnitude must stay within 1e6 mm";
-    let shift = PartError::new(Law::rack_over_roller(), mm(0.01));
+    let shift = PartDeviation::new(Law::rack_over_roller(), mm(0.01));
     assert_eq!(
-        evaluated(&[shift, PartError::new(lead(), deg(-90.0))]),
+        evaluated(&[shift, PartDeviation::new(lead(), deg(-90.0))]),
         "rack lead: the lead angle error Δβ is -90°; it must be above -90° and below 90°"
     );
-    assert_eq!(evaluated(&[shift, PartError::new(flat, mm(0.01))]), format!("rack pitch: ΔCD {beyond}"));
-    let huge = [Law::rack_over_roller(), Law::pinion_radial()].map(|law| PartError::new(law, mm(6e5)));
+    assert_eq!(evaluated(&[shift, PartDeviation::new(flat, mm(0.01))]), format!("rack pitch: ΔCD {beyond}"));
+    let huge = [Law::rack_over_roller(), Law::pinion_radial()].map(|law| PartDeviation::new(law, mm(6e5)));
     assert_eq!(evaluated(&huge), format!("combination: the sum of ΔCD {beyond}"));
 }
 
@@ -348,7 +349,7 @@ fn everything(lengths: &[f64; 4], angles: &[f64; 3]) -> Result<(), TestCaseError
     said(roller_change::difference(l_0, l_1, a_0), lengths_in_range!())?;
     said(roller_change::sensitivities(l_0, l_1, a_0), finite_sensitivities!())?;
     let laws = [
-        (Ok(Law::rack_over_roller()), ErrorValue::Length(l_0)),
+        (Ok(Law::rack_over_roller()), DeviationValue::Length(l_0)),
         (Law::rack_pitch(a_0, a_1), l_0.into()),
         (Law::rack_lead(a_0, a_1, l_2), a_2.into()),
         (Ok(Law::pinion_radial()), l_1.into()),
@@ -363,7 +364,7 @@ fn everything(lengths: &[f64; 4], angles: &[f64; 3]) -> Result<(), TestCaseError
                 said(law.largest_error(l_0, model), |error| error.base().is_finite())?;
                 said(law.sensitivities(error, model), finite_sensitivities!())?;
             }
-            errors.push(PartError::new(law, error));
+            errors.push(PartDeviation::new(law, error));
         }
         said(law, |_| true)?;
     }

@@ -439,7 +439,7 @@ fn a_lead_of_the_pinion_moves_it_by_its_law() {
                 48.0 / pinion_helix.parse::<f64>().unwrap().to_radians().cos() + 4.0
             );
             let spec = Spec::parse("lead", &text).unwrap_or_else(|error| panic!("{error}"));
-            let law = spec.part_errors().unwrap()[0].delta_cd(Model::Exact).unwrap().mm();
+            let law = spec.part_deviations().unwrap()[0].delta_cd(Model::Exact).unwrap().mm();
             let input = spec.mesh(&MeasuredTables::default()).unwrap_or_else(|error| panic!("{error}"));
             let pitch = input.mesh.pair().rack().pitch_mm;
             let strokes: Vec<f64> = (0..64).map(|i| f64::from(i) / 32.0 * pitch).collect();

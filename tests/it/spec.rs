@@ -1,11 +1,12 @@
 //! The spec's schema, template and reader agree with each other.
 
-use rackmesh::decision::{Evaluation, Stack, evaluate};
-use rackmesh::formula::{Model, PartError};
+use rackmesh::evaluation::{Evaluation, evaluate};
+use rackmesh::formula::{Model, PartDeviation};
+use rackmesh::judge::Stack;
 use rackmesh::spec::{Spec, TEMPLATE, json_schema};
 use serde_json::Value;
 
-fn evaluated(spec: &Spec, errors: &[PartError]) -> Evaluation {
+fn evaluated(spec: &Spec, errors: &[PartDeviation]) -> Evaluation {
     let basis = spec.basis().unwrap_or_else(|error| panic!("{error}"));
     evaluate(errors, &spec.limits(), Model::Exact, Stack::Range, &basis).expect("it evaluates")
 }
@@ -32,7 +33,7 @@ fn examples_and_template_evaluate_and_fit_the_schema() {
     for text in EXAMPLES {
         assert!(valid(text), "{text}");
         let spec = Spec::parse("example", text).unwrap_or_else(|error| panic!("{error}"));
-        let errors = spec.part_errors().unwrap_or_else(|error| panic!("{error}"));
+        let errors = spec.part_deviations().unwrap_or_else(|error| panic!("{error}"));
         let evaluation = evaluated(&spec, &errors);
         assert!(evaluation.verdict.is_some());
     }
@@ -154,7 +155,7 @@ fn a_lead_of_the_pinion_is_a_length() {
              face_width = 30\n[tolerance]\nstandard = \"iso1328-1:1995\"\n[errors]\npinion_lead = {entry}\n"
         );
         let spec = Spec::parse("lead", &text).unwrap_or_else(|error| panic!("{error}"));
-        let errors = spec.part_errors().unwrap_or_else(|error| panic!("{error}"));
+        let errors = spec.part_deviations().unwrap_or_else(|error| panic!("{error}"));
         let [error] = errors[..] else { panic!("{errors:?}") };
         [Model::Exact, Model::Paper].map(|model| {
             let delta_cd = error.delta_cd(model).expect("it has a ΔCD").mm();
@@ -171,7 +172,7 @@ fn a_lead_of_the_pinion_is_a_length() {
 #[test]
 fn a_lead_of_the_pinion_needs_a_pressure_angle_only() {
     let spec = Spec::parse("lead", "[errors]\npinion_lead = \"8 um\"").expect("it parses");
-    let problem = spec.part_errors().expect_err("a key is missing").to_string();
+    let problem = spec.part_deviations().expect_err("a key is missing").to_string();
     assert!(problem.contains("`pair.normal_pressure_angle` is missing; `pinion_lead` needs it"), "{problem}");
     let text = "[pair]\nnormal_pressure_angle = { value = 20, u = 0.02 }\n[pinion]\nhelix_angle = { value = 25, u = 0.01 }\n\
                 [errors]\npinion_lead = { value = \"8 um\", u = \"1 um\" }";
@@ -191,7 +192,7 @@ fn digits_are_taken_from_the_text() {
         "[errors]\nrack_over_roller = { measured = 25.000000000001000000000000001, nominal = 25.000000000000 }",
     )
     .expect("it parses");
-    let errors = spec.part_errors().expect("it resolves");
+    let errors = spec.part_deviations().expect("it resolves");
     let evaluation = evaluated(&spec, &errors);
     assert_eq!(evaluation.contributions[0].exact.mm(), 1e-12);
 }
@@ -209,7 +210,7 @@ fn every_spelling_of_a_limit() {
     ] {
         let text = format!("[errors]\nrack_over_roller = \"20 um\"\n[limits]\ncenter_distance = {limit}");
         let spec = Spec::parse("limit", &text).unwrap_or_else(|error| panic!("{error}"));
-        let errors = spec.part_errors().expect("it resolves");
+        let errors = spec.part_deviations().expect("it resolves");
         let evaluation = evaluated(&spec, &errors);
         let passes = evaluation.verdict.map(|verdict| verdict.name() == "pass");
         assert_eq!(passes, Some(verdict_at_20_um), "{limit}");

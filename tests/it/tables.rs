@@ -10,7 +10,7 @@ use parquet::basic::{ConvertedType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
-use rackmesh::deviation::{ErrorKind, ErrorValue};
+use rackmesh::deviation::{DeviationKind, DeviationValue};
 use rackmesh::formula::Model;
 use rackmesh::quantity::{Angle, Length};
 use rackmesh::spec::Spec;
@@ -234,9 +234,9 @@ fn status(case: &Case) -> i32 {
 /// ΔCD of a deviation by the formulas, mm.
 fn delta_cd(spec: &Spec, error: &str, deviation: f64) -> f64 {
     let kind =
-        ErrorKind::ALL.into_iter().find(|kind| kind.key() == error).unwrap_or_else(|| panic!("no error {error}"));
-    let value: ErrorValue = match kind {
-        ErrorKind::RackLead => Angle::from_degrees(deviation).unwrap().into(),
+        DeviationKind::ALL.into_iter().find(|kind| kind.key() == error).unwrap_or_else(|| panic!("no error {error}"));
+    let value: DeviationValue = match kind {
+        DeviationKind::RackLead => Angle::from_degrees(deviation).unwrap().into(),
         _ => Length::from_mm(deviation).unwrap().into(),
     };
     spec.law(kind, "the test").unwrap().delta_cd(value, Model::Exact).unwrap().mm()
@@ -305,7 +305,7 @@ fn wrong_values(case: &Case, table: &str) -> Vec<String> {
             continue;
         };
         for (error, deviation) in
-            errors.iter().filter(|(error, _)| ErrorKind::ALL.iter().any(|kind| kind.key() == *error))
+            errors.iter().filter(|(error, _)| DeviationKind::ALL.iter().any(|kind| kind.key() == *error))
         {
             let expected = delta_cd(&spec, error, *deviation);
             match found.get(error) {

@@ -3,16 +3,15 @@
 
 use std::ops::Range;
 
-use crate::decision::uncertainty::{self, propagate};
-use crate::decision::{
-    Evaluation, Interval, JudgedBy, LimitCheck, LimitTarget, Limits, Rule, Stack, Verdict, evaluate,
-};
-use crate::deviation::{self, ErrorKind};
+use crate::deviation::{self, DeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Model, PartError};
+use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, evaluate};
+use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::{Basis, KnownTeeth, Open};
 use crate::judge::strokes::Followed;
+use crate::judge::{Interval, LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::spec::{MeasuredTables, MeshInput, Spec};
+use crate::uncertainty::{self, propagate};
 
 /// What parts whose teeth were measured are judged by.
 #[derive(Debug, Clone)]
@@ -20,9 +19,9 @@ pub struct TeethJudge {
     /// The spec with nothing wrong but what was measured.
     measured_only: Spec,
     /// Errors of the other part that every part meets.
-    errors: Vec<PartError>,
+    errors: Vec<PartDeviation>,
     /// Errors of the other part that the spec asks for and that nobody knows of a part.
-    lacking: Vec<ErrorKind>,
+    lacking: Vec<DeviationKind>,
     basis: Basis,
     limits: Limits,
     rule: Rule,
@@ -54,7 +53,8 @@ impl TeethJudge {
     /// uncertainties where none is given.
     pub fn new(spec: &Spec, is_rack: bool, rule: Rule, is_partial: bool) -> Result<Self, Diagnostics> {
         let part = if is_rack { deviation::Part::Rack } else { deviation::Part::Pinion };
-        let (of_part, of_other): (Vec<_>, Vec<_>) = ErrorKind::ALL.into_iter().partition(|kind| kind.part() == part);
+        let (of_part, of_other): (Vec<_>, Vec<_>) =
+            DeviationKind::ALL.into_iter().partition(|kind| kind.part() == part);
         let given: Vec<_> = spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| of_other.contains(kind)).collect();
         spec.refuse_both_ways(&given)?;
         if rule.needs_uncertainty() && spec.uncertainties.is_empty() {
@@ -84,10 +84,11 @@ impl TeethJudge {
     /// What is not counted, and what follows; what every part has.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let names =
-            |kinds: &mut dyn Iterator<Item = ErrorKind>| kinds.map(ErrorKind::key).collect::<Vec<_>>().join(", ");
+        let names = |kinds: &mut dyn Iterator<Item = DeviationKind>| {
+            kinds.map(DeviationKind::key).collect::<Vec<_>>().join(", ")
+        };
         let lacking = names(&mut self.lacking.iter().copied());
-        let every = names(&mut self.errors.iter().map(PartError::kind));
+        let every = names(&mut self.errors.iter().map(PartDeviation::kind));
         let mut notes = Vec::new();
         if !every.is_empty() {
             notes.push(format!("every part meets the value in [errors]: {every}"));
@@ -134,11 +135,12 @@ impl TeethJudge {
 
     /// What has no uncertainty where others have one, and what follows.
     fn note_of_certain(&self, spec: &Spec) -> Option<String> {
-        let is_certain = |kind: &ErrorKind| {
+        let is_certain = |kind: &DeviationKind| {
             spec.uncertainties.iter().all(|(source, _)| *source != uncertainty::Source::Error(*kind))
         };
-        let beside = self.errors.iter().map(PartError::kind).filter(is_certain);
-        let names = spec.taken_as_exact().into_iter().chain(beside).map(ErrorKind::key).collect::<Vec<_>>().join(", ");
+        let beside = self.errors.iter().map(PartDeviation::kind).filter(is_certain);
+        let names =
+            spec.taken_as_exact().into_iter().chain(beside).map(DeviationKind::key).collect::<Vec<_>>().join(", ");
         let rule = &self.rule;
         if spec.uncertainties.is_empty() || names.is_empty() {
             None
@@ -161,7 +163,7 @@ impl TeethJudge {
         if self.rule == Rule::Simple {
             return Ok(evaluation);
         }
-        let kinds: Vec<_> = errors.iter().map(PartError::kind).collect();
+        let kinds: Vec<_> = errors.iter().map(PartDeviation::kind).collect();
         let (uncertainties, over_pin) = (spec.uncertainties_of(&kinds)?, spec.over_pin());
         let teeth = &spec.teeth_sensitivities;
         let part = uncertainty::Part { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };

@@ -17,10 +17,10 @@ use super::tables::{self, ReadArgs};
 use super::teeth::with_known_teeth;
 use super::{mesh, stream, target};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError, Teeth};
-use crate::decision::{LimitTarget, Rule};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
+use crate::judge::{LimitTarget, Rule};
 use crate::report::{self, Basis, BatchReport, Format, WithReading};
 use crate::spec::{Spec, WrittenError};
 use crate::table::{Contradiction, Want};
@@ -459,7 +459,7 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
 }
 
 /// What the tables lack of what the spec asks for, and what follows.
-pub(super) fn lacking(who: &str, spec: &Spec, kinds: &[ErrorKind], is_partial: bool) -> Option<String> {
+pub(super) fn lacking(who: &str, spec: &Spec, kinds: &[DeviationKind], is_partial: bool) -> Option<String> {
     let names: Vec<_> = kinds.iter().map(|kind| kind.key()).collect();
     let consequence = if is_partial {
         "parts are judged without, as told by --partial"
@@ -472,7 +472,7 @@ pub(super) fn lacking(who: &str, spec: &Spec, kinds: &[ErrorKind], is_partial: b
 }
 
 /// Which values of the spec every part has.
-pub(super) fn of_every_part(kinds: &[ErrorKind]) -> Option<String> {
+pub(super) fn of_every_part(kinds: &[DeviationKind]) -> Option<String> {
     let names: Vec<_> = kinds.iter().map(|kind| kind.key()).collect();
     (!names.is_empty()).then(|| format!("every part has the value in [errors]: {}", names.join(", ")))
 }
@@ -514,7 +514,7 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
 }
 
 /// The class that `[errors]` gives for an error.
-fn class(spec: &Spec, kind: ErrorKind) -> Option<u8> {
+fn class(spec: &Spec, kind: DeviationKind) -> Option<u8> {
     spec.errors.iter().find_map(|(error, written)| match written.value {
         WrittenError::Class(grade) if *error == kind => Some(grade),
         _ => None,

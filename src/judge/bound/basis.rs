@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::sum::{Together, bound, range_of, reached_at_least, together};
 use super::{Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Open, Range, Reach};
-use crate::formula::PartError;
+use crate::formula::PartDeviation;
 
 /// What a bound rests on.
 #[derive(Debug, Clone, Default)]
@@ -120,7 +120,7 @@ impl Basis {
 
     /// The bound of a part's errors.
     #[must_use]
-    pub fn bound_of(&self, errors: &[PartError]) -> Bound {
+    pub fn bound_of(&self, errors: &[PartDeviation]) -> Bound {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
         match extended {
             Ok(extended) => self.bound(&extended),

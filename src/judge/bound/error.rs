@@ -1,9 +1,9 @@
 //! An error with its extent and the gear data that its effect follows from. Made by whoever reads errors, read by the
 //! bound; computes no range.
 
-use crate::deviation::{ErrorKind, ErrorValue, Extent, Part};
+use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::formula::law::RADIANS_PER_DEGREE;
-use crate::formula::{Law, Model, PartError};
+use crate::formula::{Law, Model, PartDeviation};
 use crate::gear::Pair;
 use crate::quantity::Length;
 use crate::trig;
@@ -94,25 +94,25 @@ impl ExtendedError {
     ///
     /// # Errors
     /// [`ErrorInputError`] if value and law or extent do not fit.
-    pub fn new(law: Law, value: impl Into<ErrorValue>, extent: Extent) -> Result<Self, ErrorInputError> {
+    pub fn new(law: Law, value: impl Into<DeviationValue>, extent: Extent) -> Result<Self, ErrorInputError> {
         let value = value.into();
         let effect = match (law.kind(), law.geometry(), value) {
-            (ErrorKind::RackOverRoller, _, ErrorValue::Length(value)) => {
+            (DeviationKind::RackOverRoller, _, DeviationValue::Length(value)) => {
                 Effect::Size { part: Part::Rack, value: value.mm() }
             }
-            (ErrorKind::PinionRadial, _, ErrorValue::Length(value)) => {
+            (DeviationKind::PinionRadial, _, DeviationValue::Length(value)) => {
                 Effect::Size { part: Part::Pinion, value: value.mm() }
             }
-            (ErrorKind::RackPitch | ErrorKind::PinionPitch, _, ErrorValue::Length(value)) => {
-                let part = if law.kind() == ErrorKind::RackPitch { Part::Rack } else { Part::Pinion };
+            (DeviationKind::RackPitch | DeviationKind::PinionPitch, _, DeviationValue::Length(value)) => {
+                let part = if law.kind() == DeviationKind::RackPitch { Part::Rack } else { Part::Pinion };
                 let gain = law.slope(1.0, Model::Exact);
                 Effect::Pitch(PitchEffect { part, value: value.mm(), gain, cap: None })
             }
-            (ErrorKind::RackLead, Some(gear), ErrorValue::Angle(_) | ErrorValue::Slope(_)) => {
+            (DeviationKind::RackLead, Some(gear), DeviationValue::Angle(_) | DeviationValue::Slope(_)) => {
                 let value = match value {
-                    ErrorValue::Angle(angle) => angle.radians(),
-                    ErrorValue::Slope(slope) => trig::atan(slope),
-                    ErrorValue::Length(_) => return Err(ErrorInputError::WrongDimension),
+                    DeviationValue::Angle(angle) => angle.radians(),
+                    DeviationValue::Slope(slope) => trig::atan(slope),
+                    DeviationValue::Length(_) => return Err(ErrorInputError::WrongDimension),
                 };
                 let rack = RackLines {
                     tan_alpha: trig::tan_of(gear.pressure_angle),
@@ -121,7 +121,7 @@ impl ExtendedError {
                 };
                 Effect::RackLead { value, rack }
             }
-            (ErrorKind::PinionLead, _, ErrorValue::Length(value)) => {
+            (DeviationKind::PinionLead, _, DeviationValue::Length(value)) => {
                 Effect::PinionLead { value: value.mm(), gain: law.slope(1.0, Model::Exact) }
             }
             _ => return Err(ErrorInputError::WrongDimension),
@@ -133,7 +133,7 @@ impl ExtendedError {
     ///
     /// # Errors
     /// [`ErrorInputError`] as [`ExtendedError::new`].
-    pub fn of(error: &PartError) -> Result<Self, ErrorInputError> {
+    pub fn of(error: &PartDeviation) -> Result<Self, ErrorInputError> {
         let extended = Self::new(error.law(), error.value(), error.extent())?;
         let extended = if error.is_tolerance() { extended.of_either_sign() } else { extended };
         Ok(error.total().map_or(extended, |total| extended.within_total(total.mm())))

@@ -4,7 +4,7 @@
 use super::sum::{Sum, range_of};
 use super::{Basis, ErrorRange, ExtendedError, Geometry, Knowledge, Open, Range};
 use crate::deviation::Part;
-use crate::formula::PartError;
+use crate::formula::PartDeviation;
 
 /// Ranges of errors at shares −1 … +1 of their values.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ impl Basis {
     ///
     /// # Errors
     /// [`Open`] if there is no bound.
-    pub fn scales(&self, errors: &[PartError]) -> Result<Scales, Open> {
+    pub fn scales(&self, errors: &[PartDeviation]) -> Result<Scales, Open> {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
         let extended = extended.map_err(|_| Open::TooLarge)?;
         let knowledge = self.knowledge(&extended)?;

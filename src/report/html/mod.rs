@@ -12,7 +12,7 @@ use std::borrow::Cow;
 use sha2::{Digest as _, Sha256};
 
 use super::{Align, Block, Table};
-use crate::decision::Verdict;
+use crate::judge::Verdict;
 
 /// A part of a page.
 #[derive(Debug, Default)]

@@ -1,9 +1,9 @@
 //! The keys of `[scatter]`: a part of the table in [`keys`](super).
 
 use super::{Key, Kind, Section, key};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 
-const fn length(name: &'static str, class: Option<ErrorKind>, doc: &'static str) -> Key {
+const fn length(name: &'static str, class: Option<DeviationKind>, doc: &'static str) -> Key {
     key(name, Kind::Spread { is_angle: false, class }, doc)
 }
 
@@ -11,24 +11,24 @@ pub(crate) const SCATTER: Section = Section {
     name: "scatter",
     doc: "How the teeth deviate at random: standard deviations, half-widths with their distribution, or classes.",
     keys: &[
-        length("rack_pitch", Some(ErrorKind::RackPitch), "Single pitch deviation of the rack, along its axis."),
+        length("rack_pitch", Some(DeviationKind::RackPitch), "Single pitch deviation of the rack, along its axis."),
         length("rack_thickness", None, "Normal tooth thickness of the rack."),
         key(
             "rack_lead",
-            Kind::Spread { is_angle: true, class: Some(ErrorKind::RackLead) },
+            Kind::Spread { is_angle: true, class: Some(DeviationKind::RackLead) },
             "Lead deviation of each rack tooth.",
         ),
         length("rack_over_roller", None, "Pitch-line shift of each rack tooth."),
-        length("pinion_pitch", Some(ErrorKind::PinionPitch), "Single pitch deviation of the pinion, an arc."),
+        length("pinion_pitch", Some(DeviationKind::PinionPitch), "Single pitch deviation of the pinion, an arc."),
         length("pinion_thickness", None, "Transverse tooth thickness of the pinion, an arc."),
         length(
             "pinion_lead",
-            Some(ErrorKind::PinionLead),
+            Some(DeviationKind::PinionLead),
             "Helix slope deviation f_Hβ of each pinion tooth over its face width, along the transverse base tangent.",
         ),
         length(
             "pinion_runout",
-            Some(ErrorKind::PinionRadial),
+            Some(DeviationKind::PinionRadial),
             "Runout of the pinion, twice its eccentricity, in a random direction.",
         ),
     ],

@@ -16,7 +16,7 @@ pub(crate) use near::{is_context, near};
 pub(crate) use role::{Role, is_statistic, role};
 pub(crate) use unit::split_unit;
 
-use crate::deviation::{ErrorKind, Part};
+use crate::deviation::{DeviationKind, Part};
 use vocabulary::{Entry, Sense};
 use words::Words;
 
@@ -26,7 +26,7 @@ pub enum Field {
     /// The part's name or number.
     PartId,
     /// One value per part.
-    Error(ErrorKind),
+    Error(DeviationKind),
     /// Number of a rack's space.
     Space,
     /// Measure over the pin in one space.
@@ -66,12 +66,12 @@ impl Field {
     /// Every field that can be asked for.
     pub const ALL: [Self; 15] = [
         Self::PartId,
-        Self::Error(ErrorKind::RackOverRoller),
-        Self::Error(ErrorKind::RackPitch),
-        Self::Error(ErrorKind::RackLead),
-        Self::Error(ErrorKind::PinionRadial),
-        Self::Error(ErrorKind::PinionPitch),
-        Self::Error(ErrorKind::PinionLead),
+        Self::Error(DeviationKind::RackOverRoller),
+        Self::Error(DeviationKind::RackPitch),
+        Self::Error(DeviationKind::RackLead),
+        Self::Error(DeviationKind::PinionRadial),
+        Self::Error(DeviationKind::PinionPitch),
+        Self::Error(DeviationKind::PinionLead),
         Self::Space,
         Self::OverPin,
         Self::Position,
@@ -91,7 +91,7 @@ impl Field {
     /// Whether its values are angles.
     #[must_use]
     pub const fn is_angle(self) -> bool {
-        matches!(self, Self::Lead | Self::Error(ErrorKind::RackLead))
+        matches!(self, Self::Lead | Self::Error(DeviationKind::RackLead))
     }
 }
 
@@ -267,7 +267,7 @@ fn fields(senses: &[Sense]) -> Option<Vec<Field>> {
     let fields = fields?;
     let (left, right) = (has(Sense::Left), has(Sense::Right));
     if left || right {
-        let pitch = fields.contains(&Field::Error(ErrorKind::PinionPitch)) && left != right && !has(Sense::Rack);
+        let pitch = fields.contains(&Field::Error(DeviationKind::PinionPitch)) && left != right && !has(Sense::Rack);
         return pitch.then(|| vec![if left { Field::LeftPitch } else { Field::RightPitch }]);
     }
     let fits = |field: &Field| {
@@ -295,7 +295,7 @@ fn of_pinion(field: Field) -> bool {
 
 /// Whether a name means it only where its part is said: a lead is the rack's otherwise.
 fn needs_part(field: Field) -> bool {
-    field == Field::Error(ErrorKind::PinionLead)
+    field == Field::Error(DeviationKind::PinionLead)
 }
 
 /// Whether a heading names measured values. `own` are names that the spec gives to its columns.

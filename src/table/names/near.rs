@@ -4,7 +4,7 @@ use super::unit::split_unit;
 use super::vocabulary::{Entry, Sense, VOCABULARY, is_japanese};
 use super::words::Words;
 use super::{Field, bare, heading, needs_part, of_pinion, of_rack, without_ordinal};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 
 /// The longest known phrase, in words.
 const LONGEST_PHRASE: usize = 5;
@@ -68,7 +68,7 @@ fn only_whole(field: Field) -> bool {
 
 fn add(fields: &mut Vec<Field>, more: &[Field]) {
     // a pitch is meant by the rack's name or the pinion's
-    let pitch = [Field::Error(ErrorKind::RackPitch), Field::Error(ErrorKind::PinionPitch)];
+    let pitch = [Field::Error(DeviationKind::RackPitch), Field::Error(DeviationKind::PinionPitch)];
     let more = if more.iter().any(|field| pitch.contains(field)) { &pitch } else { more };
     for field in more {
         if !fields.contains(field) {

@@ -39,8 +39,8 @@ fn keys(fields: &[Field]) -> String {
 fn every_key_means_its_field() {
     for field in Field::ALL {
         let expected = match field {
-            Field::Radial => Field::Error(ErrorKind::PinionRadial),
-            Field::Lead => Field::Error(ErrorKind::RackLead),
+            Field::Radial => Field::Error(DeviationKind::PinionRadial),
+            Field::Lead => Field::Error(DeviationKind::RackLead),
             field => field,
         };
         assert_eq!(heading(field.key(), &[]).map(|heading| heading.fields), Some(vec![expected]), "{}", field.key());
@@ -340,9 +340,9 @@ fn what_is_no_heading_or_says_too_little() {
 #[test]
 fn the_specs_own_names_win() {
     let own = [
-        ("MyRoll".to_owned(), Field::Error(ErrorKind::RackOverRoller)),
-        ("Pitch [µm]".to_owned(), Field::Error(ErrorKind::RackPitch)),
-        ("Temperatur".to_owned(), Field::Error(ErrorKind::PinionRadial)),
+        ("MyRoll".to_owned(), Field::Error(DeviationKind::RackOverRoller)),
+        ("Pitch [µm]".to_owned(), Field::Error(DeviationKind::RackPitch)),
+        ("Temperatur".to_owned(), Field::Error(DeviationKind::PinionRadial)),
     ];
     for (text, expected) in [
         ("myroll", "rack_over_roller"),

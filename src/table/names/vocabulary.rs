@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use super::words::fold;
 use super::{Field, Role};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 
 /// What a word can mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -129,15 +129,15 @@ impl Vocabulary {
     }
 }
 
-const OVER_ROLLER: &[Field] = &[Field::Error(ErrorKind::RackOverRoller)];
+const OVER_ROLLER: &[Field] = &[Field::Error(DeviationKind::RackOverRoller)];
 const OVER_PIN: &[Field] = &[Field::OverPin];
-const PITCH: &[Field] = &[Field::Error(ErrorKind::RackPitch), Field::Error(ErrorKind::PinionPitch)];
-const RACK_PITCH: &[Field] = &[Field::Error(ErrorKind::RackPitch)];
-const PINION_PITCH: &[Field] = &[Field::Error(ErrorKind::PinionPitch)];
-const RACK_LEAD: &[Field] = &[Field::Error(ErrorKind::RackLead)];
+const PITCH: &[Field] = &[Field::Error(DeviationKind::RackPitch), Field::Error(DeviationKind::PinionPitch)];
+const RACK_PITCH: &[Field] = &[Field::Error(DeviationKind::RackPitch)];
+const PINION_PITCH: &[Field] = &[Field::Error(DeviationKind::PinionPitch)];
+const RACK_LEAD: &[Field] = &[Field::Error(DeviationKind::RackLead)];
 /// The rack's, unless the pinion is said.
-const LEAD: &[Field] = &[Field::Error(ErrorKind::RackLead), Field::Error(ErrorKind::PinionLead)];
-const RADIAL: &[Field] = &[Field::Error(ErrorKind::PinionRadial)];
+const LEAD: &[Field] = &[Field::Error(DeviationKind::RackLead), Field::Error(DeviationKind::PinionLead)];
+const RADIAL: &[Field] = &[Field::Error(DeviationKind::PinionRadial)];
 const POSITION: &[Field] = &[Field::Position];
 const SPACE: &[Field] = &[Field::Space];
 const TOOTH: &[Field] = &[Field::Tooth];

@@ -28,7 +28,7 @@ pub use write::{Column, write};
 use std::sync::Arc;
 
 use super::names::{Field, heading};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::diagnostic::Source;
 
 /// A characteristic and its values.
@@ -158,7 +158,7 @@ impl Qdas {
     /// Which error a characteristic is: by the name that the spec gives to it; of an error that the spec gives no name
     /// to, by the error's own name, or what its number or name says in English or German.
     #[must_use]
-    pub fn error_of(characteristic: &Characteristic, own: &[(String, Field)]) -> Option<ErrorKind> {
+    pub fn error_of(characteristic: &Characteristic, own: &[(String, Field)]) -> Option<DeviationKind> {
         if let Some((_, field)) = characteristic.own_name(own) {
             return error(*field);
         }
@@ -170,10 +170,10 @@ impl Qdas {
     }
 }
 
-fn error(field: Field) -> Option<ErrorKind> {
+fn error(field: Field) -> Option<DeviationKind> {
     match field {
         Field::Error(kind) => Some(kind),
-        Field::OverPin => Some(ErrorKind::RackOverRoller),
+        Field::OverPin => Some(DeviationKind::RackOverRoller),
         _ => None,
     }
 }

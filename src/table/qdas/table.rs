@@ -3,7 +3,7 @@
 
 use super::super::names::Field;
 use super::{Characteristic, Qdas};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::quantity::{Angle, Decimal, Length, Unit};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::number::DecimalMark;
@@ -205,7 +205,8 @@ fn heading(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
         return if has_unit { name.trim().to_owned() } else { characteristic.with_unit(name.trim()) };
     }
     let names = [&characteristic.number, &characteristic.name];
-    let key = names.into_iter().find(|name| ErrorKind::ALL.iter().any(|kind| kind.key().eq_ignore_ascii_case(name)));
+    let key =
+        names.into_iter().find(|name| DeviationKind::ALL.iter().any(|kind| kind.key().eq_ignore_ascii_case(name)));
     let [number, name] = names;
     let named = key.unwrap_or(if name.is_empty() { number } else { name });
     characteristic.with_unit(named)

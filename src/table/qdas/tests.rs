@@ -137,15 +137,15 @@ fn a_name_in_the_spec_finds_its_characteristic() {
     let own = |name: &str, kind| (name.to_owned(), Field::Error(kind));
     let columns = |own: &[(String, Field)]| read(&[("lot.dfq", text)]).unwrap().table(own).columns[1..].to_vec();
     for name in ["MyRoll", " myroll", "MyRoll [mm]", "17"] {
-        let own = [own(name, ErrorKind::RackOverRoller)];
+        let own = [own(name, DeviationKind::RackOverRoller)];
         let titled = if name.ends_with(']') { name.to_owned() } else { format!("{} [mm]", name.trim()) };
         assert_eq!(columns(&own), [titled.as_str(), "rack_over_roller [mm]", "rack_pitch"]);
         let qdas = read(&[("lot.dfq", text)]).unwrap();
         let errors = qdas.characteristics.iter().map(|characteristic| Qdas::error_of(characteristic, &own));
-        let expected = [Some(ErrorKind::RackOverRoller), None, Some(ErrorKind::RackPitch)];
+        let expected = [Some(DeviationKind::RackOverRoller), None, Some(DeviationKind::RackPitch)];
         assert_eq!(errors.collect::<Vec<_>>(), expected, "{name}");
     }
-    assert_eq!(columns(&[own("ẞ1", ErrorKind::RackPitch)]), ["MYROLL [mm]", "rack_over_roller [mm]", "ẞ1"]);
+    assert_eq!(columns(&[own("ẞ1", DeviationKind::RackPitch)]), ["MYROLL [mm]", "rack_over_roller [mm]", "ẞ1"]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What the headings of a table mean: which of two meanings counts, which of two names of a part.
 
 use super::{NoShape, Series};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{Aspect, Field, Heading, Holds, Role, heading, is_evaluation_length, role};
 use crate::table::want::Want;
@@ -30,13 +30,13 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
     };
     let found: Vec<_> = cells.iter().map(understood).collect();
     // in a table of a pinion's teeth, or in one that has values of one part only, `pitch` is that part's
-    let of = |kinds: &[ErrorKind]| {
+    let of = |kinds: &[DeviationKind]| {
         let is_so =
             |heading: &Heading| matches!(heading.fields.as_slice(), [Field::Error(kind)] if kinds.contains(kind));
         found.iter().flatten().any(is_so)
     };
-    let rack = of(&[ErrorKind::RackOverRoller, ErrorKind::RackLead]);
-    let pinion = of(&[ErrorKind::PinionRadial, ErrorKind::PinionLead]);
+    let rack = of(&[DeviationKind::RackOverRoller, DeviationKind::RackLead]);
+    let pinion = of(&[DeviationKind::PinionRadial, DeviationKind::PinionLead]);
     // beside errors of parts, `x` and `position` are where something was measured
     let is_error = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Error(_)));
     let counts = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));
@@ -50,7 +50,7 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
             continue;
         };
         if heading.fields.len() > 1 && rack != pinion && want.expected.is_empty() {
-            let wanted = if rack { ErrorKind::RackPitch } else { ErrorKind::PinionPitch };
+            let wanted = if rack { DeviationKind::RackPitch } else { DeviationKind::PinionPitch };
             heading.fields.retain(|field| *field == Field::Error(wanted));
         }
         let field = one_meaning(&heading.fields, want, cell)?;

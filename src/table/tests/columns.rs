@@ -11,7 +11,7 @@ fn value(title: &str, cell: &str, want: &Want) -> String {
 
 #[test]
 fn units_of_lengths_and_angles() {
-    let want = asks(&[ErrorKind::RackPitch, ErrorKind::RackLead]);
+    let want = asks(&[DeviationKind::RackPitch, DeviationKind::RackLead]);
     for (title, expected) in [
         ("rack_pitch [nm]", "rack_pitch 0.000002 mm"),
         ("rack_pitch [\u{b5}m]", "rack_pitch 0.002 mm"),
@@ -47,7 +47,7 @@ fn units_of_lengths_and_angles() {
 
 #[test]
 fn a_unit_that_nothing_tells_or_that_is_none_is_refused() {
-    let want = asks(&[ErrorKind::RackPitch, ErrorKind::RackLead]);
+    let want = asks(&[DeviationKind::RackPitch, DeviationKind::RackLead]);
     for (title, expected) in [
         ("rack_pitch [kg]", "`rack_pitch [kg]`: `kg` is not a unit of a length"),
         ("rack_pitch [min]", "`rack_pitch [min]`: `min` is not a unit of a length"),
@@ -63,9 +63,9 @@ fn a_unit_that_nothing_tells_or_that_is_none_is_refused() {
     // a column that is called by its key has the unit of a spec, and that is said
     let assumed = |title: &str, want: &Want| reading(&format!("{title};note\n2;a\n"), want).columns[0].unit_is_assumed;
     assert!(assumed("rack_pitch", &want) && assumed("RACK_PITCH_deviation", &want) && !assumed("rack_pitch_mm", &want));
-    let named = Want { own: vec![("Wert 7".to_owned(), Field::Error(ErrorKind::RackPitch))], ..Want::default() };
+    let named = Want { own: vec![("Wert 7".to_owned(), Field::Error(DeviationKind::RackPitch))], ..Want::default() };
     assert!(assumed("Wert 7", &named));
-    let micrometres = Given { unit: Unit::from_symbol("um"), ..given(ErrorKind::RackPitch, None) };
+    let micrometres = Given { unit: Unit::from_symbol("um"), ..given(DeviationKind::RackPitch, None) };
     let stated = Want { given: vec![micrometres], ..want };
     assert_eq!(value("Teilung Zahnstange", "2", &stated), "P1: rack_pitch 0.002 mm");
     let contradicted = value("Teilung Zahnstange [mm]", "2", &stated);
@@ -88,7 +88,7 @@ fn a_value_is_held_against_what_stands_beside_it() {
         ("0.013;2.5;;;", "rack_over_roller: 0.013 mm is far from the nominal value 25 mm"),
         (";2.5;;50;-50", "rack_over_roller missing"),
     ] {
-        let want = Want { decimal: Some(DecimalMark::Point), ..asks(&[ErrorKind::RackOverRoller]) };
+        let want = Want { decimal: Some(DecimalMark::Point), ..asks(&[DeviationKind::RackOverRoller]) };
         let found = parts(&format!("{header}\nP1;{row}\n"), &want);
         assert!(found[0].starts_with(&format!("P1: {expected}")), "{row}: {found:?}");
     }
@@ -126,9 +126,9 @@ fn a_nominal_value_in_the_table_and_another_in_the_spec() {
 
 #[test]
 fn the_deviation_of_the_helix_in_micrometres() {
-    let want = asks(&[ErrorKind::RackLead]);
+    let want = asks(&[DeviationKind::RackLead]);
     let face = Want { face_width: Some("18".parse().unwrap()), ..want.clone() };
-    let length = Given { length: Some("18".parse().unwrap()), ..given(ErrorKind::RackLead, None) };
+    let length = Given { length: Some("18".parse().unwrap()), ..given(DeviationKind::RackLead, None) };
     let stated = Want { given: vec![length], ..want.clone() };
     // atan(20 µm / 18 mm)
     let slope = "P1: rack_lead 0.063661951038433°";
@@ -172,7 +172,7 @@ fn characteristics_that_contradict_themselves() {
         ("Merkmal;Soll;OG\nrack_pitch;3;4\n", "block:1:9: error[bad-table]: `Soll` is no part's value"),
         ("Merkmal;Ist;Soll\nrack_pitch;3;4;5\n", "block:2:1: error[bad-table]: line 2: the row has 4 cells"),
     ] {
-        let found = refused(text, &asks(&[ErrorKind::RackPitch]));
+        let found = refused(text, &asks(&[DeviationKind::RackPitch]));
         assert!(found.starts_with(expected), "{text}: {found}");
     }
     // nominal values and tolerances are no parts
@@ -180,7 +180,7 @@ fn characteristics_that_contradict_themselves() {
     assert_eq!(parts(text, &want()), ["Teil 1: rack_pitch 0.011 mm", "Teil 2: rack_pitch 0.012 mm"]);
     // a part without one of the values
     let text = "part;id;actual\nP1;rack_pitch;0.01\nP2;rack_pitch;0.02\nP2;rack_over_roller;0.03\n";
-    let deviations = asks(&[ErrorKind::RackPitch, ErrorKind::RackOverRoller]);
+    let deviations = asks(&[DeviationKind::RackPitch, DeviationKind::RackOverRoller]);
     let expected =
         ["P1: rack_pitch 0.01 mm rack_over_roller missing", "P2: rack_pitch 0.02 mm rack_over_roller 0.03 mm"];
     assert_eq!(parts(text, &deviations), expected);

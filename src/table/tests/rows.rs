@@ -51,7 +51,7 @@ proptest! {
     #[test]
     fn a_plain_line_is_read_like_any_other(lines in proptest::collection::vec(line(), 1..12)) {
         let bytes = lines.concat().into_bytes();
-        let deviations = asks(&[ErrorKind::RackPitch, ErrorKind::PinionPitch]);
+        let deviations = asks(&[DeviationKind::RackPitch, DeviationKind::PinionPitch]);
         let module = Want { module: Some("2".parse().unwrap()), ..want() };
         for (start, want) in [
             ("part,rack_pitch,pinion_pitch\nP1,0.5,1.5\n", &deviations),
@@ -73,7 +73,7 @@ fn long(header: &str, row: impl Fn(usize) -> String) -> String {
 
 #[test]
 fn a_long_table_is_read_like_a_short_one() {
-    let want = asks(&[ErrorKind::RackPitch]);
+    let want = asks(&[DeviationKind::RackPitch]);
     for (header, separator, comma) in [
         ("part,rack_pitch [um]", ",", false),
         ("Teil;Bemerkung;Teilung Zahnstange [µm]", ";x;", true),
@@ -93,7 +93,7 @@ fn a_long_table_is_read_like_a_short_one() {
 
 #[test]
 fn a_single_column_of_any_length() {
-    let want = asks(&[ErrorKind::RackPitch]);
+    let want = asks(&[DeviationKind::RackPitch]);
     for (mark, name) in [(".", "point"), (",", "comma")] {
         let text = long("Teilung Zahnstange [µm]", |number| format!("{}{mark}{}", number % 50, number % 10));
         let found = read(&text, &want).unwrap();
@@ -104,7 +104,7 @@ fn a_single_column_of_any_length() {
 
 #[test]
 fn what_contradicts_the_start_of_a_long_table_ends_it() {
-    let want = asks(&[ErrorKind::RackPitch]);
+    let want = asks(&[DeviationKind::RackPitch]);
     let value = |number: usize, other: &str| if number == 8000 { other.to_owned() } else { (number % 50).to_string() };
     // nothing before it has decimals
     for (other, message) in
@@ -123,7 +123,7 @@ fn what_contradicts_the_start_of_a_long_table_ends_it() {
 #[test]
 fn headers_again_and_statistics_are_no_parts() {
     let text = "part;rack_pitch\n;[mm]\nP1;0.01\npart;rack_pitch\n;[mm]\nP2;0.02\nMittelwert;0.015\nP3;0.04\nStd. dev;1\nmax:;3\n";
-    let found = parts(text, &asks(&[ErrorKind::RackPitch]));
+    let found = parts(text, &asks(&[DeviationKind::RackPitch]));
     assert_eq!(
         found,
         ["P1: rack_pitch 0.01 mm", "P2: rack_pitch 0.02 mm", "P3: rack_pitch 0.04 mm", "Std. dev: rack_pitch 1 mm"]

@@ -90,7 +90,7 @@ fn the_user_leaves_out_what_no_rule_may() {
     assert_eq!(strangers(lacking, &others), ["column 3: Taster 3 [mm] (3) near "]);
     let table =
         Container::open("block", Source::bytes(lacking.into()), &others).unwrap().table("block", &others).unwrap();
-    assert_eq!(table.still_missing, [ErrorKind::RackPitch]);
+    assert_eq!(table.still_missing, [DeviationKind::RackPitch]);
     let refused = refusal(&table.strangers, &table.still_missing).unwrap();
     assert!(
         refused
@@ -140,7 +140,7 @@ fn the_refusal_lists_all_of_them_with_both_remedies() {
          { name = \"Taster \\\"3\\\"\", unit = \"mm\" }; or leave it out: [batch] ignore = [\"rack_pich\", \
          \"Taster \\\"3\\\"\"], or on the command line --ignore 'rack_pich' --ignore 'Taster \"3\"'"
     );
-    assert_eq!(refusal(&[], &[ErrorKind::RackPitch]), None);
+    assert_eq!(refusal(&[], &[DeviationKind::RackPitch]), None);
 }
 
 #[test]

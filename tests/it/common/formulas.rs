@@ -6,7 +6,7 @@
 //! a million inputs.
 
 use astro_float_num::{BigFloat, Consts, RoundingMode};
-use rackmesh::deviation::ErrorValue;
+use rackmesh::deviation::DeviationValue;
 use rackmesh::formula::law::lead_slope;
 use rackmesh::formula::over_pin::OverPin;
 use rackmesh::formula::{Law, Model, ideal_pin, roller_change};
@@ -172,14 +172,14 @@ fn run(formula: &'static str, mut case: impl FnMut(&mut Reference) -> Vec<Case>)
 /// The largest error within a ΔCD keeps it, read again as printed, and the next one does not.
 fn check_inverse(law: Law, delta_cd: Length, model: Model) {
     let Ok(largest) = law.largest_error(delta_cd, model) else { return };
-    let (printed, next): (ErrorValue, ErrorValue) = match largest {
-        ErrorValue::Length(error) => {
+    let (printed, next): (DeviationValue, DeviationValue) = match largest {
+        DeviationValue::Length(error) => {
             (error.to_string().parse::<Length>().unwrap().into(), (error + Length::from_fm(1)).into())
         }
-        ErrorValue::Angle(error) => {
+        DeviationValue::Angle(error) => {
             (error.to_string().parse::<Angle>().unwrap().into(), (error + Angle::from_nas(36)).into())
         }
-        ErrorValue::Slope(_) => unreachable!("an inverse is a length or an angle"),
+        DeviationValue::Slope(_) => unreachable!("an inverse is a length or an angle"),
     };
     assert!(law.delta_cd(printed, model).unwrap() <= delta_cd, "{law:?} {delta_cd} {printed}");
     assert!(law.delta_cd(next, model).map_or(true, |beyond| beyond > delta_cd), "{law:?} {delta_cd} {next}");

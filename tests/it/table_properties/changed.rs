@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use rackmesh::deviation::ErrorKind;
+use rackmesh::deviation::DeviationKind;
 
 use super::file::{Between, Code, Dialect, Figures, dialect, is_ambiguous, packed, workbook};
 use super::grid::{Cell, Design, Grid, Heading, Holds, Shape, design};
@@ -108,7 +108,7 @@ prop_compose! {
 
 impl Renamed {
     /// Changes the name; what the headings were.
-    fn apply(&self, parts: &Parts, grid: &mut Grid) -> ErrorKind {
+    fn apply(&self, parts: &Parts, grid: &mut Grid) -> DeviationKind {
         let error = self.error.get(&parts.errors);
         let mut headings = grid.headings_of(error.kind, Holds::Nominal);
         if headings.is_empty() || !self.of_nominal {
@@ -130,7 +130,7 @@ impl Renamed {
 fn has_all(parts: &Parts, bytes: &[u8], spec: &rackmesh::spec::Spec) -> bool {
     let Ok(table) = read::table(bytes, &spec.want()) else { return false };
     let kinds: Vec<_> = table.kinds().collect();
-    let nominal_of = |kind: ErrorKind| {
+    let nominal_of = |kind: DeviationKind| {
         let of_kind = |role: &str| role == kind.key();
         table.reading.columns.iter().any(|column| of_kind(&column.role) && column.nominal.is_some())
     };
@@ -180,7 +180,7 @@ fn without_a_needed_name_no_workbook_passes() {
 
 /// Parts whose errors are all deviations in one unit, so that each could stand under the name of any other.
 fn alike(parts: &mut Parts) {
-    parts.errors.retain(|error| error.kind != ErrorKind::RackLead);
+    parts.errors.retain(|error| error.kind != DeviationKind::RackLead);
     let Some(first) = parts.errors.first().cloned() else { return };
     for error in &mut parts.errors {
         (error.unit, error.decimals, error.nominal) = (first.unit, first.decimals, None);

@@ -4,7 +4,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
-use rackmesh::deviation::ErrorKind;
+use rackmesh::deviation::DeviationKind;
 
 use super::parts::{Measured, NominalIn, Number, Parts};
 use super::words::{Title, UnitWord};
@@ -101,7 +101,7 @@ pub enum Holds {
 pub struct Heading {
     pub row: usize,
     pub column: usize,
-    pub kind: ErrorKind,
+    pub kind: DeviationKind,
     pub holds: Holds,
 }
 
@@ -122,7 +122,7 @@ struct Column {
     title: String,
     unit: &'static str,
     cells: Vec<Cell>,
-    kind: Option<ErrorKind>,
+    kind: Option<DeviationKind>,
     holds: Holds,
 }
 
@@ -149,7 +149,7 @@ impl Grid {
     }
 
     /// The headings of an error.
-    pub fn headings_of(&self, kind: ErrorKind, holds: Holds) -> Vec<Heading> {
+    pub fn headings_of(&self, kind: DeviationKind, holds: Holds) -> Vec<Heading> {
         self.headings.iter().copied().filter(|heading| heading.kind == kind && heading.holds == holds).collect()
     }
 }
@@ -157,7 +157,7 @@ impl Grid {
 impl Design {
     /// Whether the error stands without a unit.
     fn is_bare(&self, error: &Measured) -> bool {
-        let has_own_unit = error.unit.is_angle == (error.kind == ErrorKind::RackLead);
+        let has_own_unit = error.unit.is_angle == (error.kind == DeviationKind::RackLead);
         self.bare_keys && error.title.is_key && has_own_unit && matches!(error.unit.spelling, "mm" | "deg")
     }
 

@@ -4,7 +4,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use rackmesh::deviation::{ErrorKind, ErrorValue};
+use rackmesh::deviation::{DeviationKind, DeviationValue};
 use rackmesh::quantity::{Angle, Length};
 
 use super::words::{ANGLES, LENGTHS, Language, Title, UnitWord};
@@ -59,7 +59,7 @@ pub struct Companions {
 /// One error of every part.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    pub kind: ErrorKind,
+    pub kind: DeviationKind,
     pub title: Title,
     pub unit: UnitWord,
     pub decimals: usize,
@@ -98,22 +98,22 @@ impl Measured {
         largest(self.unit, self.decimals)
     }
 
-    fn quantity(&self, digits: i64) -> ErrorValue {
+    fn quantity(&self, digits: i64) -> DeviationValue {
         let text = format!("{} {}", self.number(digits).plain(), self.unit.symbol);
         if self.unit.is_angle {
-            ErrorValue::Angle(text.parse::<Angle>().unwrap())
+            DeviationValue::Angle(text.parse::<Angle>().unwrap())
         } else {
-            ErrorValue::Length(text.parse::<Length>().unwrap())
+            DeviationValue::Length(text.parse::<Length>().unwrap())
         }
     }
 
     /// The deviation that must be read of a part.
-    pub fn expected(&self, part: usize) -> ErrorValue {
+    pub fn expected(&self, part: usize) -> DeviationValue {
         let nominal = self.nominal.map_or(0, |nominal| nominal.digits);
         match self.quantity(nominal + self.deviations[part]).less(self.quantity(nominal)) {
             // f_Hβ over the face width
-            ErrorValue::Length(length) if self.kind == ErrorKind::RackLead => {
-                ErrorValue::Slope(length.mm() / FACE_WIDTH_MM)
+            DeviationValue::Length(length) if self.kind == DeviationKind::RackLead => {
+                DeviationValue::Slope(length.mm() / FACE_WIDTH_MM)
             }
             deviation => deviation,
         }
@@ -188,17 +188,17 @@ prop_compose! {
 }
 
 impl Raw {
-    fn error(self, kind: ErrorKind, language: Language, count: usize) -> Measured {
-        let is_angle = kind == ErrorKind::RackLead && !self.of_length;
+    fn error(self, kind: DeviationKind, language: Language, count: usize) -> Measured {
+        let is_angle = kind == DeviationKind::RackLead && !self.of_length;
         let mut title = *self.title.get(language.titles(kind));
         // behind the name of an angle ″ is an arcsecond
-        let is_possible = |unit: &&UnitWord| kind != ErrorKind::RackLead || is_angle || unit.spelling != "\u{2033}";
+        let is_possible = |unit: &&UnitWord| kind != DeviationKind::RackLead || is_angle || unit.spelling != "\u{2033}";
         let units: Vec<_> = if is_angle { ANGLES } else { LENGTHS }.iter().filter(is_possible).collect();
         let unit = **self.unit.get(&units);
         // enough decimals for a value that is not 0
         let decimals = (self.decimals..=9).find(|decimals| largest(unit, *decimals) > 0).unwrap();
         let largest = largest(unit, decimals);
-        let is_slope = kind == ErrorKind::RackLead && !is_angle;
+        let is_slope = kind == DeviationKind::RackLead && !is_angle;
         let stands_in = match self.nominal {
             0 | 1 => Some(NominalIn::Spec),
             2 | 3 => Some(NominalIn::Table),
@@ -225,8 +225,8 @@ prop_compose! {
     pub fn parts()(
         count in 1..=MOST_PARTS,
         language in proptest::sample::select(Language::ALL.to_vec()),
-        chosen in proptest::sample::subsequence(ErrorKind::OF_PAPER.to_vec(), 1..=ErrorKind::OF_PAPER.len()),
-        raws in vec(raw(), ErrorKind::OF_PAPER.len()),
+        chosen in proptest::sample::subsequence(DeviationKind::OF_PAPER.to_vec(), 1..=DeviationKind::OF_PAPER.len()),
+        raws in vec(raw(), DeviationKind::OF_PAPER.len()),
         naming in 0..6_usize,
         name_title in any::<Index>(),
         context in proptest::sample::subsequence(vec![0, 1, 2, 3, 4], 0..=3),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
-use rackmesh::deviation::{ErrorKind, ErrorValue};
+use rackmesh::deviation::{DeviationKind, DeviationValue};
 use rackmesh::spec::Spec;
 use rackmesh::table::{Container, Source, Table, Want};
 
@@ -31,7 +31,7 @@ pub struct Verdict {
 /// The values of a table, and what is wrong with its rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
-    pub columns: Vec<(ErrorKind, Vec<ErrorValue>)>,
+    pub columns: Vec<(DeviationKind, Vec<DeviationValue>)>,
     pub rows: usize,
     /// Rows that are no parts, each once.
     pub faults: Vec<usize>,
@@ -79,7 +79,7 @@ pub fn values(bytes: &[u8], want: &Want) -> Result<Values, String> {
 
 impl Values {
     /// The values of an error.
-    pub fn of(&self, kind: ErrorKind) -> Option<&[ErrorValue]> {
+    pub fn of(&self, kind: DeviationKind) -> Option<&[DeviationValue]> {
         self.columns.iter().find(|(other, _)| *other == kind).map(|(_, values)| values.as_slice())
     }
 }

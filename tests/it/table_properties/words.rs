@@ -1,7 +1,7 @@
 //! The words with which people write tables of measured parts: headings, units, and columns that are no errors, in the four
 //! languages.
 
-use rackmesh::deviation::ErrorKind;
+use rackmesh::deviation::DeviationKind;
 
 /// The language of a table's headings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -138,7 +138,7 @@ pub struct Heads {
     pub unit: &'static str,
 }
 
-// the titles of the errors, in the order of `ErrorKind::ALL`
+// the titles of the errors, in the order of `DeviationKind::ALL`
 const ENGLISH: [&[Title]; 6] = [
     &[
         key("rack_over_roller"),
@@ -212,14 +212,14 @@ const JAPANESE: [&[Title]; 6] = [
 impl Language {
     pub const ALL: [Self; 4] = [Self::English, Self::German, Self::French, Self::Japanese];
 
-    pub fn titles(self, kind: ErrorKind) -> &'static [Title] {
+    pub fn titles(self, kind: DeviationKind) -> &'static [Title] {
         let all = match self {
             Self::English => ENGLISH,
             Self::German => GERMAN,
             Self::French => FRENCH,
             Self::Japanese => JAPANESE,
         };
-        all[ErrorKind::ALL.iter().position(|other| *other == kind).unwrap()]
+        all[DeviationKind::ALL.iter().position(|other| *other == kind).unwrap()]
     }
 
     pub fn part_names(self) -> &'static [&'static str] {

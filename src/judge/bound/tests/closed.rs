@@ -1,7 +1,7 @@
 //! Closed forms: the paper's pair, spur gears, sums.
 
 use super::random::{self, Random, drawn};
-use crate::deviation::ErrorKind;
+use crate::deviation::DeviationKind;
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
@@ -209,7 +209,7 @@ fn an_error_needs_a_value_and_an_extent_that_fit() {
     assert_eq!(ExtendedError::new(lead, length, Extent::All), Err(ErrorInputError::WrongDimension));
     let steep: Angle = "50 deg".parse().unwrap();
     assert!(matches!(ExtendedError::new(lead, steep, Extent::All), Err(ErrorInputError::OutOfDomain { .. })));
-    assert_eq!(ErrorKind::RackPitch.usual_extent(), Extent::One);
+    assert_eq!(DeviationKind::RackPitch.usual_extent(), Extent::One);
 }
 
 /// A known pair is for so much error and no more; a rack that may roll keeps the upper ends.

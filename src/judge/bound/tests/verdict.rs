@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 
 use super::property::extremes;
 use super::random::{self, Drawn, Random};
-use crate::decision::{Stack, Verdict, evaluate};
-use crate::deviation::{ErrorKind, Extent};
+use crate::deviation::{DeviationKind, Extent};
+use crate::evaluation::evaluate;
 use crate::formula::Model;
 use crate::gear::Pair;
 use crate::judge::reached::placed::Placed;
+use crate::judge::{Stack, Verdict};
 use crate::parallel;
 use crate::spec::Spec;
 
@@ -44,16 +45,16 @@ fn geometry(pair: &Pair) -> String {
 /// Errors of different kinds, as a spec has them and as they are put on teeth.
 fn errors(random: &mut Random, pair: &Pair) -> (String, Vec<Drawn>) {
     let (mut text, mut drawn) = (String::from("[errors]\n"), Vec::new());
-    for (kind, index) in ErrorKind::ALL.into_iter().zip(0..) {
+    for (kind, index) in DeviationKind::ALL.into_iter().zip(0..) {
         if !random.chance(0.4) {
             continue;
         }
-        let is_pitch = matches!(kind, ErrorKind::RackPitch | ErrorKind::PinionPitch);
+        let is_pitch = matches!(kind, DeviationKind::RackPitch | DeviationKind::PinionPitch);
         let extent = Extent::EVERY[random.below(if is_pitch { 5 } else { 4 }) as usize];
         let size = random.sign() * random.range(0.0, 0.03);
-        let value = if kind == ErrorKind::RackLead { size * 6.0 * std::f64::consts::PI / 180.0 } else { size };
+        let value = if kind == DeviationKind::RackLead { size * 6.0 * std::f64::consts::PI / 180.0 } else { size };
         let one = random::drawn(pair, index, extent, value, None);
-        let written = if kind == ErrorKind::RackLead { one.value.to_degrees() } else { one.value };
+        let written = if kind == DeviationKind::RackLead { one.value.to_degrees() } else { one.value };
         let _ = writeln!(text, "{} = {{ value = {written:.12}, extent = \"{extent}\" }}", kind.key());
         drawn.push(one);
     }
@@ -72,7 +73,7 @@ fn check(seed: u64) -> Option<Result<Verdict, String>> {
     let text = |limits: &str| format!("{geometry}{errors}{limits}");
     let judged = |text: &str| {
         let spec = Spec::parse("spec", text).expect("the spec is valid");
-        let (errors, basis) = (spec.part_errors().expect("errors"), spec.basis().ok()?);
+        let (errors, basis) = (spec.part_deviations().expect("errors"), spec.basis().ok()?);
         evaluate(&errors, &spec.limits(), Model::Paper, Stack::Range, &basis).ok()
     };
     let range = judged(&text(""))?.combined.range.ok()?;

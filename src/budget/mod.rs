@@ -1,0 +1,476 @@
+#![doc = include_str!("method.md")]
+//!
+//! `budget` calls [`allocate`] with errors whose tolerances are fixed and errors whose tolerances are free; each free
+//! one gets a share of what the fixed ones leave. It evaluates with the formulas and combinations that
+//! [`evaluate`](super::evaluate) uses, and must not round a tolerance up. By simulation: [`simulation`].
+
+pub mod simulation;
+#[cfg(test)]
+mod tests;
+
+use thiserror::Error;
+
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
+use crate::evaluation::EvaluationError;
+use crate::formula::{Law, Model, PartDeviation, Sensitivity};
+use crate::judge::bound::{Basis, ExtendedError, Note, Open};
+use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
+use crate::quantity::{DomainError, Length};
+use simulation::{Assembly, Simulated, Simulation};
+
+/// How tolerances add up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Rule {
+    /// The worst case.
+    WorstCase,
+    /// The statistical sum.
+    Rss,
+    /// A fraction of random assemblies.
+    Simulation(Simulation),
+}
+
+impl Rule {
+    /// `worst`, `rss` or `simulation`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::WorstCase => "worst",
+            Self::Rss => "rss",
+            Self::Simulation(_) => "simulation",
+        }
+    }
+}
+
+/// What decides the size of a free tolerance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Freedom {
+    /// A weight: ΔCD in this ratio.
+    Weight(f64),
+    /// A relative cost: ΔCD where the sum of costs is smallest.
+    Cost(f64),
+}
+
+/// A tolerance that is sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Free {
+    /// The law of its error.
+    pub law: Law,
+    /// What decides its size.
+    pub freedom: Freedom,
+    /// On which teeth the error may be.
+    pub extent: Extent,
+}
+
+impl Free {
+    /// The tolerance of this size.
+    fn within(&self, value: DeviationValue) -> PartDeviation {
+        PartDeviation::within(self.law, value).with_extent(self.extent)
+    }
+}
+
+/// One error of a budget.
+#[derive(Debug, Clone, Copy)]
+pub enum Entry {
+    /// Its tolerance is fixed: the error lies within plus and minus its value.
+    Fixed(PartDeviation),
+    /// Its tolerance is sought.
+    Free(Free),
+}
+
+impl Entry {
+    /// The kind of error.
+    #[must_use]
+    pub fn kind(&self) -> DeviationKind {
+        match self {
+            Self::Fixed(error) => error.kind(),
+            Self::Free(free) => free.law.kind(),
+        }
+    }
+}
+
+/// A budget's demand.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// The errors.
+    pub entries: Vec<Entry>,
+    /// The limit of the combined ΔCD.
+    pub limit: Limit,
+    /// Limits of single errors' ΔCD.
+    pub own_limits: Vec<(DeviationKind, Limit)>,
+    /// How tolerances add up.
+    pub rule: Rule,
+    /// The formulas' reading.
+    pub model: Model,
+    /// What is known of the pair.
+    pub basis: Basis,
+}
+
+/// One error of a finished budget.
+#[derive(Debug, Clone)]
+pub struct Line {
+    /// The error with its tolerance.
+    pub error: PartDeviation,
+    /// Its ΔCD.
+    pub delta_cd: Length,
+    /// What it can do alone, wherever it is.
+    pub range: Interval,
+    /// Whether the tolerance was given.
+    pub is_fixed: bool,
+    /// Whether the error's own limit, not the budget, stops it.
+    pub at_own_limit: bool,
+    /// Its part of the sum of what the errors do alone, or of the squares of it.
+    pub share: f64,
+    /// ∂ΔCD/∂input at the tolerance.
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+/// A finished budget.
+#[derive(Debug, Clone)]
+pub struct Budget {
+    /// One per error.
+    pub lines: Vec<Line>,
+    /// The tolerances combined as `eval` does.
+    pub combined: Combined,
+    /// What their bound rests on.
+    pub notes: Vec<Note>,
+    /// What the simulation of these tolerances gave.
+    pub simulated: Option<Simulated>,
+    /// Errors without which the fixed tolerances would leave something: empty if the budget is feasible.
+    pub broken_by: Vec<DeviationKind>,
+}
+
+impl Budget {
+    /// Whether the limit is met.
+    #[must_use]
+    pub fn is_feasible(&self) -> bool {
+        self.broken_by.is_empty()
+    }
+}
+
+/// Why there is no budget at all.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BudgetError {
+    /// The limit does not allow ΔCD to be zero, or allows nothing else.
+    #[error(
+        "the limit of ΔCD leaves nothing to distribute: the pair without errors must lie inside it, with room to the sides that the errors move ΔCD to"
+    )]
+    NoRoom,
+    /// Tolerances of every tooth have no bound.
+    #[error(transparent)]
+    Open(#[from] Open),
+    /// Nothing stops the free tolerances.
+    #[error(
+        "the limit does not stop the free tolerances as long as the pair meshes: give it an upper end, or a nearer one"
+    )]
+    Unbounded,
+    /// The limit of ΔCD has no end.
+    #[error("a budget needs a limit of the combined ΔCD")]
+    NoLimit,
+    /// A formula has no result.
+    #[error("{}: {problem}", .kind.name())]
+    Formula {
+        /// The error.
+        kind: DeviationKind,
+        /// What is wrong.
+        problem: Box<DomainError>,
+    },
+    /// A combination has no result.
+    #[error(transparent)]
+    Combination(#[from] EvaluationError),
+}
+
+fn of_kind(kind: DeviationKind) -> impl Fn(DomainError) -> BudgetError {
+    move |problem| BudgetError::Formula { kind, problem: Box::new(problem) }
+}
+
+/// Finds the tolerances: the largest scale of the free ones at which all conform.
+///
+/// # Errors
+/// [`BudgetError`] if the limit gives nothing to distribute or a formula has no result. Fixed tolerances that take
+/// more than the limit are no error: the budget then names what breaks it.
+pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
+    if request.limit.lower.is_none() && request.limit.upper.is_none() {
+        return Err(BudgetError::NoLimit);
+    }
+    match request.rule {
+        Rule::WorstCase => by_scale(request, &|errors| conforms(request, Stack::Range, errors), None),
+        Rule::Rss => by_scale(request, &|errors| conforms(request, Stack::Rss, errors), None),
+        Rule::Simulation(settings) => {
+            let assembly = Assembly::new(request, &settings);
+            by_scale(request, &|errors| Ok(assembly.count(errors)? >= assembly.needed()), Some(&assembly))
+        }
+    }
+}
+
+/// Whether a combination of tolerances lies inside the limit.
+fn conforms(request: &Request, stack: Stack, errors: &[PartDeviation]) -> Result<bool, Open> {
+    let combined = Combined::of(errors, &request.basis).map_err(|_| Open::TooLarge)?;
+    Ok(request.limit.judge(combined.interval(stack)?) == Verdict::Pass)
+}
+
+/// What an error can do alone.
+fn alone(error: PartDeviation, basis: &Basis) -> Result<Interval, Open> {
+    let range = basis.alone(&ExtendedError::of(&error).map_err(|_| Open::TooLarge)?)?;
+    Interval::nearest(range.alone()).map_err(|_| Open::TooLarge)
+}
+
+/// Whether an error alone stays inside its own limit, if it has one.
+fn within_own_limit(request: &Request, error: &PartDeviation) -> Result<bool, Open> {
+    let own = request.own_limits.iter().find(|(of, _)| *of == error.kind());
+    let Some((_, limit)) = own else { return Ok(true) };
+    Ok(limit.judge(alone(*error, &request.basis)?) == Verdict::Pass)
+}
+
+/// Whether every error stays inside its own limit beside the others, as `evaluate` judges it: larger errors together let
+/// more teeth carry.
+fn within_own_limits(request: &Request, errors: &[PartDeviation]) -> Result<bool, Open> {
+    if request.own_limits.is_empty() {
+        return Ok(true);
+    }
+    let bound = request.basis.bound_of(errors);
+    for (error, range) in errors.iter().zip(bound.errors) {
+        if let Some((_, limit)) = request.own_limits.iter().find(|(of, _)| *of == error.kind()) {
+            let range = Interval::nearest(range?.alone()).map_err(|_| Open::TooLarge)?;
+            if limit.judge(range) != Verdict::Pass {
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
+}
+
+/// The ratio in which a free error's ΔCD stands to the others'.
+fn ratio(freedom: Freedom, rule: Rule) -> f64 {
+    match (freedom, rule) {
+        (Freedom::Weight(weight), _) => weight,
+        (Freedom::Cost(cost), Rule::WorstCase) => cost.sqrt(),
+        (Freedom::Cost(cost), Rule::Rss | Rule::Simulation(_)) => libm::cbrt(cost),
+    }
+}
+
+/// The largest tolerance of which ΔCD does not exceed `delta_cd`.
+fn largest_tolerance(free: &Free, delta_cd: Length, model: Model) -> Result<PartDeviation, BudgetError> {
+    match free.law.largest_error(delta_cd, model) {
+        Ok(value) => Ok(free.within(value)),
+        // beyond what any angle does: as good as unbounded
+        Err(DomainError::NeverReached { .. }) => Err(BudgetError::Unbounded),
+        Err(error) => Err(of_kind(free.law.kind())(error)),
+    }
+}
+
+/// The magnitude of ΔCD of an error's tolerance.
+fn magnitude(error: &PartDeviation, model: Model) -> Result<Length, BudgetError> {
+    Ok(error.delta_cd(model).map_err(of_kind(error.kind()))?.abs())
+}
+
+/// Fixed errors whose own limit their tolerance exceeds.
+fn beyond_own_limits(request: &Request) -> Vec<DeviationKind> {
+    let fixed = request.entries.iter().filter_map(|entry| match entry {
+        Entry::Fixed(error) => Some(error),
+        Entry::Free(..) => None,
+    });
+    fixed.filter(|error| within_own_limit(request, error) != Ok(true)).map(PartDeviation::kind).collect()
+}
+
+fn line(error: PartDeviation, is_fixed: bool, request: &Request) -> Result<Line, BudgetError> {
+    let delta_cd = magnitude(&error, request.model)?;
+    let sensitivities = error.sensitivities(request.model).map_err(of_kind(error.kind()))?;
+    let range = alone(error, &request.basis)?;
+    Ok(Line { error, delta_cd, range, is_fixed, at_own_limit: false, share: 0.0, sensitivities })
+}
+
+/// Whether tolerances conform; [`Open`] if nothing is known of tolerances as large.
+type Conforms<'a> = &'a dyn Fn(&[PartDeviation]) -> Result<bool, Open>;
+
+fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembly>) -> Result<Budget, BudgetError> {
+    let scaled = Scaled::new(request)?;
+    let conforms: Conforms<'_> = &|errors| Ok(conforms(errors)? && within_own_limits(request, errors)?);
+    let mut broken_by = beyond_own_limits(request);
+    let none = scaled.at(0.0)?;
+    let is_free = |entry: &Entry| matches!(entry, Entry::Free(..));
+    let mut allocated = Allocated { scale: 0.0, errors: none.clone() };
+    if !conforms(&none).unwrap_or(false) {
+        broken_by.extend(breaking(&scaled, conforms)?);
+    } else if request.entries.iter().any(is_free) && broken_by.is_empty() {
+        allocated = scaled.largest(conforms)?;
+        if !scaled.gives_something(&allocated.errors) {
+            broken_by.extend(breaking(&scaled, conforms)?);
+            allocated = Allocated { scale: 0.0, errors: none };
+        }
+    }
+    let mut lines = Vec::with_capacity(allocated.errors.len());
+    for (index, error) in allocated.errors.iter().enumerate() {
+        let mut line = line(*error, !is_free(&request.entries[index]), request)?;
+        line.at_own_limit = scaled.is_at_own_limit(index, allocated.scale);
+        lines.push(line);
+    }
+    set_shares(&mut lines, request.rule != Rule::WorstCase);
+    let combined = Combined::of(&allocated.errors, &request.basis)
+        .map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
+    let simulated = assembly.map(|assembly| assembly.outcome(&allocated.errors)).transpose()?;
+    broken_by.sort();
+    broken_by.dedup();
+    let notes = request.basis.bound_of(&allocated.errors).notes;
+    Ok(Budget { lines, combined, notes, simulated, broken_by })
+}
+
+/// Tolerances and the scale that they stand for.
+#[derive(Debug, Clone)]
+struct Allocated {
+    scale: f64,
+    errors: Vec<PartDeviation>,
+}
+
+/// The free tolerances of a request at one scale of their ratios, in mm of ΔCD.
+struct Scaled<'a> {
+    request: &'a Request,
+    /// Of each entry, the ΔCD that its own limit allows its tolerance.
+    own: Vec<Option<Length>>,
+}
+
+/// A scale so small that whoever gets less gets nothing, mm.
+const SMALL_MM: f64 = 1e-6;
+
+impl<'a> Scaled<'a> {
+    fn new(request: &'a Request) -> Result<Self, BudgetError> {
+        let mut scaled = Self { request, own: vec![None; request.entries.len()] };
+        // a bound of every tooth's tolerance takes what is known of the pair
+        if let Err(open @ Open::TeethInContactUnknown) = request.basis.bound_of(&scaled.at(SMALL_MM)?).total {
+            return Err(open.into());
+        }
+        for (index, entry) in request.entries.iter().enumerate() {
+            if let Entry::Free(free) = entry {
+                scaled.own[index] = own_share(free, request)?;
+            }
+        }
+        Ok(scaled)
+    }
+
+    fn at(&self, scale: f64) -> Result<Vec<PartDeviation>, BudgetError> {
+        let entries = self.request.entries.iter().zip(&self.own);
+        let at = |(entry, own): (&Entry, &Option<Length>)| match entry {
+            Entry::Fixed(error) => Ok(*error),
+            Entry::Free(free) => {
+                let share = length_of(free.law, scale * ratio(free.freedom, self.request.rule))?;
+                largest_tolerance(free, own.map_or(share, |own| own.min(share)), self.request.model)
+            }
+        };
+        entries.map(at).collect()
+    }
+
+    /// The tolerances at the largest scale.
+    fn largest(&self, conforms: Conforms<'_>) -> Result<Allocated, BudgetError> {
+        let Allocated { scale, errors } = match self.all_at_own_limits()? {
+            Some(all) if conforms(&all.errors) == Ok(true) => all,
+            _ => simulation::largest_scale(|scale| self.at(scale), conforms)?,
+        };
+        Ok(Allocated { scale, errors: self.with_short_decimals(errors, conforms)? })
+    }
+
+    /// The tolerances that own limits alone leave; `None` if a free one has none.
+    fn all_at_own_limits(&self) -> Result<Option<Allocated>, BudgetError> {
+        let mut scale: f64 = 0.0;
+        for (entry, own) in self.request.entries.iter().zip(&self.own) {
+            let Entry::Free(free) = entry else { continue };
+            let (Some(own), ratio) = (own, ratio(free.freedom, self.request.rule)) else { return Ok(None) };
+            if ratio > 0.0 {
+                // beyond where the limit stops it
+                scale = scale.max(2.0 * own.mm() / ratio);
+            }
+        }
+        Ok(Some(Allocated { scale, errors: self.at(scale)? }))
+    }
+
+    /// Whether every free error with a weight gets a tolerance.
+    fn gives_something(&self, errors: &[PartDeviation]) -> bool {
+        self.request.entries.iter().zip(errors).all(|(entry, error)| match entry {
+            Entry::Free(free) => ratio(free.freedom, self.request.rule) == 0.0 || !error.value().is_zero(),
+            Entry::Fixed(_) => true,
+        })
+    }
+
+    /// The same tolerances, each a little larger if fewer decimals conform as well.
+    fn with_short_decimals(
+        &self,
+        mut errors: Vec<PartDeviation>,
+        conforms: Conforms<'_>,
+    ) -> Result<Vec<PartDeviation>, BudgetError> {
+        for index in 0..errors.len() {
+            let Entry::Free(free) = self.request.entries[index] else { continue };
+            let share = magnitude(&errors[index], self.request.model)?;
+            let rounded = Length::from_fm((share.fm() + ROUNDED_FM - 1) / ROUNDED_FM * ROUNDED_FM);
+            let longer = std::mem::replace(&mut errors[index], largest_tolerance(&free, rounded, self.request.model)?);
+            let is_inside = conforms(&errors) == Ok(true) && within_own_limit(self.request, &errors[index]) == Ok(true);
+            if !is_inside {
+                errors[index] = longer;
+            }
+        }
+        Ok(errors)
+    }
+
+    /// Whether an entry would have more at this scale if it had no limit of its own.
+    fn is_at_own_limit(&self, index: usize, scale: f64) -> bool {
+        let Entry::Free(free) = self.request.entries[index] else { return false };
+        let share = scale * ratio(free.freedom, self.request.rule);
+        self.own[index].is_some_and(|own| share > own.mm() * (1.0 + OWN_LIMIT_NEAR))
+    }
+}
+
+/// A share within this of an own limit, relative to it, is not stopped by it: the scale is not known better.
+const OWN_LIMIT_NEAR: f64 = 1e-9;
+
+fn length_of(law: Law, mm: f64) -> Result<Length, BudgetError> {
+    Length::from_mm(mm).map_err(|error| of_kind(law.kind())(error.into()))
+}
+
+/// The ΔCD up to which an error stays inside its own limit; `None` if it has none or is not stopped by it.
+fn own_share(free: &Free, request: &Request) -> Result<Option<Length>, BudgetError> {
+    if !request.own_limits.iter().any(|(kind, _)| *kind == free.law.kind()) {
+        return Ok(None);
+    }
+    let at = |scale: f64| Ok(vec![largest_tolerance(free, length_of(free.law, scale)?, request.model)?]);
+    match simulation::largest_scale(at, |errors| within_own_limit(request, &errors[0])) {
+        Ok(largest) => Ok(Some(magnitude(&largest.errors[0], request.model)?)),
+        Err(BudgetError::Unbounded) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Tolerances whose ΔCD is this near to fewer decimals take them: 1e-9 mm.
+const ROUNDED_FM: i64 = 1_000;
+
+/// What each line takes of the sum of what errors do alone, or of its squares.
+fn set_shares(lines: &mut [Line], squares: bool) {
+    let taken = |line: &Line| {
+        let magnitude = line.range.largest().abs().mm();
+        if squares { magnitude * magnitude } else { magnitude }
+    };
+    let sum: f64 = lines.iter().map(taken).sum();
+    for line in lines {
+        line.share = if sum > 0.0 { taken(line) / sum } else { 0.0 };
+    }
+}
+
+/// The fixed errors, largest first, without which the rest conforms and leaves something to the free ones.
+fn breaking(scaled: &Scaled<'_>, conforms: Conforms<'_>) -> Result<Vec<DeviationKind>, BudgetError> {
+    let request = scaled.request;
+    let mut rest = scaled.at(SMALL_MM)?;
+    let mut fixed = Vec::new();
+    for (index, entry) in request.entries.iter().enumerate() {
+        if let Entry::Fixed(error) = entry {
+            fixed.push((magnitude(error, request.model)?, index));
+        }
+    }
+    fixed.sort_by(|a, b| b.cmp(a));
+    let mut without = Vec::new();
+    for (_, index) in fixed {
+        rest[index] = rest[index].with_value(DeviationValue::zero(rest[index].kind()));
+        without.push(rest[index].kind());
+        if conforms(&rest) == Ok(true) {
+            return Ok(without);
+        }
+    }
+    Err(conforms(&rest).err().map_or(BudgetError::NoRoom, BudgetError::Open))
+}

@@ -1,0 +1,215 @@
+//! Random assemblies: which fraction conforms.
+//!
+//! Each error is drawn from its distribution within plus and minus its tolerance, independently of the others. An
+//! assembly conforms if the worst case of its errors lies inside the limit, which is what `eval` judges. Of a tolerance of each
+//! tooth a drawn size or lead is that of every tooth, a drawn pitch deviation the largest of any sign on every tooth; with another
+//! extent what is drawn has that one. The draws are the
+//! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
+//! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
+
+use super::{Allocated, BudgetError, Request};
+use crate::chance::{BLOCK, Random, Ziggurat};
+use crate::deviation::{DeviationKind, Extent};
+use crate::formula::PartDeviation;
+use crate::judge::bound::{Basis, Open, Range, Scales};
+use crate::parallel;
+use crate::quantity::Length;
+
+/// How errors spread within their tolerances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Spread {
+    /// Every value alike: all that is known is the tolerance.
+    #[default]
+    Uniform,
+    /// Normal with a standard deviation of a third of the tolerance; parts beyond it are sorted out.
+    Normal,
+    /// Triangular with its peak at nominal.
+    Triangular,
+}
+
+impl Spread {
+    /// `uniform`, `normal` or `triangular`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Normal => "normal",
+            Self::Triangular => "triangular",
+        }
+    }
+}
+
+/// What is simulated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Simulation {
+    /// The fraction of assemblies that must conform, above 0 and at most 1.
+    pub conforming: f64,
+    /// How errors spread.
+    pub spread: Spread,
+    /// The number of assemblies.
+    pub draws: u32,
+    /// The seed.
+    pub seed: u64,
+}
+
+impl Simulation {
+    /// What 3 σ leave of a normal distribution: 99.73 %.
+    pub const CONFORMING: f64 = 0.9973;
+    /// So many that 1 % of one tolerance is seen in the tail of 0.27 %.
+    pub const DRAWS: u32 = 1_000_000;
+}
+
+/// What came of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Simulated {
+    /// What was simulated.
+    pub settings: Simulation,
+    /// The fraction that conforms.
+    pub conforming: f64,
+}
+
+/// The draws for one request.
+#[derive(Debug)]
+pub(super) struct Assembly {
+    settings: Simulation,
+    limit: Range,
+    basis: Basis,
+    /// Per block, per error: draws in −1 … +1.
+    blocks: Vec<Vec<Vec<f64>>>,
+}
+
+impl Assembly {
+    pub(super) fn new(request: &Request, settings: &Simulation) -> Self {
+        let draws = u64::from(settings.draws.max(1));
+        let ziggurat = Ziggurat::new();
+        let blocks = (0..draws.div_ceil(BLOCK))
+            .map(|block| {
+                let mut random = Random::of_block(settings.seed, block);
+                let count = BLOCK.min(draws - block * BLOCK);
+                let column = || (0..count).map(|_| draw(&mut random, &ziggurat, settings.spread)).collect();
+                std::iter::repeat_with(column).take(request.entries.len()).collect()
+            })
+            .collect();
+        let limit = Range {
+            lower: request.limit.lower.map_or(f64::NEG_INFINITY, Length::mm),
+            upper: request.limit.upper.map_or(f64::INFINITY, Length::mm),
+        };
+        Self { settings: *settings, limit, basis: request.basis.clone(), blocks }
+    }
+
+    /// How many assemblies must conform.
+    pub(super) fn needed(&self) -> u64 {
+        let share = self.settings.conforming * f64::from(self.settings.draws);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most the number of draws")]
+        let needed = share.ceil() as u64;
+        needed
+    }
+
+    /// How many assemblies with these tolerances conform.
+    pub(super) fn count(&self, errors: &[PartDeviation]) -> Result<u64, Open> {
+        let drawn: Vec<_> = errors.iter().map(|error| error.measured().with_extent(drawn_extent(error))).collect();
+        let scales = self.basis.scales(&drawn)?;
+        let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &scales);
+        Ok(parallel::map(parallel::cores(), self.blocks.len(), || (), count).0.into_iter().sum())
+    }
+
+    fn count_block(&self, block: &[Vec<f64>], scales: &Scales) -> u64 {
+        /// Sums of doubles that should meet a limit lie this near to it, mm.
+        const ROUNDING_MM: f64 = 1e-12;
+        let draws = block.first().map_or(0, Vec::len);
+        let mut shares = vec![0.0; block.len()];
+        let mut inside = 0;
+        for draw in 0..draws {
+            for (share, column) in shares.iter_mut().zip(block) {
+                *share = column[draw];
+            }
+            let range = scales.total(&shares);
+            if range.lower >= self.limit.lower - ROUNDING_MM && range.upper <= self.limit.upper + ROUNDING_MM {
+                inside += 1;
+            }
+        }
+        inside
+    }
+
+    pub(super) fn outcome(&self, errors: &[PartDeviation]) -> Result<Simulated, Open> {
+        #[expect(clippy::cast_precision_loss, reason = "at most 2³²")]
+        let conforming = self.count(errors)? as f64 / f64::from(self.settings.draws.max(1));
+        Ok(Simulated { settings: self.settings, conforming })
+    }
+}
+
+/// A drawn error's teeth: of each tooth, a size or lead is that of the part, the largest pitch deviation may be on any of them.
+const fn drawn_extent(tolerance: &PartDeviation) -> Extent {
+    match (tolerance.extent(), tolerance.kind()) {
+        (Extent::Each, DeviationKind::RackPitch | DeviationKind::PinionPitch) => Extent::Each,
+        (Extent::Each, _) => Extent::All,
+        (extent, _) => extent,
+    }
+}
+
+/// A draw in −1 … +1.
+fn draw(random: &mut Random, ziggurat: &Ziggurat, spread: Spread) -> f64 {
+    match spread {
+        Spread::Uniform => 2.0 * random.uniform() - 1.0,
+        Spread::Triangular => random.uniform() - random.uniform(),
+        Spread::Normal => loop {
+            let value = random.normal(ziggurat) / 3.0;
+            if value.abs() <= 1.0 {
+                break value;
+            }
+        },
+    }
+}
+
+/// The errors at the largest scale at which they conform; those of scale 0 do.
+///
+/// # Errors
+/// [`BudgetError::Unbounded`] if they conform as far as anything is known of errors as large.
+pub(super) fn largest_scale(
+    at: impl Fn(f64) -> Result<Vec<PartDeviation>, BudgetError>,
+    conforms: impl Fn(&[PartDeviation]) -> Result<bool, Open>,
+) -> Result<Allocated, BudgetError> {
+    const LARGEST_MM: f64 = 1e3;
+    /// The interval of the scale becomes this narrow, relative to itself.
+    const NARROW: f64 = 1e-10;
+    /// Less than the smallest length, mm.
+    const NOTHING_MM: f64 = 1e-13;
+    let tried = |scale: f64| match at(scale) {
+        Ok(errors) => Ok(match conforms(&errors) {
+            Ok(true) => Tried::Conforms(errors),
+            Ok(false) => Tried::Breaks,
+            Err(_) => Tried::NotKnown,
+        }),
+        // no error does as much
+        Err(BudgetError::Unbounded) => Ok(Tried::NotKnown),
+        Err(error) => Err(error),
+    };
+    let mut best = Allocated { scale: 0.0, errors: at(0.0)? };
+    let mut high = 1e-3;
+    let mut is_stopped = loop {
+        match tried(high)? {
+            Tried::Conforms(_) if high > LARGEST_MM => return Err(BudgetError::Unbounded),
+            Tried::Conforms(errors) => (best, high) = (Allocated { scale: high, errors }, 2.0 * high),
+            Tried::Breaks => break true,
+            Tried::NotKnown => break false,
+        }
+    };
+    while high - best.scale > NARROW * high && high > NOTHING_MM {
+        let middle = 0.5 * (best.scale + high);
+        match tried(middle)? {
+            Tried::Conforms(errors) => best = Allocated { scale: middle, errors },
+            Tried::Breaks => (high, is_stopped) = (middle, true),
+            Tried::NotKnown => (high, is_stopped) = (middle, false),
+        }
+    }
+    if is_stopped { Ok(best) } else { Err(BudgetError::Unbounded) }
+}
+
+/// What came of errors of one scale.
+enum Tried {
+    Conforms(Vec<PartDeviation>),
+    Breaks,
+    /// Nothing is known of errors as large.
+    NotKnown,
+}

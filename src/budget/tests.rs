@@ -1,0 +1,495 @@
+//! The guarantees of a budget, evaluated forward as `eval` does it.
+
+use std::sync::OnceLock;
+
+use proptest::prelude::*;
+
+use super::simulation::Spread;
+use super::*;
+use crate::deviation::Extent::{All, Each, One, Part, Total};
+use crate::evaluation::{Evaluation, evaluate};
+use crate::judge::bound::{GivenGeometry, GivenPair, KnownPairs};
+use crate::judge::{LimitTarget, Stack, Verdict};
+use crate::quantity::Angle;
+
+fn length(text: &str) -> Length {
+    text.parse().unwrap()
+}
+
+/// The laws of the paper's pair.
+fn formulas() -> [Law; 5] {
+    let angle = |text: &str| -> Angle { text.parse().unwrap() };
+    [
+        Law::rack_over_roller(),
+        Law::rack_pitch(angle("19.9"), Angle::ZERO).unwrap(),
+        Law::rack_lead(angle("19.9"), Angle::ZERO, length("19.7")).unwrap(),
+        Law::pinion_radial(),
+        Law::pinion_pitch(angle("19.9"), angle("21")).unwrap(),
+    ]
+}
+
+/// The paper's pair, prepared once.
+fn pair() -> Basis {
+    static PAIR: OnceLock<Basis> = OnceLock::new();
+    let prepared = || {
+        let given = GivenPair::plain(crate::reproduction::pair().unwrap());
+        Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..Basis::default() }
+    };
+    PAIR.get_or_init(prepared).clone()
+}
+
+fn weight(number: u32) -> Freedom {
+    Freedom::Weight(f64::from(number))
+}
+
+fn free(law: Law, freedom: Freedom) -> Entry {
+    Entry::Free(Free { law, freedom, extent: Extent::Each })
+}
+
+fn fixed(law: Law, value: &str) -> Entry {
+    Entry::Fixed(PartDeviation::within(law, length(value)))
+}
+
+/// A budget of sizes, which need no pair: their decimals add up.
+fn of_sizes(entries: Vec<Entry>, limit: &str, rule: Rule) -> Request {
+    Request { basis: Basis::default(), ..request(entries, limit, rule) }
+}
+
+fn request(entries: Vec<Entry>, limit: &str, rule: Rule) -> Request {
+    Request {
+        entries,
+        limit: Limit::symmetric(length(limit)),
+        own_limits: Vec::new(),
+        rule,
+        model: Model::Exact,
+        basis: pair(),
+    }
+}
+
+fn limit(lower: Option<&str>, upper: Option<&str>) -> Limit {
+    Limit { lower: lower.map(length), upper: upper.map(length) }
+}
+
+/// An error read again from the double that is printed.
+fn read_again(error: &PartDeviation, factor: f64) -> PartDeviation {
+    let value = error.value().abs().base() * factor;
+    let value = match error.value() {
+        DeviationValue::Length(_) => DeviationValue::Length(Length::from_mm(value).unwrap()),
+        _ => DeviationValue::Angle(Angle::from_degrees(value).unwrap()),
+    };
+    error.with_value(value)
+}
+
+/// What `eval` says of the tolerances of a budget, some of them enlarged by 1 %.
+fn evaluated(budget: &Budget, request: &Request, is_enlarged: impl Fn(&Line) -> bool) -> Evaluation {
+    let lines = budget.lines.iter();
+    let errors: Vec<PartDeviation> =
+        lines.map(|line| read_again(&line.error, if is_enlarged(line) { 1.01 } else { 1.0 })).collect();
+    let mut limits = vec![(LimitTarget::CenterDistance, request.limit)];
+    limits.extend(request.own_limits.iter().map(|(kind, limit)| (LimitTarget::Error(*kind), *limit)));
+    evaluate(&errors, &limits, request.model, stack(request), &request.basis).unwrap()
+}
+
+fn stack(request: &Request) -> Stack {
+    if request.rule == Rule::Rss { Stack::Rss } else { Stack::Range }
+}
+
+/// Meets the limit, and not if a free tolerance grows by 1 % that moves the end that binds, or all do.
+fn check(request: &Request) -> Budget {
+    let budget = allocate(request).unwrap();
+    assert!(budget.is_feasible(), "{budget:?}");
+    let interval = |evaluation: &Evaluation| evaluation.combined.interval(stack(request)).unwrap();
+    let found = evaluated(&budget, request, |_| false);
+    assert_eq!(found.verdict, Some(Verdict::Pass), "{budget:?}");
+    let ends = interval(&found);
+    let binds = |end: Length, limit: Option<Length>| limit.is_some_and(|limit| (limit - end).abs().mm() < 1e-7);
+    let (lower_binds, upper_binds) = (binds(ends.lower, request.limit.lower), binds(ends.upper, request.limit.upper));
+    for line in budget.lines.iter().filter(|line| !line.is_fixed) {
+        let larger = evaluated(&budget, request, |other| other.error.kind() == line.error.kind());
+        let moved = interval(&larger);
+        let matters = (lower_binds && moved.lower < ends.lower) || (upper_binds && moved.upper > ends.upper);
+        let fails = larger.verdict == Some(Verdict::Fail);
+        assert!(fails || !(matters || line.at_own_limit), "{:?} of {budget:?}", line.error);
+    }
+    if budget.lines.iter().any(|line| !line.is_fixed) {
+        let larger = evaluated(&budget, request, |line| !line.is_fixed);
+        assert_eq!(larger.verdict, Some(Verdict::Fail), "{budget:?}");
+    }
+    budget
+}
+
+#[test]
+fn shares_stand_in_the_ratio_of_weights() {
+    let [over_roller, pitch, lead, radial, _] = formulas();
+    for rule in [Rule::WorstCase, Rule::Rss] {
+        let entries =
+            vec![fixed(radial, "0.01"), free(over_roller, weight(1)), free(pitch, weight(2)), free(lead, weight(1))];
+        let budget = check(&request(entries, "0.05", rule));
+        let shares: Vec<f64> = budget.lines.iter().map(|line| line.delta_cd.mm()).collect();
+        assert_eq!(shares[0], 0.01);
+        assert!((shares[2] / shares[1] - 2.0).abs() < 1e-6 && (shares[3] / shares[1] - 1.0).abs() < 1e-6, "{shares:?}");
+        assert!((budget.lines.iter().map(|line| line.share).sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+}
+
+/// 0.01 of 0.05 leaves 0.04, and 3, 4 and 12 make 13: to the last decimal.
+#[test]
+fn sizes_share_a_limit_exactly() {
+    let [over_roller, _, _, radial, _] = formulas();
+    let budget = check(&of_sizes(vec![fixed(radial, "0.01"), free(over_roller, weight(3))], "0.05", Rule::WorstCase));
+    assert_eq!(budget.lines[1].error.value(), DeviationValue::Length(length("0.04")));
+    let budget = check(&of_sizes(vec![fixed(over_roller, "0.05"), free(radial, weight(7))], "0.13", Rule::Rss));
+    assert_eq!(budget.lines[1].error.value(), DeviationValue::Length(length("0.12")));
+    assert!((budget.lines[0].share - 25.0 / 169.0).abs() < 1e-12, "{:?}", budget.lines);
+}
+
+#[test]
+fn costs_are_smallest_where_they_are_said_to_be() {
+    let [over_roller, _, _, radial, _] = formulas();
+    let cost = Freedom::Cost;
+    for (rule, ratio) in [(Rule::WorstCase, 8_f64.sqrt()), (Rule::Rss, 2.0)] {
+        let entries = vec![free(over_roller, cost(1.0)), free(radial, cost(8.0))];
+        let budget = check(&of_sizes(entries, "0.06", rule));
+        let (a, b) = (budget.lines[0].delta_cd.mm(), budget.lines[1].delta_cd.mm());
+        assert!((b / a - ratio).abs() < 1e-7);
+        // the sum of costs at neighbouring allocations is larger
+        let total = |a: f64| {
+            let b = if rule == Rule::Rss { (0.06_f64 * 0.06 - a * a).sqrt() } else { 0.06 - a };
+            1.0 / a + 8.0 / b
+        };
+        assert!(total(a) < total(a * 1.001) && total(a) < total(a * 0.999));
+    }
+}
+
+/// An error that can only push is not stopped by the lower limit; errors that can sink together are.
+#[test]
+fn each_end_of_the_limit_stops_what_reaches_it() {
+    let [_, pitch, _, _, pinion_pitch] = formulas();
+    let of = |laws: &[Law], lower: &str, upper: &str| {
+        let entries = laws.iter().map(|law| free(*law, weight(1))).collect();
+        let request = Request { limit: limit(Some(lower), Some(upper)), ..request(entries, "1", Rule::WorstCase) };
+        check(&request).lines[0].delta_cd.mm()
+    };
+    assert_eq!(alone(PartDeviation::within(pitch, length("0.01")), &pair()).unwrap().lower, Length::ZERO);
+    assert_eq!(of(&[pitch], "-0.001", "0.08"), of(&[pitch], "-0.08", "0.08"));
+    let both = [pitch, pinion_pitch];
+    let (wide, narrow, one_sided) =
+        (of(&both, "-0.08", "0.08"), of(&both, "-0.03", "0.03"), of(&both, "-0.03", "0.08"));
+    assert!(narrow < one_sided && one_sided <= wide, "{narrow} {one_sided} {wide}");
+    let alone = of(&both, "-0.001", "0.08");
+    assert!(alone < narrow, "{alone} {narrow}");
+}
+
+/// Tolerances of one tooth, a run, all: the bound of either sign of them is what meets the limit.
+#[test]
+fn tolerances_are_of_the_teeth_that_their_extents_say() {
+    let [over_roller, pitch, lead, radial, pinion_pitch] = formulas();
+    let of = |extents: [Extent; 5], rule| {
+        let entries = [over_roller, pitch, lead, radial, pinion_pitch].into_iter().zip(extents);
+        let entries = entries.map(|(law, extent)| Entry::Free(Free { law, freedom: weight(1), extent })).collect();
+        request(entries, "0.05", rule)
+    };
+    for extents in [[One; 5], [Part; 5], [All; 5], [All, One, All, One, Total], [Each, One, One, Part, Each]] {
+        let request = of(extents, Rule::WorstCase);
+        let budget = check(&request);
+        // what is measured later has a sign
+        for sign in [1.0, -1.0] {
+            let errors: Vec<_> = budget.lines.iter().map(|line| read_again(&line.error.measured(), sign)).collect();
+            let limits = [(LimitTarget::CenterDistance, request.limit)].to_vec();
+            let found = evaluate(&errors, &limits, Model::Exact, Stack::Range, &request.basis).unwrap();
+            assert_eq!(found.verdict, Some(Verdict::Pass), "{extents:?} {sign}");
+        }
+        check(&of(extents, Rule::Rss));
+        let few = Simulation { draws: 5_000, ..simulation(1.0, Spread::Uniform) };
+        let simulated = allocate(&of(extents, Rule::Simulation(few))).unwrap();
+        assert!(simulated.lines[0].delta_cd >= budget.lines[0].delta_cd, "{extents:?}");
+    }
+    let granted = |extents| allocate(&of(extents, Rule::WorstCase)).unwrap().lines[0].delta_cd;
+    assert!(granted([One; 5]) > granted([Each; 5]));
+}
+
+/// One pitch adds to none: no geometry is needed.
+#[test]
+fn the_pitch_of_one_tooth_needs_no_pair() {
+    let one = Free { law: formulas()[1], freedom: weight(1), extent: Extent::One };
+    let budget = check(&of_sizes(vec![Entry::Free(one)], "0.05", Rule::WorstCase));
+    assert_eq!(budget.lines[0].delta_cd, length("0.05"));
+    // a step may sink without geometry
+    assert_eq!(budget.lines[0].range.lower, length("-0.05"));
+}
+
+#[test]
+fn an_own_limit_leaves_more_to_the_others() {
+    let [over_roller, _, _, radial, _] = formulas();
+    for (own, at_own_limit, left) in [("0.005", true, "0.045"), ("0.025", false, "0.025"), ("1", false, "0.025")] {
+        let entries = vec![free(over_roller, weight(1)), free(radial, weight(1))];
+        let mut request = of_sizes(entries, "0.05", Rule::WorstCase);
+        request.own_limits = vec![(DeviationKind::PinionRadial, Limit::symmetric(length(own)))];
+        let budget = check(&request);
+        assert_eq!([budget.lines[0].at_own_limit, budget.lines[1].at_own_limit], [false, at_own_limit], "{own}");
+        assert_eq!(budget.lines[0].delta_cd, length(left));
+    }
+    // nobody takes what own limits leave over
+    let mut alone = of_sizes(vec![free(radial, weight(1))], "0.05", Rule::WorstCase);
+    alone.own_limits = vec![(DeviationKind::PinionRadial, Limit::symmetric(length("0.005")))];
+    let budget = check(&alone);
+    assert!(budget.lines[0].at_own_limit && budget.lines[0].delta_cd == length("0.005"));
+    // of a pitch what all teeth in contact do counts
+    let entries = vec![free(over_roller, weight(1)), free(formulas()[1], weight(1))];
+    let mut request = request(entries, "0.05", Rule::WorstCase);
+    request.own_limits = vec![(DeviationKind::RackPitch, limit(None, Some("0.005")))];
+    let budget = check(&request);
+    assert!(budget.lines[1].at_own_limit && budget.lines[1].range.upper <= length("0.005"));
+}
+
+#[test]
+fn who_has_no_weight_gets_nothing() {
+    let [over_roller, _, _, radial, _] = formulas();
+    let entries = vec![free(over_roller, weight(1)), free(radial, weight(0))];
+    let budget = allocate(&of_sizes(entries, "0.05", Rule::WorstCase)).unwrap();
+    assert_eq!([budget.lines[0].delta_cd, budget.lines[1].delta_cd], [length("0.05"), Length::ZERO]);
+}
+
+#[test]
+fn a_fixed_tolerance_beyond_its_own_limit_breaks_the_budget() {
+    let simulated = Rule::Simulation(simulation(0.9, Spread::Uniform));
+    for rule in [Rule::WorstCase, Rule::Rss, simulated] {
+        for (value, broken) in [("0.009", false), ("0.01", false), ("0.0101", true), ("-0.0101", true)] {
+            let entries = vec![fixed(Law::pinion_radial(), value), free(Law::rack_over_roller(), weight(1))];
+            let mut request = of_sizes(entries, "0.05", rule);
+            request.own_limits = vec![(DeviationKind::PinionRadial, Limit::symmetric(length("0.01")))];
+            let budget = allocate(&request).unwrap();
+            let expected: &[DeviationKind] = if broken { &[DeviationKind::PinionRadial] } else { &[] };
+            assert_eq!(budget.broken_by, expected, "{rule:?} {value}");
+            assert_eq!(budget.lines[1].delta_cd == Length::ZERO, broken, "{rule:?} {value}");
+        }
+    }
+}
+
+#[test]
+fn an_infeasible_budget_names_what_breaks_it() {
+    let [over_roller, pitch, _, radial, _] = formulas();
+    let broken_by = |request: Request| allocate(&request).unwrap().broken_by;
+    let entries = vec![fixed(radial, "0.04"), fixed(over_roller, "-0.02"), free(pitch, weight(1))];
+    assert_eq!(broken_by(request(entries, "0.05", Rule::WorstCase)), [DeviationKind::PinionRadial]);
+    // exactly the limit is enough, and leaves nothing for a free one
+    let exactly = vec![fixed(radial, "0.05")];
+    assert_eq!(broken_by(of_sizes(exactly.clone(), "0.05", Rule::WorstCase)), []);
+    let and_free = [exactly, vec![free(over_roller, weight(1))]].concat();
+    assert_eq!(broken_by(of_sizes(and_free, "0.05", Rule::WorstCase)), [DeviationKind::PinionRadial]);
+    let two = vec![fixed(radial, "0.06"), fixed(over_roller, "0.07")];
+    assert_eq!(
+        broken_by(of_sizes(two, "0.05", Rule::Rss)),
+        [DeviationKind::RackOverRoller, DeviationKind::PinionRadial]
+    );
+}
+
+#[test]
+fn a_limit_without_room_is_an_error() {
+    let of = |lower: Option<&str>, upper: Option<&str>| {
+        let entries = vec![free(Law::rack_over_roller(), weight(1))];
+        let request = Request { limit: limit(lower, upper), ..of_sizes(entries, "1", Rule::WorstCase) };
+        allocate(&request).map(|budget| budget.lines[0].delta_cd.mm())
+    };
+    assert_eq!(of(Some("-0.02"), Some("0.05")), Ok(0.02));
+    assert_eq!(of(None, Some("0.05")), Ok(0.05));
+    assert_eq!(of(Some("0.01"), Some("0.05")), Err(BudgetError::NoRoom));
+    assert_eq!(of(Some("0"), Some("0.05")), Err(BudgetError::NoRoom));
+    assert_eq!(of(None, None), Err(BudgetError::NoLimit));
+}
+
+/// Every pitch adds up with those beside it: how many are in contact must be known.
+#[test]
+fn pitches_need_the_pair() {
+    let entries = vec![free(formulas()[1], weight(1))];
+    let problem = allocate(&of_sizes(entries, "0.05", Rule::WorstCase)).unwrap_err();
+    assert_eq!(problem, BudgetError::Open(Open::TeethInContactUnknown));
+}
+
+/// A limit so far away that the teeth are gone before it is reached.
+#[test]
+fn a_limit_must_stop_the_tolerances_while_the_pair_meshes() {
+    for rule in [Rule::WorstCase, Rule::Simulation(Simulation { draws: 1000, ..simulation(0.99, Spread::Uniform) })] {
+        let entries = vec![free(Law::rack_over_roller(), weight(1))];
+        assert_eq!(allocate(&request(entries, "20", rule)).unwrap_err(), BudgetError::Unbounded, "{rule:?}");
+    }
+}
+
+fn simulation(conforming: f64, spread: Spread) -> Simulation {
+    Simulation { conforming, spread, draws: 100_000, seed: 1 }
+}
+
+/// To a part in 10⁹, in some sixty simulations, wherever it lies; and nowhere.
+#[test]
+fn the_largest_scale_is_found_soon_and_closely() {
+    let asked = std::cell::Cell::new(0);
+    let found = |bound: f64, known: f64| {
+        asked.set(0);
+        let at = |scale: f64| Ok(vec![PartDeviation::new(Law::pinion_radial(), Length::from_mm(scale).unwrap())]);
+        let conforms = |errors: &[PartDeviation]| {
+            asked.set(asked.get() + 1);
+            let value = errors[0].value().base();
+            if value > known { Err(Open::BeyondReach) } else { Ok(value <= bound) }
+        };
+        simulation::largest_scale(at, conforms).map(|largest| largest.errors[0].value().base())
+    };
+    for bound in [3e-5, 0.0123, 1.0, 500.0] {
+        for known in [f64::INFINITY, 1.1 * bound] {
+            let scale = found(bound, known).unwrap();
+            assert!(scale <= bound && scale > bound * (1.0 - 2e-9), "{bound}: {scale}");
+            assert!(asked.get() < 70, "{bound}: {}", asked.get());
+        }
+        assert_eq!(found(bound, 0.9 * bound), Err(BudgetError::Unbounded));
+    }
+    assert_eq!(found(0.0, f64::INFINITY), Ok(0.0));
+    assert!(asked.get() < 70, "{}", asked.get());
+    assert_eq!(found(f64::INFINITY, f64::INFINITY), Err(BudgetError::Unbounded));
+    assert!(asked.get() < 70, "{}", asked.get());
+}
+
+#[test]
+fn spreads_have_names() {
+    let names = [Spread::Uniform, Spread::Normal, Spread::Triangular];
+    assert_eq!(names.map(Spread::name), ["uniform", "normal", "triangular"]);
+}
+
+#[test]
+fn a_single_uniform_error_conforms_up_to_its_quantile() {
+    // |e| ≤ L for a fraction L/T of a uniform error: T = L / 0.95
+    let settings = simulation(0.95, Spread::Uniform);
+    let entries = vec![free(Law::rack_over_roller(), weight(1))];
+    let budget = allocate(&of_sizes(entries, "0.0475", Rule::Simulation(settings))).unwrap();
+    let simulated = budget.simulated.unwrap();
+    assert!(simulated.conforming >= 0.95 && simulated.conforming < 0.9501);
+    assert!((budget.lines[0].delta_cd.mm() - 0.05).abs() < 0.0003);
+}
+
+/// Within a fraction p of its tolerance lies 0.95 of a triangular error for 1 − (1 − p)² = 0.95, and of a normal one
+/// that is cut at three standard deviations for 2Φ(3p) − 1 = 0.95 (2Φ(3) − 1).
+#[test]
+fn other_distributions_conform_up_to_their_quantiles() {
+    use crate::statistics::{normal_cdf, normal_quantile};
+    let normal = normal_quantile(0.5 + 0.475 * (2.0 * normal_cdf(3.0) - 1.0)) / 3.0;
+    for (spread, quantile) in [(Spread::Triangular, 1.0 - 0.05_f64.sqrt()), (Spread::Normal, normal)] {
+        let entries = vec![free(Law::rack_over_roller(), weight(1))];
+        let budget = allocate(&of_sizes(entries, "0.05", Rule::Simulation(simulation(0.95, spread)))).unwrap();
+        assert!((budget.lines[0].delta_cd.mm() * quantile / 0.05 - 1.0).abs() < 0.01, "{spread:?}");
+    }
+}
+
+#[test]
+fn simulated_tolerances_conform_and_no_more() {
+    let [over_roller, pitch, lead, radial, pinion_pitch] = formulas();
+    for spread in [Spread::Uniform, Spread::Normal, Spread::Triangular] {
+        let settings = Simulation { draws: 20_000, ..simulation(0.99, spread) };
+        let entries = vec![
+            free(over_roller, weight(1)),
+            free(pitch, weight(1)),
+            free(lead, weight(1)),
+            fixed(radial, "0.004"),
+            free(pinion_pitch, weight(1)),
+        ];
+        let request = request(entries, "0.05", Rule::Simulation(settings));
+        let budget = allocate(&request).unwrap();
+        let assembly = Assembly::new(&request, &settings);
+        let fraction = |enlarged: Option<usize>| {
+            let lines = budget.lines.iter().enumerate();
+            let errors: Vec<_> = lines
+                .map(|(index, line)| read_again(&line.error, if enlarged == Some(index) { 1.02 } else { 1.0 }))
+                .collect();
+            assembly.outcome(&errors).unwrap().conforming
+        };
+        assert_eq!(fraction(None), budget.simulated.unwrap().conforming);
+        assert!(fraction(None) >= 0.99);
+        for index in [0, 1, 2, 4] {
+            assert!(fraction(Some(index)) < 0.99, "{spread:?} {index}");
+        }
+    }
+}
+
+/// The worst case grants no more than assemblies of which every one conforms, and not much less.
+#[test]
+fn the_worst_case_approaches_a_simulation_in_which_all_conform() {
+    let [over_roller, pitch, lead, radial, pinion_pitch] = formulas();
+    let all = Rule::Simulation(simulation(1.0, Spread::Uniform));
+    for laws in [[over_roller, pitch, lead], [radial, pinion_pitch, pitch], [lead, radial, pinion_pitch]] {
+        for (lower, upper) in [("-0.05", "0.05"), ("-0.03", "0.08")] {
+            let of = |rule: Rule| {
+                let entries = laws.iter().map(|law| free(*law, weight(1))).collect();
+                let request = Request { limit: limit(Some(lower), Some(upper)), ..request(entries, "1", rule) };
+                allocate(&request).unwrap().lines[0].delta_cd.mm()
+            };
+            let (worst, simulated) = (of(Rule::WorstCase), of(all));
+            assert!(worst <= simulated && simulated < 1.05 * worst, "{laws:?} {lower}: {worst} {simulated}");
+        }
+    }
+}
+
+/// Of three errors, one is stopped by its own limit, one by the budget, and a fixed one by nothing.
+#[test]
+fn an_own_limit_in_a_simulated_budget() {
+    let settings = simulation(0.99, Spread::Uniform);
+    let [over_roller, pitch, _, radial, _] = formulas();
+    let entries = vec![free(over_roller, weight(1)), free(pitch, weight(1)), fixed(radial, "0.004")];
+    let mut request = request(entries, "0.05", Rule::Simulation(settings));
+    request.own_limits = vec![
+        (DeviationKind::RackPitch, limit(None, Some("0.005"))),
+        (DeviationKind::PinionRadial, Limit::symmetric(length("0.004"))),
+    ];
+    let budget = allocate(&request).unwrap();
+    assert_eq!(budget.lines.iter().map(|line| line.at_own_limit).collect::<Vec<_>>(), [false, true, false]);
+    let own = budget.lines[1].range.upper.mm();
+    assert!(own <= 0.005 && own > 0.005 * (1.0 - 1e-6), "{own}");
+    assert!(budget.lines[0].delta_cd.mm() > 0.03);
+}
+
+#[test]
+fn an_infeasible_simulation_names_what_breaks_it() {
+    let settings = simulation(0.99, Spread::Uniform);
+    let [over_roller, pitch, _, radial, _] = formulas();
+    let entries = vec![fixed(radial, "0.004"), fixed(over_roller, "0.09"), free(pitch, weight(1))];
+    let budget = allocate(&request(entries, "0.05", Rule::Simulation(settings))).unwrap();
+    assert_eq!(budget.broken_by, [DeviationKind::RackOverRoller]);
+    let entries = vec![fixed(radial, "0.2"), fixed(over_roller, "0.9")];
+    let budget = allocate(&of_sizes(entries, "0.05", Rule::Simulation(settings))).unwrap();
+    assert_eq!(budget.broken_by, [DeviationKind::RackOverRoller, DeviationKind::PinionRadial]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Any mixture of fixed and free errors, weights and costs, either rule, awkward decimals.
+    #[test]
+    fn allocations_meet_the_limit_and_nothing_is_left(
+        upper in 5e-3..0.1_f64,
+        lower in 0.3..2.0_f64,
+        weights in prop::array::uniform5(1_u32..40),
+        shares in prop::array::uniform5(0.0..1.0_f64),
+        is_fixed in prop::array::uniform5(any::<bool>()),
+        by_cost in any::<bool>(),
+        rss in any::<bool>(),
+        own in prop::option::of(0.01..0.9_f64),
+    ) {
+        let entries: Vec<Entry> = formulas()
+            .into_iter()
+            .enumerate()
+            .map(|(index, law)| {
+                // few and small enough to be feasible whatever adds up
+                let share = Length::from_mm(upper * lower.min(1.0) * 0.03 * shares[index]).unwrap();
+                let freedom = f64::from(weights[index]);
+                match largest_tolerance(&Free { law, freedom: weight(1), extent: Extent::Each }, share, Model::Exact).unwrap() {
+                    error if is_fixed[index] => Entry::Fixed(error),
+                    _ if by_cost => free(law, Freedom::Cost(freedom)),
+                    _ => free(law, Freedom::Weight(freedom)),
+                }
+            })
+            .collect();
+        let mut request = request(entries, "1", if rss { Rule::Rss } else { Rule::WorstCase });
+        let mm = |mm: f64| Some(Length::from_mm(mm).unwrap());
+        request.limit = Limit { lower: mm(-lower * upper), upper: mm(upper) };
+        if let Some(part) = own && !is_fixed[1] {
+            request.own_limits = vec![(DeviationKind::RackPitch, Limit { lower: None, upper: mm(upper * part) })];
+        }
+        check(&request);
+    }
+}

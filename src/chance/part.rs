@@ -1,0 +1,345 @@
+//! A part's formulas as a model to simulate: errors and gear data in, ΔCD of each error and both ends of the
+//! combination out. In plain `f64`, a few operations per error: a draw needs no exact decimals.
+
+use super::{Band, MonteCarloError, Outcome, Settings, Simulated, Simulation, Variables, simulate};
+use crate::deviation::DeviationKind;
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Law, Model, PartDeviation};
+use crate::judge::bound::{Basis, ExtendedError, Range};
+use crate::judge::{Limit, LimitTarget, Limits, Stack};
+use crate::quantity::{DomainError, Length};
+use crate::trig;
+use crate::uncertainty::gear::{Gear, Varied, ends};
+use crate::uncertainty::{Distribution, Part, Source, TeethSensitivity, Uncertainties, UncertaintyError};
+
+/// The simulated distributions of a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartSimulation {
+    /// Seed, draws, digits; its results are those of the errors, the lower and the upper end, in this order.
+    pub outcome: Outcome,
+    /// The kinds of the errors, in order.
+    pub kinds: Vec<DeviationKind>,
+}
+
+impl PartSimulation {
+    /// Of each error's ΔCD.
+    pub fn errors(&self) -> impl Iterator<Item = (DeviationKind, &Simulation)> {
+        self.kinds.iter().copied().zip(&self.outcome.results)
+    }
+
+    /// Of the lower end of the combination.
+    #[must_use]
+    pub fn lower(&self) -> &Simulation {
+        &self.outcome.results[self.kinds.len()]
+    }
+
+    /// Of the upper end of the combination.
+    #[must_use]
+    pub fn upper(&self) -> &Simulation {
+        &self.outcome.results[self.kinds.len() + 1]
+    }
+}
+
+/// Simulates a part; `inside` of the outcome holds the probability of conformance for each of `limits` whose error is
+/// given, in their order, and NaN for the others.
+///
+/// # Errors
+/// [`MonteCarloError`] if nothing is uncertain, the settings are out of range, or an uncertainty cannot be drawn from.
+pub fn simulate_part(
+    part: &Part<'_>,
+    uncertainties: &Uncertainties,
+    limits: &Limits,
+    settings: &Settings,
+) -> Result<PartSimulation, MonteCarloError> {
+    if uncertainties.is_empty() {
+        return Err(MonteCarloError::NothingUncertain);
+    }
+    if let Some(source) = uncertainties.correlated_sources().find(|source| {
+        uncertainties.of(*source).is_some_and(|u| u.distribution != Distribution::Normal || u.dof.is_finite())
+    }) {
+        return Err(MonteCarloError::CorrelatedNotNormal(source));
+    }
+    if let Some((source, u)) =
+        uncertainties.inputs().iter().find(|(_, u)| u.distribution == Distribution::Normal && u.dof < 3.0)
+    {
+        return Err(MonteCarloError::TooFewFreedom { source_of: *source, dof: u.dof });
+    }
+    let model = PartModel::new(part, uncertainties).map_err(UncertaintyError::from)?;
+    let variables = uncertainties.inputs().iter().map(|(source, u)| (model.best_estimate(*source), *u)).collect();
+    let variables = Variables { variables, factor: uncertainties.correlation_factor().map(<[f64]>::to_vec) };
+    let kinds: Vec<_> = part.errors.iter().map(PartDeviation::kind).collect();
+    let bands: Vec<_> = limits.iter().map(|(on, limit)| band(*on, limit, &kinds)).collect();
+    let known: Vec<_> = bands.iter().flatten().copied().collect();
+    let mut outcome = simulate(&model, &variables, &known, settings)?;
+    let mut inside = std::mem::take(&mut outcome.inside).into_iter();
+    outcome.inside = bands.iter().map(|band| band.and_then(|_| inside.next()).unwrap_or(f64::NAN)).collect();
+    Ok(PartSimulation { outcome, kinds })
+}
+
+fn band(on: LimitTarget, limit: &Limit, kinds: &[DeviationKind]) -> Option<Band> {
+    let (low, high) = match on {
+        LimitTarget::CenterDistance => (kinds.len(), kinds.len() + 1),
+        LimitTarget::Error(kind) => {
+            let index = kinds.iter().position(|other| *other == kind)?;
+            (index, index)
+        }
+    };
+    let lower = limit.lower.map_or(f64::NEG_INFINITY, Length::mm);
+    let upper = limit.upper.map_or(f64::INFINITY, Length::mm);
+    Some(Band { low, high, lower, upper })
+}
+
+/// The inputs of an over-roller nominal, mm.
+#[derive(Debug, Clone, Copy)]
+struct Nominal {
+    module: f64,
+    /// s_n, or `None` for π m_n / 2.
+    thickness: Option<f64>,
+    pin: f64,
+    datum: f64,
+    /// The nominal measure.
+    measure: f64,
+}
+
+/// An error's best estimate, mm or degrees.
+#[derive(Debug, Clone, Copy)]
+struct PartValue {
+    law: Law,
+    value: f64,
+    /// The error for the bound; `None` if it is too large for one.
+    varied: Option<Varied>,
+}
+
+struct PartModel {
+    errors: Vec<PartValue>,
+    gear: Gear,
+    nominal: Option<Nominal>,
+    model: Model,
+    stack: Stack,
+    basis: Basis,
+    /// How both ends follow from what is uncertain about teeth that are known one by one: linear.
+    teeth: Vec<TeethSensitivity>,
+    /// The columns that vary, by source.
+    columns: Vec<Source>,
+}
+
+fn radians(degrees: f64) -> f64 {
+    degrees * (std::f64::consts::PI / 180.0)
+}
+
+impl Nominal {
+    fn new(over_pin: &OverPin) -> Result<Self, DomainError> {
+        Ok(Self {
+            module: over_pin.normal_module.mm(),
+            thickness: over_pin.tooth_thickness.map(Length::mm),
+            pin: over_pin.pin_diameter.mm(),
+            datum: over_pin.datum.mm(),
+            measure: over_pin.measure()?.mm(),
+        })
+    }
+
+    /// M = K − (π m_n − s_n)/(2 tan α_n) + (d_p/2)(1 + 1/sin α_n)
+    fn measure_at(&self, alpha: f64) -> f64 {
+        let (sin, cos) = trig::sin_cos(radians(alpha));
+        let pitch = std::f64::consts::PI * self.module;
+        let space = pitch - self.thickness.unwrap_or(0.5 * pitch);
+        self.datum - 0.5 * space * cos / sin + 0.5 * self.pin * (1.0 + 1.0 / sin)
+    }
+}
+
+impl PartModel {
+    fn new(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Self, DomainError> {
+        let value = |error: &PartDeviation| PartValue {
+            law: error.law(),
+            value: error.value().base(),
+            varied: Varied::new(error),
+        };
+        let errors = part.errors.iter().map(value).collect();
+        Ok(Self {
+            errors,
+            gear: Gear::new(part.errors, part.over_pin),
+            nominal: part.over_pin.map(Nominal::new).transpose()?,
+            model: part.model,
+            stack: part.stack,
+            basis: part.basis.clone(),
+            teeth: part.teeth.to_vec(),
+            columns: uncertainties.inputs().iter().map(|(source, _)| *source).collect(),
+        })
+    }
+
+    fn best_estimate(&self, source: Source) -> f64 {
+        let nominal = |value: &dyn Fn(&Nominal) -> f64| self.nominal.as_ref().map_or(0.0, value);
+        match source {
+            Source::Error(kind) => {
+                self.errors.iter().find(|error| error.law.kind() == kind).map_or(0.0, |error| error.value)
+            }
+            Source::NormalPressureAngle => self.gear.alpha,
+            Source::RackHelixAngle => self.gear.rack_helix,
+            Source::PinionHelixAngle => self.gear.pinion_helix,
+            Source::FaceWidth => self.gear.face_width,
+            Source::NormalModule => nominal(&|nominal| nominal.module),
+            Source::ToothThickness => nominal(&|nominal| nominal.thickness.unwrap_or(0.0)),
+            Source::Datum => nominal(&|nominal| nominal.datum),
+            Source::Roller => nominal(&|nominal| nominal.pin),
+        }
+    }
+
+    fn varies(&self, sources: &[Source]) -> bool {
+        self.columns.iter().any(|source| sources.contains(source))
+    }
+
+    fn column<'a>(&self, source: Source, inputs: &'a [Vec<f64>]) -> Option<&'a [f64]> {
+        self.columns.iter().position(|other| *other == source).map(|index| inputs[index].as_slice())
+    }
+
+    /// The gear data of one draw.
+    fn gear_at(&self, inputs: &[Vec<f64>], draw: usize) -> Gear {
+        let mut gear = self.gear;
+        for (source, column) in self.columns.iter().zip(inputs) {
+            if let Some(value) = gear.of_source(*source) {
+                *value = column[draw];
+            }
+        }
+        gear
+    }
+
+    /// How far the over-roller nominal of one draw is off.
+    fn nominal_shift(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> f64 {
+        let mut drawn = *nominal;
+        let mut alpha = self.gear.alpha;
+        for (source, column) in self.columns.iter().zip(inputs) {
+            match source {
+                Source::NormalPressureAngle => alpha = column[draw],
+                Source::NormalModule => drawn.module = column[draw],
+                Source::ToothThickness if drawn.thickness.is_some() => drawn.thickness = Some(column[draw]),
+                Source::Datum => drawn.datum = column[draw],
+                Source::Roller => drawn.pin = column[draw],
+                _ => {}
+            }
+        }
+        drawn.measure_at(alpha) - nominal.measure
+    }
+}
+
+impl Simulated for PartModel {
+    fn outputs(&self) -> usize {
+        self.errors.len() + 2
+    }
+
+    fn evaluate(&self, inputs: &[Vec<f64>], outputs: &mut [Vec<f64>]) {
+        const GEAR: [Source; 4] =
+            [Source::NormalPressureAngle, Source::RackHelixAngle, Source::PinionHelixAngle, Source::FaceWidth];
+        const NOMINAL: [Source; 5] =
+            [Source::NormalPressureAngle, Source::NormalModule, Source::ToothThickness, Source::Datum, Source::Roller];
+        let gear_varies = self.varies(&GEAR);
+        let nominal = self.nominal.as_ref().filter(|_| self.varies(&NOMINAL));
+        let (errors, ends) = outputs.split_at_mut(self.errors.len());
+        let [lower, upper] = ends else { return };
+        for (PartValue { law, value, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
+            match self.column(Source::Error(law.kind()), inputs) {
+                Some(column) => out.copy_from_slice(column),
+                None => out.fill(*value),
+            }
+            if let Some(nominal) = nominal.filter(|_| law.kind() == DeviationKind::RackOverRoller) {
+                for (draw, x) in out.iter_mut().enumerate() {
+                    *x -= self.nominal_shift(nominal, inputs, draw);
+                }
+            }
+        }
+        // the outputs still hold the errors' values
+        for draw in 0..lower.len() {
+            let gear = if gear_varies { self.gear_at(inputs, draw) } else { self.gear };
+            let Range { lower: low, upper: high } = self.ends_at(errors, draw, gear_varies.then_some(&gear));
+            let teeth = self.teeth_at(inputs, draw);
+            (lower[draw], upper[draw]) = (low + teeth.lower, high + teeth.upper);
+            for (PartValue { law, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
+                let law = if gear_varies { gear.law(*law) } else { *law };
+                out[draw] = law.delta_cd_mm(out[draw], self.model);
+            }
+        }
+    }
+}
+
+impl PartModel {
+    /// How far one draw moves both extremes of known teeth.
+    fn teeth_at(&self, inputs: &[Vec<f64>], draw: usize) -> Range {
+        let mut off = Range { lower: 0.0, upper: 0.0 };
+        for TeethSensitivity { source, lower, upper } in &self.teeth {
+            let Some(column) = self.column(*source, inputs) else { continue };
+            let by = column[draw] - self.best_estimate(*source);
+            off = Range { lower: off.lower + lower * by, upper: off.upper + upper * by };
+        }
+        off
+    }
+
+    /// Both ends of the combination for the errors' values of one draw; of the part's own gear unless another is given.
+    fn ends_at(&self, values: &[Vec<f64>], draw: usize, gear: Option<&Gear>) -> Range {
+        let mut errors = [ExtendedError::NONE; DeviationKind::ALL.len()];
+        for ((error, part), column) in errors.iter_mut().zip(&self.errors).zip(values) {
+            let Some(varied) = &part.varied else { return Range { lower: f64::NAN, upper: f64::NAN } };
+            *error = match gear {
+                Some(gear) => varied.at(column[draw], gear),
+                None => varied.with_value(column[draw]),
+            };
+        }
+        ends(self.stack, &errors[..self.errors.len()], &self.basis)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::uncertainty::Uncertainty;
+    use crate::uncertainty::tests::{SOURCES, Scene, UNKNOWN};
+
+    /// Each draw gives what the formulas give for a part with the drawn values.
+    #[test]
+    fn every_draw_is_a_part() {
+        // all quantities, those of no formula's geometry, one helix angle, and errors alone
+        for sources in [&SOURCES[..], &SOURCES[9..], &SOURCES[6..7], &SOURCES[..5]] {
+            for scene in Scene::all() {
+                let uncertain = sources.iter().map(|source| (*source, Uncertainty::standard(1.0))).collect();
+                let uncertainties = Uncertainties::new(uncertain, &[]).unwrap();
+                let (errors, over_pin) = (scene.errors(), scene.over_pin());
+                let part = Part {
+                    errors: &errors,
+                    over_pin: Some(&over_pin),
+                    model: scene.model,
+                    stack: scene.stack,
+                    basis: &UNKNOWN,
+                    teeth: &[],
+                };
+                let model = PartModel::new(&part, &uncertainties).unwrap();
+                assert_eq!(model.outputs(), DeviationKind::ALL.len() + 2);
+                let mut inputs: Vec<Vec<f64>> = vec![Vec::new(); sources.len()];
+                let mut expected = Vec::new();
+                for draw in 0..8_u8 {
+                    let mut drawn = scene;
+                    for (value, source) in drawn.values.iter_mut().zip(SOURCES) {
+                        let Some(column) = sources.iter().position(|other| *other == source) else { continue };
+                        // a lead error of up to 1.5°
+                        let far = if source == Source::Error(DeviationKind::RackLead) { 60.0 } else { 0.05 };
+                        let absent = source == Source::ToothThickness && !scene.thickness;
+                        assert!(absent || model.best_estimate(source) == *value, "{source:?}");
+                        *value *= 1.0
+                            + far
+                                * (f64::from(draw) / 4.0 - 1.0)
+                                * (1.0 - 0.05 * f64::from(u8::try_from(column).unwrap()));
+                        inputs[column].push(*value);
+                    }
+                    expected.push(drawn.delta_cd());
+                }
+                let mut outputs = vec![vec![0.0; expected.len()]; model.outputs()];
+                model.evaluate(&inputs, &mut outputs);
+                for (draw, expected) in expected.iter().enumerate() {
+                    for (which, expected) in expected.iter().enumerate() {
+                        let found = outputs[which][draw];
+                        let (stack, model) = (scene.stack, scene.model);
+                        // the parts lie on the grid of lengths
+                        assert!((found - expected).abs() < 4e-12, "{stack:?} {model:?} {which}: {found} {expected}");
+                    }
+                }
+            }
+        }
+    }
+}

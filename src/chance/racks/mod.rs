@@ -1,0 +1,537 @@
+//! Monte Carlo through the exact mesh: racks and pinions whose teeth deviate at random, and what ΔCD does along the
+//! stroke. Called by `rackmesh monte-carlo`; draws deviations and summarises curves, the mesh solves them.
+//!
+//! # What is drawn
+//! Every tooth by itself. A pitch deviation is the step from one tooth to the next: teeth are placed independently, so
+//! that the difference of neighbours has the standard deviation asked for, or stays within the half-width asked for,
+//! and errors do not add up along the rack. Thickness, lead and over-roller deviations are drawn per tooth. A pinion's
+//! runout is twice its eccentricity, in a random direction.
+//!
+//! # How a curve is followed
+//! At equal steps, [`STEPS_PER_PITCH`] to a pitch. While the flanks are not tilted, ΔCD of a set of carrying flanks is
+//! constant, and what changes the set takes a few hundredths of a pitch; so extremes are met unless a set carries
+//! for less than one step. The tests hold means and extremes against the adaptive curve.
+//!
+//! Rack number i is drawn from a generator of its own: the result does not depend on the number of threads.
+
+mod quantiles;
+
+pub use quantiles::{CONFIDENCE, Quantile, quantiles, share};
+
+use std::collections::BTreeMap;
+use std::f64::consts::{SQRT_2, TAU};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use thiserror::Error;
+
+use super::random::{Random, Ziggurat};
+use crate::deviation::{DeviationError, PinionFlank, PinionTooth, RackFlank, RackTooth};
+use crate::judge::bound::pinion_lead_angle_rad;
+use crate::mesh::{Mesh, MeshError, Sampler};
+use crate::uncertainty::{Distribution, Uncertainty};
+use crate::{parallel, trig};
+
+/// Strokes solved per rack pitch.
+pub const STEPS_PER_PITCH: f64 = 32.0;
+/// Teeth beyond both ends of the stroke that get deviations: more than any path of contact reaches.
+const MARGIN: i64 = 12;
+/// The most racks that are drawn.
+pub const MOST_RACKS: usize = 10_000_000;
+/// The most strokes per rack.
+const MOST_STROKES: f64 = 1e6;
+
+/// How the teeth deviate: the spread of each kind of deviation, mm and rad.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Scatter {
+    /// Single pitch deviation of the rack, along X.
+    pub rack_pitch: Option<Uncertainty>,
+    /// Normal tooth thickness of the rack.
+    pub rack_thickness: Option<Uncertainty>,
+    /// Lead deviation of each rack tooth, rad.
+    pub rack_lead: Option<Uncertainty>,
+    /// Pitch-line shift of each rack tooth, along Z.
+    pub rack_over_roller: Option<Uncertainty>,
+    /// Single pitch deviation of the pinion, an arc at the reference circle.
+    pub pinion_pitch: Option<Uncertainty>,
+    /// Transverse tooth thickness of the pinion, an arc at the reference circle.
+    pub pinion_thickness: Option<Uncertainty>,
+    /// Helix slope deviation f_Hβ of each pinion tooth over its face width, along the transverse base tangent.
+    pub pinion_lead: Option<Uncertainty>,
+    /// Runout of the pinion, twice its eccentricity.
+    pub pinion_runout: Option<Uncertainty>,
+}
+
+impl Scatter {
+    /// Whether nothing scatters.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// What to draw and solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RackSettings {
+    /// The seed; the same one gives the same result.
+    pub seed: u64,
+    /// How many racks.
+    pub racks: usize,
+    /// First stroke, mm.
+    pub from_mm: f64,
+    /// Last stroke, mm.
+    pub to_mm: f64,
+    /// Threads; `None` for one per core. Does not change the result.
+    pub threads: Option<usize>,
+}
+
+/// ΔCD of one rack along the stroke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RackResult {
+    /// Mean, mm.
+    pub mean_mm: f64,
+    /// Smallest, mm.
+    pub min_mm: f64,
+    /// Largest, mm.
+    pub max_mm: f64,
+}
+
+impl RackResult {
+    /// Largest less smallest ΔCD, mm.
+    #[must_use]
+    pub fn peak_to_peak_mm(&self) -> f64 {
+        self.max_mm - self.min_mm
+    }
+}
+
+/// Why there is no result.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RacksError {
+    /// Nothing scatters.
+    #[error("nothing scatters, so every rack is the same")]
+    NothingScatters,
+    /// Too few or too many racks.
+    #[error("{racks} racks: from 1 to {MOST_RACKS} can be drawn")]
+    Count {
+        /// How many were asked for.
+        racks: usize,
+    },
+    /// A stroke that is no range, or too long.
+    #[error("strokes {from_mm} .. {to_mm} mm are not a range, or have more than a million steps")]
+    Stroke {
+        /// Its start.
+        from_mm: f64,
+        /// Its end.
+        to_mm: f64,
+    },
+    /// A drawn rack that cannot be solved.
+    #[error("rack {rack}: {error}")]
+    Mesh {
+        /// Which one, from 0.
+        rack: usize,
+        /// Why.
+        error: MeshError,
+    },
+    /// A drawn deviation that cannot be applied.
+    #[error("rack {rack}: {error}")]
+    Deviation {
+        /// Which one, from 0.
+        rack: usize,
+        /// Why.
+        error: DeviationError,
+    },
+}
+
+/// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. One result per rack, in order;
+/// once `stop` is set, of the first racks only.
+///
+/// # Errors
+/// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
+/// rack.
+pub fn simulate_racks(
+    base: &Mesh,
+    scatter: &Scatter,
+    settings: &RackSettings,
+    stop: &AtomicBool,
+) -> Result<Vec<RackResult>, RacksError> {
+    if scatter.is_empty() {
+        return Err(RacksError::NothingScatters);
+    }
+    let racks = settings.racks;
+    if racks == 0 || racks > MOST_RACKS {
+        return Err(RacksError::Count { racks });
+    }
+    let strokes = Strokes::new(base, settings)?;
+    let ziggurat = Ziggurat::new();
+    let draw = Draw { base, scatter, settings, strokes: &strokes, ziggurat: &ziggurat };
+    let failed = AtomicBool::new(false);
+    let solve = |(): &mut (), rack| {
+        // nothing after the first failure is reported; racks before it are already being solved
+        if failed.load(Ordering::Relaxed) || stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let result = draw.rack(rack);
+        failed.fetch_or(result.is_err(), Ordering::Relaxed);
+        Some(result)
+    };
+    let threads = settings.threads.unwrap_or_else(parallel::cores);
+    let solved = parallel::map(threads, racks, || (), solve).0;
+    // racks behind one that was left out are solved where another thread was faster; they would have no number
+    let first = solved.iter().take_while(|rack| rack.is_some()).count();
+    let mut results = solved.into_iter().flatten().collect::<Result<Vec<_>, _>>()?;
+    results.truncate(first);
+    Ok(results)
+}
+
+struct Strokes {
+    from: f64,
+    step: f64,
+    count: u32,
+    teeth: std::ops::RangeInclusive<i64>,
+}
+
+impl Strokes {
+    fn new(base: &Mesh, settings: &RackSettings) -> Result<Self, RacksError> {
+        let RackSettings { from_mm, to_mm, .. } = *settings;
+        let pitch = base.pair().rack().pitch_mm;
+        let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil();
+        if !(to_mm > from_mm && steps <= MOST_STROKES && from_mm.abs() <= 1e9) {
+            return Err(RacksError::Stroke { from_mm, to_mm });
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most a million, and 1e12 teeth
+        Ok(Self {
+            from: from_mm,
+            step: (to_mm - from_mm) / steps.max(1.0),
+            count: steps.max(1.0) as u32,
+            teeth: (from_mm / pitch).floor() as i64 - MARGIN..=(to_mm / pitch).ceil() as i64 + MARGIN,
+        })
+    }
+}
+
+/// The spread of a tooth's place such that the difference of two is spread as asked for.
+fn place_of(pitch: &Uncertainty) -> Uncertainty {
+    let share = if pitch.distribution == Distribution::Normal { SQRT_2 } else { 2.0 };
+    Uncertainty { standard: pitch.standard / share, ..*pitch }
+}
+
+struct Draw<'a> {
+    base: &'a Mesh,
+    scatter: &'a Scatter,
+    settings: &'a RackSettings,
+    strokes: &'a Strokes,
+    ziggurat: &'a Ziggurat,
+}
+
+impl Draw<'_> {
+    fn value(&self, spread: &Uncertainty, random: &mut Random) -> f64 {
+        let half = spread.standard * spread.distribution.half_width();
+        match spread.distribution {
+            Distribution::Normal => spread.standard * random.normal(self.ziggurat),
+            Distribution::Rectangular => half * (2.0 * random.uniform() - 1.0),
+            Distribution::Triangular => half * random.triangular(),
+            Distribution::Arcsine => half * random.arcsine(),
+        }
+    }
+
+    fn mesh(&self, random: &mut Random) -> Result<Result<Mesh, MeshError>, DeviationError> {
+        let Scatter { rack_pitch, rack_thickness, rack_lead, rack_over_roller, .. } = self.scatter;
+        let pair = self.base.pair();
+        let half_to_x = 0.5 / trig::cos(pair.rack().helix_angle_rad);
+        let mut draw = |spread: &Option<Uncertainty>| spread.as_ref().map_or(0.0, |spread| self.value(spread, random));
+        let mut drawn = BTreeMap::new();
+        let place = rack_pitch.as_ref().map(place_of);
+        for tooth in self.strokes.teeth.clone() {
+            let (place, thickness) = (draw(&place), draw(rack_thickness) * half_to_x);
+            let (lead_rad, along_z_mm) = (draw(rack_lead), draw(rack_over_roller));
+            let flank = |along_x_mm| RackFlank { along_x_mm, along_z_mm, lead_rad };
+            drawn.insert(tooth, RackTooth { left: flank(place - thickness), right: flank(place + thickness) });
+        }
+        let rack = self.base.rack().clone().with_added(&drawn)?;
+        let mut pinion = self.base.pinion().clone();
+        let Scatter { pinion_pitch, pinion_thickness, pinion_lead, .. } = self.scatter;
+        if pinion_pitch.is_some() || pinion_thickness.is_some() || pinion_lead.is_some() {
+            let place = pinion_pitch.as_ref().map(place_of);
+            let teeth: Vec<_> = (0..pair.pinion().teeth)
+                .map(|_| {
+                    let place = place.map_or(0.0, |place| self.value(&place, random));
+                    let half = pinion_thickness.map_or(0.0, |spread| 0.5 * self.value(&spread, random));
+                    let slope = pinion_lead.map_or(0.0, |spread| self.value(&spread, random));
+                    let lead_rad = pinion_lead_angle_rad(pair, slope);
+                    let flank = |arc_mm| PinionFlank { arc_mm, lead_rad };
+                    PinionTooth { left: flank(place - half), right: flank(place + half) }
+                })
+                .collect();
+            pinion = pinion.with_measured(&teeth)?;
+        }
+        if let Some(runout) = self.scatter.pinion_runout {
+            let (along, across) = if runout.distribution == Distribution::Normal {
+                (0.5 * self.value(&runout, random), 0.5 * self.value(&runout, random))
+            } else {
+                let amount = 0.5 * self.value(&runout, random).abs();
+                let (sin, cos) = trig::sin_cos(TAU * random.uniform());
+                (amount * cos, amount * sin)
+            };
+            pinion = pinion.with_offset((along, across))?;
+        }
+        Ok(Mesh::new(*pair, rack, pinion, self.base.support()))
+    }
+
+    fn rack(&self, rack: usize) -> Result<RackResult, RacksError> {
+        let mut random = Random::of_block(self.settings.seed, rack as u64);
+        let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?;
+        let solve = |mesh: &Mesh| -> Result<RackResult, MeshError> {
+            let Strokes { from, step, count, .. } = *self.strokes;
+            let mut sampler = Sampler::new(mesh);
+            let (mut sum, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+            for i in 0..=count {
+                let delta_cd = sampler.at(from + step * f64::from(i))?.delta_cd_mm;
+                sum += if i == 0 || i == count { 0.5 * delta_cd } else { delta_cd };
+                (min, max) = (min.min(delta_cd), max.max(delta_cd));
+            }
+            Ok(RackResult { mean_mm: sum / f64::from(count), min_mm: min, max_mm: max })
+        };
+        mesh.and_then(|mesh| solve(&mesh)).map_err(|error| RacksError::Mesh { rack, error })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::{Pair, PairData, PinionData, RackData};
+
+    fn base() -> Mesh {
+        let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
+        let pair = Pair::new(&PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: radians(19.9),
+            rack: RackData { helix_angle_rad: 0.0, face_width_mm: 19.7, addendum_mm: 1.7, tooth_thickness_mm: None },
+            pinion: PinionData {
+                teeth: 8,
+                helix_angle_rad: radians(21.0),
+                profile_shift: 0.3,
+                tip_diameter_mm: 19.738,
+                root_form_diameter_mm: None,
+                face_width_mm: 30.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        })
+        .unwrap();
+        Mesh::nominal(pair).unwrap()
+    }
+
+    fn settings(racks: usize) -> RackSettings {
+        RackSettings { seed: 1, racks, from_mm: 0.0, to_mm: 50.0, threads: None }
+    }
+
+    fn all() -> Scatter {
+        Scatter {
+            rack_pitch: Some(Uncertainty::standard(0.004)),
+            rack_thickness: Some(Uncertainty::half_width(0.005, Distribution::Rectangular)),
+            pinion_pitch: Some(Uncertainty::standard(0.003)),
+            pinion_runout: Some(Uncertainty::half_width(0.01, Distribution::Rectangular)),
+            ..Scatter::default()
+        }
+    }
+
+    #[test]
+    fn equal_steps_meet_the_extremes_and_the_mean_of_the_adaptive_curve() {
+        let base = base();
+        let (scatter, settings) = (all(), settings(12));
+        let strokes = Strokes::new(&base, &settings).unwrap();
+        let ziggurat = Ziggurat::new();
+        let draw = Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+        for rack in 0..settings.racks {
+            let mesh = draw.mesh(&mut Random::of_block(1, rack as u64)).unwrap().unwrap();
+            let exact = mesh.curve(0.0, 50.0, 1e-6).unwrap().summary(&mesh).unwrap();
+            let sampled = draw.rack(rack).unwrap();
+            assert!((exact.mean_mm - sampled.mean_mm).abs() < 1e-4, "{rack}: {} {}", exact.mean_mm, sampled.mean_mm);
+            for (exact, sampled) in [(exact.min_mm, sampled.min_mm), (exact.max_mm, sampled.max_mm)] {
+                assert!((exact - sampled).abs() < 3e-4, "{rack}: {exact} {sampled}");
+            }
+        }
+    }
+
+    /// Standard deviation as asked for, bounds reached and kept, mean 0, and a fourth moment of each shape's own.
+    #[test]
+    fn values_are_spread_as_asked_for() {
+        let base = base();
+        let (scatter, settings, ziggurat) = (all(), settings(1), Ziggurat::new());
+        let strokes = Strokes::new(&base, &settings).unwrap();
+        let draw = Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+        let mut random = Random::of_block(3, 0);
+        // E x⁴ / (E x²)²
+        let shapes = [
+            (Distribution::Normal, 3.0),
+            (Distribution::Rectangular, 1.8),
+            (Distribution::Triangular, 2.4),
+            (Distribution::Arcsine, 1.5),
+        ];
+        for (distribution, kurtosis) in shapes {
+            let spread = Uncertainty::half_width(3.0, distribution);
+            let values: Vec<f64> = (0..40_000).map(|_| draw.value(&spread, &mut random)).collect();
+            let mean = |f: fn(f64) -> f64| values.iter().map(|x| f(*x)).sum::<f64>() / 40_000.0;
+            let (square, fourth, u) = (mean(|x| x * x), mean(|x| x * x * x * x), spread.standard);
+            assert!(mean(|x| x).abs() < 0.03 * u, "{distribution:?}");
+            assert!((square.sqrt() / u - 1.0).abs() < 0.02, "{distribution:?} {square}");
+            assert!((fourth / (square * square) - kurtosis).abs() < 0.12, "{distribution:?} {fourth}");
+            if distribution != Distribution::Normal {
+                let largest = values.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+                assert!(largest <= 3.0 && largest > 2.95, "{distribution:?} {largest}");
+            }
+        }
+    }
+
+    /// Racks drawn with one kind of deviation only, each as its own definition says; and pinions.
+    #[test]
+    fn each_kind_of_deviation_goes_where_it_belongs() {
+        let data = PairData {
+            normal_module_mm: 2.0,
+            normal_pressure_angle_rad: 0.35,
+            rack: RackData {
+                helix_angle_rad: std::f64::consts::FRAC_PI_3,
+                face_width_mm: 20.0,
+                addendum_mm: 1.7,
+                tooth_thickness_mm: None,
+            },
+            pinion: PinionData {
+                teeth: 12,
+                helix_angle_rad: -1.0,
+                profile_shift: 0.0,
+                tip_diameter_mm: 48.0,
+                root_form_diameter_mm: None,
+                face_width_mm: 30.0,
+                tooth_thickness_deviation_mm: 0.0,
+            },
+        };
+        // thickness across the teeth is twice as much along a rack of 60°
+        let base = Mesh::nominal(Pair::new(&data).unwrap()).unwrap();
+        let (settings, ziggurat) = (settings(1), Ziggurat::new());
+        let strokes = Strokes::new(&base, &settings).unwrap();
+        let drawn = |scatter: Scatter, seed| {
+            let draw =
+                Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+            let mesh = draw.mesh(&mut Random::of_block(seed, 0)).unwrap().unwrap();
+            let rack: Vec<RackTooth> = strokes.teeth.clone().map(|tooth| mesh.rack().tooth(tooth)).collect();
+            let pinion = mesh.pinion().teeth().to_vec();
+            (rack, pinion, mesh.pinion().eccentricity_mm())
+        };
+        let half = Uncertainty::half_width(0.01, Distribution::Rectangular);
+        let spread = Some(half);
+        let reaches = |values: &mut dyn Iterator<Item = f64>, half: f64| {
+            let largest = values.fold(0.0_f64, |largest, x| largest.max(x.abs()));
+            assert!(largest <= half * (1.0 + 1e-12) && largest > 0.6 * half, "{largest} {half}");
+        };
+        let none = Scatter::default();
+
+        // a step from tooth to tooth stays within the half-width, so each place within half of it
+        let (rack, ..) = drawn(Scatter { rack_pitch: spread, ..none }, 1);
+        assert!(rack.iter().all(|tooth| tooth.left == tooth.right && tooth.left.along_z_mm == 0.0));
+        reaches(&mut rack.iter().map(|tooth| tooth.left.along_x_mm), 0.005);
+
+        let (rack, ..) = drawn(Scatter { rack_thickness: spread, ..none }, 2);
+        assert!(rack.iter().all(|tooth| tooth.left.along_x_mm == -tooth.right.along_x_mm));
+        reaches(&mut rack.iter().map(|tooth| tooth.right.along_x_mm), 0.01);
+
+        let (rack, ..) = drawn(Scatter { rack_pitch: spread, rack_thickness: spread, ..none }, 3);
+        let middle = |tooth: &RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
+        reaches(&mut rack.iter().map(middle), 0.005);
+        reaches(&mut rack.iter().map(|tooth| tooth.right.along_x_mm - middle(tooth)), 0.01);
+
+        let (rack, ..) = drawn(Scatter { rack_lead: spread, ..none }, 4);
+        assert!(rack.iter().all(|tooth| tooth.left == tooth.right && tooth.left.along_x_mm == 0.0));
+        reaches(&mut rack.iter().map(|tooth| tooth.right.lead_rad), 0.01);
+
+        let (rack, ..) = drawn(Scatter { rack_over_roller: spread, ..none }, 5);
+        reaches(&mut rack.iter().map(|tooth| tooth.right.along_z_mm), 0.01);
+        assert!(rack.iter().all(|tooth| tooth.left == tooth.right && tooth.left.lead_rad == 0.0));
+
+        let (_, pinion, _) = drawn(Scatter { pinion_pitch: spread, ..none }, 6);
+        assert!(pinion.iter().all(|tooth| tooth.left == tooth.right));
+        reaches(&mut pinion.iter().map(|tooth| tooth.left.arc_mm), 0.005);
+
+        let (_, pinion, _) = drawn(Scatter { pinion_lead: spread, ..none }, 6);
+        assert!(pinion.iter().all(|tooth| tooth.left == tooth.right && tooth.left.arc_mm == 0.0));
+        let largest = pinion_lead_angle_rad(base.pair(), 0.01);
+        reaches(&mut pinion.iter().map(|tooth| tooth.left.lead_rad), largest);
+
+        let (_, pinion, offset) = drawn(Scatter { pinion_thickness: spread, ..none }, 7);
+        assert!(pinion.iter().all(|tooth| tooth.left.arc_mm == -tooth.right.arc_mm));
+        reaches(&mut pinion.iter().map(|tooth| tooth.right.arc_mm), 0.005);
+        assert_eq!(offset, (0.0, 0.0));
+
+        // one offset a pinion: half the runout in any direction
+        let offsets = |runout: Uncertainty, seeds: std::ops::Range<u64>| -> Vec<(f64, f64)> {
+            seeds.map(|seed| drawn(Scatter { pinion_runout: Some(runout), ..none }, seed).2).collect()
+        };
+        let any = offsets(half, 0..60);
+        reaches(&mut any.iter().map(|(along, across)| (along * along + across * across).sqrt()), 0.005);
+        for (right, above) in [(true, true), (true, false), (false, true), (false, false)] {
+            let count = any.iter().filter(|(along, across)| (*along > 0.0, *across > 0.0) == (right, above)).count();
+            assert!(count >= 5, "{count}");
+        }
+        let normal = offsets(Uncertainty::standard(0.01), 0..400);
+        for square in [
+            normal.iter().map(|(along, _)| along * along).sum::<f64>() / 400.0,
+            normal.iter().map(|(_, across)| across * across).sum::<f64>() / 400.0,
+        ] {
+            assert!((square.sqrt() / 0.005 - 1.0).abs() < 0.15, "{square}");
+        }
+    }
+
+    fn run(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -> Result<Vec<RackResult>, RacksError> {
+        simulate_racks(base, scatter, settings, &AtomicBool::new(false))
+    }
+
+    #[test]
+    fn a_run_that_is_stopped_has_the_first_racks() {
+        let (base, scatter, stop) = (base(), all(), AtomicBool::new(false));
+        let most = RackSettings { threads: Some(2), ..settings(1_000_000) };
+        let some = std::thread::scope(|scope| {
+            let running = scope.spawn(|| simulate_racks(&base, &scatter, &most, &stop));
+            std::thread::sleep(std::time::Duration::from_millis(300));
+            stop.store(true, Ordering::Relaxed);
+            running.join().unwrap().unwrap()
+        });
+        assert!(some.len() < 1_000_000, "{}", some.len());
+        let few = some.len().min(5);
+        assert_eq!(some[..few], run(&base, &scatter, &settings(5)).unwrap()[..few]);
+        assert_eq!(simulate_racks(&base, &scatter, &settings(5), &AtomicBool::new(true)).unwrap(), []);
+    }
+
+    #[test]
+    fn the_same_bits_at_any_number_of_threads() {
+        let (base, scatter) = (base(), all());
+        let with = |threads| run(&base, &scatter, &RackSettings { threads, ..settings(20) }).unwrap();
+        let one = with(Some(1));
+        assert_eq!(one, with(Some(3)));
+        assert_eq!(one, with(None));
+        assert_eq!(one[..5], run(&base, &scatter, &settings(5)).unwrap());
+    }
+
+    #[test]
+    fn of_teeth_that_sit_high_and_low_the_high_ones_carry() {
+        // so the mean lies above 0, and below the standard deviation: two or three teeth share the contact
+        let base = base();
+        let scatter = Scatter { rack_over_roller: Some(Uncertainty::standard(0.003)), ..Scatter::default() };
+        let results = run(&base, &scatter, &settings(40)).unwrap();
+        let mean = results.iter().map(|result| result.mean_mm).sum::<f64>() / 40.0;
+        assert!(mean > 0.0 && mean < 0.003, "{mean}");
+        assert!(results.iter().all(|result| result.min_mm <= result.mean_mm && result.mean_mm <= result.max_mm));
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_says_why() {
+        let base = base();
+        let run = |scatter: &Scatter, settings: &RackSettings| run(&base, scatter, settings).unwrap_err();
+        assert_eq!(run(&Scatter::default(), &settings(1)), RacksError::NothingScatters);
+        assert_eq!(run(&all(), &settings(0)), RacksError::Count { racks: 0 });
+        let empty = RackSettings { to_mm: 0.0, ..settings(1) };
+        assert!(matches!(run(&all(), &empty), RacksError::Stroke { .. }));
+        // as many as may be drawn are not too many; one more is
+        assert!(matches!(run(&all(), &RackSettings { racks: MOST_RACKS, ..empty }), RacksError::Stroke { .. }));
+        let racks = MOST_RACKS + 1;
+        assert_eq!(run(&all(), &RackSettings { racks, ..empty }), RacksError::Count { racks });
+        let huge = Scatter { rack_pitch: Some(Uncertainty::standard(50.0)), ..Scatter::default() };
+        assert!(matches!(run(&huge, &settings(3)), RacksError::Mesh { .. }));
+    }
+}

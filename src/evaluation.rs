@@ -1,0 +1,351 @@
+//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line, the batch where its
+//! fast way does not decide, and budgets; takes formulas as they are.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
+use crate::formula::{Model, PartDeviation};
+use crate::judge::bound::{Basis, ErrorRange, Note, Open};
+use crate::judge::rule::{Decision, Rule, decide};
+use crate::judge::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdict};
+use crate::quantity::{DomainError, Length, QuantityError};
+use crate::uncertainty::Propagation;
+
+/// What one error contributes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contribution {
+    /// The kind of error.
+    pub kind: DeviationKind,
+    /// The error's value.
+    pub value: DeviationValue,
+    /// On which teeth it is.
+    pub extent: Extent,
+    /// Its ΔCD by the exact formula.
+    pub exact: Length,
+    /// Its ΔCD by the paper's formula.
+    pub paper: Length,
+    /// What it can do alone, wherever it is.
+    pub range: Result<Interval, Open>,
+    /// How many of its steps add up at most, of a pitch on many teeth.
+    pub in_contact: Option<u32>,
+    /// Its share of the sum of magnitudes, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
+    pub share: Option<f64>,
+    /// Whether the value is a permissible deviation, whose sign is not known, in place of a measured one.
+    pub is_tolerance: bool,
+}
+
+impl Contribution {
+    /// ΔCD by `model`.
+    #[must_use]
+    pub fn delta_cd(&self, model: Model) -> Length {
+        match model {
+            Model::Exact => self.exact,
+            Model::Paper => self.paper,
+        }
+    }
+
+    /// Whether the two models give different values.
+    #[must_use]
+    pub fn models_differ(&self) -> bool {
+        self.exact != self.paper
+    }
+
+    /// Its extent in words, with how many steps add up.
+    #[must_use]
+    pub fn extent_in_words(&self) -> String {
+        self.extent.words(self.kind.unit(), self.in_contact)
+    }
+}
+
+/// Why there is nothing to hold against a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unjudged {
+    /// The limited error is not given.
+    NotGiven,
+    /// Errors that the spec asks for are not there.
+    Lacking,
+    /// There is no finite range.
+    Open(Open),
+}
+
+/// One limit, the interval of ΔCD held against it, and how that ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitCheck {
+    /// What the limit is on.
+    pub on: LimitTarget,
+    /// The limit.
+    pub limit: Limit,
+    /// The result from its lowest to its highest value.
+    pub result: Result<Interval, Unjudged>,
+    /// The verdict, `None` if there is no result to judge.
+    pub verdict: Option<Verdict>,
+    /// How a decision rule came to it; `None` while the value alone decides and nothing is known of its uncertainty.
+    pub decision: Option<Decision>,
+}
+
+/// Who judges a combination.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JudgedBy {
+    /// The bound: no placement of the errors leaves it.
+    Bound,
+    /// The exact mesh: both parts' teeth are known.
+    Mesh,
+    /// The statistical sum.
+    Statistical,
+}
+
+impl JudgedBy {
+    /// `bound`, `mesh` or `statistical`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bound => "bound",
+            Self::Mesh => "mesh",
+            Self::Statistical => "statistical",
+        }
+    }
+
+    /// Of errors, on a pair of which this is known.
+    #[must_use]
+    pub fn of(stack: Stack, errors: usize, basis: &Basis) -> Self {
+        match stack {
+            Stack::Rss => Self::Statistical,
+            Stack::Range if errors == 0 && basis.known_teeth.is_some() => Self::Mesh,
+            Stack::Range => Self::Bound,
+        }
+    }
+}
+
+impl fmt::Display for JudgedBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Bound => "the worst case",
+            Self::Mesh => "the exact mesh of the known teeth",
+            Self::Statistical => "the statistical sum, which is no bound",
+        })
+    }
+}
+
+/// Every contribution, the combinations and the verdicts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// The model of the values that were combined and judged.
+    pub model: Model,
+    /// The combination that was judged.
+    pub stack: Stack,
+    /// One per error, in the order given.
+    pub contributions: Vec<Contribution>,
+    /// The combinations.
+    pub combined: Combined,
+    /// What they rest on.
+    pub notes: Vec<Note>,
+    /// Who judges the combination.
+    pub judged_by: JudgedBy,
+    /// What the exact mesh reaches with the errors on the worst teeth that a search finds, if it was asked.
+    pub reached: Option<Interval>,
+    /// One per limit.
+    pub limits: Vec<LimitCheck>,
+    /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else
+    /// pass.
+    pub verdict: Option<Verdict>,
+}
+
+impl Evaluation {
+    /// The limits that could not be judged, because the error they are on is not given.
+    pub fn not_given(&self) -> impl Iterator<Item = LimitTarget> + '_ {
+        self.limits.iter().filter(|check| check.result == Err(Unjudged::NotGiven)).map(|check| check.on)
+    }
+
+    /// Judges every limit again by a decision rule, with the uncertainty of the results and, if they were simulated,
+    /// the simulated probabilities of conformance (one per limit, NaN where there is none).
+    ///
+    /// # Errors
+    /// [`QuantityError`] if a guard band is beyond the range of numbers.
+    pub fn decide_by(
+        &mut self,
+        rule: &Rule,
+        propagation: Option<&Propagation>,
+        simulated: Option<&[f64]>,
+    ) -> Result<(), QuantityError> {
+        for (index, check) in self.limits.iter_mut().enumerate() {
+            let Ok(result) = check.result else { continue };
+            let ends = propagation.and_then(|propagation| propagation.ends(check.on, result));
+            let probability = simulated.and_then(|inside| inside.get(index)).copied().filter(|p| !p.is_nan());
+            let decision = decide(rule, &check.limit, result, ends.as_ref(), probability)?;
+            check.verdict = Some(decision.verdict);
+            check.decision = Some(decision);
+        }
+        self.verdict = overall(self.limits.iter().map(|check| check.verdict));
+        Ok(())
+    }
+
+    /// Takes the verdict on a limit back: what it is on is not all there.
+    pub fn leave_open(&mut self, on: LimitTarget) {
+        for check in self.limits.iter_mut().filter(|check| check.on == on) {
+            check.result = Err(Unjudged::Lacking);
+            (check.verdict, check.decision) = (None, None);
+        }
+        self.verdict = overall(self.limits.iter().map(|check| check.verdict));
+    }
+
+    /// Whether any error's ΔCD depends on the model.
+    #[must_use]
+    pub fn models_differ(&self) -> bool {
+        self.contributions.iter().any(Contribution::models_differ)
+    }
+}
+
+/// Why an evaluation has no result.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{}: {problem}", .error.map_or("combination", DeviationKind::name))]
+pub struct EvaluationError {
+    /// The error whose ΔCD has no value; `None` if it is a sum.
+    pub error: Option<DeviationKind>,
+    /// What is wrong with it.
+    #[source]
+    pub problem: Box<DomainError>,
+}
+
+/// Evaluates `errors` by `model`, combines them by what is known of the pair, and judges the combination picked by
+/// `stack`, and what single errors can do, against `limits`.
+///
+/// # Errors
+/// [`EvaluationError`] if a ΔCD is outside its formula's domain, or a result overflows.
+pub fn evaluate(
+    errors: &[PartDeviation],
+    limits: &Limits,
+    model: Model,
+    stack: Stack,
+    basis: &Basis,
+) -> Result<Evaluation, EvaluationError> {
+    let of_sum = |problem: QuantityError| EvaluationError { error: None, problem: Box::new(problem.into()) };
+    let bound = basis.bound_of(errors);
+    let mut contributions = Vec::with_capacity(errors.len());
+    for (error, range) in errors.iter().zip(&bound.errors) {
+        let of_error = |problem: DomainError| EvaluationError { error: Some(error.kind()), problem: Box::new(problem) };
+        contributions.push(Contribution {
+            kind: error.kind(),
+            value: error.value(),
+            extent: error.extent(),
+            exact: error.delta_cd(Model::Exact).map_err(of_error)?,
+            paper: error.delta_cd(Model::Paper).map_err(of_error)?,
+            range: Interval::of(range.map(ErrorRange::alone)).map_err(|problem| of_error(problem.into()))?,
+            in_contact: range.ok().and_then(|range| range.in_contact),
+            share: None,
+            is_tolerance: error.is_tolerance(),
+        });
+    }
+    let sum: f64 = contributions.iter().map(|contribution| contribution.delta_cd(model).abs().mm()).sum();
+    if sum > 0.0 {
+        for contribution in &mut contributions {
+            contribution.share = Some(contribution.delta_cd(model).abs().mm() / sum);
+        }
+    }
+    let combined = Combined {
+        range: Interval::of(bound.total).map_err(of_sum)?,
+        rss: Interval::of(bound.statistical).map_err(of_sum)?,
+    };
+    let limits: Vec<_> = limits
+        .iter()
+        .map(|(on, limit)| {
+            let result = match on {
+                LimitTarget::CenterDistance => combined.interval(stack).map_err(Unjudged::Open),
+                LimitTarget::Error(kind) => match contributions.iter().find(|one| one.kind == *kind) {
+                    Some(one) => one.range.map_err(Unjudged::Open),
+                    None => Err(Unjudged::NotGiven),
+                },
+            };
+            let verdict = result.ok().map(|result| limit.judge(result));
+            LimitCheck { on: *on, limit: *limit, result, verdict, decision: None }
+        })
+        .collect();
+    let verdict = overall(limits.iter().map(|check| check.verdict));
+    let judged_by = JudgedBy::of(stack, errors.len(), basis);
+    let notes = bound.notes;
+    Ok(Evaluation { model, stack, contributions, combined, notes, judged_by, reached: None, limits, verdict })
+}
+
+/// Of the verdicts on all limits, `None` where one could not be judged: fail if any fails; open if there are none or one
+/// could not be judged; indeterminate if any is; else pass.
+pub(crate) fn overall(verdicts: impl Iterator<Item = Option<Verdict>>) -> Option<Verdict> {
+    let worse = |a: Option<Verdict>, b: Option<Verdict>| match (a, b) {
+        (Some(Verdict::Fail), _) | (_, Some(Verdict::Fail)) => Some(Verdict::Fail),
+        (None, _) | (_, None) => None,
+        (Some(Verdict::Indeterminate), _) | (_, Some(Verdict::Indeterminate)) => Some(Verdict::Indeterminate),
+        _ => Some(Verdict::Pass),
+    };
+    verdicts.reduce(worse)?
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::Law;
+    use crate::quantity::Angle;
+
+    fn angle(text: &str) -> Angle {
+        text.parse().unwrap()
+    }
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn center_distance(limit: &str) -> Limits {
+        vec![(LimitTarget::CenterDistance, Limit::symmetric(length(limit)))]
+    }
+
+    #[test]
+    fn a_rational_gain_meets_a_decimal_limit_exactly() {
+        // cos 30° / (2 tan 30°) = 3/4, and 1/(2 tan 45°) = 1/2
+        let errors = [
+            PartDeviation::new(Law::rack_pitch(angle("30"), angle("30")).unwrap(), length("0.02")),
+            PartDeviation::new(Law::pinion_pitch(angle("45"), angle("0")).unwrap(), length("0.03")),
+            PartDeviation::new(Law::rack_over_roller(), length("0.02")),
+        ];
+        let verdict = |limit: &str| {
+            evaluate(&errors, &center_distance(limit), Model::Exact, Stack::Range, &Basis::default()).unwrap().verdict
+        };
+        assert_eq!(verdict("0.05"), Some(Verdict::Pass));
+        assert_eq!(verdict("0.049999999999"), Some(Verdict::Fail));
+    }
+
+    #[test]
+    fn the_stack_picks_what_is_judged() {
+        let errors = [
+            PartDeviation::within(Law::rack_over_roller(), length("0.03")),
+            PartDeviation::within(Law::pinion_radial(), length("0.04")),
+        ];
+        let verdict = |stack| {
+            let limits = center_distance("0.05");
+            evaluate(&errors, &limits, Model::Exact, stack, &Basis::default()).unwrap().verdict.unwrap()
+        };
+        assert_eq!(verdict(Stack::Rss), Verdict::Pass);
+        assert_eq!(verdict(Stack::Range), Verdict::Fail);
+    }
+
+    #[test]
+    fn what_has_no_bound_is_open() {
+        let error = PartDeviation::new(Law::rack_pitch(angle("20"), angle("0")).unwrap(), length("0.001"));
+        let limits = center_distance("0.05");
+        let with = |extent| {
+            let errors = [error.with_extent(extent)];
+            evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default()).unwrap()
+        };
+        assert_eq!(with(Extent::One).verdict, Some(Verdict::Pass));
+        let open = with(Extent::Each);
+        assert_eq!((open.verdict, open.limits[0].result), (None, Err(Unjudged::Open(Open::TeethInContactUnknown))));
+    }
+
+    #[test]
+    fn a_limit_without_its_error_is_not_passed() {
+        let errors = [PartDeviation::new(Law::rack_over_roller(), length("0.01"))];
+        let mut limits = center_distance("0.05");
+        limits.push((LimitTarget::Error(DeviationKind::RackLead), Limit::symmetric(length("0.01"))));
+        let evaluation = evaluate(&errors, &limits, Model::Exact, Stack::Range, &Basis::default()).unwrap();
+        assert_eq!(evaluation.verdict, None);
+        assert_eq!(evaluation.not_given().collect::<Vec<_>>(), [LimitTarget::Error(DeviationKind::RackLead)]);
+    }
+}

@@ -1,0 +1,369 @@
+#![doc = include_str!("class.md")]
+//!
+//! The spec resolves `{ class = 7 }` to an error with it, and `class` prints with it what ΔCD a grade allows.
+//! It takes permissible values ([`Permissible`]) and prepared formulas; it must not choose a standard or
+//! a rack's diameter.
+
+use crate::deviation::{DeviationKind, DeviationValue, Part};
+use crate::formula::law::lead_slope;
+use crate::formula::{Law, Model, PartDeviation};
+use crate::quantity::{Angle, DomainError, Length, LengthUnit};
+use crate::standard::{Deviation, Permissible, Standard, Wheel};
+use crate::trig;
+
+/// Which diameter stands for a rack in a standard for toothed wheels. There is no default.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RackDiameter {
+    /// The reference diameter of the mating pinion.
+    Pinion,
+    /// That of a wheel whose circumference is the toothed length: L/π.
+    Developed,
+    /// A given one.
+    Given(Length),
+}
+
+/// Where a diameter comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DiameterSource {
+    /// The pinion's own reference diameter m_n z / cos β.
+    Own,
+    /// For a rack, the reference diameter of the mating pinion.
+    MatingPinion,
+    /// For a rack, L/π.
+    Developed,
+    /// Given as a number.
+    Given,
+}
+
+impl DiameterSource {
+    /// In words, as it stands behind the diameter.
+    #[must_use]
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::Own => "reference diameter",
+            Self::MatingPinion => "reference diameter of the mating pinion",
+            Self::Developed => "developed, L/π",
+            Self::Given => "given",
+        }
+    }
+}
+
+/// An error that is given as a class, and what it came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorClass {
+    /// The kind of error.
+    pub kind: DeviationKind,
+    /// The permissible deviation.
+    pub permissible: Permissible,
+    /// The diameter that the standard was entered with, and where it comes from; `None` if it needs none.
+    pub diameter: Option<(Length, DiameterSource)>,
+    /// The permissible error: the deviation, for a lead error of the rack its angle over the face width, for a runout half
+    /// of it.
+    pub value: DeviationValue,
+    /// Of a pitch, the total cumulative deviation F_p that the same grade permits, if the standard gives it.
+    pub total: Option<Permissible>,
+}
+
+impl ErrorClass {
+    /// What it came to, in one line: `f_pt = 14 µm by ISO 1328-1:1995, grade 7, d = 14.675 mm (given)`.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let Permissible { standard, grade, .. } = self.permissible;
+        let mut text = format!(
+            "{}: {} = {} µm by {standard}, grade {grade}",
+            self.kind,
+            self.permissible.symbol(),
+            self.permissible.value_um(),
+        );
+        if let Some((diameter, source)) = &self.diameter {
+            text.push_str(&format!(", d = {:.3} mm ({})", diameter.mm(), source.in_words()));
+        }
+        if let Some(total) = &self.total {
+            text.push_str(&format!("; {} = {} µm of either flank side caps it", total.symbol(), total.value_um()));
+        }
+        if let (DeviationKind::PinionRadial, DeviationValue::Length(amplitude)) = (self.kind, self.value) {
+            text.push_str(&format!(
+                "; peak to peak, an eccentricity of ±{} µm",
+                amplitude.in_unit(LengthUnit::Micrometre)
+            ));
+        }
+        text
+    }
+
+    /// The tolerance of an error with this law.
+    #[must_use]
+    pub fn tolerance(&self, law: Law) -> PartDeviation {
+        within_total(PartDeviation::within(law, self.value), self.total.as_ref())
+    }
+}
+
+/// The deviation that limits a kind of error; `None` of an over-roller measure: that is a size, and no standard here
+/// limits it.
+#[must_use]
+pub const fn deviation_of(kind: DeviationKind) -> Option<Deviation> {
+    match kind {
+        DeviationKind::RackPitch | DeviationKind::PinionPitch => Some(Deviation::SinglePitch),
+        DeviationKind::RackLead | DeviationKind::PinionLead => Some(Deviation::HelixSlope),
+        DeviationKind::PinionRadial => Some(Deviation::Runout),
+        DeviationKind::RackOverRoller => None,
+    }
+}
+
+/// Why an over-roller measure has no class, and what to write.
+pub const NO_OVER_ROLLER_CLASS: &str =
+    "an over-roller measure is a size of the rack, and these standards limit none: give its tolerance by value";
+
+/// The F_p of the same grade and wheel, which caps a pitch tolerance; `None` where the standard gives none, or for
+/// another kind of error.
+#[must_use]
+pub fn total_of(kind: DeviationKind, standard: Standard, grade: u8, wheel: &Wheel) -> Option<Permissible> {
+    (deviation_of(kind) == Some(Deviation::SinglePitch))
+        .then(|| standard.permissible(Deviation::TotalPitch, grade, wheel).ok())
+        .flatten()
+}
+
+fn within_total(tolerance: PartDeviation, total: Option<&Permissible>) -> PartDeviation {
+    total.map_or(tolerance, |total| tolerance.within_total(total.length()))
+}
+
+/// The reference diameter d = m_n z / cos β.
+///
+/// # Errors
+/// [`DomainError`] if an input is outside its domain, or the result is beyond the largest length.
+pub fn reference_diameter(normal_module: Length, teeth: u32, helix_angle: Angle) -> Result<Length, DomainError> {
+    crate::formula::domain::NORMAL_MODULE.check_length(normal_module)?;
+    crate::formula::domain::PINION_HELIX_ANGLE.check_angle(helix_angle)?;
+    let diameter_mm = normal_module.mm() * f64::from(teeth) / trig::sin_cos_of(helix_angle).1;
+    Ok(Length::nearest(diameter_mm * 1e12, "the reference diameter d")?)
+}
+
+/// The developed diameter L/π of a rack with the toothed length L.
+///
+/// # Errors
+/// [`DomainError`] if the result is beyond the largest length.
+pub fn developed_diameter(toothed_length: Length) -> Result<Length, DomainError> {
+    Ok(Length::nearest(toothed_length.mm() / std::f64::consts::PI * 1e12, "the developed diameter L/π")?)
+}
+
+/// What a deviation's ΔCD needs beside the deviation.
+#[derive(Debug, Clone)]
+pub struct Meshing {
+    /// The part that deviates.
+    pub part: Part,
+    /// α_n
+    pub pressure_angle: Option<Angle>,
+    /// β of the part; 0 if not given
+    pub helix_angle: Option<Angle>,
+    /// b, for the deviations of the rack's helix
+    pub face_width: Option<Length>,
+}
+
+impl Meshing {
+    /// Of a part of which nothing else is known.
+    #[must_use]
+    pub const fn of(part: Part) -> Self {
+        Self { part, pressure_angle: None, helix_angle: None, face_width: None }
+    }
+}
+
+/// How a ΔCD follows from a deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Effect {
+    /// By the formula of an error of that size.
+    Formula,
+    /// By that formula as a bound, which needs all of the deviation in the worst place.
+    Bound,
+    /// The deviation is the peak-to-peak variation itself.
+    PeakToPeak,
+    /// No formula gives it.
+    None,
+}
+
+impl Effect {
+    /// The effect of a deviation.
+    #[must_use]
+    pub const fn of(deviation: Deviation) -> Self {
+        match deviation {
+            Deviation::SinglePitch | Deviation::HelixSlope => Self::Formula,
+            Deviation::SectorPitch | Deviation::TotalPitch | Deviation::TotalHelix => Self::Bound,
+            Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Self::PeakToPeak,
+            Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => {
+                Self::None
+            }
+        }
+    }
+
+    /// In one word.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Formula => "formula",
+            Self::Bound => "bound",
+            Self::PeakToPeak => "peak to peak",
+            Self::None => "none",
+        }
+    }
+}
+
+/// Why a deviation's ΔCD is not known.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoEffect {
+    /// No formula takes this deviation.
+    #[error("no formula takes it")]
+    NoFormula,
+    /// Something that the formula needs is not given.
+    #[error("it needs the {0}")]
+    Missing(&'static str),
+    /// A value is outside its domain.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+}
+
+/// The ΔCD that a deviation of `amount` allows, by the formulas; see the [module](self).
+///
+/// # Errors
+/// [`NoEffect`] if there is no formula, or something that it needs is missing or outside its domain.
+pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: Model) -> Result<Length, NoEffect> {
+    let helix_angle = meshing.helix_angle.unwrap_or(Angle::ZERO);
+    let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
+    match deviation {
+        Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Ok(amount),
+        Deviation::SinglePitch | Deviation::SectorPitch | Deviation::TotalPitch => {
+            Ok(Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
+        }
+        Deviation::HelixSlope | Deviation::TotalHelix if meshing.part == Part::Pinion => {
+            Ok(Law::pinion_lead(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
+        }
+        Deviation::HelixSlope | Deviation::TotalHelix => {
+            let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
+            let law = Law::rack_lead(pressure_angle()?, helix_angle, face_width)?;
+            Ok(law.delta_cd(lead_slope(amount, face_width)?, model)?)
+        }
+        Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => {
+            Err(NoEffect::NoFormula)
+        }
+    }
+}
+
+/// The tolerance that a permissible deviation is of a kind of error: on each tooth any from minus to plus it, of a pitch
+/// capped by F_p.
+///
+/// # Errors
+/// [`NoEffect`] if something that the law needs is missing or outside its domain.
+pub fn tolerance(
+    kind: DeviationKind,
+    permissible: &Permissible,
+    total: Option<&Permissible>,
+    meshing: &Meshing,
+) -> Result<PartDeviation, NoEffect> {
+    let helix_angle = meshing.helix_angle.unwrap_or(Angle::ZERO);
+    let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
+    let law = match kind {
+        DeviationKind::RackOverRoller => Law::rack_over_roller(),
+        DeviationKind::PinionRadial => Law::pinion_radial(),
+        DeviationKind::RackPitch => Law::rack_pitch(pressure_angle()?, helix_angle)?,
+        DeviationKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, helix_angle)?,
+        DeviationKind::RackLead => {
+            let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
+            Law::rack_lead(pressure_angle()?, helix_angle, face_width)?
+        }
+        DeviationKind::PinionLead => Law::pinion_lead(pressure_angle()?, helix_angle)?,
+    };
+    Ok(within_total(PartDeviation::within(law, error_value(kind, permissible, meshing.face_width)?), total))
+}
+
+/// The error that a permissible deviation stands for.
+///
+/// # Errors
+/// [`DomainError`] if the face width is not above 0.
+pub fn error_value(
+    kind: DeviationKind,
+    permissible: &Permissible,
+    face_width: Option<Length>,
+) -> Result<DeviationValue, DomainError> {
+    match (kind, face_width) {
+        (DeviationKind::RackLead, Some(width)) => lead_slope(permissible.length(), width),
+        // peak to peak of an eccentricity
+        (DeviationKind::PinionRadial, _) => Ok(DeviationValue::Length(Length::from_fm(permissible.length().fm() / 2))),
+        _ => Ok(DeviationValue::Length(permissible.length())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn diameters() {
+        let d = |m, z, beta: &str| reference_diameter(length(m), z, beta.parse().unwrap()).unwrap();
+        assert_eq!(d("2.5", 20, "0"), length("50"));
+        // on the limit of a range, exactly
+        assert_eq!(d("1", 10, "60"), length("20"));
+        assert_eq!(format!("{:.3}", d("1.9", 7, "25").mm()), "14.675");
+        assert_eq!(format!("{:.6}", developed_diameter(length("100")).unwrap().mm()), "31.830989");
+    }
+
+    /// F_r = 43 µm, f_pt = 18 µm and F_p = 54 µm are those of a commercial program's printed report.
+    #[test]
+    fn tolerances_of_a_class() {
+        let wheel = Wheel {
+            normal_module: Some(length("21")),
+            diameter: Some(length("378")),
+            face_width: Some(length("550")),
+            teeth: Some(18),
+            helix_angle: None,
+        };
+        let meshing = Meshing { pressure_angle: Some("20".parse().unwrap()), ..Meshing::of(Part::Pinion) };
+        let of = |kind, standard: Standard| {
+            let permissible = standard.permissible(deviation_of(kind).unwrap(), 6, &wheel).unwrap();
+            let total = total_of(kind, standard, 6, &wheel);
+            tolerance(kind, &permissible, total.as_ref(), &meshing).unwrap()
+        };
+        let radial = of(DeviationKind::PinionRadial, Standard::Iso1328Part2Of1997);
+        assert_eq!((radial.value(), radial.total()), (DeviationValue::Length(length("21.5 um")), None));
+        let pitch = of(DeviationKind::PinionPitch, Standard::Iso1328Part1Of1995);
+        assert_eq!((pitch.value(), pitch.total()), (DeviationValue::Length(length("18 um")), Some(length("54 um"))));
+        assert_eq!(deviation_of(DeviationKind::RackOverRoller), None);
+    }
+
+    #[test]
+    fn each_deviation_has_its_effect() {
+        let meshing = |part| Meshing {
+            pressure_angle: Some("45".parse().unwrap()),
+            face_width: Some(length("20")),
+            ..Meshing::of(part)
+        };
+        let of_part = |part, deviation| delta_cd(deviation, length("0.02"), &meshing(part), Model::Exact);
+        let effect = |deviation| of_part(Part::Rack, deviation);
+        // 1/(2 tan 45°) = 1/2
+        for deviation in [Deviation::SinglePitch, Deviation::SectorPitch, Deviation::TotalPitch] {
+            assert_eq!(effect(deviation).unwrap(), length("0.01"));
+        }
+        for deviation in [Deviation::Runout, Deviation::RadialComposite, Deviation::ToothRadialComposite] {
+            assert_eq!(effect(deviation).unwrap(), length("0.02"));
+        }
+        // b sin(atan(f/b)) / 2
+        for deviation in [Deviation::HelixSlope, Deviation::TotalHelix] {
+            assert!((effect(deviation).unwrap().mm() - 0.01).abs() < 1e-8);
+            // 1/(2 sin 45°) = 1/√2
+            let of_pinion = of_part(Part::Pinion, deviation).unwrap().mm();
+            assert!((of_pinion - 0.02 / 2.0_f64.sqrt()).abs() < 1e-12, "{of_pinion}");
+        }
+        for deviation in Deviation::ALL {
+            assert_eq!(effect(deviation).is_err(), Effect::of(deviation) == Effect::None, "{deviation}");
+        }
+        let bare = Meshing::of(Part::Rack);
+        assert_eq!(
+            delta_cd(Deviation::SinglePitch, length("0.02"), &bare, Model::Exact).unwrap_err().to_string(),
+            "it needs the normal pressure angle α_n"
+        );
+    }
+}

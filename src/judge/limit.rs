@@ -1,0 +1,144 @@
+//! Limits of ΔCD and the verdict against them. Built by the spec layer, asked by everything that judges; an equal value
+//! is inside.
+
+use std::fmt;
+
+use super::Interval;
+use crate::deviation::DeviationKind;
+use crate::quantity::Length;
+
+/// Permitted values: from `lower` to `upper`, both inside; an end that is not given is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Limit {
+    /// The lowest permitted value.
+    pub lower: Option<Length>,
+    /// The highest permitted value.
+    pub upper: Option<Length>,
+}
+
+/// What a limit is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LimitTarget {
+    /// The combined ΔCD.
+    CenterDistance,
+    /// The ΔCD of one error.
+    Error(DeviationKind),
+}
+
+impl LimitTarget {
+    /// The key that specs and results call it by.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::CenterDistance => "center_distance",
+            Self::Error(kind) => kind.key(),
+        }
+    }
+}
+
+impl fmt::Display for LimitTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CenterDistance => f.write_str("centre distance"),
+            Self::Error(kind) => kind.fmt(f),
+        }
+    }
+}
+
+/// The limits of an evaluation.
+pub type Limits = Vec<(LimitTarget, Limit)>;
+
+/// The outcome of a comparison with a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Inside the limit, or on it.
+    Pass,
+    /// Outside the limit.
+    Fail,
+    /// Too near the limit for the uncertainty or the guard band: neither conformity nor non-conformity is proven.
+    Indeterminate,
+}
+
+impl Verdict {
+    /// `pass`, `fail` or `indeterminate`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+            Self::Indeterminate => "indeterminate",
+        }
+    }
+}
+
+impl Limit {
+    /// From `-magnitude` to `+magnitude`.
+    #[must_use]
+    pub fn symmetric(magnitude: Length) -> Self {
+        Self { lower: Some(-magnitude.abs()), upper: Some(magnitude.abs()) }
+    }
+
+    /// Whether every value of a result is permitted.
+    #[must_use]
+    pub fn judge(&self, result: Interval) -> Verdict {
+        let above = self.lower.is_none_or(|limit| limit <= result.lower);
+        let below = self.upper.is_none_or(|limit| result.upper <= limit);
+        if above && below { Verdict::Pass } else { Verdict::Fail }
+    }
+}
+
+/// `-0.03 … 0.05 mm`, `at most 0.05 mm`, `at least -0.03 mm` or `none`.
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (&self.lower, &self.upper) {
+            (Some(lower), Some(upper)) => write!(f, "{} … {upper}", lower.to_string().trim_end_matches(" mm")),
+            (None, Some(upper)) => write!(f, "at most {upper}"),
+            (Some(lower), None) => write!(f, "at least {lower}"),
+            (None, None) => f.write_str("none"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_result_on_the_limit_is_inside() {
+        // as binary numbers, many of these differences exceed their limit
+        for step in 0..=1500 {
+            let nominal: Length = "25.0000".parse().unwrap();
+            let measured: Length = format!("25.{step:04}").parse().unwrap();
+            let limit: Length = format!("0.{step:04}").parse().unwrap();
+            let deviation = measured - nominal;
+            for (lower, upper) in [(deviation, deviation), (-deviation, deviation)] {
+                assert_eq!(Limit::symmetric(limit).judge(Interval { lower, upper }), Verdict::Pass, "{measured:?}");
+            }
+            let beyond = deviation + Length::from_fm(1);
+            assert_eq!(Limit::symmetric(limit).judge(Interval::value(beyond)), Verdict::Fail, "{measured:?}");
+        }
+    }
+
+    #[test]
+    fn a_limit_reads_as_one_would_say_it() {
+        let (lower, upper): (Length, Length) = ("-0.03".parse().unwrap(), "50 um".parse().unwrap());
+        let text = |lower: Option<Length>, upper: Option<Length>| Limit { lower, upper }.to_string();
+        assert_eq!(text(Some(lower), Some(upper)), "-0.03 … 0.05 mm");
+        assert_eq!(text(None, Some(upper)), "at most 0.05 mm");
+        assert_eq!(text(Some(lower), None), "at least -0.03 mm");
+    }
+
+    #[test]
+    fn an_open_end_permits_everything() {
+        let limit = Limit { lower: None, upper: Some("0.05".parse().unwrap()) };
+        let up_to = |upper: &str| Interval { lower: "-9".parse().unwrap(), upper: upper.parse().unwrap() };
+        assert_eq!(limit.judge(up_to("0.05")), Verdict::Pass);
+        assert_eq!(limit.judge(up_to("0.0500001")), Verdict::Fail);
+    }
+
+    #[test]
+    fn keys_are_those_of_a_spec() {
+        assert_eq!(LimitTarget::CenterDistance.key(), "center_distance");
+        assert_eq!(LimitTarget::Error(DeviationKind::PinionRadial).key(), "pinion_radial");
+    }
+}

@@ -1,0 +1,170 @@
+//! A rack measured space by space, or a pinion tooth by tooth, and what each deviation does by its formula. Built by
+//! the spec layer from a table, written by the reports.
+
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::formula::Model;
+use crate::quantity::Length;
+
+/// A column of deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Feature {
+    /// Measure over the pin less its nominal value.
+    OverPin,
+    /// Distance from the space before less the pitch.
+    Pitch,
+    /// Helix angle deviation of a space.
+    Lead,
+    /// Radial deviation of the space after a tooth.
+    Radial,
+    /// Single pitch deviation of the left flank.
+    LeftPitch,
+    /// Single pitch deviation of the right flank.
+    RightPitch,
+}
+
+impl Feature {
+    /// What people call it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::OverPin => "over-pin",
+            Self::Pitch => "pitch",
+            Self::Lead => "lead",
+            Self::Radial => "radial",
+            Self::LeftPitch => "left pitch",
+            Self::RightPitch => "right pitch",
+        }
+    }
+
+    /// What results call it.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::OverPin => "over_pin",
+            Self::Pitch => "pitch",
+            Self::Lead => "lead",
+            Self::Radial => "radial",
+            Self::LeftPitch => "left_pitch",
+            Self::RightPitch => "right_pitch",
+        }
+    }
+
+    /// The error whose formula takes it.
+    #[must_use]
+    pub const fn error(self) -> DeviationKind {
+        match self {
+            Self::OverPin => DeviationKind::RackOverRoller,
+            Self::Pitch => DeviationKind::RackPitch,
+            Self::Lead => DeviationKind::RackLead,
+            Self::Radial => DeviationKind::PinionRadial,
+            Self::LeftPitch | Self::RightPitch => DeviationKind::PinionPitch,
+        }
+    }
+}
+
+/// One deviation and its ΔCD by the formula.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effect {
+    /// The deviation.
+    pub deviation: DeviationValue,
+    /// Its ΔCD.
+    pub delta_cd: Length,
+}
+
+/// One space or tooth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredRow {
+    /// Its number.
+    pub number: i64,
+    /// One per feature of the part; `None` where it was not measured.
+    pub effects: Vec<Option<Effect>>,
+}
+
+/// A measured rack or pinion, by the formulas.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredPart {
+    /// Whether it is a rack; a pinion otherwise.
+    pub is_rack: bool,
+    /// The model of the formulas.
+    pub model: Model,
+    /// What was measured.
+    pub features: Vec<Feature>,
+    /// One per space or tooth.
+    pub rows: Vec<MeasuredRow>,
+}
+
+impl MeasuredPart {
+    /// The largest effect of a feature, by magnitude, and the number of its space or tooth.
+    #[must_use]
+    pub fn largest(&self, feature: usize) -> Option<(i64, &Effect)> {
+        let effects = self.rows.iter().filter_map(|row| Some((row.number, row.effects.get(feature)?.as_ref()?)));
+        effects.reduce(|a, b| if b.1.delta_cd.abs() > a.1.delta_cd.abs() { b } else { a })
+    }
+
+    /// The lowest and highest ΔCD of a feature; an error that pushes acts between nothing and its largest value.
+    #[must_use]
+    pub fn range_of(&self, feature: usize) -> Option<(Length, Length)> {
+        let effects =
+            || self.rows.iter().filter_map(|row| row.effects.get(feature)?.as_ref()).map(|effect| effect.delta_cd);
+        let (low, high) = (effects().min()?, effects().max()?);
+        Some(if self.features[feature].error().always_acts() { (low, high) } else { (Length::ZERO, high) })
+    }
+
+    /// The range of all together. Of left and right pitches, the larger counts.
+    #[must_use]
+    pub fn range(&self) -> (Length, Length) {
+        let (mut low, mut high, mut pinion_pitch) = (Length::ZERO, Length::ZERO, Length::ZERO);
+        for (index, feature) in self.features.iter().enumerate() {
+            let Some((from, to)) = self.range_of(index) else { continue };
+            if feature.error() == DeviationKind::PinionPitch {
+                pinion_pitch = pinion_pitch.max(to);
+            } else {
+                low = low + from;
+                high = high + to;
+            }
+        }
+        (low, high + pinion_pitch)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn effect(delta_cd: &str) -> Effect {
+        Effect { deviation: DeviationValue::Length(Length::ZERO), delta_cd: length(delta_cd) }
+    }
+
+    #[test]
+    fn keys_are_names_in_one_word() {
+        use Feature::{Lead, LeftPitch, OverPin, Pitch, Radial, RightPitch};
+        for feature in [OverPin, Pitch, Lead, Radial, LeftPitch, RightPitch] {
+            assert_eq!(feature.key(), feature.name().replace([' ', '-'], "_"));
+        }
+    }
+
+    #[test]
+    fn the_largest_of_equals_is_the_first_and_pitches_of_both_flanks_count_once() {
+        let rows = [(3, "0.01", "-0.02", "0.03"), (4, "-0.02", "0.01", "0.05"), (5, "0.02", "-0.01", "0.01")];
+        let part = MeasuredPart {
+            is_rack: false,
+            model: Model::Exact,
+            features: vec![Feature::Radial, Feature::LeftPitch, Feature::RightPitch],
+            rows: rows
+                .map(|(number, radial, left, right)| MeasuredRow {
+                    number,
+                    effects: [radial, left, right].map(|delta_cd| Some(effect(delta_cd))).to_vec(),
+                })
+                .to_vec(),
+        };
+        let (number, largest) = part.largest(0).unwrap();
+        assert_eq!((number, &largest.delta_cd), (4, &length("-0.02")));
+        assert_eq!(part.range_of(0), Some((length("-0.02"), length("0.02"))));
+        assert_eq!(part.range_of(1), Some((Length::ZERO, length("0.01"))));
+        assert_eq!(part.range(), (length("-0.02"), length("0.07")));
+    }
+}

@@ -1,0 +1,317 @@
+//! What the formulas say about deviations per tooth: the range of ΔCD to hold the exact mesh against.
+//!
+//! Each deviation is taken as the formula of its kind of error takes it, without regard to which teeth are
+//! in contact when: what is on every tooth acts always, what is on some of them acts between nothing and
+//! its value. Values are good to a nanometre, for comparison beside a curve.
+
+use crate::deviation::{
+    DeviationKind, Eccentricity, PinionDeviation, PinionDeviationKind, PinionToothRow, RackDeviation,
+    RackDeviationKind, RackSpaceRow, ToothRange,
+};
+use crate::formula::Model;
+use crate::formula::law::unit_gain;
+use crate::gear::Pair;
+use crate::trig;
+
+/// What one deviation contributes by its formula.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Predicted {
+    /// What it is: `rack pitch, teeth 8..`.
+    pub what: String,
+    /// The lowest ΔCD, mm.
+    pub lower_mm: f64,
+    /// The highest ΔCD, mm.
+    pub upper_mm: f64,
+}
+
+/// The formulas' contributions and their sum.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Prediction {
+    /// One per deviation that a formula knows.
+    pub terms: Vec<Predicted>,
+}
+
+/// Factors from a displacement to ΔCD.
+struct Gains {
+    /// Along the rack's axis: cos β_r / (2 tan α_n)
+    rack: f64,
+    /// In the rack's normal plane: 1 / (2 tan α_n)
+    normal: f64,
+    /// Transverse on the pinion: cos β_p / (2 tan α_n)
+    pinion: f64,
+    /// k / (2 cos β_r tan α_n)
+    lead: f64,
+    /// Along the transverse base tangent of the pinion: cos β_b / (2 sin α_n)
+    pinion_lead: f64,
+}
+
+impl Prediction {
+    /// Starts with no deviation.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The range of the sum, mm.
+    #[must_use]
+    pub fn range_mm(&self) -> (f64, f64) {
+        self.terms.iter().fold((0.0, 0.0), |(low, high), term| (low + term.lower_mm, high + term.upper_mm))
+    }
+
+    /// A value that always acts if it is on all teeth, and sometimes if it is on some.
+    fn signed(&mut self, what: String, everywhere: bool, value: f64) {
+        let (lower_mm, upper_mm) = if everywhere { (value, value) } else { (value.min(0.0), value.max(0.0)) };
+        self.terms.push(Predicted { what, lower_mm, upper_mm });
+    }
+
+    /// Adds deviations of the rack.
+    #[must_use]
+    pub fn rack(mut self, pair: &Pair, deviations: &[RackDeviation]) -> Self {
+        let gains = Gains::new(pair);
+        for RackDeviation { teeth, kind } in deviations {
+            let all = *teeth == ToothRange::ALL;
+            let what = |name: &str| format!("rack {name}, teeth {teeth}");
+            match kind {
+                RackDeviationKind::OverRoller(value) => self.signed(what("over-roller"), all, *value),
+                RackDeviationKind::Thickness(value) => self.signed(what("thickness"), all, value * gains.normal),
+                RackDeviationKind::Left(value) => self.signed(what("left flank"), all, value * gains.rack),
+                RackDeviationKind::Right(value) => self.signed(what("right flank"), all, value * gains.rack),
+                RackDeviationKind::Pitch(value) => self.signed(what("pitch"), false, value.abs() * gains.rack),
+                // a shift of every tooth is none
+                RackDeviationKind::Shift(_) if all => self.signed(what("shift"), true, 0.0),
+                RackDeviationKind::Shift(value) => self.signed(what("shift"), false, value.abs() * gains.rack),
+                RackDeviationKind::Lead(value) => self.signed(what("lead"), all, trig::sin(*value).abs() * gains.lead),
+            }
+        }
+        self
+    }
+
+    /// Adds deviations of the pinion.
+    #[must_use]
+    pub fn pinion(mut self, pair: &Pair, deviations: &[PinionDeviation]) -> Self {
+        let gains = Gains::new(pair);
+        for PinionDeviation { teeth, kind } in deviations {
+            let all = *teeth == ToothRange::ALL;
+            let what = |name: &str| format!("pinion {name}, teeth {teeth}");
+            match kind {
+                PinionDeviationKind::Radial(value) => self.signed(what("radial"), all, *value),
+                PinionDeviationKind::Thickness(value) => self.signed(what("thickness"), all, value * gains.pinion),
+                PinionDeviationKind::Left(value) => self.signed(what("left flank"), all, value * gains.pinion),
+                PinionDeviationKind::Right(value) => self.signed(what("right flank"), all, value * gains.pinion),
+                PinionDeviationKind::Shift(_) if all => self.signed(what("shift"), true, 0.0),
+                PinionDeviationKind::Shift(value) => self.signed(what("pitch"), false, value.abs() * gains.pinion),
+                // helices of single teeth are for the exact mesh
+                PinionDeviationKind::Lead(_) => {}
+            }
+        }
+        self
+    }
+
+    /// Adds a helix slope deviation f_Hβ of the pinion that is given as one value.
+    #[must_use]
+    pub fn pinion_lead(mut self, pair: &Pair, deviation_mm: f64) -> Self {
+        let upper = deviation_mm.abs() * Gains::new(pair).pinion_lead;
+        self.signed("pinion lead".to_owned(), false, upper);
+        self
+    }
+
+    /// Adds an eccentricity of the pinion: a radial error that goes through both signs in a turn.
+    #[must_use]
+    pub fn eccentricity(mut self, eccentricity: &Eccentricity) -> Self {
+        let amount = eccentricity.amount_mm.abs();
+        self.terms.push(Predicted { what: "pinion eccentricity".to_owned(), lower_mm: -amount, upper_mm: amount });
+        self
+    }
+
+    /// Adds the measured spaces of a rack: over-pin values as they are, the largest step between
+    /// neighbouring positions, the largest lead.
+    #[must_use]
+    pub fn rack_rows(mut self, pair: &Pair, rows: &[RackSpaceRow]) -> Self {
+        if rows.is_empty() {
+            return self;
+        }
+        let gains = Gains::new(pair);
+        let heights = rows.iter().map(|row| row.height_mm);
+        let (lower_mm, upper_mm) = extremes(heights);
+        self.terms.push(Predicted { what: "rack over-pin, measured".to_owned(), lower_mm, upper_mm });
+        let steps = rows.iter().filter_map(|row| {
+            let next = rows.iter().find(|other| other.space == row.space + 1);
+            next.map(|next| (next.position_mm - row.position_mm).abs())
+        });
+        self.signed("rack pitch, measured".to_owned(), false, extremes(steps).1.max(0.0) * gains.rack);
+        let leads = rows.iter().filter_map(|row| row.lead_rad).map(|lead| trig::sin(lead).abs());
+        self.signed("rack lead, measured".to_owned(), false, extremes(leads).1.max(0.0) * gains.lead);
+        self
+    }
+
+    /// Adds the measured teeth of a pinion: radial values as they are, the largest single pitch deviation.
+    #[must_use]
+    pub fn pinion_rows(mut self, pair: &Pair, rows: &[PinionToothRow]) -> Self {
+        if rows.is_empty() {
+            return self;
+        }
+        let gains = Gains::new(pair);
+        if rows.iter().any(|row| row.radial_mm.is_some()) {
+            let (lower_mm, upper_mm) = extremes(rows.iter().map(|row| row.radial_mm.unwrap_or(0.0)));
+            self.terms.push(Predicted { what: "pinion radial, measured".to_owned(), lower_mm, upper_mm });
+        }
+        let mut positions: Vec<_> =
+            rows.iter().filter_map(|row| row.position_mm.map(|position| (row.tooth, position))).collect();
+        positions.sort_unstable_by_key(|(tooth, _)| *tooth);
+        let steps = positions.windows(2).filter(|ends| ends[1].0 == ends[0].0 + 1).map(|ends| ends[1].1 - ends[0].1);
+        let pitches = rows.iter().flat_map(|row| [row.left_pitch_mm, row.right_pitch_mm]).flatten();
+        let pitches = pitches.chain(steps).map(f64::abs);
+        self.signed("pinion pitch, measured".to_owned(), false, extremes(pitches).1.max(0.0) * gains.pinion);
+        self
+    }
+}
+
+/// The lowest and highest of some values; 0 where there are none.
+fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0))
+}
+
+impl Gains {
+    fn new(pair: &Pair) -> Self {
+        let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
+        let gain = |kind, model, helix: f64| unit_gain(kind, model, tan_alpha, trig::cos(helix));
+        let (rack, pinion) = (pair.rack().helix_angle_rad, pair.pinion().helix_angle_rad);
+        Self {
+            rack: gain(DeviationKind::RackPitch, Model::Exact, rack),
+            normal: gain(DeviationKind::RackPitch, Model::Paper, rack),
+            pinion: gain(DeviationKind::PinionPitch, Model::Exact, pinion),
+            pinion_lead: gain(DeviationKind::PinionLead, Model::Exact, pinion),
+            lead: pair.rack().face_width_mm * gain(DeviationKind::RackLead, Model::Exact, rack),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::gear::example;
+
+    pub(crate) fn pair(teeth: u32, rack_helix: f64, pinion_helix: f64) -> Pair {
+        Pair::new(&example(teeth, rack_helix, pinion_helix)).expect("a valid pair")
+    }
+
+    /// Names, and ranges in mm to twelve decimals.
+    fn terms(prediction: &Prediction) -> Vec<(&str, String)> {
+        let text = |term: &Predicted| format!("{:.12} {:.12}", term.lower_mm + 0.0, term.upper_mm + 0.0);
+        prediction.terms.iter().map(|term| (term.what.as_str(), text(term))).collect()
+    }
+
+    /// Every kind of deviation of 0.03 mm or rad, on all teeth and on some.
+    #[test]
+    fn each_deviation_has_the_gain_of_its_formula() {
+        let (rack_helix, pinion_helix) = (0.3, 0.4);
+        let pair = pair(20, rack_helix, pinion_helix);
+        let some = ToothRange::new(Some(4), None).unwrap();
+        let both = |lower: f64, upper: f64| format!("{lower:.12} {upper:.12}");
+        let (cos_rack, cos_pinion) = (trig::cos(rack_helix), trig::cos(pinion_helix));
+        for (kind, gain) in [
+            (RackDeviationKind::OverRoller(-0.03), -0.03),
+            (RackDeviationKind::Thickness(0.03), 0.03),
+            (RackDeviationKind::Left(-0.03), -0.03 * cos_rack),
+            (RackDeviationKind::Right(0.03), 0.03 * cos_rack),
+            (RackDeviationKind::Lead(0.03), trig::sin(0.03) * 20.0 / cos_rack),
+        ] {
+            for (teeth, expected) in [(ToothRange::ALL, (gain, gain)), (some, (gain.min(0.0), gain.max(0.0)))] {
+                let prediction = Prediction::new().rack(&pair, &[RackDeviation { teeth, kind }]);
+                assert_eq!(terms(&prediction)[0].1, both(expected.0, expected.1), "{kind:?}");
+            }
+        }
+        for (kind, gain) in [
+            (PinionDeviationKind::Radial(-0.03), -0.03),
+            (PinionDeviationKind::Thickness(0.03), 0.03 * cos_pinion),
+            (PinionDeviationKind::Left(-0.03), -0.03 * cos_pinion),
+            (PinionDeviationKind::Right(0.03), 0.03 * cos_pinion),
+        ] {
+            for (teeth, expected) in [(ToothRange::ALL, (gain, gain)), (some, (gain.min(0.0), gain.max(0.0)))] {
+                let prediction = Prediction::new().pinion(&pair, &[PinionDeviation { teeth, kind }]);
+                assert_eq!(terms(&prediction)[0].1, both(expected.0, expected.1), "{kind:?}");
+            }
+        }
+    }
+
+    /// Pitches push, whatever their sign; a shift of all teeth is none; a pinion's lead has no formula.
+    #[test]
+    fn pitches_push_and_a_shift_of_all_teeth_is_none() {
+        let pair = pair(20, 0.3, 0.4);
+        let some = ToothRange::new(Some(4), None).unwrap();
+        let rack = |teeth, kind| RackDeviation { teeth, kind };
+        let pushed = Prediction::new().rack(
+            &pair,
+            &[
+                rack(ToothRange::ALL, RackDeviationKind::Pitch(-0.03)),
+                rack(ToothRange::ALL, RackDeviationKind::Shift(-0.03)),
+                rack(some, RackDeviationKind::Shift(-0.03)),
+            ],
+        );
+        let gain = format!("{:.12} {:.12}", 0.0, 0.03 * trig::cos(0.3));
+        let none = format!("{:.12} {:.12}", 0.0, 0.0);
+        assert_eq!(terms(&pushed).into_iter().map(|term| term.1).collect::<Vec<_>>(), [&*gain, &none, &gain]);
+        let pinion = |teeth, kind| PinionDeviation { teeth, kind };
+        let pushed = Prediction::new()
+            .pinion(
+                &pair,
+                &[
+                    pinion(ToothRange::ALL, PinionDeviationKind::Shift(0.03)),
+                    pinion(some, PinionDeviationKind::Shift(-0.03)),
+                    pinion(ToothRange::ALL, PinionDeviationKind::Lead(0.01)),
+                ],
+            )
+            .eccentricity(&Eccentricity { amount_mm: -0.04, tooth: 0 });
+        let gain = format!("{:.12} {:.12}", 0.0, 0.03 * trig::cos(0.4));
+        let eccentricity = format!("{:.12} {:.12}", -0.04, 0.04);
+        let ranges: Vec<_> = terms(&pushed).into_iter().map(|term| term.1).collect();
+        assert_eq!(ranges, [none, gain, eccentricity]);
+        let (lower, upper) = pushed.range_mm();
+        assert_eq!(format!("{lower:.12} {upper:.12}"), format!("{:.12} {:.12}", -0.04, 0.04 + 0.03 * trig::cos(0.4)));
+    }
+
+    /// Steps are those between neighbours only, from the lower to the higher number, in whatever order the rows come.
+    #[test]
+    fn measured_rows_give_their_largest_steps() {
+        let pair = pair(20, 0.3, 0.4);
+        let space = |space, height_mm, position_mm, lead_rad| RackSpaceRow { space, height_mm, position_mm, lead_rad };
+        let rows = [
+            space(8, 0.01, 1.0, None),
+            space(2, -0.02, 0.0, Some(-0.004)),
+            space(1, 0.0, 0.011, Some(0.003)),
+            space(3, 0.005, 0.009, None),
+        ];
+        let range = |lower: f64, upper: f64| format!("{lower:.12} {upper:.12}");
+        let measured = Prediction::new().rack_rows(&pair, &rows);
+        let expected = [
+            ("rack over-pin, measured", range(-0.02, 0.01)),
+            ("rack pitch, measured", range(0.0, 0.011 * trig::cos(0.3))),
+            ("rack lead, measured", range(0.0, trig::sin(0.004) * 20.0 / trig::cos(0.3))),
+        ];
+        assert_eq!(terms(&measured), expected);
+        assert_eq!(Prediction::new().rack_rows(&pair, &[]).pinion_rows(&pair, &[]), Prediction::new());
+
+        let tooth = |tooth, radial_mm, position_mm, left_pitch_mm| PinionToothRow {
+            tooth,
+            radial_mm,
+            position_mm,
+            left_pitch_mm,
+            right_pitch_mm: None,
+            lead_rad: None,
+        };
+        let rows = [
+            tooth(3, Some(0.01), Some(0.03), Some(0.004)),
+            tooth(1, Some(-0.02), Some(0.01), None),
+            tooth(2, None, Some(0.015), Some(-0.002)),
+            tooth(9, None, Some(0.5), None),
+        ];
+        let measured = Prediction::new().pinion_rows(&pair, &rows);
+        let expected = [
+            ("pinion radial, measured", range(-0.02, 0.01)),
+            ("pinion pitch, measured", range(0.0, 0.015 * trig::cos(0.4))),
+        ];
+        assert_eq!(terms(&measured), expected);
+        let pitches = Prediction::new().pinion_rows(&pair, &[tooth(1, None, None, Some(-0.02))]);
+        assert_eq!(terms(&pitches), [("pinion pitch, measured", range(0.0, 0.02 * trig::cos(0.4)))]);
+    }
+}

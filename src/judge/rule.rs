@@ -1,0 +1,329 @@
+#![doc = include_str!("rule.md")]
+//!
+//! Called after an evaluation with the uncertainty of its results; propagates nothing itself.
+
+use super::{Interval, Limit, Verdict};
+use crate::quantity::{Length, QuantityError};
+use crate::statistics::{bivariate_normal_cdf, normal_cdf};
+
+/// Guard band of ISO 14253-1 in standard uncertainties: 95 % one-sided, as the standard rounds it.
+pub const ISO_14253_FACTOR: f64 = 1.65;
+
+/// Conformance probability of ISO 14253-1.
+pub const ISO_14253_PROBABILITY: f64 = 0.95;
+
+/// How a verdict is reached.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Rule {
+    /// By the measured value alone.
+    #[default]
+    Simple,
+    /// ISO 14253-1: with a guard band of 1.65 standard uncertainties.
+    Iso14253,
+    /// With a given guard band.
+    Guard(Length),
+}
+
+impl Rule {
+    /// Whether it can decide nothing without an uncertainty.
+    #[must_use]
+    pub const fn needs_uncertainty(&self) -> bool {
+        matches!(self, Self::Iso14253)
+    }
+}
+
+impl std::fmt::Display for Rule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Simple => f.write_str("simple"),
+            Self::Iso14253 => f.write_str("iso14253"),
+            Self::Guard(value) => write!(f, "guard={value}"),
+        }
+    }
+}
+
+impl std::str::FromStr for Rule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "simple" => Ok(Self::Simple),
+            "iso14253" => Ok(Self::Iso14253),
+            other => {
+                let Some(value) = other.strip_prefix("guard=") else {
+                    return Err(format!("`{text}` is not a decision rule: write simple, iso14253 or guard=VALUE"));
+                };
+                let guard: Length = value.parse().map_err(|error: QuantityError| error.to_string())?;
+                if guard.is_negative() {
+                    return Err(format!("the guard band {guard} is negative: it must be 0 or more"));
+                }
+                Ok(Self::Guard(guard))
+            }
+        }
+    }
+}
+
+/// A result from its lower to its upper end, with the uncertainty of both; mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ends {
+    /// The lower end.
+    pub lower_mm: f64,
+    /// The upper end.
+    pub upper_mm: f64,
+    /// Standard uncertainty of the lower end.
+    pub lower_standard_mm: f64,
+    /// Standard uncertainty of the upper end.
+    pub upper_standard_mm: f64,
+    /// Correlation of both.
+    pub correlation: f64,
+}
+
+impl Ends {
+    /// A single value.
+    #[must_use]
+    pub const fn value(value_mm: f64, standard_mm: f64) -> Self {
+        Self {
+            lower_mm: value_mm,
+            upper_mm: value_mm,
+            lower_standard_mm: standard_mm,
+            upper_standard_mm: standard_mm,
+            correlation: 1.0,
+        }
+    }
+
+    /// The probability that both ends lie inside `limit`, both taken as jointly normal.
+    #[must_use]
+    pub fn conformance(&self, limit: &Limit) -> f64 {
+        let reduced = |distance: Option<f64>, standard: f64| match distance {
+            None => f64::INFINITY,
+            // on the limit is inside
+            Some(distance) if standard == 0.0 => {
+                if distance >= 0.0 {
+                    f64::INFINITY
+                } else {
+                    f64::NEG_INFINITY
+                }
+            }
+            Some(distance) => distance / standard,
+        };
+        let below = limit.lower.map(|lower| self.lower_mm - lower.mm());
+        let above = limit.upper.map(|upper| upper.mm() - self.upper_mm);
+        let (h, k) = (reduced(below, self.lower_standard_mm), reduced(above, self.upper_standard_mm));
+        // the lower end must not be too low and the upper one not too high: of opposite sense
+        let rho = -self.correlation;
+        if rho < -1.0 + 1e-9 { (normal_cdf(h) - normal_cdf(-k)).max(0.0) } else { bivariate_normal_cdf(h, k, rho) }
+    }
+}
+
+/// How probable conformity is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conformance {
+    /// The probability of conformance p_c.
+    pub probability: f64,
+    /// Whether it was counted in a simulation; otherwise it follows from the linear result and a normal distribution.
+    pub simulated: bool,
+}
+
+impl Conformance {
+    /// The specific consumer's risk: that the part, accepted, does not conform.
+    #[must_use]
+    pub fn consumer_risk(&self) -> f64 {
+        1.0 - self.probability
+    }
+
+    /// The specific producer's risk: that the part, rejected, does conform.
+    #[must_use]
+    pub const fn producer_risk(&self) -> f64 {
+        self.probability
+    }
+}
+
+/// How a rule decided about one limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// The guard bands at the lower and the upper limit, mm; `None` where the rule has none, or a simulated
+    /// probability decided.
+    pub guard_mm: Option<(f64, f64)>,
+    /// The probability of conformance, where uncertainties are given.
+    pub conformance: Option<Conformance>,
+    /// The verdict.
+    pub verdict: Verdict,
+}
+
+/// Decides about one limit: `result` from its lower to its upper end is exact, `ends` is the same with its uncertainty,
+/// `simulated` the probability of conformance if it was simulated. Without uncertainty `iso14253` has a guard band of
+/// 0.
+///
+/// # Errors
+/// [`QuantityError`] if a guard band is beyond the range of numbers.
+pub fn decide(
+    rule: &Rule,
+    limit: &Limit,
+    result: Interval,
+    ends: Option<&Ends>,
+    simulated: Option<f64>,
+) -> Result<Decision, QuantityError> {
+    let conformance = match (simulated, ends) {
+        (Some(probability), _) => Some(Conformance { probability, simulated: true }),
+        (None, Some(ends)) => Some(Conformance { probability: ends.conformance(limit), simulated: false }),
+        (None, None) => None,
+    };
+    let standard_mm = ends.map_or((0.0, 0.0), |ends| (ends.lower_standard_mm, ends.upper_standard_mm));
+    let Judgement { verdict, guard } = verdict(rule, limit, result, standard_mm, simulated)?;
+    Ok(Decision { guard_mm: guard.map(|(lower, upper)| (lower.mm(), upper.mm())), conformance, verdict })
+}
+
+/// A verdict, and the guard bands at the lower and the upper limit that led to it.
+pub(crate) struct Judgement {
+    pub(crate) verdict: Verdict,
+    pub(crate) guard: Option<(Length, Length)>,
+}
+
+/// The verdict on a result, from its lower to its upper end, with the standard uncertainties of both, or its simulated
+/// probability of conformance.
+///
+/// # Errors
+/// [`QuantityError`] if a guard band is beyond the largest length.
+pub(crate) fn verdict(
+    rule: &Rule,
+    limit: &Limit,
+    result: Interval,
+    standard_mm: (f64, f64),
+    simulated: Option<f64>,
+) -> Result<Judgement, QuantityError> {
+    if let (Rule::Iso14253, Some(probability)) = (rule, simulated) {
+        let verdict = if probability >= ISO_14253_PROBABILITY {
+            Verdict::Pass
+        } else if probability <= 1.0 - ISO_14253_PROBABILITY {
+            Verdict::Fail
+        } else {
+            Verdict::Indeterminate
+        };
+        return Ok(Judgement { verdict, guard: None });
+    }
+    let guard = rule.guard_bands(standard_mm)?;
+    Ok(Judgement { verdict: judge(limit, result, guard), guard })
+}
+
+impl Rule {
+    /// The guard bands at the lower and the upper limit for results of these standard uncertainties; `None` where the
+    /// rule has none.
+    ///
+    /// # Errors
+    /// [`QuantityError`] if a guard band is beyond the largest length.
+    fn guard_bands(&self, standard_mm: (f64, f64)) -> Result<Option<(Length, Length)>, QuantityError> {
+        let band = |standard_mm: f64| Length::nearest(ISO_14253_FACTOR * standard_mm * 1e12, "the guard band");
+        Ok(match self {
+            Self::Simple => None,
+            Self::Iso14253 => Some((band(standard_mm.0)?, band(standard_mm.1)?)),
+            Self::Guard(guard) => Some((*guard, *guard)),
+        })
+    }
+}
+
+/// Holds a result, from its lower to its upper end, against a limit with guard bands: inside the limit moved inwards it
+/// passes, outside the limit moved outwards it fails.
+fn judge(limit: &Limit, result: Interval, guard: Option<(Length, Length)>) -> Verdict {
+    let Some((at_lower, at_upper)) = guard else { return limit.judge(result) };
+    let moved = |lower: Length, upper: Length| Limit {
+        lower: limit.lower.map(|end| end + lower),
+        upper: limit.upper.map(|end| end - upper),
+    };
+    match (moved(at_lower, at_upper).judge(result), moved(-at_lower, -at_upper).judge(result)) {
+        (Verdict::Pass, _) => Verdict::Pass,
+        (_, Verdict::Fail) => Verdict::Fail,
+        _ => Verdict::Indeterminate,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn verdict(rule: &str, value: &str, u: f64) -> Verdict {
+        let value = length(value);
+        let limit = Limit::symmetric(length("0.05"));
+        decide(&rule.parse().unwrap(), &limit, Interval::value(value), Some(&Ends::value(value.mm(), u)), None)
+            .unwrap()
+            .verdict
+    }
+
+    #[test]
+    fn a_guard_band_is_exact_to_the_decimal() {
+        use Verdict::{Fail, Indeterminate, Pass};
+        for (value, expected) in [
+            ("0.04", Pass),
+            ("0.0400001", Indeterminate),
+            ("0.05", Indeterminate),
+            ("0.06", Indeterminate),
+            ("0.0600001", Fail),
+            ("-0.04", Pass),
+            ("-0.0600001", Fail),
+        ] {
+            assert_eq!(verdict("guard=10um", value, 0.0), expected, "{value}");
+        }
+        // 1.65 · 0.001 = 0.00165
+        for (value, expected) in
+            [("0.04835", Pass), ("0.04836", Indeterminate), ("0.05165", Indeterminate), ("0.05166", Fail)]
+        {
+            assert_eq!(verdict("iso14253", value, 0.001), expected, "{value}");
+        }
+        assert_eq!(verdict("simple", "0.05", 0.01), Pass);
+        assert_eq!(verdict("simple", "0.050001", 0.01), Fail);
+    }
+
+    #[test]
+    fn probabilities_of_conformance() {
+        let limit = Limit::symmetric(length("0.05"));
+        let near = |ends: Ends, expected: f64| assert!((ends.conformance(&limit) - expected).abs() < 1e-9, "{ends:?}");
+        // on one limit, the other far away
+        near(Ends::value(0.05, 0.001), 0.5);
+        // 1.65 u inside
+        near(Ends::value(0.05 - 0.00165, 0.001), normal_cdf(1.65));
+        near(Ends::value(0.0, 0.05), normal_cdf(1.0) - normal_cdf(-1.0));
+        near(Ends::value(0.05, 0.0), 1.0);
+        near(Ends::value(0.0501, 0.0), 0.0);
+        // two independent ends
+        let ends = Ends {
+            lower_mm: -0.049,
+            upper_mm: 0.048,
+            lower_standard_mm: 0.001,
+            upper_standard_mm: 0.001,
+            correlation: 0.0,
+        };
+        near(ends, normal_cdf(1.0) * normal_cdf(2.0));
+        // both ends on their limits: Sheppard's quarter, whatever goes together
+        for correlation in [0.8, -0.3, 1.0 - 1e-8, 1.0 - 1e-12, 1.0] {
+            let ends = Ends { lower_mm: -0.05, upper_mm: 0.05, correlation, ..ends };
+            let expected = 0.25 - crate::trig::asin(correlation) / std::f64::consts::TAU;
+            assert!((ends.conformance(&limit) - expected).abs() < 1e-5, "{correlation}");
+        }
+        let open = Limit { lower: None, upper: Some(length("0.05")) };
+        assert!((ends.conformance(&open) - normal_cdf(2.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_simulated_probability_decides_where_there_is_one() {
+        let (value, limit) = (length("0.049"), Limit::symmetric(length("0.05")));
+        for (probability, expected) in [(0.96, Verdict::Pass), (0.94, Verdict::Indeterminate), (0.04, Verdict::Fail)] {
+            let decision = decide(&Rule::Iso14253, &limit, Interval::value(value), None, Some(probability)).unwrap();
+            assert_eq!(decision.verdict, expected);
+            let conformance = decision.conformance.unwrap();
+            assert!(conformance.simulated);
+            assert!((conformance.consumer_risk() + conformance.producer_risk() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn rules_as_written() {
+        assert_eq!("guard=5um".parse::<Rule>().unwrap(), Rule::Guard(length("0.005")));
+        assert!("guard=-5um".parse::<Rule>().unwrap_err().contains("negative"));
+        assert!("guard=5".parse::<Rule>().is_ok());
+        assert!("iso".parse::<Rule>().unwrap_err().contains("iso14253"));
+    }
+}

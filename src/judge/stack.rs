@@ -1,0 +1,198 @@
+#![doc = include_str!("stack.md")]
+//!
+//! Called by the evaluation and by whoever judges many parts; judges nothing.
+
+use std::fmt;
+
+use crate::formula::PartDeviation;
+use crate::judge::bound::{Basis, Open, Range, Together};
+use crate::quantity::{Length, QuantityError};
+
+/// How errors are combined to the result that is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Stack {
+    /// The worst case: no placement of these errors on the teeth leaves it.
+    #[default]
+    Range,
+    /// Statistical: all but a few of many such parts, at any one stroke.
+    Rss,
+}
+
+impl Stack {
+    /// Every one.
+    pub const ALL: [Self; 2] = [Self::Range, Self::Rss];
+
+    /// `range` or `rss`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Range => "range",
+            Self::Rss => "rss",
+        }
+    }
+
+    /// Both ends of the combination, mm.
+    ///
+    /// # Errors
+    /// [`Open`] if there is none.
+    pub fn ends(self, together: &Together) -> Result<Range, Open> {
+        match self {
+            Self::Range => together.total,
+            Self::Rss => together.statistical,
+        }
+    }
+}
+
+impl fmt::Display for Stack {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Range => "worst case",
+            Self::Rss => "statistical (RSS)",
+        })
+    }
+}
+
+/// ΔCD from a lowest to a highest value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Interval {
+    /// The lowest.
+    pub lower: Length,
+    /// The highest.
+    pub upper: Length,
+}
+
+impl Interval {
+    /// The nearest decimals of a range: errors that are decimals themselves then meet a decimal limit exactly.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] if an end is beyond the largest length.
+    pub fn nearest(range: Range) -> Result<Self, QuantityError> {
+        let nearest = |mm: f64| Length::nearest(mm * FM_PER_MM, "the sum of ΔCD");
+        Ok(Self { lower: nearest(range.lower)?, upper: nearest(range.upper)? })
+    }
+
+    /// The same of a range that may be open.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] if an end is beyond the largest length.
+    pub fn of(range: Result<Range, Open>) -> Result<Result<Self, Open>, QuantityError> {
+        match range {
+            Ok(range) => Self::nearest(range).map(Ok),
+            Err(open) => Ok(Err(open)),
+        }
+    }
+
+    /// A single value.
+    #[must_use]
+    pub const fn value(value: Length) -> Self {
+        Self { lower: value, upper: value }
+    }
+
+    /// The end that is farther from 0.
+    #[must_use]
+    pub fn largest(&self) -> Length {
+        if self.lower.abs() > self.upper.abs() { self.lower } else { self.upper }
+    }
+}
+
+const FM_PER_MM: f64 = 1e12;
+
+/// The combinations of several errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Combined {
+    /// The worst case.
+    pub range: Result<Interval, Open>,
+    /// The statistical combination.
+    pub rss: Result<Interval, Open>,
+}
+
+impl Combined {
+    /// Combines a part's errors, of a pair of which this is known.
+    ///
+    /// # Errors
+    /// [`QuantityError::Overflow`] if a sum is beyond the largest length.
+    pub fn of(errors: &[PartDeviation], basis: &Basis) -> Result<Self, QuantityError> {
+        let bound = basis.bound_of(errors);
+        Ok(Self { range: Interval::of(bound.total)?, rss: Interval::of(bound.statistical)? })
+    }
+
+    /// The combination that is judged.
+    ///
+    /// # Errors
+    /// [`Open`] if there is none.
+    pub fn interval(&self, stack: Stack) -> Result<Interval, Open> {
+        match stack {
+            Stack::Range => self.range,
+            Stack::Rss => self.rss,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::Extent;
+    use crate::formula::Law;
+    use crate::quantity::Angle;
+
+    fn combined(errors: &[PartDeviation]) -> Combined {
+        Combined::of(errors, &Basis::default()).unwrap()
+    }
+
+    fn length(text: &str) -> Length {
+        text.parse().unwrap()
+    }
+
+    fn interval(lower: &str, upper: &str) -> Interval {
+        Interval { lower: length(lower), upper: length(upper) }
+    }
+
+    fn pitch(value: &str) -> PartDeviation {
+        // cos 30° / (2 tan 30°) = 3/4
+        let angle: Angle = "30".parse().unwrap();
+        PartDeviation::new(Law::rack_pitch(angle, angle).unwrap(), length(value))
+    }
+
+    #[test]
+    fn sizes_act_with_their_sign_and_steps_either_way() {
+        let c = combined(&[
+            PartDeviation::new(Law::rack_over_roller(), length("-0.03")),
+            PartDeviation::new(Law::pinion_radial(), length("0.01")),
+            pitch("0.04"),
+        ]);
+        assert_eq!(c.range, Ok(interval("-0.06", "0.01")));
+    }
+
+    #[test]
+    fn decimals_meet_decimals() {
+        for step in 0..=2000 {
+            let size = |fm: i64| PartDeviation::new(Law::rack_over_roller(), Length::from_fm(fm));
+            let c = combined(&[size(step * 100_000_000), size(30_000_000_000), pitch("0.02")]);
+            let expected = Length::from_fm(step * 100_000_000 + 45_000_000_000);
+            assert_eq!(c.range.unwrap().upper, expected);
+        }
+    }
+
+    #[test]
+    fn tolerances_combine_by_their_spread() {
+        let tolerance = |law, value| PartDeviation::within(law, length(value));
+        let c = combined(&[tolerance(Law::rack_over_roller(), "0.03"), tolerance(Law::pinion_radial(), "0.04")]);
+        assert_eq!(c.range, Ok(interval("-0.07", "0.07")));
+        assert_eq!(c.rss, Ok(interval("-0.05", "0.05")));
+    }
+
+    #[test]
+    fn every_pitch_has_no_range_without_the_pair() {
+        let c = combined(&[pitch("0.01").with_extent(Extent::All)]);
+        assert_eq!((c.range, c.rss), (Err(Open::TeethInContactUnknown), Err(Open::TeethInContactUnknown)));
+    }
+
+    #[test]
+    fn nothing_combines_to_nothing_and_overflow_is_an_error() {
+        assert_eq!(combined(&[]).range, Ok(Interval::default()));
+        let large = PartDeviation::new(Law::rack_over_roller(), length("9e5"));
+        let error = Combined::of(&[large, large], &Basis::default()).unwrap_err();
+        assert_eq!(error.to_string(), "the sum of ΔCD is too large: its magnitude must stay within 1e6 mm");
+    }
+}

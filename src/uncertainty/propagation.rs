@@ -1,0 +1,453 @@
+//! The linear propagation itself: the laws' derivatives, weighted as the errors are combined, times the standard
+//! uncertainties. Called for single parts, and by the batch engine for many parts of one gear; what follows from the
+//! gear is computed once.
+//!
+//! Every law is a gain, which follows from the gear, times a function of the error alone:
+//!
+//! ```text
+//! ∂ΔCD/∂x = ΔCD · ∂(ln gain)/∂x        for the gear's x
+//! ```
+//!
+//! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences.
+
+use super::coverage::{coverage_factor, effective_dof, whole_dof};
+use super::gear::{Gear, Varied, ends};
+use super::{
+    EndWeights, FOLD, InputContribution, Linear, Propagation, Source, TeethSensitivity, Uncertainties, UncertaintyError,
+};
+use crate::deviation::{self, DeviationKind, Extent};
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Input, Law, Model, PartDeviation, Sensitivity};
+use crate::judge::Stack;
+use crate::judge::bound::{Basis, ExtendedError, Range};
+
+const KINDS: usize = DeviationKind::ALL.len();
+
+/// As many inputs as there are.
+const INPUTS: usize = 14;
+
+/// Coverage factors are kept up to so many degrees of freedom.
+const KEPT_FACTORS: u32 = 256;
+
+/// What the uncertainties of a part's inputs are about: its errors and, if the nominal of the over-roller measure is
+/// computed, from what.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    /// The errors.
+    pub errors: &'a [PartDeviation],
+    /// The inputs of the over-roller error's nominal, if that is computed.
+    pub over_pin: Option<&'a OverPin>,
+    /// The model of the formulas.
+    pub model: Model,
+    /// How the errors are combined.
+    pub stack: Stack,
+    /// What is known of the pair.
+    pub basis: &'a Basis,
+    /// How teeth that are known one by one follow from what is uncertain.
+    pub teeth: &'a [TeethSensitivity],
+}
+
+/// Propagates `uncertainties` through the laws of a part, linearly.
+///
+/// # Errors
+/// [`UncertaintyError::Domain`] if a law or one of its derivatives has no value there.
+pub fn propagate(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Propagation, UncertaintyError> {
+    Propagator::new(part, uncertainties.clone())?.propagation(part.errors)
+}
+
+/// The uncertainty of one result.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spread {
+    /// Standard uncertainty u, mm.
+    pub standard_mm: f64,
+    /// Coverage factor k.
+    pub coverage_factor: f64,
+    /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
+    pub gauge_mm2: f64,
+    /// Whether an error is so near to zero that the result is not linear.
+    pub folded: bool,
+}
+
+/// The uncertainties of a part's results.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spreads {
+    /// Of each error's ΔCD, in the order of the errors.
+    pub errors: [Spread; KINDS],
+    /// How both ends of what each error can do alone follow from its ΔCD.
+    pub weights: [EndWeights; KINDS],
+    /// Of the lower end of the combination that is judged.
+    pub lower: Spread,
+    /// Of its upper end.
+    pub upper: Spread,
+    /// The correlation of both ends.
+    pub end_correlation: f64,
+}
+
+/// One error of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Point {
+    /// The error, mm or degrees.
+    pub error: f64,
+    /// Its ΔCD, mm.
+    pub delta_cd_mm: f64,
+}
+
+/// What the uncertainty of one error's ΔCD follows from.
+#[derive(Debug, Clone)]
+struct Derivatives {
+    law: Law,
+    /// Its extent.
+    extent: Extent,
+    /// The error for the bound; `None` if it is too large for one.
+    varied: Option<Varied>,
+    /// The input that is the error itself, and its standard uncertainty, mm or degrees.
+    own: Option<(usize, f64)>,
+    /// ∂(ln ΔCD)/∂x of each input.
+    relative: [f64; INPUTS],
+    /// ∂ΔCD/∂x of the inputs of a computed nominal value.
+    constant: [f64; INPUTS],
+}
+
+/// The derivatives of one result by all inputs, and whether it is not linear because an error is near zero.
+#[derive(Debug, Clone, Copy)]
+struct Gradient {
+    by_input: [f64; INPUTS],
+    /// The errors, by index, that fold.
+    folded: [bool; KINDS],
+}
+
+const NO_GRADIENT: Gradient = Gradient { by_input: [0.0; INPUTS], folded: [false; KINDS] };
+
+/// The gradients of a part's results.
+struct Gradients {
+    errors: [Gradient; KINDS],
+    lower: Gradient,
+    upper: Gradient,
+}
+
+/// The uncertainties of a gear's parts, ready for many of them; see the module.
+#[derive(Debug, Clone)]
+pub struct Propagator {
+    uncertainties: Uncertainties,
+    derivatives: Vec<Derivatives>,
+    model: Model,
+    stack: Stack,
+    /// Degrees of freedom of the inputs; empty where all are infinite.
+    dofs: Vec<f64>,
+    /// Coverage factors by whole degrees of freedom, where any are finite.
+    factors: Vec<f64>,
+    basis: Basis,
+    /// The gear data of the errors' laws.
+    gear: Gear,
+    /// Of teeth that are known one by one.
+    teeth: Vec<TeethSensitivity>,
+}
+
+/// How far inputs are varied, mm or degrees: ends are linear nearly everywhere, so that this may be much more than what
+/// their digits lose.
+const VARIED_BY: f64 = 1e-6;
+
+impl Propagator {
+    /// Prepares the uncertainties of parts with the errors of this one, whatever their values.
+    ///
+    /// # Errors
+    /// [`UncertaintyError::Domain`] if a derivative has no value.
+    pub fn new(part: &Part<'_>, uncertainties: Uncertainties) -> Result<Self, UncertaintyError> {
+        let derivatives =
+            part.errors.iter().map(|error| Derivatives::new(error, part, &uncertainties)).collect::<Result<_, _>>()?;
+        let inputs = uncertainties.inputs();
+        let finite = inputs.iter().any(|(_, uncertainty)| uncertainty.dof.is_finite());
+        let dofs = if finite { inputs.iter().map(|(_, uncertainty)| uncertainty.dof).collect() } else { Vec::new() };
+        let kept = if finite { KEPT_FACTORS } else { 0 };
+        let factors = (0..kept).map(|dof| coverage_factor(f64::from(dof))).collect();
+        Ok(Self {
+            uncertainties,
+            derivatives,
+            model: part.model,
+            stack: part.stack,
+            dofs,
+            factors,
+            basis: part.basis.clone(),
+            gear: Gear::new(part.errors, part.over_pin),
+            teeth: part.teeth.to_vec(),
+        })
+    }
+
+    /// What is uncertain.
+    #[must_use]
+    pub fn uncertainties(&self) -> &Uncertainties {
+        &self.uncertainties
+    }
+
+    /// The uncertainties of one part, of which `points` has each error.
+    #[must_use]
+    pub fn spreads(&self, points: &[Point]) -> Spreads {
+        let gradients = self.gradients(points);
+        let mut spreads = Spreads::default();
+        for (spread, gradient) in spreads.errors.iter_mut().zip(&gradients.errors).take(points.len()) {
+            *spread = self.spread(gradient);
+        }
+        for ((weights, of), point) in spreads.weights.iter_mut().zip(&self.derivatives).zip(points) {
+            *weights = self.weights(of, point.error);
+        }
+        spreads.lower = self.spread(&gradients.lower);
+        spreads.upper = self.spread(&gradients.upper);
+        spreads.end_correlation = self.end_correlation(&gradients, &spreads.lower, &spreads.upper);
+        spreads
+    }
+
+    /// The same with what each input contributes.
+    ///
+    /// # Errors
+    /// [`UncertaintyError::Domain`] if a ΔCD or their combination has no value.
+    pub fn propagation(&self, errors: &[PartDeviation]) -> Result<Propagation, UncertaintyError> {
+        let mut points = [Point::default(); KINDS];
+        for (point, error) in points.iter_mut().zip(errors) {
+            *point = Point { error: error.value().base(), delta_cd_mm: error.delta_cd(self.model)?.mm() };
+        }
+        let points = &points[..errors.len()];
+        let gradients = self.gradients(points);
+        let ends = self.ends(&values(points), None);
+        let correlation =
+            self.end_correlation(&gradients, &self.spread(&gradients.lower), &self.spread(&gradients.upper));
+        Ok(Propagation {
+            errors: errors
+                .iter()
+                .zip(points)
+                .zip(&gradients.errors)
+                .map(|((error, point), gradient)| (error.kind(), self.linear(point.delta_cd_mm, gradient)))
+                .collect(),
+            weights: self.derivatives.iter().zip(points).map(|(of, point)| self.weights(of, point.error)).collect(),
+            lower: self.linear(ends.lower, &gradients.lower),
+            upper: self.linear(ends.upper, &gradients.upper),
+            stack: self.stack,
+            end_correlation: correlation,
+        })
+    }
+
+    fn gradients(&self, points: &[Point]) -> Gradients {
+        let count = self.uncertainties.inputs().len();
+        let mut gradients = Gradients { errors: [NO_GRADIENT; KINDS], lower: NO_GRADIENT, upper: NO_GRADIENT };
+        for (index, (of, point)) in self.derivatives.iter().zip(points).enumerate() {
+            let gradient = &mut gradients.errors[index];
+            for input in 0..count {
+                gradient.by_input[input] = of.constant[input] + point.delta_cd_mm * of.relative[input];
+            }
+            let mut folds = false;
+            if let Some((own, standard)) = of.own {
+                gradient.by_input[own] += of.law.slope(point.error, self.model);
+                folds = point.error.abs() < FOLD * standard;
+                gradient.folded[index] = !of.law.kind().always_acts() && folds;
+            }
+            // a size on some of the teeth acts only one way
+            let at_ends = folds && !(of.law.kind().always_acts() && of.extent == Extent::All);
+            gradients.lower.folded[index] = at_ends;
+            gradients.upper.folded[index] = at_ends;
+        }
+        let values = values(points);
+        let centre = self.ends(&values, None);
+        for input in 0..count {
+            let Range { lower, upper } = self.by_input(input, &values, centre);
+            let (source, _) = self.uncertainties.inputs()[input];
+            let teeth = self.teeth.iter().find(|teeth| teeth.source == source);
+            gradients.lower.by_input[input] = lower + teeth.map_or(0.0, |teeth| teeth.lower);
+            gradients.upper.by_input[input] = upper + teeth.map_or(0.0, |teeth| teeth.upper);
+        }
+        gradients
+    }
+
+    fn weights(&self, of: &Derivatives, value: f64) -> EndWeights {
+        let alone = |value: f64| of.varied.and_then(|varied| self.basis.alone(&varied.with_value(value)).ok());
+        let step = if value < 0.0 { -VARIED_BY } else { VARIED_BY };
+        let (Some(here), Some(there)) = (alone(value), alone(value + step)) else { return EndWeights::default() };
+        let per_delta_cd = 1.0 / (step * of.law.slope(value, self.model));
+        EndWeights {
+            lower: (there.lower_mm - here.lower_mm) * per_delta_cd,
+            upper: (there.upper_mm - here.upper_mm) * per_delta_cd,
+        }
+    }
+
+    /// ∂(both ends)/∂x of one input. An error's magnitude has a kink at zero: there it is varied away from it. So it is
+    /// elsewhere for ends that are linear in errors, and otherwise from both sides.
+    fn by_input(&self, input: usize, values: &[f64; KINDS], centre: Range) -> Range {
+        let own = self.derivatives.iter().position(|of| of.own.is_some_and(|(own, _)| own == input));
+        let one_sided = own.filter(|&index| self.stack == Stack::Range || values[index].abs() < VARIED_BY);
+        if let Some(index) = one_sided {
+            let step = if values[index] < 0.0 { -VARIED_BY } else { VARIED_BY };
+            let ends = self.ends(values, Some((input, step)));
+            return Range { lower: (ends.lower - centre.lower) / step, upper: (ends.upper - centre.upper) / step };
+        }
+        let (above, below) =
+            (self.ends(values, Some((input, VARIED_BY))), self.ends(values, Some((input, -VARIED_BY))));
+        let slope = |above: f64, below: f64| (above - below) / (2.0 * VARIED_BY);
+        Range { lower: slope(above.lower, below.lower), upper: slope(above.upper, below.upper) }
+    }
+
+    /// Both ends of the combination for errors of these values, with one input off by so much.
+    fn ends(&self, values: &[f64; KINDS], off: Option<(usize, f64)>) -> Range {
+        let mut gear = self.gear;
+        let shifted = off.and_then(|(input, step)| {
+            let (source, _) = self.uncertainties.inputs()[input];
+            gear.of_source(source).map(|value| *value += step)
+        });
+        let mut errors = [ExtendedError::NONE; KINDS];
+        for ((error, of), value) in errors.iter_mut().zip(&self.derivatives).zip(values) {
+            let Some(varied) = &of.varied else { return Range { lower: f64::NAN, upper: f64::NAN } };
+            let own = off.map_or(0.0, |(input, step)| {
+                let is_own = of.own.is_some_and(|(own, _)| own == input);
+                (of.constant[input] + if is_own { 1.0 } else { 0.0 }) * step
+            });
+            *error = match shifted {
+                Some(()) => varied.at(value + own, &gear),
+                None => varied.with_value(value + own),
+            };
+        }
+        ends(self.stack, &errors[..self.derivatives.len()], &self.basis)
+    }
+
+    /// c_i u(x_i) of every input.
+    fn contributions(&self, by_input: &[f64; INPUTS]) -> [f64; INPUTS] {
+        let mut contributions = [0.0; INPUTS];
+        let inputs = self.uncertainties.inputs().iter();
+        for ((contribution, derivative), (_, uncertainty)) in contributions.iter_mut().zip(by_input).zip(inputs) {
+            *contribution = derivative * uncertainty.standard;
+        }
+        contributions
+    }
+
+    fn covariance(&self, a: &[f64; INPUTS], b: &[f64; INPUTS]) -> f64 {
+        let count = self.uncertainties.inputs().len();
+        self.uncertainties.covariance(&a[..count], &b[..count])
+    }
+
+    fn variance(&self, by_input: &[f64; INPUTS]) -> f64 {
+        let contributions = self.contributions(by_input);
+        self.covariance(&contributions, &contributions).max(0.0)
+    }
+
+    fn spread(&self, gradient: &Gradient) -> Spread {
+        let standard_mm = self.variance(&gradient.by_input).sqrt();
+        let mut gauge = gradient.by_input;
+        for (derivative, (source, _)) in gauge.iter_mut().zip(self.uncertainties.inputs()) {
+            if !matches!(source, Source::Error(_)) {
+                *derivative = 0.0;
+            }
+        }
+        Spread {
+            standard_mm,
+            coverage_factor: self.coverage_factor(self.dof(gradient, standard_mm)),
+            gauge_mm2: self.variance(&gauge),
+            folded: gradient.folded.contains(&true),
+        }
+    }
+
+    fn linear(&self, value_mm: f64, gradient: &Gradient) -> Linear {
+        let variance = self.variance(&gradient.by_input);
+        let standard_mm = variance.sqrt();
+        let dof = self.dof(gradient, standard_mm);
+        let contributions = self.contributions(&gradient.by_input);
+        let inputs = self.uncertainties.inputs().iter().zip(&gradient.by_input).zip(&contributions);
+        let contributions = inputs
+            .filter(|((_, derivative), _)| **derivative != 0.0)
+            .map(|(((source, uncertainty), sensitivity), contribution)| InputContribution {
+                source: *source,
+                standard: uncertainty.standard,
+                dof: uncertainty.dof,
+                sensitivity: *sensitivity,
+                contribution_mm: *contribution,
+                share: (variance > 0.0).then(|| contribution * contribution / variance),
+            })
+            .collect();
+        let folded = self.derivatives.iter().zip(gradient.folded).filter(|(_, folded)| *folded);
+        Linear {
+            value_mm,
+            standard_mm,
+            dof,
+            coverage_factor: self.coverage_factor(dof),
+            contributions,
+            folded: folded.map(|(of, _)| of.law.kind()).collect(),
+        }
+    }
+
+    /// Effective degrees of freedom; `None` where correlated inputs have finite ones, for which there is no formula.
+    fn dof(&self, gradient: &Gradient, standard_mm: f64) -> Option<f64> {
+        if self.dofs.is_empty() {
+            return Some(f64::INFINITY);
+        }
+        let contributions = self.contributions(&gradient.by_input);
+        let contributions = &contributions[..self.dofs.len()];
+        let counts = |i: usize| contributions[i] != 0.0 && self.dofs[i].is_finite();
+        let correlated = (0..contributions.len()).any(|i| counts(i) && self.uncertainties.correlated(i));
+        (!correlated).then(|| effective_dof(standard_mm, contributions, &self.dofs))
+    }
+
+    fn coverage_factor(&self, dof: Option<f64>) -> f64 {
+        let dof = dof.unwrap_or(f64::INFINITY);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1; saturates")]
+        let kept = self.factors.get(whole_dof(dof) as usize);
+        kept.copied().unwrap_or_else(|| coverage_factor(dof))
+    }
+
+    fn end_correlation(&self, gradients: &Gradients, lower: &Spread, upper: &Spread) -> f64 {
+        let scale = lower.standard_mm * upper.standard_mm;
+        if scale == 0.0 {
+            return 0.0;
+        }
+        let (a, b) = (self.contributions(&gradients.lower.by_input), self.contributions(&gradients.upper.by_input));
+        (self.covariance(&a, &b) / scale).clamp(-1.0, 1.0)
+    }
+}
+
+impl Derivatives {
+    fn new(error: &PartDeviation, part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Self, UncertaintyError> {
+        let (law, kind) = (error.law(), error.kind());
+        let inputs = uncertainties.inputs();
+        let index = |source: Source| inputs.iter().position(|(other, _)| *other == source);
+        let (mut relative, mut constant) = ([0.0; INPUTS], [0.0; INPUTS]);
+        for (input, derivative) in law.relative_sensitivities(part.model) {
+            if let Some(at) = source_of(kind, input).and_then(index) {
+                relative[at] += derivative;
+            }
+        }
+        if let (DeviationKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
+            for Sensitivity { input, value } in over_pin.sensitivities()? {
+                if let (Some(at), Some(value)) = (over_pin_source(input).and_then(index), value) {
+                    // M − M_nom falls as the nominal rises
+                    constant[at] -= value;
+                }
+            }
+        }
+        let own = index(Source::Error(kind)).map(|own| (own, inputs[own].1.standard));
+        Ok(Self { law, extent: error.extent(), varied: Varied::new(error), own, relative, constant })
+    }
+}
+
+fn values(points: &[Point]) -> [f64; KINDS] {
+    let mut values = [0.0; KINDS];
+    for (value, point) in values.iter_mut().zip(points) {
+        *value = point.error;
+    }
+    values
+}
+
+fn source_of(kind: DeviationKind, input: Input) -> Option<Source> {
+    match input {
+        Input::Error => Some(Source::Error(kind)),
+        Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
+        Input::HelixAngle if kind.part() == deviation::Part::Pinion => Some(Source::PinionHelixAngle),
+        Input::HelixAngle => Some(Source::RackHelixAngle),
+        Input::FaceWidth => Some(Source::FaceWidth),
+        _ => None,
+    }
+}
+
+fn over_pin_source(input: Input) -> Option<Source> {
+    match input {
+        Input::NormalModule => Some(Source::NormalModule),
+        Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
+        Input::ToothThickness => Some(Source::ToothThickness),
+        Input::Datum => Some(Source::Datum),
+        Input::PinDiameter => Some(Source::Roller),
+        _ => None,
+    }
+}

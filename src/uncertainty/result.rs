@@ -1,0 +1,127 @@
+//! What the propagation gives: a value with its standard uncertainty, coverage factor and what each input contributes.
+//! Written by the propagation, read by the rules and the reports; it computes no derivative.
+
+use super::Source;
+use super::coverage::whole_dof;
+use crate::deviation::DeviationKind;
+use crate::judge::rule::Ends;
+use crate::judge::{Interval, LimitTarget, Stack};
+use crate::statistics::student_quantile;
+
+/// What one input contributes to a result's uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputContribution {
+    /// The input.
+    pub source: Source,
+    /// Its standard uncertainty u(x_i), mm or degrees.
+    pub standard: f64,
+    /// Its degrees of freedom.
+    pub dof: f64,
+    /// c_i = ∂y/∂x_i, mm per mm or mm per degree.
+    pub sensitivity: f64,
+    /// c_i u(x_i), mm.
+    pub contribution_mm: f64,
+    /// (c_i u(x_i))² / u²(y); `None` if u(y) is 0. With correlations the shares do not add up to 1.
+    pub share: Option<f64>,
+}
+
+/// The linear result for one ΔCD.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Linear {
+    /// The value y, mm.
+    pub value_mm: f64,
+    /// Standard uncertainty u(y), mm.
+    pub standard_mm: f64,
+    /// Effective degrees of freedom ν_eff; `None` where correlated inputs have finite ones, for which there is no
+    /// formula.
+    pub dof: Option<f64>,
+    /// Coverage factor k.
+    pub coverage_factor: f64,
+    /// One per input that this result depends on.
+    pub contributions: Vec<InputContribution>,
+    /// Errors so near to zero that the magnitude of what they do is not linear: u(y) is an upper bound there.
+    pub folded: Vec<DeviationKind>,
+}
+
+impl Linear {
+    /// The expanded uncertainty U = k u(y), mm.
+    #[must_use]
+    pub fn expanded_mm(&self) -> f64 {
+        self.coverage_factor * self.standard_mm
+    }
+
+    /// The half-width of the interval that contains the value with `probability`.
+    #[must_use]
+    pub fn half_width_mm(&self, probability: f64) -> f64 {
+        let dof = self.dof.unwrap_or(f64::INFINITY);
+        self.standard_mm * student_quantile(0.5 + 0.5 * probability, whole_dof(dof))
+    }
+}
+
+/// ∂(end)/∂ΔCD of both ends of what one error can do alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EndWeights {
+    /// Of the lower end.
+    pub lower: f64,
+    /// Of the upper end.
+    pub upper: f64,
+}
+
+impl EndWeights {
+    /// Both ends of a result with their uncertainty, where that of ΔCD is known.
+    #[must_use]
+    pub fn ends(&self, result: Interval, standard_mm: f64) -> Ends {
+        let both = self.lower * self.upper;
+        Ends {
+            lower_mm: result.lower.mm(),
+            upper_mm: result.upper.mm(),
+            lower_standard_mm: self.lower.abs() * standard_mm,
+            upper_standard_mm: self.upper.abs() * standard_mm,
+            correlation: if both == 0.0 { 0.0 } else { both.signum() },
+        }
+    }
+}
+
+/// The linear results for a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Propagation {
+    /// Of each error's ΔCD, in the order of the errors.
+    pub errors: Vec<(DeviationKind, Linear)>,
+    /// How both ends of what each error can do alone follow from its ΔCD.
+    pub weights: Vec<EndWeights>,
+    /// Of the lower end of the combination that is judged.
+    pub lower: Linear,
+    /// Of its upper end: with the range, the sum of all.
+    pub upper: Linear,
+    /// The combination.
+    pub stack: Stack,
+    /// The correlation of both ends.
+    pub end_correlation: f64,
+}
+
+impl Propagation {
+    /// The result that a limit on `target` is held against, with its uncertainty.
+    #[must_use]
+    pub fn ends(&self, target: LimitTarget, result: Interval) -> Option<Ends> {
+        let (lower_mm, upper_mm) = (result.lower.mm(), result.upper.mm());
+        match target {
+            LimitTarget::CenterDistance => Some(Ends {
+                lower_mm,
+                upper_mm,
+                lower_standard_mm: self.lower.standard_mm,
+                upper_standard_mm: self.upper.standard_mm,
+                correlation: self.end_correlation,
+            }),
+            LimitTarget::Error(kind) => {
+                let index = self.errors.iter().position(|(other, _)| *other == kind)?;
+                Some(self.weights[index].ends(result, self.errors[index].1.standard_mm))
+            }
+        }
+    }
+
+    /// Errors whose ΔCD is so near to zero that nothing linear describes it.
+    #[must_use]
+    pub fn folded(&self) -> &[DeviationKind] {
+        &self.upper.folded
+    }
+}

@@ -1,0 +1,345 @@
+//! The linear propagation against differences, printed examples and closed forms.
+
+use super::*;
+use crate::deviation::{DeviationKind, Extent};
+use crate::formula::over_pin::OverPin;
+use crate::formula::{Law, Model, PartDeviation};
+use crate::judge::bound::{Basis, GivenGeometry};
+use crate::judge::{Combined, Interval, Stack};
+use crate::quantity::{Angle, Length};
+use crate::statistics::student_quantile;
+
+fn length(text: &str) -> Length {
+    text.parse().unwrap()
+}
+
+fn angle(text: &str) -> Angle {
+    text.parse().unwrap()
+}
+
+fn five(pitch: &str, lead: &str) -> Vec<PartDeviation> {
+    let (alpha, rack, pinion) = (angle("20"), angle("12"), angle("21"));
+    vec![
+        PartDeviation::new(Law::rack_over_roller(), length("0.013")),
+        PartDeviation::new(Law::rack_pitch(alpha, rack).unwrap(), length(pitch)),
+        PartDeviation::new(Law::rack_lead(alpha, rack, length("19.7")).unwrap(), angle(lead)),
+        PartDeviation::new(Law::pinion_radial(), length("-0.004")),
+        PartDeviation::new(Law::pinion_pitch(alpha, pinion).unwrap(), length("0.009")),
+    ]
+}
+
+/// A pair of which nothing is known.
+pub(crate) static UNKNOWN: Basis =
+    Basis { geometry: GivenGeometry::Unknown, known_teeth: None, rolls: false, normal_module_mm: None };
+
+fn part(errors: &[PartDeviation]) -> Part<'_> {
+    Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] }
+}
+
+/// Every quantity that can be uncertain, in the order of a [`Scene`]'s values.
+pub(crate) const SOURCES: [Source; 14] = [
+    Source::Error(DeviationKind::RackOverRoller),
+    Source::Error(DeviationKind::RackPitch),
+    Source::Error(DeviationKind::RackLead),
+    Source::Error(DeviationKind::PinionRadial),
+    Source::Error(DeviationKind::PinionPitch),
+    Source::NormalPressureAngle,
+    Source::RackHelixAngle,
+    Source::PinionHelixAngle,
+    Source::FaceWidth,
+    Source::NormalModule,
+    Source::Datum,
+    Source::Roller,
+    Source::ToothThickness,
+    Source::Error(DeviationKind::PinionLead),
+];
+
+/// A part of which every quantity may change; mm and degrees.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene {
+    pub(crate) values: [f64; 14],
+    pub(crate) thickness: bool,
+    pub(crate) tolerances: bool,
+    pub(crate) model: Model,
+    pub(crate) stack: Stack,
+}
+
+impl Scene {
+    pub(crate) const VALUES: [f64; 14] =
+        [-0.013, 0.012, 0.0255, 0.004, -0.009, 20.0, 12.0, 21.0, 19.7, 2.5, 21.5, 5.0, 3.9, 0.008];
+
+    pub(crate) fn over_pin(&self) -> OverPin {
+        let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
+        OverPin {
+            normal_module: mm(9),
+            normal_pressure_angle: Angle::from_degrees(self.values[5]).unwrap(),
+            tooth_thickness: self.thickness.then(|| mm(12)),
+            pin_diameter: mm(11),
+            datum: mm(10),
+        }
+    }
+
+    /// Its errors; the measure over the roller stays what it is when its nominal value changes.
+    pub(crate) fn errors(&self) -> Vec<PartDeviation> {
+        let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
+        let degrees = |index: usize| Angle::from_degrees(self.values[index]).unwrap();
+        let (alpha, rack, pinion) = (degrees(5), degrees(6), degrees(7));
+        let nominal = Self { values: Self::VALUES, ..*self }.over_pin().measure().unwrap();
+        let shift = self.over_pin().measure().unwrap() - nominal;
+        let errors = vec![
+            PartDeviation::new(Law::rack_over_roller(), mm(0) - shift),
+            PartDeviation::new(Law::rack_pitch(alpha, rack).unwrap(), mm(1)),
+            PartDeviation::new(Law::rack_lead(alpha, rack, mm(8)).unwrap(), degrees(2)),
+            PartDeviation::new(Law::pinion_radial(), mm(3)),
+            PartDeviation::new(Law::pinion_pitch(alpha, pinion).unwrap(), mm(4)),
+            PartDeviation::new(Law::pinion_lead(alpha, pinion).unwrap(), mm(13)),
+        ];
+        let within = |error: PartDeviation| {
+            if self.tolerances && error.kind().always_acts() {
+                PartDeviation::within(error.law(), error.value())
+            } else {
+                error
+            }
+        };
+        errors.into_iter().map(within).collect()
+    }
+
+    /// ΔCD of each error, and the lower and upper end of all, mm.
+    pub(crate) fn delta_cd(&self) -> Vec<f64> {
+        let errors = self.errors();
+        let Interval { lower, upper } = Combined::of(&errors, &UNKNOWN).unwrap().interval(self.stack).unwrap();
+        let each = errors.iter().map(|error| error.delta_cd(self.model).unwrap().mm());
+        each.chain([lower.mm(), upper.mm()]).collect()
+    }
+
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let models = [Model::Exact, Model::Paper].into_iter();
+        let stacks = move |model| Stack::ALL.map(|stack| (model, stack));
+        models.flat_map(stacks).flat_map(|(model, stack)| {
+            let scene = |thickness| Self { values: Self::VALUES, thickness, tolerances: !thickness, model, stack };
+            [scene(true), scene(false)]
+        })
+    }
+}
+
+/// Each sensitivity of each result against the difference of two parts.
+#[test]
+fn sensitivities_are_those_of_differences() {
+    for scene in Scene::all() {
+        let inputs = SOURCES.map(|source| (source, Uncertainty::standard(1e-7))).to_vec();
+        let (errors, over_pin) = (scene.errors(), scene.over_pin());
+        let part = Part {
+            errors: &errors,
+            over_pin: Some(&over_pin),
+            model: scene.model,
+            stack: scene.stack,
+            basis: &UNKNOWN,
+            teeth: &[],
+        };
+        let linear = propagate(&part, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+        let results: Vec<_> =
+            linear.errors.iter().map(|(_, linear)| linear).chain([&linear.lower, &linear.upper]).collect();
+        for (index, source) in SOURCES.into_iter().enumerate() {
+            // far above the grid, far below what bends
+            let step = 1e-6;
+            let beside = |sign: f64| {
+                let mut beside = scene;
+                beside.values[index] += sign * step;
+                (beside.values[index], beside.delta_cd())
+            };
+            let ((from, low), (to, high)) = (beside(-1.0), beside(1.0));
+            for (which, result) in results.iter().enumerate() {
+                let difference = (high[which] - low[which]) / (to - from);
+                let found = result.contributions.iter().find(|of| of.source == source);
+                let found = found.map_or(0.0, |of| of.sensitivity);
+                assert!(
+                    (found - difference).abs() < 2e-6 + 1e-5 * difference.abs(),
+                    "{:?} {:?} {source:?} {which}: {found} {difference}",
+                    scene.model,
+                    scene.stack
+                );
+            }
+        }
+    }
+}
+
+/// A step of nothing acts either way once it is something, so that the uncertainty is not lost.
+#[test]
+fn the_ends_at_no_error() {
+    let errors = five("0", "0.0255");
+    let inputs = vec![(Source::Error(DeviationKind::RackPitch), Uncertainty::standard(0.001))];
+    let result = propagate(&part(&errors[1..2]), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+    let expected = 0.001 * 1.343_719_222_954_923;
+    assert!((result.upper.standard_mm - expected).abs() < 1e-12 && (result.lower.standard_mm - expected).abs() < 1e-12);
+    assert!((result.end_correlation + 1.0).abs() < 1e-9);
+}
+
+/// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom
+/// there is no ν_eff, for those results that depend on it.
+#[test]
+fn correlated_inputs_of_few_degrees_of_freedom_have_no_effective_one() {
+    let errors = five("0.012", "0.0255");
+    let (a, b) = (Source::Error(DeviationKind::RackOverRoller), Source::Error(DeviationKind::PinionRadial));
+    let pitch = Source::Error(DeviationKind::RackPitch);
+    let few = |dof| Uncertainty { dof, ..Uncertainty::standard(0.001) };
+    let inputs = vec![(a, few(5.0)), (b, Uncertainty::standard(0.002)), (pitch, few(7.0))];
+    let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[(a, b, 0.5)]).unwrap()).unwrap();
+    let dof = |index: usize| result.errors[index].1.dof;
+    assert_eq!((dof(0), dof(3)), (None, Some(f64::INFINITY)));
+    assert!((dof(1).unwrap() - 7.0).abs() < 1e-12);
+    assert_eq!((result.upper.dof, result.upper.coverage_factor), (None, 2.0));
+}
+
+/// Exactly three standard uncertainties from zero is far enough, and what has no uncertainty does not fold.
+#[test]
+fn three_standard_uncertainties_are_far_enough() {
+    let errors = [PartDeviation::new(Law::pinion_radial(), length("0.375"))];
+    let with = |u| Uncertainties::new(vec![(SOURCES[3], Uncertainty::standard(u))], &[]).unwrap();
+    assert!(propagate(&part(&errors), &with(0.125)).unwrap().folded().is_empty());
+    assert!(!propagate(&part(&errors), &with(0.126)).unwrap().folded().is_empty());
+    // the size of all spaces acts with its sign
+    let all = [errors[0].with_extent(Extent::All)];
+    assert!(propagate(&part(&all), &with(0.126)).unwrap().folded().is_empty());
+    let zero = five("0", "0");
+    let size = Uncertainties::new(vec![(SOURCES[0], Uncertainty::standard(0.001))], &[]).unwrap();
+    assert_eq!(propagate(&part(&zero), &size).unwrap().folded(), []);
+}
+
+#[test]
+fn the_end_gauge_of_jcgm_100_h1() {
+    // JCGM 100:2008, H.1: contributions 25, 9.7, 2.9 and 16.6 nm with 18, 25.6, 50 and 2 degrees of freedom
+    let (terms, dofs) = ([25.0, 9.7, 2.9, 16.6], [18.0, 25.6, 50.0, 2.0]);
+    let u = terms.iter().map(|t| t * t).sum::<f64>().sqrt();
+    assert_eq!(format!("{u:.0}"), "32");
+    let dof = effective_dof(u, &terms, &dofs);
+    assert_eq!(format!("{:.0}", dof.floor()), "16");
+    let k = student_quantile(0.995, dof.floor());
+    assert_eq!(format!("{k:.2}"), "2.92");
+    assert_eq!(format!("{:.0}", k * u), "93");
+}
+
+#[test]
+fn contributions_add_up_in_squares() {
+    let errors = five("0.012", "0.0255");
+    let u = |standard| Uncertainty::standard(standard);
+    let inputs = vec![
+        (Source::Error(DeviationKind::RackOverRoller), u(0.0008)),
+        (Source::Error(DeviationKind::RackPitch), u(0.0006)),
+        (Source::Error(DeviationKind::RackLead), u(0.001)),
+        (Source::NormalPressureAngle, u(0.05)),
+        (Source::FaceWidth, u(0.1)),
+    ];
+    let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+    let shares: f64 = result.upper.contributions.iter().filter_map(|c| c.share).sum();
+    assert!((shares - 1.0).abs() < 1e-12);
+    assert_eq!(result.upper.coverage_factor, 2.0);
+    assert!(result.folded().is_empty());
+    // steps and leads act either way: what they add to one end they take from the other, all but the over-roller error
+    let variance = |standard: f64| standard * standard;
+    assert!((result.lower.standard_mm - result.upper.standard_mm).abs() < 1e-9);
+    let expected = 2.0 * variance(0.0008) / variance(result.upper.standard_mm) - 1.0;
+    assert!((result.end_correlation - expected).abs() < 1e-6);
+    // the pitch error alone: cos 12° / (2 tan 20°) of its own, and its share of the pressure angle's
+    let (_, pitch) = &result.errors[1];
+    let gain = 0.978_147_600_733_805_6 / (2.0 * 0.363_970_234_266_202_4);
+    let by_alpha = 0.012 * gain / (0.342_020_143_325_668_7 * 0.939_692_620_785_908_4) * 0.017_453_292_519_943_3;
+    let (own, of_angle): (f64, f64) = (gain * 0.0006, by_alpha * 0.05);
+    let expected = (own * own + of_angle * of_angle).sqrt();
+    assert!((pitch.standard_mm / expected - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn correlations_add_or_cancel() {
+    let errors = five("0.012", "0.0255");
+    let (a, b) = (Source::Error(DeviationKind::RackOverRoller), Source::Error(DeviationKind::PinionRadial));
+    let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.003))];
+    for (r, expected) in [(1.0, 0.006), (0.0, 0.003 * 2.0_f64.sqrt()), (-1.0, 0.0)] {
+        let uncertainties = Uncertainties::new(inputs.clone(), &[(a, b, r)]).unwrap();
+        let result = propagate(&part(&errors), &uncertainties).unwrap();
+        assert!((result.lower.standard_mm - expected).abs() < 1e-12, "{r}");
+        // one low space of the pinion lifts nothing
+        assert!((result.upper.standard_mm - 0.003).abs() < 1e-12, "{r}");
+    }
+    assert!(matches!(
+        Uncertainties::new(inputs, &[(a, b, 1.5)]),
+        Err(UncertaintyError::Coefficient { coefficient: 1.5, .. })
+    ));
+}
+
+#[test]
+fn correlations_that_cannot_be_are_refused() {
+    let sources =
+        [DeviationKind::RackOverRoller, DeviationKind::PinionRadial, DeviationKind::RackPitch].map(Source::Error);
+    let inputs = sources.map(|source| (source, Uncertainty::standard(0.001))).to_vec();
+    let [a, b, c] = sources;
+    let contradiction = Uncertainties::new(inputs.clone(), &[(a, b, 0.9), (b, c, 0.9), (a, c, -0.9)]);
+    assert_eq!(contradiction, Err(UncertaintyError::Contradiction(c)));
+    assert!(Uncertainties::new(inputs, &[(a, b, 1.0), (b, c, 1.0), (a, c, 1.0)]).is_ok());
+}
+
+#[test]
+fn near_zero_the_linear_result_says_that_it_is_none() {
+    let u = 0.001;
+    for (pitch, folded) in [("0", true), ("0.0029", true), ("-0.0029", true), ("0.0031", false), ("-0.0031", false)] {
+        let errors = five(pitch, "0.0255");
+        let inputs = vec![(Source::Error(DeviationKind::RackPitch), Uncertainty::standard(u))];
+        let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+        assert_eq!(result.folded().contains(&DeviationKind::RackPitch), folded, "{pitch}");
+        // and is still an upper bound: the gain times u
+        assert!((result.errors[1].1.standard_mm - u * 1.343_719_222_954_923).abs() < 1e-12, "{pitch}");
+    }
+}
+
+#[test]
+fn degrees_of_freedom_widen_the_interval() {
+    let errors = [PartDeviation::new(Law::rack_over_roller(), length("0.01"))];
+    let four = Uncertainty { dof: 4.0, ..Uncertainty::standard(0.001) };
+    let uncertainties = Uncertainties::new(vec![(Source::Error(DeviationKind::RackOverRoller), four)], &[]).unwrap();
+    let result = propagate(&part(&errors), &uncertainties).unwrap().upper;
+    assert_eq!(result.dof, Some(4.0));
+    // JCGM 100:2008, Table G.2: 2.87
+    assert_eq!(format!("{:.2}", result.coverage_factor), "2.87");
+}
+
+#[test]
+fn half_widths_and_expanded_uncertainties() {
+    let near = |u: Uncertainty, expected: f64| assert!((u.standard - expected).abs() < 1e-15, "{u:?}");
+    near(Uncertainty::half_width(0.003, Distribution::Rectangular), 0.003 / 3.0_f64.sqrt());
+    near(Uncertainty::half_width(0.003, Distribution::Triangular), 0.003 / 6.0_f64.sqrt());
+    near(Uncertainty::half_width(0.003, Distribution::Arcsine), 0.003 / 2.0_f64.sqrt());
+    near(Uncertainty::expanded(0.003, 2.0), 0.0015);
+}
+
+#[test]
+fn what_does_not_reach_a_result_leaves_it_certain() {
+    let errors = [PartDeviation::new(Law::pinion_radial(), length("0.004"))];
+    let inputs = vec![
+        (Source::PinionHelixAngle, Uncertainty::standard(0.04)),
+        (Source::Error(DeviationKind::PinionRadial), Uncertainty::standard(0.0)),
+    ];
+    let found = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
+    assert_eq!((found.lower.standard_mm, found.upper.standard_mm, found.end_correlation), (0.0, 0.0, 0.0));
+    assert_eq!(found.lower.folded, []);
+    // the error itself has a derivative, but no share of nothing
+    let [only] = &found.upper.contributions[..] else { panic!("{:?}", found.upper.contributions) };
+    assert!((only.sensitivity - 1.0).abs() < 1e-9);
+    assert_eq!((only.contribution_mm, only.share), (0.0, None));
+}
+
+/// Rounding makes neither the coverage factor nor an interval wider by a whole degree of freedom.
+#[test]
+fn nine_degrees_of_freedom_less_an_ulp_are_nine() {
+    let linear = |dof| Linear {
+        value_mm: 0.0,
+        standard_mm: 0.5,
+        dof: Some(dof),
+        coverage_factor: coverage_factor(dof),
+        contributions: Vec::new(),
+        folded: Vec::new(),
+    };
+    let (nine, below, eight) = (linear(9.0), linear(9.0_f64.next_down()), linear(8.9));
+    assert_eq!((nine.expanded_mm(), nine.half_width_mm(0.99)), (below.expanded_mm(), below.half_width_mm(0.99)));
+    assert!(eight.expanded_mm() > nine.expanded_mm() && eight.half_width_mm(0.99) > nine.half_width_mm(0.99));
+    assert_eq!(nine.half_width_mm(COVERAGE), nine.expanded_mm());
+    assert_eq!(linear(0.5).half_width_mm(0.9), linear(1.0).half_width_mm(0.9));
+}
