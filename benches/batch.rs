@@ -165,7 +165,6 @@ fn main() {
     println!("{:32} {:>11} {:>13} {:>9} {:>8}", "", "CPU µs/row", "rows/s", "peak MiB", "ratio");
     for ((name, ..), cost) in jobs.iter().zip(&costs) {
         let rows = if name.contains("ten times") { 1e7 } else { 1e6 };
-        #[expect(clippy::cast_precision_loss, reason = "for people")]
         let peak_mib = cost.peak_kib as f64 / 1024.0;
         println!(
             "{name:32} {:11.3} {:13.0} {:9.1} {:8.2}",

@@ -166,7 +166,6 @@ fn curves(c: &mut Criterion) {
             a - pair.nominal_center_distance_mm()
         })
         .collect();
-    #[expect(clippy::cast_precision_loss, reason = "a few")]
     let each = started.elapsed().as_secs_f64() / strokes.len() as f64;
     println!("brute force: {each:.3} s for one position");
     println!("tolerance [mm]   points   solved   time [ms]   positions/s   largest error [mm]");
@@ -180,7 +179,6 @@ fn curves(c: &mut Criterion) {
         }
         let curve = mesh.curve(0.0, 50.0, tolerance).expect("contact");
         let error = strokes.iter().zip(&reference).map(|(&s, &exact)| (joined(&curve, s) - exact).abs());
-        #[expect(clippy::cast_precision_loss, reason = "fewer than 2^53")]
         let rate = curve.solved as f64 / time;
         println!(
             "{tolerance:14e} {:8} {:8} {:11.2} {rate:13.0} {:20.2e}",

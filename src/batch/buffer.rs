@@ -49,7 +49,6 @@ impl Buffer {
     #[inline]
     pub(super) fn integer(&mut self, number: u64) {
         if number < 10 {
-            #[expect(clippy::cast_possible_truncation, reason = "one digit")]
             self.byte(b'0' + number as u8);
             return;
         }

@@ -99,7 +99,6 @@ fn write<const DECIMALS: u32>(out: &mut Buffer, length: Length) {
     out.byte(b'.');
     // twelve digits, of which the first are kept
     let decimals = rounded % one * cut;
-    #[expect(clippy::cast_possible_truncation, reason = "below 10⁸")]
     let (first, last) = ((decimals / 10_000) as u32, (decimals % 10_000 * 10_000) as u32);
     out.leading_digits(eight_digits(first), DECIMALS.min(8) as usize);
     if DECIMALS > 8 {

@@ -107,7 +107,6 @@ impl Statistics {
     pub(super) fn add_gauge(&mut self, variance_mm2: f64) {
         /// (1e-12 mm)² in a mm².
         const SCALE: f64 = 1e24;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let units = (variance_mm2 * SCALE) as u128;
         self.gauge = (self.gauge.0.saturating_add(units), self.gauge.1 + 1);
     }
@@ -115,7 +114,6 @@ impl Statistics {
     /// The standard uncertainty of a value from measuring alone, mm: the root of the mean of the variances; `None`
     /// where no uncertainty is given.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum of many")]
     pub fn gauge_mm(&self) -> Option<f64> {
         let (sum, count) = self.gauge;
         (count > 0).then(|| 1e-12 * (sum as f64 / count as f64).sqrt())
@@ -129,7 +127,6 @@ impl Statistics {
     /// The mean moving range: of the magnitudes of the differences of successive values, mm; `None` where these were
     /// not followed, or if there are no two values.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum of many")]
     pub fn moving_range_mm(&self) -> Option<f64> {
         let (sum, count) = self.moving;
         (count > 0).then(|| 1e-12 * (sum as f64 / count as f64))
@@ -190,7 +187,6 @@ impl Statistics {
 
     /// The mean, mm.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum that is exact")]
     pub fn mean_mm(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum as f64 / self.count as f64 / FM_PER_MM)
     }
@@ -201,7 +197,6 @@ impl Statistics {
     /// Σ(x − m)² = Σx² − q (Σx + r) − r²/n, where the mean m is q and r/n: without a loss of digits, however small the
     /// spread is against the mean.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "16 digits of a sum that is exact")]
     pub fn standard_deviation_mm(&self) -> Option<f64> {
         if self.squares_overflow || self.count < 2 {
             return None;
@@ -218,12 +213,6 @@ impl Statistics {
         if self.count == 0 {
             return None;
         }
-        #[expect(
-            clippy::cast_precision_loss,
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a rank, 1 to count"
-        )]
         let rank = ((q * self.count as f64).ceil() as u64).clamp(1, self.count);
         let mut before = 0;
         let bins = self.negative.descending().map(|(value, count)| (-value, count)).chain(self.positive.ascending());
@@ -245,7 +234,6 @@ impl Statistics {
         for (value, count) in all {
             // the middle of a quantile's bin may lie beyond the values
             let value = value.clamp(millimetres(self.smallest), millimetres(self.largest));
-            #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a bin, checked below")]
             let bin = ((value - from_mm) / (to_mm - from_mm) * bins as f64).floor() as i64;
             // the upper end belongs to the last bin, and rounding takes nothing beyond it
             let bin = if value <= to_mm {
@@ -261,7 +249,6 @@ impl Statistics {
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "mm with 16 digits")]
 fn millimetres(units: i64) -> f64 {
     units as f64 / FM_PER_MM
 }
@@ -274,7 +261,6 @@ impl Histogram {
         let bits = u64::BITS - magnitude.leading_zeros();
         let doubling = bits.saturating_sub(BIN_BITS);
         // the leading bits: all of them for small magnitudes
-        #[expect(clippy::cast_possible_truncation, reason = "eleven bits")]
         let bin = (magnitude >> doubling) as usize & (BINS - 1);
         let doubling = doubling as usize;
         match self.doublings.get_mut(doubling) {

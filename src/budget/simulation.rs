@@ -101,9 +101,8 @@ impl Assembly {
     /// How many assemblies must conform.
     pub(super) fn needed(&self) -> u64 {
         let share = self.settings.conforming * f64::from(self.settings.draws);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most the number of draws")]
-        let needed = share.ceil() as u64;
-        needed
+
+        share.ceil() as u64
     }
 
     /// How many assemblies with these tolerances conform.
@@ -133,7 +132,6 @@ impl Assembly {
     }
 
     pub(super) fn outcome(&self, errors: &[PartDeviation]) -> Result<Simulated, Open> {
-        #[expect(clippy::cast_precision_loss, reason = "at most 2³²")]
         let conforming = self.count(errors)? as f64 / f64::from(self.settings.draws.max(1));
         Ok(Simulated { settings: self.settings, conforming })
     }

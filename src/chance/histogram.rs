@@ -17,7 +17,6 @@ pub(super) struct Histogram {
 impl Histogram {
     /// Bins from `low` to `high`; if these are the same, every value is that one.
     pub(super) fn new(low: f64, high: f64) -> Self {
-        #[allow(clippy::cast_precision_loss)]
         let bins = BINS as f64;
         let width = (high - low) / bins;
         let per_unit = 1.0 / width;
@@ -36,12 +35,10 @@ impl Histogram {
         if self.counts.is_empty() {
             return;
         }
-        #[allow(clippy::cast_precision_loss)]
         let top = (BINS + 1) as f64;
         for &value in values {
             // the clamp keeps it inside the bins, and makes 0 of what is no number
             let bin = ((value - self.low) * self.per_unit + 1.0).clamp(0.0, top);
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let bin = bin as usize;
             self.counts[bin.min(BINS + 1)] += 1;
         }
@@ -60,7 +57,6 @@ impl Histogram {
 
     /// The edges of a bin, as far as values reach.
     fn edges(&self, bin: usize) -> (f64, f64) {
-        #[allow(clippy::cast_precision_loss)]
         let at = |edge: usize| self.low + self.width * edge as f64;
         let left = if bin == 0 { self.extremes.0 } else { at(bin - 1).max(self.extremes.0) };
         let right = if bin > BINS { self.extremes.1 } else { at(bin).min(self.extremes.1) };
@@ -71,7 +67,6 @@ impl Histogram {
         if self.counts.is_empty() {
             return self.extremes.0;
         }
-        #[allow(clippy::cast_precision_loss)]
         let rank = p.clamp(0.0, 1.0) * self.total() as f64;
         let mut below = 0.0;
         let mut last = self.extremes.1;

@@ -234,7 +234,6 @@ pub fn simulate(
         run.blocks(done, upto, &pilot, &mut total, &mut blocks);
         done = upto;
         if total.outside > 0 {
-            #[allow(clippy::cast_precision_loss)]
             let share = total.outside as f64 / (done * BLOCK) as f64;
             return Err(MonteCarloError::OutsideDomain { share });
         }
@@ -248,7 +247,6 @@ pub fn simulate(
             break Some(false);
         }
     };
-    #[allow(clippy::cast_precision_loss)]
     let draws = (done * BLOCK) as f64;
     let results = total
         .histograms
@@ -259,7 +257,6 @@ pub fn simulate(
             histogram.simulation(mean, standard, draws)
         })
         .collect();
-    #[allow(clippy::cast_precision_loss)]
     let inside = total.inside.iter().map(|&count| count as f64 / draws).collect();
     Ok(Outcome { seed: settings.seed, draws: done * BLOCK, digits: settings.digits, reached, results, inside })
 }
@@ -378,7 +375,6 @@ fn pilot(
         }
     }
     if outside > 0 {
-        #[allow(clippy::cast_precision_loss)]
         let draws = BLOCK as f64;
         return Err(MonteCarloError::OutsideDomain { share: f64::from(outside) / draws });
     }
@@ -395,7 +391,6 @@ fn pilot(
 fn moments<'a>(blocks: impl Iterator<Item = &'a BlockSums>, center: f64) -> (f64, f64) {
     let (mut n, mut sum, mut squares) = (0.0, 0.0, 0.0);
     for block in blocks {
-        #[allow(clippy::cast_precision_loss)]
         let count = BLOCK as f64;
         n += count;
         sum += block.sum;
@@ -433,7 +428,6 @@ impl<M: Simulated> Run<'_, M> {
 
     /// JCGM 101, 7.9.4: whether means, deviations and interval ends of the blocks agree to the digits of every result.
     fn settled(&self, blocks: &[Vec<BlockSums>], pilot: &[Pilot]) -> bool {
-        #[allow(clippy::cast_precision_loss)]
         let (count, n) = (blocks.len() as f64, BLOCK as f64);
         (0..pilot.len()).all(|output| {
             let (_, standard) = moments(blocks.iter().map(|block| &block[output]), pilot[output].center);

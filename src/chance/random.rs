@@ -77,7 +77,6 @@ impl Random {
     /// Uniform in [0, 1), 53 bits.
     #[inline]
     pub(crate) fn uniform(&mut self) -> f64 {
-        #[allow(clippy::cast_precision_loss)] // 53 bits are exact
         let value = (self.bits() >> 11) as f64;
         value * (1.0 / 9_007_199_254_740_992.0)
     }
@@ -92,10 +91,8 @@ impl Random {
     pub(crate) fn normal(&mut self, ziggurat: &Ziggurat) -> f64 {
         loop {
             let bits = self.bits();
-            #[allow(clippy::cast_possible_truncation)] // the low byte picks the layer
             let layer = (bits & 0xff) as usize;
             // the high 53 bits, signed: uniform in [−1, 1)
-            #[allow(clippy::cast_possible_wrap, clippy::cast_precision_loss)]
             let u = ((bits as i64) >> 11) as f64 * (1.0 / 4_503_599_627_370_496.0);
             let x = u * ziggurat.x[layer];
             if x.abs() < ziggurat.x[layer + 1] {
@@ -154,7 +151,6 @@ mod tests {
     /// The largest distance of the empirical distribution from `cdf`, times √n: beyond 1.95 once in a thousand.
     fn kolmogorov(mut values: Vec<f64>, cdf: impl Fn(f64) -> f64) -> f64 {
         values.sort_unstable_by(f64::total_cmp);
-        #[allow(clippy::cast_precision_loss)]
         let n = values.len() as f64;
         let mut distance: f64 = 0.0;
         let mut i = 0.0;

@@ -426,7 +426,6 @@ fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair
         let pitches = permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken);
         let face_width = sized.wheel.face_width.map_or(1.0, Length::mm);
         let amount = permissible.length().mm();
-        #[expect(clippy::cast_possible_truncation, reason = "an eighth of at most 100 000 teeth")]
         let mm = class_mesh::largest_delta_cd_mm(pair, sized.part, deviation, amount, face_width, pitches as i64);
         Some((mm.ok()?, arrangement))
     });

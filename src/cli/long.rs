@@ -44,12 +44,6 @@ impl Bar {
         if let Some(share) = share {
             let share = share.clamp(0.0, 1.0);
             // between 0 and the number of cells
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                clippy::cast_precision_loss,
-                reason = "a bar"
-            )]
             let full = (share * CELLS as f64) as usize;
             line.push_str(&format!("  {}{} {:.0} %", "█".repeat(full), "░".repeat(CELLS - full), 100.0 * share));
             if share > 0.0 {

@@ -307,7 +307,6 @@ impl Args {
                 (step.mm(), intervals)
             }
         };
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded by MOST")]
         let whole = (intervals * (1.0 + 1e-12)).floor() as u32;
         // with a step, the last stroke is `to` itself even if the step does not divide the range
         let divides = (to - (from + f64::from(whole) * step)).abs() <= 1e-9 * step.abs();
@@ -335,7 +334,6 @@ struct Strokes {
 
 impl Strokes {
     fn at(&self, index: u64) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "at most 1e8 strokes")]
         let place = self.from + index as f64 * self.step;
         if index + 1 == self.count { self.to } else { place }
     }

@@ -375,9 +375,7 @@ fn histograms(plan: &Plan, outcome: &crate::batch::Outcome) -> (Option<Chart>, V
         let (Some(low), Some(high)) = (statistics.min_mm(), statistics.max_mm()) else { continue };
         let limits = plan.quantity_limits().get(index).copied().unwrap_or_default();
         let (low, high) = if high > low { (low, high.next_up()) } else { (low - 0.000_5, high + 0.000_5) };
-        #[expect(clippy::cast_precision_loss, reason = "a picture")]
         let counts: Vec<f64> = statistics.histogram(low, high, BINS).into_iter().map(|count| count as f64).collect();
-        #[expect(clippy::cast_precision_loss, reason = "a picture")]
         let edge = |bin: usize| low + (high - low) * bin as f64 / BINS as f64;
         let title = name.trim_end_matches("_mm").replace("delta_cd_", "ΔCD of ").replace('_', " ");
         let dashed = if limits == (None, None) { "" } else { "; limits dashed" };
@@ -449,7 +447,6 @@ impl RunChart {
         }
         let limit = plan.limits().iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
         let limits = limit.into_iter().flat_map(|(_, limit)| [limit.lower, limit.upper]).flatten().map(Length::mm);
-        #[expect(clippy::cast_precision_loss, reason = "a picture")]
         let at = |index: usize| (index as u64 * self.size + 1) as f64;
         let range: Vec<_> =
             self.groups.iter().enumerate().map(|(index, (low, high))| (at(index), *low, *high)).collect();

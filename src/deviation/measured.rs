@@ -118,7 +118,6 @@ fn cumulative(column: &[Vec<f64>]) -> Result<Vec<f64>, DeviationError> {
         let tooth = i64::try_from(j).unwrap_or(i64::MAX);
         return Err(DeviationError::IncompleteTurn { tooth, rows: rows.len() });
     }
-    #[allow(clippy::cast_precision_loss)] // at most 10 000 teeth
     let count = column.len() as f64;
     let mean = column.iter().map(|rows| rows[0]).sum::<f64>() / count;
     let mut sums: Vec<f64> = column

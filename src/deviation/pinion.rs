@@ -148,7 +148,6 @@ impl PinionFlanks {
     /// [`DeviationError::NoSuchTooth`] or [`DeviationError::OutOfDomain`].
     pub fn with_eccentricity(mut self, eccentricities: &[Eccentricity]) -> Result<Self, DeviationError> {
         for eccentricity in eccentricities {
-            #[allow(clippy::cast_precision_loss)] // at most 10 000 teeth
             let turn = self.index(eccentricity.tooth)? as f64 / self.teeth.len() as f64;
             let (sin, cos) = trig::sin_cos(std::f64::consts::TAU * turn);
             let amount = length(DeviationQuantity::Eccentricity, eccentricity.amount_mm)?;

@@ -171,7 +171,6 @@ impl RackFlanks {
             let RackTooth { left, right } = &mut tooth;
             if let RackDeviationKind::Pitch(value) = deviation.kind {
                 // indices stay below 2⁵¹, so the conversion is exact
-                #[allow(clippy::cast_precision_loss)]
                 let sum = deviation.teeth.pitches_before(index) as f64 * value;
                 left.along_x_mm += sum;
                 right.along_x_mm += sum;

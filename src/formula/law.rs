@@ -145,7 +145,6 @@ impl Law {
         helix.check_angle(geometry.helix_angle)?;
         let tan_alpha = trig::tan_of(geometry.pressure_angle);
         let cos_beta = trig::sin_cos_of(geometry.helix_angle).1;
-        #[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
         let width = geometry.face_width.map_or(1.0, |width| width.fm() as f64);
         let gains = [Model::Exact, Model::Paper].map(|model| width * unit_gain(kind, model, tan_alpha, cos_beta));
         Ok(Self { kind, geometry: Some(geometry), gains })
@@ -202,7 +201,6 @@ impl Law {
     pub fn delta_cd(self, error: impl Into<DeviationValue>, model: Model) -> Result<Length, DomainError> {
         let error = error.into();
         let gain = self.gain(model);
-        #[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
         let fm = match (self.shape(model), error) {
             (Shape::Shift, DeviationValue::Length(length)) => return Ok(length),
             (Shape::Step, DeviationValue::Length(length)) => gain * length.abs().fm() as f64,

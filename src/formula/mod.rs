@@ -118,7 +118,6 @@ impl Sensitivity {
 }
 
 /// A length in femtometres for the arithmetic of a formula.
-#[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
 pub(crate) fn femtometres(length: Length) -> f64 {
     length.fm() as f64
 }

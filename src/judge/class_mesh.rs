@@ -80,7 +80,6 @@ pub fn largest_delta_cd_mm(
             .collect();
         PinionFlanks::new(pair, &each)
     };
-    #[expect(clippy::cast_precision_loss, reason = "at most 100 000 teeth")]
     let real = |n: i64| n as f64;
     let pitches = pitches.clamp(1, teeth.max(1));
     match (deviation, part) {
@@ -163,7 +162,6 @@ mod tests {
     fn a_sector_is_as_bad_as_one_of_its_pitches() {
         for part in [Part::Rack, Part::Pinion] {
             for pitches in [1, 3] {
-                #[expect(clippy::cast_precision_loss, reason = "small")]
                 near(solved(20, part, Deviation::SectorPitch, pitches), AMOUNT_MM / pitches as f64);
             }
         }

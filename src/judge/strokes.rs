@@ -65,7 +65,6 @@ pub fn judged_strokes(pair: &Pair, teeth: &DeviatedTeeth<'_>) -> Result<Vec<Stro
 
 /// The strokes within so many pitches of some teeth, mm.
 fn around(first: i64, last: i64, pitches: f64, pitch: f64) -> Strokes<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "tooth numbers are below 2⁵³")]
     let (first, last) = (first as f64, last as f64);
     (first - pitches) * pitch..(last + 1.0 + pitches) * pitch
 }

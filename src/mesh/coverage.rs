@@ -41,13 +41,11 @@ impl CarryingStrokes {
     pub fn measured(&self, spaces: &BTreeSet<i64>, from_mm: f64, to_mm: f64) -> Vec<Range<f64>> {
         let mut covered = vec![from_mm..to_mm];
         for (strokes, of_space) in [(&self.right, 0), (&self.left, -1)] {
-            #[expect(clippy::cast_possible_truncation, reason = "tooth numbers of a stroke")]
             let (first, last) = (
                 ((from_mm - strokes.end) / self.pitch_mm).floor() as i64,
                 ((to_mm - strokes.start) / self.pitch_mm).ceil() as i64,
             );
             for tooth in (first..=last).filter(|tooth| !spaces.contains(&(tooth + of_space))) {
-                #[expect(clippy::cast_precision_loss, reason = "tooth numbers are small")]
                 let at = tooth as f64 * self.pitch_mm;
                 covered =
                     covered.into_iter().flat_map(|part| without(part, at + strokes.start..at + strokes.end)).collect();
@@ -76,7 +74,6 @@ fn carrying(pair: &Pair, side: FlankSide, proud_mm: f64) -> Result<Range<f64>, M
     };
     let mesh = Mesh::new(*pair, rack, PinionFlanks::nominal(pair), Support::Fixed)?;
     let step = pair.rack().pitch_mm / f64::from(STEPS);
-    #[expect(clippy::cast_possible_truncation, reason = "a contact ratio")]
     let reach = (pair.contact_ratio().total + 2.0).ceil().clamp(2.0, 100.0) as i32 * STEPS;
     let strokes: Vec<f64> = (-reach..=reach).map(|index| f64::from(index) * step).collect();
     let mut range = f64::INFINITY..f64::NEG_INFINITY;

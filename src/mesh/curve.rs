@@ -81,7 +81,6 @@ impl Mesh {
         let pitch = self.pair().rack().pitch_mm;
         let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil().clamp(2.0, MAX_STEPS);
         let at = |step: f64| if step >= steps { to_mm } else { from_mm + (to_mm - from_mm) * (step / steps) };
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped above
         let strokes: Vec<f64> = (0..=steps as u32).map(|step| at(f64::from(step))).collect();
         let first: Vec<MeshPoint> = self.sample(&strokes).into_iter().collect::<Result<_, _>>()?;
         let steps_to_a_block = match self.support() {
@@ -113,7 +112,6 @@ impl Mesh {
 /// How many flank pairs may be searched in refining a block: many times what pairs that somebody would build take. A kink
 /// is located whatever the tolerance, while the points that bends take go with the tolerance's inverse root.
 fn searches(steps: usize, blocks: usize, tolerance_mm: f64) -> f64 {
-    #[allow(clippy::cast_precision_loss)] // at most MAX_STEPS
     let (steps, blocks) = (steps as f64, blocks as f64);
     steps * (FOR_KINKS + FOR_BENDS * (FINE / tolerance_mm).sqrt().min(MOST_POINTS)) + FOR_KINKS_IN_ALL / blocks
 }
@@ -144,7 +142,6 @@ impl Refiner<'_> {
             self.keep(b, kinked);
             return Ok(());
         }
-        #[allow(clippy::cast_precision_loss)] // a count
         if self.sampler.work().searched as f64 >= self.budget {
             self.curve.resolved = false;
             self.keep(b, false);

@@ -114,7 +114,6 @@ impl Sampler<'_> {
     #[inline]
     pub(super) fn slot(&mut self, side: FlankSide, tooth: i64) -> &mut Slot {
         let of_side = usize::from(side == FlankSide::Left);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // only the low bits matter
         let index = (tooth as usize) & (self.cache[of_side].len() - 1);
         let ready = |slot: &Slot| slot.tooth == tooth && slot.roll == self.roll.angle;
         if !self.cache[of_side][index].as_ref().is_some_and(ready) {
@@ -172,7 +171,6 @@ impl Sampler<'_> {
             }
         } else {
             near.clear();
-            #[allow(clippy::cast_possible_truncation)] // a few teeth
             let (from, to) =
                 (((low - angle) / angular_pitch).ceil() as i64, ((high - angle) / angular_pitch).floor() as i64);
             let favourite = (from..=to).contains(&favourite).then_some(favourite);
@@ -197,7 +195,6 @@ impl Sampler<'_> {
         let Constants { pitch, angular_pitch, .. } = self.constants;
         let sign = turn.side.sign();
         let tooth = turn.first + n;
-        #[allow(clippy::cast_precision_loss)] // a few teeth
         let (turned, place) =
             (turn.angle + n as f64 * angular_pitch, position.place + (tooth - position.tooth) as f64 * pitch);
         self.work.in_reach += 1;

@@ -113,7 +113,6 @@ impl Mesh {
                 let left = self.rack().tooth(space.saturating_add(1)).left;
                 let (x, z) = rest(right, left, 0.0);
                 let slope = (rest(right, left, quarter).0 - rest(right, left, -quarter).0) / (2.0 * quarter);
-                #[allow(clippy::cast_precision_loss)] // a place on the rack, in the output only
                 let place = (space as f64 + 0.5) * rack.pitch_mm;
                 RackReading {
                     space,

@@ -115,7 +115,6 @@ mod tests {
         for count in [0, 1, 511, 512, 513, 40_000] {
             let mut strokes = Vec::new();
             let only_strokes = |points: &[(f64, _)]| points.iter().map(|&(stroke, _)| stroke).collect::<Vec<_>>();
-            #[expect(clippy::cast_precision_loss, reason = "small counts")]
             let stroke = |index: u64| index as f64 * 1e-3;
             mesh.sample_blocks::<_, ()>(count, stroke, only_strokes, |block| {
                 strokes.extend(block);

@@ -112,7 +112,6 @@ impl<'a> Sampler<'a> {
     pub fn new(mesh: &'a Mesh) -> Self {
         let constants = Constants::new(mesh);
         let teeth = (constants.window.1 - constants.window.0) / constants.angular_pitch + 4.0;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped
         let slots = (teeth.clamp(4.0, 4096.0) as usize).next_power_of_two();
         Self {
             mesh,
@@ -301,12 +300,10 @@ impl<'a> Sampler<'a> {
         if stroke_mm.abs() > stroke_limit || stroke_mm.is_nan() {
             return Err(MeshError::StrokeOutOfDomain { stroke_mm, limit_mm: stroke_limit });
         }
-        #[allow(clippy::cast_possible_truncation)] // the stroke's limit keeps it within 2⁵⁰
         let mut tooth = (stroke_mm / pitch).round() as i64;
         let mut place = reduced(tooth, pitch, stroke_mm);
         let mut away = place + self.slot(FlankSide::Right, tooth).prepared.center;
         for _ in 0..64 {
-            #[allow(clippy::cast_possible_truncation)] // clamped
             let steps = (away / pitch).round().clamp(-1e15, 1e15) as i64;
             if steps == 0 {
                 break;
@@ -325,7 +322,6 @@ impl<'a> Sampler<'a> {
             return Err(MeshError::RackToothOrder { stroke_mm, tooth });
         }
         let teeth = i64::from(self.mesh.pair().pinion().teeth);
-        #[allow(clippy::cast_precision_loss)] // at most 10 000 teeth
         let to_first = -(tooth.rem_euclid(teeth) as f64) * angular_pitch;
         Ok(Position { tooth, place, angle: 0.5 * angular_pitch + place * angle_per_mm, to_first })
     }
@@ -370,7 +366,6 @@ impl Constants {
 
 /// `tooth · pitch − stroke` with one rounding of the result: the product is split exactly in two.
 fn reduced(tooth: i64, pitch: f64, stroke: f64) -> f64 {
-    #[allow(clippy::cast_precision_loss)] // below 2⁵³
     let count = tooth as f64;
     let split = |x: f64| {
         let c = 134_217_729.0 * x; // 2²⁷ + 1
@@ -420,7 +415,6 @@ mod tests {
 
     /// Place and stroke are multiples of 2⁻⁴⁰, so that integers give the difference exactly.
     #[test]
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "what is rounded is compared")]
     fn a_far_tooth_is_placed_with_one_rounding() {
         let unit = f64::from_bits(0x3d70_0000_0000_0000);
         let pitch = 6_908_617_345_679_i64;

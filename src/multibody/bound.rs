@@ -186,7 +186,6 @@ pub(super) fn row_range(template: &Template, placed: &Placed, polar: f64) -> std
     let (low, high) = (one.min(other), one.max(other));
     let (first, step) = (rows[0].w, template.row_step());
     // rows before and after, counted with one to spare; casts cut off at both ends
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let before = |w: f64| if step > 0.0 { ((w - first) / step) as usize } else { 0 };
     let to = if high < first { 0 } else { before(high).saturating_add(2).min(rows.len()) };
     before(low).min(to)..to

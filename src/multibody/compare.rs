@@ -60,7 +60,6 @@ pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
     };
     let count = (length / mesh.pair().rack().pitch_mm * CELLS_PER_PITCH).ceil().clamp(1.0, MOST);
     // whole and at most a million
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let strokes: Vec<f64> = (0..=count as u32).map(|index| from_mm + length * f64::from(index) / count).collect();
     let values = solve(&strokes)?;
     if length <= 0.0 {
@@ -130,7 +129,6 @@ fn one_pitch(mesh: &Mesh, steady: &Steady) -> Option<(f64, f64)> {
     let askew = p.face_width_mm * trig::sin(pair.shaft_angle_rad()).abs()
         + rack.face_width_mm * trig::tan(rack.helix_angle_rad).abs();
     let reach = across + 0.5 * askew;
-    #[allow(clippy::cast_possible_truncation)] // tooth numbers of a stroke
     let tooth = |stroke: f64| (stroke / pitch).round() as i64;
     let first = mesh.rack().tooth(tooth(steady.to_mm));
     let alike = |from: f64, to: f64| (tooth(from)..=tooth(to)).all(|index| mesh.rack().tooth(index) == first);

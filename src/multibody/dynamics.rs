@@ -418,7 +418,6 @@ impl Scene {
         // while nothing touches, a contact may close at any time
         let limit = limit.min(1e-3 * total);
         let steps = (total - at.time) / limit;
-        #[allow(clippy::cast_precision_loss)] // a limit
         let most = self.parameters.max_steps as f64;
         if steps.is_finite() && steps <= most {
             Ok(limit)

@@ -93,7 +93,6 @@ impl FlankPair {
     pub(super) fn place(&self, pose: &Pose) -> Placed {
         let Pose { at, sin_roll, cos_roll, depth, .. } = pose;
         let sign = self.sign;
-        #[allow(clippy::cast_precision_loss)] // tooth numbers of a stroke below 1e6 pitches
         let (tooth, partner) = (self.rack_tooth as f64, self.pinion_tooth as f64);
         let tooth_angle = (partner + 0.5) * pose.angular_pitch - at.pinion_angle;
         let place = sign * (tooth * pose.pitch - at.stroke);
@@ -130,7 +129,6 @@ impl FlankPair {
         let n = cells as usize;
         let Bounds { half_width, tip, bottom, .. } = self.bounds;
         let mut corners = Vec::with_capacity((n + 1) * (n + 1));
-        #[allow(clippy::cast_precision_loss)] // at most 1000 cells
         for j in 0..=n {
             let z = bottom + (tip - bottom) * j as f64 / n as f64;
             for i in 0..=n {
@@ -172,10 +170,8 @@ impl FlankPair {
             Patch::Grid { cells, corners } => {
                 // the surface is convex, so the nearest triangle lies beside the foot point; the amounts removed tilt
                 // it by far less than a cell
-                #[allow(clippy::cast_precision_loss)]
                 let count = *cells as f64;
                 let column = |share: f64| {
-                    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped
                     let cell = (share * count).clamp(0.0, count - 1.0) as usize;
                     cell.saturating_sub(1)..=(cell + 1).min(cells - 1)
                 };

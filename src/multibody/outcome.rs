@@ -189,7 +189,6 @@ pub(super) fn steady(samples: &[Sample], pitch: f64, belongs: impl Fn(&Sample) -
     let from_mm = if pitches >= 1.0 { (last - pitches * pitch).max(first) } else { first };
     let mean = trapezoids(part, from_mm, |sample| sample.delta_cd_mm);
     let square = trapezoids(part, from_mm, |sample| (sample.delta_cd_mm - mean) * (sample.delta_cd_mm - mean));
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a small whole number
     let pitches = pitches.clamp(0.0, 1e9) as u32;
     Some(Steady {
         delta_cd_mm: mean,

@@ -258,7 +258,6 @@ impl Parameters {
         within(Name::Tolerance, self.tolerance_mm, 1e-12, 1.0)?;
         within(Name::EnergyTolerance, self.energy_tolerance, 1e-12, 1.0)?;
         within(Name::Spacing, self.spacing_mm, self.stroke_mm * 1e-7, f64::MAX)?;
-        #[allow(clippy::cast_precision_loss)] // a bound, not a count
         within(Name::MaxSteps, self.max_steps as f64, 1.0, 1e12)
     }
 }

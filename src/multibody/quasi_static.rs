@@ -111,9 +111,8 @@ impl Scene {
     /// Number of samples less 1.
     pub(super) fn intervals(&self) -> u32 {
         let p = &self.parameters;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked to be below 1e7
-        let intervals = (p.stroke_mm / p.spacing_mm * (1.0 - 1e-12)).ceil().clamp(1.0, 1e9) as u32;
-        intervals
+
+        (p.stroke_mm / p.spacing_mm * (1.0 - 1e-12)).ceil().clamp(1.0, 1e9) as u32
     }
 
     pub(super) fn sample_stroke(&self, index: u32) -> f64 {
@@ -310,7 +309,6 @@ impl Scene {
             if counters.steps > 0 { self.parameters.start_mm + 2.0 * self.parameters.ramp_mm } else { f64::MIN };
         // how far from the middle any tooth touches
         let pitch = self.shared.pitch;
-        #[allow(clippy::cast_precision_loss)] // tooth numbers of a stroke
         let place = |tooth: i64, sample: &Sample| (tooth as f64 * pitch - sample.stroke_mm).abs();
         let reach = samples
             .iter()
@@ -318,7 +316,6 @@ impl Scene {
             .fold(0.0, f64::max);
         let all = |deviating: bool| {
             move |sample: &Sample| {
-                #[allow(clippy::cast_possible_truncation)] // tooth numbers of a stroke
                 let (low, high) = (
                     ((sample.stroke_mm - reach) / pitch).ceil() as i64,
                     ((sample.stroke_mm + reach) / pitch).floor() as i64,

@@ -73,7 +73,6 @@ impl Scene {
             let (value, max) = (parameters.stroke_mm, 1e5 * shared.pitch);
             return Err(SimulationError::OutOfDomain { name: ParameterName::Stroke, value, min: 1e-6, max });
         }
-        #[allow(clippy::cast_possible_truncation)] // below 1e9
         let nearest = |stroke: f64| (stroke / shared.pitch).round() as i64;
         let (first, last) = (nearest(parameters.start_mm) - around, nearest(end) + around);
         let teeth: Vec<RackTooth> = (first..=last).map(|index| rack.tooth(index)).collect();
@@ -300,7 +299,6 @@ impl Scene {
         // each pinion tooth once: those whose angle from straight down is at most half a turn
         let half = 0.5 * f64::from(p.teeth);
         let middle = at.pinion_angle / self.shared.angular_pitch - 0.5;
-        #[allow(clippy::cast_possible_truncation)] // positions far outside find no flank
         let (low, high) = ((middle - half).ceil() as i64, (middle + half).floor() as i64);
         for pinion_tooth in low..=high {
             for right in [true, false] {

@@ -149,7 +149,6 @@ pub(super) fn touch(
 fn walk(nodes: &[Node], plane: &Plane, crossing: f64, shift: f64, stop: f64, load: &mut Load<'_>) -> (usize, usize) {
     let last = nodes.len() - 1;
     // the first station beyond the crossing
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // clamped
     let start = if crossing < 0.0 {
         0
     } else if crossing < shift {
@@ -157,7 +156,6 @@ fn walk(nodes: &[Node], plane: &Plane, crossing: f64, shift: f64, stop: f64, loa
     } else {
         ((crossing - shift).min(last as f64) as usize + 2).min(nodes.len())
     };
-    #[allow(clippy::cast_precision_loss)]
     let start = if crossing >= (last - 1) as f64 { nodes.len() } else { start.min(last) };
     let mut to = start;
     while to < nodes.len() && plane.depth(&nodes[to]) < stop {
@@ -174,7 +172,6 @@ fn walk(nodes: &[Node], plane: &Plane, crossing: f64, shift: f64, stop: f64, loa
 /// Stations from a height on that may touch; the contact line lies before them all.
 fn climb(nodes: &[Node], plane: &Plane, floor: f64, shift: f64, stop: f64, load: &mut Load<'_>) -> (usize, usize) {
     // the last station not above the floor, or one before it
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // not negative, and clamped
     let from = if floor < shift { 0 } else { ((floor - shift) as usize).min(nodes.len() - 1) };
     let mut to = from;
     while to < nodes.len() && plane.depth(&nodes[to]) < stop {

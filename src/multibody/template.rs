@@ -219,7 +219,6 @@ impl Template {
             let w = self.half_face * share;
             let (sin, cos) = trig::sin_cos(self.kappa * w);
             let turn = f64::from(r) * GOLDEN + self.kappa * w / self.step;
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in 0..phases
             let phase = ((turn - turn.floor()) * f64::from(phases)) as usize;
             let weight = if r == 0 || r == last { 0.5 } else { 1.0 };
             let phase = phase.min(phases as usize - 1);

@@ -133,7 +133,6 @@ impl Angle {
 
     /// The angle in degrees.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "exact up to 2500°, one rounding more beyond")]
     pub fn degrees(self) -> f64 {
         self.nas as f64 / 3.6e12
     }
@@ -146,7 +145,6 @@ impl Angle {
 
     /// The angle in radians as the sum of two numbers: the nearest `f64`, and what that leaves out.
     #[inline]
-    #[expect(clippy::cast_precision_loss, reason = "both halves are short")]
     pub(crate) fn radians_and_rest(self) -> (f64, f64) {
         const HALF: u32 = 26;
         /// π/648000 · 1e-9, the radians in a nano-arcsecond: its first 26 bits, and the others.
@@ -162,7 +160,6 @@ impl Angle {
     /// The angle in `unit`; of radians and their parts, whose decimals are not on the grid, the shortest decimal that
     /// reads back as the same angle.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "exact up to 2500°, one rounding more beyond")]
     pub fn in_unit(self, unit: AngleUnit) -> f64 {
         match unit {
             AngleUnit::Degree => self.degrees(),

@@ -91,7 +91,6 @@ impl Domain {
 
     /// Whether `value`, in the base unit, lies in the domain.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "bounds are small whole numbers")]
     pub fn contains(&self, value: f64) -> bool {
         let above = match self.lower {
             Bound::None => true,

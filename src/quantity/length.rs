@@ -141,10 +141,8 @@ impl Length {
     /// # Errors
     /// [`QuantityError::Overflow`] naming the quantity, `what`.
     pub(crate) fn nearest(fm: f64, what: &'static str) -> Result<Self, QuantityError> {
-        #[expect(clippy::cast_possible_truncation, reason = "saturates, and the largest is refused")]
         let whole = fm as i64;
         // what lies between is exact in a double
-        #[expect(clippy::cast_precision_loss, reason = "where a double is whole, there is nothing between")]
         let between = fm - whole as f64;
         let nearest = whole.saturating_add(i64::from(between >= 0.5)).saturating_sub(i64::from(between <= -0.5));
         Self::of_steps((!fm.is_nan()).then_some(nearest), what)
@@ -183,7 +181,6 @@ impl Length {
 
     /// The length in `unit`.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "exact up to 9 m, one rounding more beyond")]
     pub fn in_unit(self, unit: LengthUnit) -> f64 {
         self.fm as f64 / unit.in_fm()
     }

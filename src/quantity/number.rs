@@ -103,7 +103,6 @@ impl Decimal {
         if whole + decimals == 0 || whole + decimals >= MOST_DIGITS {
             return None;
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 18")]
         let exponent = -(decimals as i32);
         Some((Self { negative, digits, exponent }, end))
     }
@@ -147,7 +146,6 @@ impl Decimal {
         const OF_15_DIGITS: f64 = 1e15;
         let millionths = (value * MILLION).round();
         if millionths.abs() < OF_15_DIGITS && millionths / MILLION == value {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below 10^15")]
             let digits = millionths.abs() as u64;
             return Some(Self { negative: millionths < 0.0, digits, exponent: -PLACES }.without_zeros());
         }

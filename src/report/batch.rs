@@ -154,7 +154,6 @@ impl<'a> BatchReport<'a> {
         let shown =
             self.counts().into_iter().filter(|(name, count)| *count > 0 || matches!(*name, "rows" | "pass" | "fail"));
         let shown = shown.map(|(name, count)| {
-            #[expect(clippy::cast_precision_loss, reason = "a share for people")]
             let share = if rows == 0 { 0.0 } else { 100.0 * count as f64 / rows as f64 };
             let name = if name == "unjudged" { "without a verdict" } else { name };
             // a part in a million that fails is not 0 %, and one that does not is not 100 %

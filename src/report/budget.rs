@@ -123,12 +123,6 @@ impl BudgetReport<'_> {
         if high <= low {
             return None;
         }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
-            reason = "columns of a screen"
-        )]
         let column = |mm: f64| ((mm - low) / (high - low) * width as f64).round() as usize;
         let zero = column(0.0);
         let lines = bars.iter().map(|(name, from, to, is_fixed)| {

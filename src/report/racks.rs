@@ -48,23 +48,19 @@ const QUANTITIES: [Quantity; 4] = [
 
 fn histogram(values: &[f64]) -> Vec<Bin> {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    #[allow(clippy::cast_precision_loss)]
     let width = (high - low) / BINS as f64;
     if width.is_nan() || width <= 0.0 {
         return vec![(low, high, values.len())];
     }
     let mut counts = [0_usize; BINS];
     for value in values {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let bin = ((value - low) / width) as usize;
         counts[bin.min(BINS - 1)] += 1;
     }
-    #[allow(clippy::cast_precision_loss)]
     let edge = |bin: usize| low + width * bin as f64;
     counts.iter().enumerate().map(|(bin, &count)| (edge(bin), edge(bin + 1), count)).collect()
 }
 
-#[allow(clippy::cast_precision_loss)] // far below 2⁵³ racks
 fn moments(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

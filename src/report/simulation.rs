@@ -163,7 +163,6 @@ impl SimulationReport<'_> {
             (false, Integrator::Implicit) => format!("implicit steps in time to {} mm", plain(p.tolerance_mm)),
             (false, Integrator::Explicit) => {
                 let time = self.outcome.samples.last().map_or(0.0, |sample| sample.time_s);
-                #[allow(clippy::cast_precision_loss)] // a count of steps
                 let mean = time / self.outcome.counters.steps as f64;
                 let mean = if mean.is_finite() { format!(", {mean:.1e} s on average") } else { String::new() };
                 format!("explicit steps in time, half as long as is stable{mean}")

@@ -20,19 +20,12 @@ pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Opti
     let row = |y: f64| {
         let share = if scale > 0.0 { (high - y) * scale } else { 0.5 };
         // the share lies between 0 and 1
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
-            reason = "a dot"
-        )]
         let dot = (share * (dots_y - 1) as f64).round() as usize;
         dot.min(dots_y - 1)
     };
     let mut previous: Option<usize> = None;
     let mut next = 0;
     for dot in 0..dots_x {
-        #[expect(clippy::cast_precision_loss, reason = "a few hundred dots")]
         let x = first.0 + (last.0 - first.0) * dot as f64 / (dots_x - 1) as f64;
         while next + 1 < points.len() && points[next + 1].0 < x {
             next += 1;

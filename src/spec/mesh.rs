@@ -321,7 +321,6 @@ impl Spec {
                 return Err(diagnostic.help("check the units, `rack.pin` and `rack.datum`").into());
             }
             // tooth indices are far below 2⁵³
-            #[expect(clippy::cast_precision_loss, reason = "tooth numbers are small")]
             let nominal_position = (row.space as f64 + 0.5) * pair.rack().pitch_mm;
             let position = match &row.position {
                 Some(Measured::Deviation(length)) => length.mm(),

@@ -174,7 +174,6 @@ fn spread(values: &[Length]) -> Option<Length> {
 
 /// Sums of single pitch deviations around a turn, their mean removed, because a turn closes.
 fn centred_sums(pitches: &[Length]) -> Vec<Length> {
-    #[expect(clippy::cast_precision_loss, reason = "a number of teeth")]
     let mean = pitches.iter().map(|pitch| pitch.mm()).sum::<f64>() / pitches.len().max(1) as f64;
     let mean = Length::nearest(mean * 1e12, "the mean pitch deviation").unwrap_or(Length::ZERO);
     let mut total = Length::ZERO;

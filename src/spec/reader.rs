@@ -114,7 +114,6 @@ impl SectionReader<'_> {
             return None;
         }
         // the domain is far inside u32, and the number is whole
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the domain")]
         Some(Located { value: number as u32, span: value.span() })
     }
 

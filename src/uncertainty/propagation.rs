@@ -383,7 +383,6 @@ impl Propagator {
 
     fn coverage_factor(&self, dof: Option<f64>) -> f64 {
         let dof = dof.unwrap_or(f64::INFINITY);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1; saturates")]
         let kept = self.factors.get(whole_dof(dof) as usize);
         kept.copied().unwrap_or_else(|| coverage_factor(dof))
     }

@@ -158,7 +158,6 @@ fn parquet(path: &Path, cells: &[Vec<toml::Value>], types: &[String]) {
 }
 
 /// Writes the cells of a column; `"null"` is none.
-#[expect(clippy::cast_possible_truncation, reason = "the type of a column is narrow")]
 fn parquet_column(open: &mut SerializedColumnWriter<'_>, kind: &str, column: &[&toml::Value]) {
     let is_null = |cell: &toml::Value| cell.as_str() == Some("null");
     let levels: Vec<i16> = column.iter().map(|cell| i16::from(!is_null(cell))).collect();

@@ -198,7 +198,6 @@ impl Strokes {
         if !(to_mm > from_mm && steps <= MOST_STROKES && from_mm.abs() <= 1e9) {
             return Err(RacksError::Stroke { from_mm, to_mm });
         }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most a million, and 1e12 teeth
         Ok(Self {
             from: from_mm,
             step: (to_mm - from_mm) / steps.max(1.0),

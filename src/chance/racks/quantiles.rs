@@ -28,7 +28,6 @@ pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let tail = 0.5 * (1.0 - CONFIDENCE);
-    #[allow(clippy::cast_precision_loss)]
     let n = sorted.len() as f64;
     // P(B ≤ k)
     let cdf = |k: f64, p: f64| {
@@ -44,7 +43,6 @@ pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
         .iter()
         .filter(|_| !sorted.is_empty())
         .map(|&p| {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
             let first = |holds: &dyn Fn(f64) -> bool| {
                 let (mut low, mut high) = (0, sorted.len() + 1);
                 while low < high {
@@ -56,7 +54,6 @@ pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
             // the smallest count that is exceeded rarely, and the largest that is rarely fallen short of
             let upper = first(&|k| 1.0 - cdf(k - 1.0, p) <= tail);
             let lower = first(&|k| cdf(k - 1.0, p) > tail).saturating_sub(1);
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let rank = ((n * p).ceil().max(1.0) as usize).min(sorted.len());
             let at = |rank: usize| rank.checked_sub(1).and_then(|index| sorted.get(index)).copied();
             Quantile { share: p, value: sorted[rank - 1], lower: at(lower), upper: at(upper) }
@@ -68,7 +65,6 @@ pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
 #[must_use]
 pub fn share(inside: usize, of: usize) -> (f64, f64, f64) {
     let tail = 0.5 * (1.0 - CONFIDENCE);
-    #[allow(clippy::cast_precision_loss)]
     let (x, n) = (inside as f64, of as f64);
     let lower = if inside == 0 { 0.0 } else { beta_quantile(tail, x, n - x + 1.0) };
     let upper = if inside == of { 1.0 } else { beta_quantile(1.0 - tail, x + 1.0, n - x) };

@@ -24,12 +24,6 @@ impl Bar {
         Self { shown: long::Bar::new(), sizes: sizes.collect(), file: 0, done: 0, unit }
     }
 
-    #[expect(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "for people"
-    )]
     pub(super) fn show(&mut self, progress: &Progress) {
         let total: Option<u64> = self.sizes.iter().copied().sum();
         let share = total.filter(|total| *total > 0);

@@ -51,7 +51,6 @@ const STEPS: usize = 81;
 
 /// The errors of a step: either way, of the pinion alone, too.
 fn reach(step: usize) -> Reach {
-    #[expect(clippy::cast_precision_loss, reason = "a power of two")]
     let size = SMALLEST_MM[step % SMALLEST_MM.len()] * (1_u64 << (step / SMALLEST_MM.len())) as f64;
     Reach { range: Range { lower: -size, upper: size }, of_pinion_mm: size }
 }

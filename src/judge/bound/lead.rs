@@ -210,7 +210,6 @@ impl Leads {
         if place.abs() >= f64::from(NODES_A_SIDE) {
             return self.asked_itself(known);
         }
-        #[expect(clippy::cast_possible_truncation, reason = "within the table")]
         let below = place.floor() as i32;
         let share = place - f64::from(below);
         let (a, b) = (self.node(known, extent, below), self.node(known, extent, below + 1));
@@ -227,7 +226,6 @@ impl Leads {
     /// A node of the table, computed when it is first needed.
     fn node(&self, known: &KnownPair, extent: Extent, index: i32) -> Asked {
         let table = &known.leads.nodes[Extent::EVERY.len() * self.part as usize + extent as usize];
-        #[expect(clippy::cast_sign_loss, reason = "within the table")]
         let node = &table[(index + NODES_A_SIDE) as usize];
         let value = f64::from(index) * known.leads.spacing[self.part as usize];
         let lines = self.lines.map(|_| RackLines::of_pair(&known.given.pair));
@@ -285,7 +283,6 @@ impl Leads {
             lower: f64::from(index) / f64::from(CELLS),
             upper: f64::from(index + 1) / f64::from(CELLS),
         };
-        #[expect(clippy::cast_possible_truncation, reason = "a few teeth")]
         let (first, last) = ((start * f64::from(CELLS)).floor() as i32, (end * f64::from(CELLS)).ceil() as i32);
         let cells = (first..last).map(|index| {
             let mut found = f64::NEG_INFINITY;

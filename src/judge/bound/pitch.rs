@@ -165,7 +165,6 @@ fn limited(range: ErrorRange, extent: Extent, step: f64) -> ErrorRange {
 impl ErrorRange {
     /// With the number of steps that add up.
     fn counted(self, step: f64) -> Self {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few teeth")]
         let count = (self.upper_mm / step - SLACK).ceil().clamp(0.0, 1e6) as u32;
         Self { in_contact: (step > 0.0).then_some(count), ..self }
     }

@@ -43,17 +43,13 @@ impl Basis {
 
 impl Scale {
     fn new(error: &ExtendedError, knowledge: &Knowledge) -> Result<Self, Open> {
-        #[expect(clippy::cast_precision_loss, reason = "a few intervals")]
         let at = |index: usize| range_of(&error.scaled(index as f64 / (INTERVALS / 2) as f64 - 1.0), knowledge);
         Ok(Self { part: error.part(), ranges: (0..=INTERVALS).map(at).collect::<Result<_, _>>()? })
     }
 
     fn at(&self, share: f64) -> ErrorRange {
-        #[expect(clippy::cast_precision_loss, reason = "a few intervals")]
         let place = ((share + 1.0) * (INTERVALS / 2) as f64).clamp(0.0, INTERVALS as f64);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
         let index = (place as usize).min(INTERVALS - 1);
-        #[expect(clippy::cast_precision_loss, reason = "a few intervals")]
         let share = place - index as f64;
         let (a, b) = (&self.ranges[index], &self.ranges[index + 1]);
         let between = |a: f64, b: f64| a + share * (b - a);

@@ -78,7 +78,6 @@ impl Run {
 
     /// How far its steps move a tooth.
     fn moves(&self, tooth: i64) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
         let steps = (tooth - self.first + 1).clamp(0, self.count().max(0)) as f64;
         steps * self.value
     }
@@ -261,10 +260,8 @@ impl Places {
         if self.part == Part::Rack {
             return Some(runs);
         }
-        #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
         let sum: f64 = runs.iter().map(|run| run.count() as f64 * run.value).sum();
         let back = Run::of(self.steps.end() + 1, self.steps.start() + self.z - 1, 0.0);
-        #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
         let each = if sum == 0.0 { 0.0 } else { -sum / back.count().max(0) as f64 };
         (each.abs() <= value && back.count() >= 0).then(|| {
             runs.push(Run { value: each, ..back });
@@ -337,7 +334,6 @@ fn put_total(placed: &mut Placed, part: Part, runs: &[Run]) {
         (run.first..=run.last).for_each(|tooth| placed.shift(part, tooth, by));
         if part == Part::Pinion {
             let teeth = placed.teeth(part);
-            #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
             let share = run.count() as f64 / (teeth.end() + 1) as f64;
             let mean = BySide { left: -share * by.left, right: -share * by.right };
             teeth.for_each(|tooth| placed.shift(part, tooth, mean));

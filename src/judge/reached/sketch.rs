@@ -62,7 +62,6 @@ impl Sketch {
         placed.shift(Part::Rack, 0, BySide { left: -along_x, right: along_x });
         let mesh = placed.mesh(given)?;
         let mut sampler = Sampler::new(&mesh);
-        #[expect(clippy::cast_possible_truncation, reason = "a few pitches")]
         let end = STEPS * (0.5 * path.ratio + path.offset.abs() + BEYOND).min(FARTHEST).ceil() as i64;
         let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth) / tan;
         let field = Field::nominal(&pair);
@@ -121,7 +120,6 @@ impl Sketch {
 }
 
 /// A stroke in pitches.
-#[expect(clippy::cast_precision_loss, reason = "a few pitches")]
 pub(super) fn stroke(index: i64) -> f64 {
     index as f64 / STEPS as f64
 }

@@ -44,7 +44,6 @@ impl Random {
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        #[expect(clippy::cast_precision_loss, reason = "53 bits")]
         let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
         low + (high - low) * unit
     }
@@ -75,7 +74,6 @@ pub(in crate::mesh) fn pair(random: &mut Random, narrow: bool) -> Option<Pair> {
             tooth_thickness_mm: None,
         },
         pinion: PinionData {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "6 to 60")]
             teeth: teeth as u32,
             helix_angle_rad: pinion,
             profile_shift: shift,

@@ -50,11 +50,9 @@ impl Scale {
         let step = unit * [1.0, 2.0, 5.0, 10.0].into_iter().find(|step| step * unit >= rough).unwrap_or(10.0);
         let first = libm::ceil(self.low / step);
         // a handful: the range over a step of its size
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
         let total = (libm::floor(self.high / step) - first).clamp(0.0, 100.0) as u32;
         let ticks = (0..=total).map(|index| (first + f64::from(index)) * step).collect();
         let decimals = -libm::floor(libm::log10(step) + 1e-9);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
         (ticks, decimals.clamp(0.0, 12.0) as usize)
     }
 }

@@ -26,7 +26,6 @@ fn ticks(from: f64, to: f64, most: usize) -> Vec<f64> {
     if !(width > 0.0 && width.is_finite()) || most == 0 {
         return Vec::new();
     }
-    #[expect(clippy::cast_precision_loss, reason = "a few ticks")]
     let least_step = width / most as f64;
     let mut decade = 1.0;
     while decade > least_step {
@@ -40,7 +39,6 @@ fn ticks(from: f64, to: f64, most: usize) -> Vec<f64> {
     let first = (from / step).ceil();
     (0..=most)
         .map(|index| {
-            #[expect(clippy::cast_precision_loss, reason = "a few ticks")]
             let multiple = first + index as f64;
             multiple * step
         })
@@ -56,9 +54,8 @@ impl Ranged for Axis {
         let share = (value - self.from) / (self.to - self.from);
         let (low, high) = (f64::from(limit.0), f64::from(limit.1));
         // a pixel; far outside the picture is outside all the same
-        #[expect(clippy::cast_possible_truncation, reason = "clamped")]
-        let pixel = (low + share * (high - low)).round().clamp(-1e6, 1e6) as i32;
-        pixel
+
+        (low + share * (high - low)).round().clamp(-1e6, 1e6) as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
@@ -87,7 +84,6 @@ pub(super) struct LogAxis {
 impl LogAxis {
     /// The whole decades that hold everything from the lowest to the highest (both positive).
     pub(super) fn around((low, high): (f64, f64)) -> Self {
-        #[expect(clippy::cast_possible_truncation, reason = "exponents of doubles are below 400")]
         let (from, to) = (libm::log10(low).floor() as i32, libm::log10(high).ceil() as i32);
         Self { from, to: to.max(from + 1) }
     }
@@ -100,9 +96,8 @@ impl Ranged for LogAxis {
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
         let share = (libm::log10(*value) - f64::from(self.from)) / f64::from(self.to - self.from);
         let (low, high) = (f64::from(limit.0), f64::from(limit.1));
-        #[expect(clippy::cast_possible_truncation, reason = "clamped")]
-        let pixel = (low + share * (high - low)).round().clamp(-1e6, 1e6) as i32;
-        pixel
+
+        (low + share * (high - low)).round().clamp(-1e6, 1e6) as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {

@@ -100,7 +100,6 @@ impl CurvePlot {
         const WIDTH: f64 = 0.16;
         const HEIGHT: f64 = 0.06;
         // no plot has many labels
-        #[expect(clippy::cast_precision_loss, reason = "a handful")]
         let (width, height) = (WIDTH * (x.1 - x.0), HEIGHT * (labels as f64 + 0.5) * (y.1 - y.0));
         let (left, right) = ((x.0, x.0 + width), (x.1 - width, x.1));
         let (lower, upper) = ((y.0, y.0 + height), (y.1 - height, y.1));

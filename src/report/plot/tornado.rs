@@ -59,7 +59,6 @@ impl Drawing for TornadoPlot {
             return Err(Failure::Plot(PlotError::TooFewPoints));
         }
         let air = 0.06 * (high - low);
-        #[expect(clippy::cast_precision_loss, reason = "a few bars")]
         let count = self.bars.len() as f64;
         area.fill(&WHITE)?;
         let mut chart = ChartBuilder::on(area)

@@ -111,7 +111,6 @@ fn indices(
     (spread, Some(margin_index(margin, deviation_mm, n, dof)))
 }
 
-#[allow(clippy::cast_precision_loss)] // far below 2⁵³ parts
 fn count(parts: usize) -> f64 {
     parts as f64
 }

@@ -26,7 +26,6 @@ impl Normality {
     #[must_use]
     pub fn of_groups(groups: &[(f64, f64, u64)], mean: f64, deviation: f64) -> Option<Self> {
         let (first, last) = (groups.first()?, groups.last()?);
-        #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³ parts")]
         let n = groups.iter().map(|(.., count)| *count).sum::<u64>() as f64;
         if groups.iter().any(|(low, high, _)| high - low > 0.25 * deviation) {
             return None;
@@ -41,7 +40,6 @@ impl Normality {
         statistic += tail(-standardised(first.0)) + tail(standardised(last.1));
         let mut end = first.0;
         for (low, high, count) in groups {
-            #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³ parts")]
             let share = *count as f64 / n;
             statistic += distance(standardised(end), standardised(*low), below, below);
             statistic += distance(standardised(*low), standardised(*high), below, below + share);
@@ -97,7 +95,6 @@ fn distance(z_0: f64, z_1: f64, from: f64, to: f64) -> f64 {
     if high <= low {
         return 0.0;
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 296")]
     let pieces = ((high - low) / 0.25).ceil().max(1.0) as usize;
     let half = 0.5 * (high - low) / count(pieces);
     let mut sum = 0.0;

@@ -23,7 +23,6 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    #[expect(clippy::cast_precision_loss, reason = "53 bits")]
     pub(in crate::judge) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -304,7 +303,6 @@ fn total(random: &mut Random, count: usize, range: f64, turn: bool) -> Vec<f64> 
         })
         .collect();
     if turn {
-        #[expect(clippy::cast_precision_loss, reason = "a few teeth")]
         let mean = sums.iter().sum::<f64>() / count as f64;
         for sum in &mut sums {
             *sum -= mean;

@@ -27,7 +27,6 @@ fn wild(random: &mut Random) -> Option<Pair> {
             tooth_thickness_mm: None,
         },
         pinion: PinionData {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "2 to 62")]
             teeth: teeth as u32,
             helix_angle_rad: pinion,
             profile_shift: shift,
