@@ -1,6 +1,18 @@
-//! The house itself: every source file is part of the program or its tests.
+//! The house itself: every source file is part of the program or its tests, and what `docs/house.md` counts.
+//!
+//! `cargo test --test it house -- --nocapture` prints the figures.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+/// Attributes that allow or expect a lint, outside the crate's root.
+const MOST_ATTRIBUTES: usize = 30;
+/// Functions of more than 60 lines of code.
+const MOST_LONG_FUNCTIONS: usize = 0;
+/// Functions of more than 6 arguments, `self` included.
+const MOST_WIDE_FUNCTIONS: usize = 0;
+/// Rooms that use each other, directly or through others.
+const MOST_ROOMS_IN_CYCLES: usize = 0;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -39,4 +51,176 @@ fn every_source_file_is_declared() {
         };
         assert!(parents(file).iter().any(is_declared), "nothing declares {}", file.display());
     }
+}
+
+/// A file of the program: its path below `src`, and its lines of code.
+struct Code {
+    path: PathBuf,
+    lines: Vec<String>,
+}
+
+impl Code {
+    /// The folder, or the file itself at the root.
+    fn room(&self) -> String {
+        let first = self.path.components().next().unwrap().as_os_str().to_str().unwrap();
+        first.trim_end_matches(".rs").to_owned()
+    }
+}
+
+fn indent(line: &str) -> usize {
+    line.len() - line.trim_start().len()
+}
+
+/// The line that closes what `lines[first]` opens: the same one if it opens nothing.
+fn end(lines: &[&str], first: usize) -> usize {
+    let opens = lines[first..].iter().position(|line| line.ends_with(['{', '}', ';'])).map(|by| first + by);
+    let Some(opens) = opens.filter(|at| lines[*at].ends_with('{')) else { return opens.unwrap_or(first) };
+    let closes = |line: &&str| indent(line) == indent(lines[first]) && line.trim_start().starts_with('}');
+    lines[opens..].iter().position(closes).map_or(lines.len() - 1, |by| opens + by)
+}
+
+/// The program without tests, comments and blank lines.
+fn code() -> Vec<Code> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    files.retain(|file| !file.iter().any(|part| part == "tests" || part == "tests.rs"));
+    let mut found = Vec::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+        let all: Vec<&str> = text.lines().filter(is_code).collect();
+        let mut lines = Vec::new();
+        let mut at = 0;
+        while at < all.len() {
+            if all[at].trim() == "#[cfg(test)]" {
+                at += 1;
+                while all[at].trim_start().starts_with("#[") {
+                    at += 1;
+                }
+                at = end(&all, at);
+            } else {
+                lines.push(all[at].to_owned());
+            }
+            at += 1;
+        }
+        found.push(Code { path: file.strip_prefix(&root).unwrap().to_owned(), lines });
+    }
+    found
+}
+
+/// A function of the program.
+struct Function {
+    place: String,
+    lines: usize,
+    arguments: usize,
+}
+
+/// The arguments of a signature, from its name on.
+fn arguments(signature: &str) -> usize {
+    let signature = signature.replace("->", "");
+    let (mut generics, mut depth, mut count, mut is_empty) = (0, 0, 0, true);
+    for sign in signature.chars() {
+        match sign {
+            '<' => generics += 1,
+            '>' => generics -= 1,
+            '(' | '[' if depth > 0 || generics == 0 => depth += 1,
+            ')' | ']' if depth == 1 => break,
+            ')' | ']' if depth > 1 => depth -= 1,
+            ',' if depth == 1 && generics == 0 => (count, is_empty) = (count + 1, true),
+            _ if depth > 0 && !sign.is_whitespace() => is_empty = false,
+            _ => {}
+        }
+    }
+    count + usize::from(!is_empty)
+}
+
+fn functions(code: &[Code]) -> Vec<Function> {
+    let mut found = Vec::new();
+    for Code { path, lines } in code {
+        let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+        for (at, line) in lines.iter().enumerate() {
+            let Some((before, name)) = line.split_once("fn ") else { continue };
+            let is_function = before.split_whitespace().all(|word| word == "const" || word.starts_with("pub"));
+            if is_function && line.contains(['(', '<']) {
+                let end = end(&lines, at);
+                let signature = name.to_owned() + &lines[at + 1..=end].concat();
+                let place = format!("{}: {}", path.display(), name.split(['(', '<']).next().unwrap());
+                found.push(Function { place, lines: end + 1 - at, arguments: arguments(&signature) });
+            }
+        }
+    }
+    found
+}
+
+/// Holds the number of places against the most that there may be.
+fn hold(what: &str, places: &[String], most: usize) {
+    println!("{}: {what}", places.len());
+    assert!(places.len() <= most, "{} {what}, {most} at most:\n{}", places.len(), places.join("\n"));
+}
+
+#[test]
+fn lines_of_code() {
+    let mut rooms: BTreeMap<String, usize> = BTreeMap::new();
+    for file in code() {
+        *rooms.entry(file.room()).or_default() += file.lines.len();
+    }
+    println!("{}: lines of code, of which", rooms.values().sum::<usize>());
+    rooms.iter().for_each(|(room, lines)| println!("  {lines:6} {room}"));
+}
+
+#[test]
+fn few_lints_are_allowed() {
+    let code = code();
+    let files = code.iter().filter(|file| !file.path.ends_with("lib.rs"));
+    let lines =
+        files.flat_map(|file| file.lines.iter().map(|line| format!("{}: {}", file.path.display(), line.trim())));
+    let attributes: Vec<_> = lines.filter(|line| line.contains("#[allow(") || line.contains("#[expect(")).collect();
+    hold("attributes that allow or expect a lint", &attributes, MOST_ATTRIBUTES);
+}
+
+#[test]
+fn functions_are_short() {
+    let all = functions(&code());
+    assert!(all.len() > 2000, "{} functions", all.len());
+    let long = all.iter().filter(|function| function.lines > 60);
+    let long: Vec<_> = long.map(|function| format!("{}: {} lines", function.place, function.lines)).collect();
+    hold("functions above 60 lines", &long, MOST_LONG_FUNCTIONS);
+    let wide = all.iter().filter(|function| function.arguments > 6);
+    let wide: Vec<_> = wide.map(|function| format!("{}: {} arguments", function.place, function.arguments)).collect();
+    hold("functions above 6 arguments", &wide, MOST_WIDE_FUNCTIONS);
+}
+
+/// Which rooms a room uses.
+fn uses(code: &[Code]) -> BTreeMap<String, BTreeSet<String>> {
+    let rooms: BTreeSet<String> = code.iter().map(Code::room).filter(|room| room != "lib" && room != "main").collect();
+    let mut uses: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for file in code.iter().filter(|file| rooms.contains(&file.room())) {
+        let named = file.lines.iter().flat_map(|line| line.split("crate::").skip(1));
+        let named =
+            named.map(|behind| behind.split(|sign: char| !sign.is_alphanumeric() && sign != '_').next().unwrap());
+        let named = named.filter(|room| rooms.contains(*room) && **room != file.room()).map(str::to_owned);
+        uses.entry(file.room()).or_default().extend(named);
+    }
+    uses
+}
+
+#[test]
+fn rooms_use_each_other_one_way() {
+    let uses = uses(&code());
+    for (room, used) in &uses {
+        println!("{room} → {}", used.iter().cloned().collect::<Vec<_>>().join(", "));
+    }
+    let reach = |room: &String| {
+        let mut reached = BTreeSet::new();
+        let mut open: Vec<&String> = uses[room].iter().collect();
+        while let Some(next) = open.pop() {
+            if reached.insert(next) {
+                open.extend(&uses[next]);
+            }
+        }
+        reached
+    };
+    let in_cycles: Vec<String> = uses.keys().filter(|room| reach(room).contains(room)).cloned().collect();
+    hold("rooms that use each other", &in_cycles, MOST_ROOMS_IN_CYCLES);
 }

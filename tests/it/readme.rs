@@ -1,28 +1,191 @@
-//! Measured numbers in the README are copied from the files that the examples wrote, and never typed.
+//! The README and the manual: every command in them runs, and measured numbers are copied from the files that the
+//! examples wrote, never typed.
 //!
-//! `RACKMESH_UPDATE=1 cargo test --test it readme` copies them anew.
+//! `RACKMESH_UPDATE=1 cargo test --test it readme` copies them anew. Transcripts are compared by `tests/cli.rs`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Drawn and written by others.
+const NOT_YET: &[&str] = &["docs/along-the-stroke.svg", "docs/flags.md"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
-/// Holds the README's text between `<!-- name -->` and `<!-- end -->` against `text`, or replaces it.
-fn check(name: &str, text: &str) {
-    // the tests run side by side, and each replaces its own part
-    static ONE_AT_A_TIME: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    let _one = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let path = root().join("README.md");
-    let readme = std::fs::read_to_string(&path).unwrap();
+/// A page of the manual: its path from the root, and its text.
+struct Page {
+    path: String,
+    text: String,
+}
+
+/// The README and the chapters.
+fn pages() -> Vec<Page> {
+    let chapters = in_docs().into_iter().filter(|path| path.ends_with(".md"));
+    std::iter::once("README.md".to_owned())
+        .chain(chapters)
+        .map(|path| Page { text: std::fs::read_to_string(root().join(&path)).unwrap(), path })
+        .collect()
+}
+
+fn in_docs() -> BTreeSet<String> {
+    let entries = std::fs::read_dir(root().join("docs")).unwrap();
+    entries.map(|entry| format!("docs/{}", entry.unwrap().file_name().to_str().unwrap())).collect()
+}
+
+/// The lines of a page, each with the language of the block that it stands in.
+fn lines(text: &str) -> Vec<(Option<&str>, &str)> {
+    let mut block = None;
+    let mut found = Vec::new();
+    for line in text.lines() {
+        match (line.strip_prefix("```"), block) {
+            (Some(language), None) => block = Some(language),
+            (Some(_), Some(_)) => block = None,
+            (None, _) => found.push((block, line)),
+        }
+    }
+    found
+}
+
+/// A command of a page, and the exit status that stands behind it in brackets, or 0.
+struct Shown {
+    command: String,
+    status: i32,
+}
+
+impl Shown {
+    fn new(command: &str, behind: &str) -> Self {
+        let stated = behind.trim_start_matches([' ', '#']).strip_prefix("(exit status ");
+        let status = stated.map_or(0, |status| status.split(')').next().unwrap().parse().unwrap());
+        Self { command: command.to_owned(), status }
+    }
+}
+
+/// The commands of a page that are no transcript: in text and tables, and in blocks of a shell or a workflow.
+fn commands(page: &Page) -> Vec<Shown> {
+    let mut found = Vec::new();
+    for (block, line) in lines(&page.text) {
+        match block {
+            None => {
+                let pieces: Vec<_> = line.split('`').collect();
+                let code = pieces.windows(2).skip(1).step_by(2);
+                found.extend(
+                    code.filter(|code| code[0].starts_with("rackmesh ")).map(|code| Shown::new(code[0], code[1])),
+                );
+            }
+            Some("sh" | "yaml") => {
+                let (command, behind) = line.split_once(" #").unwrap_or((line, ""));
+                let command = command.trim_start().trim_start_matches("- run: ");
+                if ["rackmesh ", "mkdir "].iter().any(|program| command.starts_with(program)) {
+                    found.push(Shown::new(command, behind));
+                }
+            }
+            Some(_) => {}
+        }
+    }
+    found
+}
+
+/// As a new user does: in a fresh folder with the examples, in the order in which they stand there.
+#[cfg(unix)]
+#[test]
+fn every_command_runs() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("commands-of-the-manual");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("examples")).unwrap();
+    for example in std::fs::read_dir(root().join("examples")).unwrap() {
+        let example = example.unwrap();
+        std::fs::copy(example.path(), folder.join("examples").join(example.file_name())).unwrap();
+    }
+    let program = Path::new(env!("CARGO_BIN_EXE_rackmesh")).parent().unwrap();
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    let mut done = BTreeSet::new();
+    // the changelog speaks of options, with placeholders
+    for page in pages().iter().filter(|page| page.path != "docs/changelog.md") {
+        for Shown { command, status } in commands(page) {
+            if !done.insert(command.clone()) {
+                continue;
+            }
+            let mut shell = Command::new("sh");
+            shell.args(["-c", &command]).current_dir(&folder).env("PATH", &path).env("HOME", &folder);
+            let output = shell.stdin(Stdio::null()).output().unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(status), "{}: {command}: {said}", page.path);
+        }
+    }
+    assert!(done.len() > 50, "{} commands", done.len());
+}
+
+/// What a page links to: the path from the root, and the heading.
+struct Link {
+    path: String,
+    heading: Option<String>,
+}
+
+fn links(page: &Page) -> Vec<Link> {
+    let folder = page.path.rsplit_once('/').map_or("", |(folder, _)| folder);
+    let text = lines(&page.text).into_iter().filter(|(block, _)| block.is_none()).map(|(_, line)| line);
+    let targets = text.flat_map(|line| line.split("](").skip(1).map(|behind| behind.split(')').next().unwrap()));
+    let own = targets.filter(|target| !target.starts_with("https://"));
+    own.map(|target| {
+        let (path, heading) = target.split_once('#').map_or((target, None), |(path, heading)| (path, Some(heading)));
+        let path = match path.strip_prefix("../") {
+            _ if path.is_empty() => page.path.clone(),
+            Some(path) => path.to_owned(),
+            None if folder.is_empty() => path.to_owned(),
+            None => format!("{folder}/{path}"),
+        };
+        Link { path, heading: heading.map(str::to_owned) }
+    })
+    .collect()
+}
+
+/// What a heading is called in a link.
+fn anchor(heading: &str) -> String {
+    let kept = heading.chars().filter(|sign| sign.is_alphanumeric() || " -_".contains(*sign));
+    kept.collect::<String>().to_lowercase().replace(' ', "-")
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    for page in pages() {
+        for Link { path, heading } in links(&page) {
+            assert!(root().join(&path).exists() || NOT_YET.contains(&&*path), "{}: there is no {path}", page.path);
+            let Some(heading) = heading else { continue };
+            let text = std::fs::read_to_string(root().join(&path)).unwrap();
+            let headings = lines(&text).into_iter().filter(|(block, line)| block.is_none() && line.starts_with('#'));
+            let mut anchors = headings.map(|(_, line)| anchor(line.trim_start_matches('#').trim()));
+            assert!(anchors.any(|anchor| anchor == heading), "{}: {path} has no heading {heading}", page.path);
+        }
+    }
+}
+
+#[test]
+fn every_file_of_the_manual_is_linked() {
+    let linked: BTreeSet<String> = pages()
+        .iter()
+        .flat_map(|page| links(page).into_iter().map(|link| link.path).filter(|path| *path != page.path))
+        .collect();
+    let alone: Vec<_> = in_docs().into_iter().filter(|file| !linked.contains(file)).collect();
+    assert!(alone.is_empty(), "nothing links to {alone:?}");
+}
+
+#[test]
+fn the_readme_is_one_page() {
+    assert!(pages()[0].text.lines().count() <= 200);
+}
+/// Holds the text of a page between `<!-- name -->` and `<!-- end -->` against `text`, or replaces it.
+fn check(page: &str, name: &str, text: &str) {
+    let path = root().join(page);
+    let written = std::fs::read_to_string(&path).unwrap();
     let begin = format!("<!-- {name} -->\n");
-    let start = readme.find(&begin).unwrap_or_else(|| panic!("README.md has no {begin}")) + begin.len();
-    let end = start + readme[start..].find("<!-- end -->").unwrap();
+    let start = written.find(&begin).unwrap_or_else(|| panic!("{page} has no {begin}")) + begin.len();
+    let end = start + written[start..].find("<!-- end -->").unwrap();
     if std::env::var_os("RACKMESH_UPDATE").is_some() {
-        std::fs::write(&path, format!("{}{text}{}", &readme[..start], &readme[end..])).unwrap();
+        std::fs::write(&path, format!("{}{text}{}", &written[..start], &written[end..])).unwrap();
     } else {
-        assert_eq!(&readme[start..end], text, "RACKMESH_UPDATE=1 cargo test --test it readme copies the numbers anew");
+        assert_eq!(&written[start..end], text, "RACKMESH_UPDATE=1 cargo test --test it readme copies the numbers anew");
     }
 }
 
@@ -78,13 +241,13 @@ fn run_time_and_error() {
         let time = format!("{} … {}", in_words(fastest, "s"), in_words(slowest, "s"));
         table.push_str(&format!("| {} | {} | {time} | {} |\n", key.0, key.1, errors.join(" | ")));
     }
-    check("run time and error", &table);
+    check("docs/models.md", "run time and error", &table);
 }
 
 #[test]
 fn accuracy() {
     let written = std::fs::read_to_string(root().join("benches/results/accuracy.md")).unwrap();
-    check("accuracy", &written);
+    check("docs/method.md", "accuracy", &written);
     // the promise of src/formula/precision.md, which rounding to the last digit nearly fills by half
     let formulas = written.lines().take_while(|line| !line.is_empty()).skip(2);
     let errors = formulas.map(|line| line.trim_end_matches(" |").rsplit(' ').next().unwrap().parse::<f64>().unwrap());
