@@ -71,6 +71,10 @@ assert_eq!(spec.part_deviations()?.len(), 1);
 "#
 )]
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
+
 #[cfg(feature = "batch")]
 pub mod batch;
 pub mod budget;
