@@ -166,7 +166,9 @@ fn lines_of_code() {
         *rooms.entry(file.room()).or_default() += file.lines.len();
     }
     println!("{}: lines of code, of which", rooms.values().sum::<usize>());
-    rooms.iter().for_each(|(room, lines)| println!("  {lines:6} {room}"));
+    for (room, lines) in rooms {
+        println!("  {lines:6} {room}");
+    }
 }
 
 #[test]

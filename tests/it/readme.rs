@@ -22,7 +22,7 @@ struct Page {
 
 /// The README and the chapters.
 fn pages() -> Vec<Page> {
-    let chapters = in_docs().into_iter().filter(|path| path.ends_with(".md"));
+    let chapters = in_docs().into_iter().filter(|path| Path::new(path).extension() == Some("md".as_ref()));
     std::iter::once("README.md".to_owned())
         .chain(chapters)
         .map(|path| Page { text: std::fs::read_to_string(root().join(&path)).unwrap(), path })
