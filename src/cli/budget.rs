@@ -4,6 +4,7 @@ use super::eval::ModelArg;
 use super::mesh::files_read;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::set::SetArgs;
 use super::teeth;
 use crate::budget::simulation::{Simulation, Spread};
 use crate::budget::{self, Budget, BudgetError, Request, Rule};
@@ -65,6 +66,8 @@ pub(super) struct Args {
     /// Draw the tornado plot to this file (.svg or .png).
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -96,7 +99,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let (entries, classes) = spec.budget_entries()?;
         let request = Request {

@@ -2,6 +2,7 @@
 
 use super::eval::ModelArg;
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{Model, PartDeviation, domain};
@@ -70,6 +71,8 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -103,7 +106,11 @@ struct Sized {
 impl Args {
     pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
         let path = self.obtained.take().map(|path| (path, true)).or_else(|| Some((self.spec.take()?, false)));
-        let spec = path.as_ref().map(|(path, _)| super::read_spec(path, output)).transpose()?;
+        let spec = match &path {
+            Some((path, _)) => Some(self.set.read_spec(path, output)?),
+            None if self.set.is_empty() => None,
+            None => Some(self.set.without_file(output)?),
+        };
         let written = spec.as_ref().and_then(|spec| spec.tolerance.standard.as_ref());
         let Some(standard) = self.standard.or(written.map(|standard| standard.value)) else {
             let known = Standard::ALL.map(Standard::id).join(", ");

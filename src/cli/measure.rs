@@ -4,6 +4,7 @@ use clap::ValueEnum;
 
 use super::mesh::{measured_tables, unsolved};
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Length;
 use crate::report::{Format, MeasureReport};
@@ -33,6 +34,8 @@ pub(super) struct Args {
     /// Last space of the rack.
     #[arg(long, default_value_t = 20, allow_negative_numbers = true)]
     last: i64,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -52,7 +55,7 @@ const MOST: i64 = 10_000_000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let mesh = &input.mesh;
         let report = match self.part {

@@ -7,6 +7,7 @@ use super::decision::DecisionArgs;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::set::SetArgs;
 use super::teeth::{Judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
@@ -45,6 +46,8 @@ pub(super) struct Args {
     /// Write the curve as a picture; the name ends in .svg or .png.
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -221,7 +224,7 @@ const MOST_LISTED: u64 = 1000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = with_known_teeth(super::read_spec(&self.spec, output)?, &self.spec)?;
+        let spec = with_known_teeth(self.set.read_spec(&self.spec, output)?, &self.spec)?;
         let strokes = self.strokes()?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;

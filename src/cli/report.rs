@@ -7,7 +7,8 @@ use super::decision::DecisionArgs;
 use super::eval::{self, ModelArg, StackArg};
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
-use super::page::{hashed, reading_section, spec_section, without_verdict};
+use super::page::{hashed, reading_section, spec_sections, without_verdict};
+use super::set::SetArgs;
 use super::tables::{self, Files, ReadArgs};
 use super::teeth::{self, Judged, with_known_teeth};
 use super::{batch, mesh, target};
@@ -62,6 +63,8 @@ pub(super) struct Args {
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
+    set: SetArgs,
+    #[command(flatten)]
     decision: DecisionArgs,
     #[command(flatten)]
     reading: ReadArgs,
@@ -69,7 +72,7 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let inputs = self.inputs(&spec);
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         if let Some(path) = &self.output {
@@ -99,7 +102,7 @@ impl Args {
             statuses.push(self.lot(&spec, &mut page, output)?);
         }
         page.sections.push(self.assumptions());
-        page.sections.push(spec_section(&spec));
+        page.sections.extend(spec_sections(&spec));
         let html = page.html();
         match &self.output {
             Some(path) => target::write(path, &inputs, html.as_bytes())?,

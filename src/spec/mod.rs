@@ -22,9 +22,11 @@ mod pair;
 mod plausible;
 mod qdas;
 mod reader;
+mod reference;
 mod resolve;
 mod scatter;
 mod schema;
+mod set;
 mod simulation;
 mod template;
 mod uncertainty;
@@ -39,6 +41,7 @@ pub use errors::WrittenError;
 pub use gear::{PairSection, PinionSection, RackSection, SupportSection};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use obtained::MeasuredValue;
+pub use reference::{KeyEntry, keys};
 pub use scatter::{ScatterSection, WrittenSpread};
 pub use schema::json_schema;
 pub use simulation::SimulationSection;
@@ -51,7 +54,7 @@ use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Place, Source};
 use crate::judge::bound::KnownTeeth;
 use crate::judge::{Limit, LimitTarget, Rule};
 use crate::quantity::Length;
@@ -130,15 +133,25 @@ impl Spec {
     /// # Errors
     /// Every problem found in the text: syntax, unknown keys, wrong types, values outside their domain.
     pub fn parse(name: &str, text: &str) -> Result<Self, Diagnostics> {
+        Self::parse_with(name, text, &[])
+    }
+
+    /// The same with keys set: each of `settings` is `key=value`, such as `errors.rack_pitch=12um`, and takes the place of
+    /// what the text says, or adds the key. A value is TOML if it reads as such, and else text.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse); and settings without a value, of a key that is set twice, or within a value that is no table.
+    pub fn parse_with(name: &str, text: &str, settings: &[String]) -> Result<Self, Diagnostics> {
         // a byte order mark, as some editors write, is no part of the text
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let source = Arc::new(Source { name: name.to_owned(), text: text.to_owned() });
-        let mut diagnostics = Vec::new();
+        let source = Arc::new(Source { next: set::options(settings), ..Source::new(name, text) });
+        let settings = set::settings(settings, text.len());
         let (table, errors) = DeTable::parse_recoverable(text);
         if let Some(error) = errors.first() {
             return Err(syntax_error(&source, error).into());
         }
-        let table = table.into_inner();
+        let mut table = table.into_inner();
+        let mut diagnostics = set::set_all(&mut table, &settings, &source);
         let mut uncertainties = Vec::new();
         let mut sections =
             Sections { source: &source, top: &table, diagnostics: &mut diagnostics, uncertainties: &mut uncertainties };
@@ -193,7 +206,8 @@ impl Spec {
             let impossible = spec.impossibilities();
             if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }
         } else {
-            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
+            let place = |place: &Place| (!Arc::ptr_eq(&place.source, &source), place.span.start);
+            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(place));
             Err(Diagnostics(diagnostics))
         }
     }

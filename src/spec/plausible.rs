@@ -93,7 +93,8 @@ impl Spec {
 
     /// Whether a value is written without a unit.
     fn is_bare(&self, span: &Range<usize>) -> bool {
-        let text = self.source.text.get(span.clone()).unwrap_or_default();
+        let (source, span) = self.source.holding(span.clone());
+        let text = source.text.get(span).unwrap_or_default();
         parse_f64(text.trim_matches(['"', '\''])).is_ok()
     }
 
