@@ -17,7 +17,7 @@ use crate::judge::{Interval, Limit, LimitTarget};
 use crate::quantity::Length;
 use crate::report::plot::{Bar, TornadoPlot};
 use crate::report::{BudgetReport, Format, bound_remarks};
-use crate::spec::Spec;
+use crate::spec::{Spec, keys};
 
 pub(super) const ABOUT: &str = "Allocate a ΔCD tolerance to the errors: which tolerance each may have";
 
@@ -196,7 +196,7 @@ fn reached(budget: &Budget, basis: &Basis) -> Result<Option<Interval>, Failure> 
 
 /// For each free tolerance, the coarsest grade of the spec's standard that stays within it.
 fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
-    let Some(standard) = spec.tolerance.standard.as_ref().map(|standard| standard.value) else { return Vec::new() };
+    let Some(standard) = spec.get(keys::TOLERANCE_STANDARD) else { return Vec::new() };
     if !budget.is_feasible() {
         return Vec::new();
     }

@@ -8,6 +8,7 @@ use super::set::SetArgs;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Length;
 use crate::report::{Format, MeasureReport};
+use crate::spec::keys;
 
 pub(super) const ABOUT: &str = "Roll a pin through the spaces of the rack (or pinion) of a spec, deviations included";
 
@@ -69,10 +70,10 @@ impl Args {
                     let space = std::f64::consts::PI * pair.normal_module_mm() - pair.rack().tooth_thickness_mm;
                     space / crate::trig::cos(pair.normal_pressure_angle_rad())
                 };
-                let written = self.pin.or(spec.rack.pin.as_ref().map(|pin| pin.value));
+                let written = self.pin.or(spec.get(keys::RACK_PIN));
                 let pin_mm = written.map_or_else(ideal, Length::mm);
                 let readings = mesh.measure_rack(pin_mm, self.first..=self.last).map_err(|error| unsolved(&error))?;
-                let datum_mm = spec.rack.datum.as_ref().map(|datum| datum.value.mm());
+                let datum_mm = spec.get(keys::RACK_DATUM).map(Length::mm);
                 MeasureReport::Rack { pin_mm, datum_mm, readings }
             }
             Part::Pinion => {

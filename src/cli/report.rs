@@ -19,7 +19,7 @@ use crate::judge::{LimitTarget, Stack};
 use crate::quantity::Length;
 use crate::report::html::{Chart, InputFile, Page, Section};
 use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
-use crate::spec::Spec;
+use crate::spec::{Spec, keys};
 use crate::table::Want;
 
 pub(super) const ABOUT: &str =
@@ -153,9 +153,9 @@ impl Args {
                 return Ok(());
             }
         };
-        for file in [&spec.rack.measured, &spec.pinion.measured].into_iter().flatten() {
+        for file in [keys::RACK_MEASURED, keys::PINION_MEASURED].into_iter().filter_map(|key| spec.get(key)) {
             let folder = std::path::Path::new(&self.spec).parent().unwrap_or(std::path::Path::new(""));
-            page.inputs.push(hashed(&folder.join(&file.value).display().to_string())?);
+            page.inputs.push(hashed(&folder.join(&file).display().to_string())?);
         }
         let curve = match input.mesh.curve(self.from.mm(), self.to.mm(), TOLERANCE_MM) {
             Ok(curve) => curve,

@@ -29,7 +29,7 @@ pub fn keys() -> Vec<KeyEntry> {
 /// Adds the keys of a section that is found under `path`, and of the tables in it.
 fn add(section: &Section, path: &str, entries: &mut Vec<KeyEntry>) {
     for key in section.keys {
-        let path = if path.is_empty() { key.name.to_owned() } else { format!("{path}.{}", key.name) };
+        let path = if path.is_empty() { key.name().to_owned() } else { format!("{path}.{}", key.name()) };
         entries.push(KeyEntry { path: path.clone(), holds: in_words(key.kind), doc: key.doc });
         if let Kind::Table(section) | Kind::Tables(section) = key.kind {
             add(section, &path, entries);

@@ -30,7 +30,7 @@ const HELP: &str = "write a standard deviation (\"4 um\"), { half_width = \"6 um
 
 /// Reads `[scatter]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> ScatterSection {
-    keys::SCATTER.keys.iter().filter_map(|key| Some((key.name, spread(reader, key.name, key.kind)?))).collect()
+    keys::SCATTER.keys.iter().filter_map(|key| Some((key.name(), spread(reader, key.name(), key.kind)?))).collect()
 }
 
 fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Option<Located<WrittenSpread>> {
@@ -102,7 +102,7 @@ impl Spec {
         let mut classes = Vec::new();
         let mut scatter = Scatter::default();
         for (name, written) in &self.scatter {
-            let key = keys::SCATTER.keys.iter().find(|key| key.name == *name);
+            let key = keys::SCATTER.keys.iter().find(|key| key.name() == *name);
             let Some(Kind::Spread { is_angle, class }) = key.map(|key| key.kind) else { continue };
             let spread = match (written.value, class) {
                 (WrittenSpread::Spread(spread), _) => Some(spread),

@@ -14,7 +14,6 @@ use super::{Located, Spec};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
-use crate::judge::Rule;
 use crate::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
 
 /// Every source that a spec can name.
@@ -47,10 +46,9 @@ pub struct WrittenCorrelation {
     pub coefficient: f64,
 }
 
-/// The source behind a key of a section, if its uncertainty means anything.
-pub(super) fn source_of(section: &str, name: &str) -> Option<Source> {
-    let is = |source: &Source| source.key().split_once('.').is_some_and(|(s, n)| s == section && n == name);
-    SOURCES.into_iter().find(|source| !matches!(source, Source::Error(_)) && is(source))
+/// The source behind a key, if its uncertainty means anything.
+pub(super) fn source_of(path: &str) -> Option<Source> {
+    SOURCES.into_iter().find(|source| !matches!(source, Source::Error(_)) && source.key() == path)
 }
 
 impl SectionReader<'_> {
@@ -190,18 +188,6 @@ impl SectionReader<'_> {
         self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
         None
     }
-
-    /// `decision.rule`.
-    pub(super) fn rule(&mut self, name: &str) -> Option<Located<Rule>> {
-        let value = self.table?.get(name)?;
-        match self.text(name)?.parse() {
-            Ok(rule) => Some(Located { value: rule, span: value.span() }),
-            Err(message) => {
-                self.report(Diagnostic::error(Code::BadRule, message), value.span(), "");
-                None
-            }
-        }
-    }
 }
 
 /// The first of the keys that belong to an uncertainty.
@@ -285,11 +271,11 @@ impl Spec {
         let (_, written) = self.errors.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller)?;
         let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
         Some(OverPin {
-            normal_module: self.pair.normal_module.as_ref()?.value,
-            normal_pressure_angle: self.pair.normal_pressure_angle.as_ref()?.value,
-            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value),
+            normal_module: self.get(keys::PAIR_NORMAL_MODULE)?,
+            normal_pressure_angle: self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?,
+            tooth_thickness: self.get(keys::RACK_TOOTH_THICKNESS),
             pin_diameter: *roller,
-            datum: self.rack.datum.as_ref()?.value,
+            datum: self.get(keys::RACK_DATUM)?,
         })
     }
 

@@ -39,7 +39,7 @@ fn a_setting_is_as_if_it_stood_in_the_file() {
     let spec = spec.expect("all are understood");
     assert_eq!((spec.limits().len(), spec.title.as_deref()), (1, Some("lot 7")));
     let list = set(&["rack.deviation=[{ teeth = 3, pitch = '1 um' }]", "errors={}"]).expect("it is a list of tables");
-    assert_eq!(list.rack.deviations.len(), 1);
+    assert_eq!(list.rack_deviations.len(), 1);
 }
 
 #[test]
