@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::resolve::MissingKeys;
+use super::resolve::{MissingKeys, Need};
 use super::{Spec, keys};
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -12,9 +12,6 @@ use crate::judge::class::{
 };
 use crate::quantity::Length;
 use crate::standard::{Size, StandardError, Wheel};
-
-/// Who needs a key, and where that is written.
-type Need = (String, Option<(Range<usize>, String)>);
 
 impl Spec {
     /// The errors that the spec gives as classes, and what they come to.

@@ -340,49 +340,43 @@ section! {
     }
 }
 
-pub(crate) const ERRORS: Section = Section {
-    name: "errors",
-    doc: "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
-          error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on which teeth.",
-    keys: &[
-        key(
-            "rack_over_roller",
-            Kind::Error(DeviationKind::RackOverRoller),
-            "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.",
-        ),
-        key("rack_pitch", Kind::Error(DeviationKind::RackPitch), "Pitch error of the rack, along its axis."),
-        key(
-            "rack_lead",
-            Kind::Error(DeviationKind::RackLead),
-            "Lead angle error of the rack; or { f_h_beta, length }, a helix slope deviation over its length.",
-        ),
-        key("pinion_radial", Kind::Error(DeviationKind::PinionRadial), "Radial measurement error of the pinion."),
-        key(
-            "pinion_pitch",
-            Kind::Error(DeviationKind::PinionPitch),
-            "Single pitch deviation f_p of the pinion, transverse, at the reference circle.",
-        ),
-        key(
-            "pinion_lead",
-            Kind::Error(DeviationKind::PinionLead),
-            "Helix slope deviation f_Hβ of the pinion over its face width, along the transverse base tangent.",
-        ),
-    ],
-};
+section! {
+    ERRORS = "errors",
+    "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
+     error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on \
+     which teeth." {
+        ERRORS_RACK_OVER_ROLLER: () = composite("errors.rack_over_roller", Kind::Error(DeviationKind::RackOverRoller)),
+            "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.";
+        ERRORS_RACK_PITCH: () = composite("errors.rack_pitch", Kind::Error(DeviationKind::RackPitch)),
+            "Pitch error of the rack, along its axis.";
+        ERRORS_RACK_LEAD: () = composite("errors.rack_lead", Kind::Error(DeviationKind::RackLead)),
+            "Lead angle error of the rack; or { f_h_beta, length }, a helix slope deviation over its length.";
+        ERRORS_PINION_RADIAL: () = composite("errors.pinion_radial", Kind::Error(DeviationKind::PinionRadial)),
+            "Radial measurement error of the pinion.";
+        ERRORS_PINION_PITCH: () = composite("errors.pinion_pitch", Kind::Error(DeviationKind::PinionPitch)),
+            "Single pitch deviation f_p of the pinion, transverse, at the reference circle.";
+        ERRORS_PINION_LEAD: () = composite("errors.pinion_lead", Kind::Error(DeviationKind::PinionLead)),
+            "Helix slope deviation f_Hβ of the pinion over its face width, along the transverse base tangent.";
+    }
+}
 
-pub(crate) const LIMITS: Section = Section {
-    name: "limits",
-    doc: "Permitted ΔCD: of the combination, and of single errors.",
-    keys: &[
-        key("center_distance", Kind::Limit, "Limits of the combined ΔCD."),
-        key("rack_over_roller", Kind::Limit, "Limits of ΔCD from the rack's over-roller error."),
-        key("rack_pitch", Kind::Limit, "Limits of ΔCD from the rack's pitch error."),
-        key("rack_lead", Kind::Limit, "Limits of ΔCD from the rack's lead angle error."),
-        key("pinion_radial", Kind::Limit, "Limits of ΔCD from the pinion's radial error."),
-        key("pinion_pitch", Kind::Limit, "Limits of ΔCD from the pinion's pitch error."),
-        key("pinion_lead", Kind::Limit, "Limits of ΔCD from the pinion's helix slope deviation."),
-    ],
-};
+section! {
+    LIMITS = "limits", "Permitted ΔCD: of the combination, and of single errors." {
+        LIMITS_CENTER_DISTANCE: () = composite("limits.center_distance", Kind::Limit), "Limits of the combined ΔCD.";
+        LIMITS_RACK_OVER_ROLLER: () = composite("limits.rack_over_roller", Kind::Limit),
+            "Limits of ΔCD from the rack's over-roller error.";
+        LIMITS_RACK_PITCH: () = composite("limits.rack_pitch", Kind::Limit),
+            "Limits of ΔCD from the rack's pitch error.";
+        LIMITS_RACK_LEAD: () = composite("limits.rack_lead", Kind::Limit),
+            "Limits of ΔCD from the rack's lead angle error.";
+        LIMITS_PINION_RADIAL: () = composite("limits.pinion_radial", Kind::Limit),
+            "Limits of ΔCD from the pinion's radial error.";
+        LIMITS_PINION_PITCH: () = composite("limits.pinion_pitch", Kind::Limit),
+            "Limits of ΔCD from the pinion's pitch error.";
+        LIMITS_PINION_LEAD: () = composite("limits.pinion_lead", Kind::Limit),
+            "Limits of ΔCD from the pinion's helix slope deviation.";
+    }
+}
 
 /// An amount removed from a flank, normal to it.
 const FORM: Domain = from_zero("amount removed from the flank", "c");
@@ -552,28 +546,18 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
     ],
 };
 
-/// `batch.decimal`
-pub const BATCH_DECIMAL: Key<&'static str> = word("batch.decimal", &["comma", "point"])
-    .with("What stands before decimals in tables, those of teeth included. Default: found from their numbers.");
-
-/// `batch.others`
-pub const BATCH_OTHERS: Key<&'static str> = word("batch.others", &["ignore"])
-    .with("Once every error has its column: columns that are not understood are listed and not used.");
-
-pub(crate) const BATCH: Section = Section {
-    name: "batch",
-    doc: "Tables with a row per part.",
-    keys: &[
-        key("columns", Kind::Table(&BATCH_COLUMNS), "Columns that are named or measured otherwise."),
-        key(
-            "ignore",
-            Kind::Texts,
-            "Names of columns that are not to be used: `*` stands for any characters, and case does not count.",
-        ),
-        BATCH_DECIMAL.any,
-        BATCH_OTHERS.any,
-    ],
-};
+section! {
+    BATCH = "batch", "Tables with a row per part." {
+        BATCH_COLUMN_TABLES: () = composite("batch.columns", Kind::Table(&BATCH_COLUMNS)),
+            "Columns that are named or measured otherwise.";
+        BATCH_IGNORE: () = composite("batch.ignore", Kind::Texts),
+            "Names of columns that are not to be used: `*` stands for any characters, and case does not count.";
+        BATCH_DECIMAL: &'static str = word("batch.decimal", &["comma", "point"]),
+            "What stands before decimals in tables, those of teeth included. Default: found from their numbers.";
+        BATCH_OTHERS: &'static str = word("batch.others", &["ignore"]),
+            "Once every error has its column: columns that are not understood are listed and not used.";
+    }
+}
 
 const FRACTION: Domain = Domain {
     name: "fraction of conforming assemblies",
@@ -582,38 +566,30 @@ const FRACTION: Domain = Domain {
     upper: Bound::Inclusive(1),
 };
 
-/// `budget.stack`
-pub const BUDGET_STACK: Key<&'static str> =
-    word("budget.stack", &["worst", "rss", "simulation"]).with("How tolerances add up. Default worst.");
-
-/// `budget.conforming`
-pub const BUDGET_CONFORMING: Key<f64> =
-    number("budget.conforming", FRACTION).with("Fraction of random assemblies that must conform. Default 0.9973.");
-
-/// `budget.distribution`
-pub const BUDGET_DISTRIBUTION: Key<&'static str> = word("budget.distribution", &["uniform", "normal", "triangular"])
-    .with("How errors spread within their tolerances. Default uniform.");
-
-pub(crate) const BUDGET: Section = Section {
-    name: "budget",
-    doc: "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \"each\" or \
-          \"total\" beside one, on which teeth. Default each.",
-    keys: &[
-        BUDGET_STACK.any,
-        BUDGET_CONFORMING.any,
-        BUDGET_DISTRIBUTION.any,
-        key("rack_over_roller", Kind::Tolerance(DeviationKind::RackOverRoller), "Tolerance of the over-roller error."),
-        key("rack_pitch", Kind::Tolerance(DeviationKind::RackPitch), "Tolerance of the rack's pitch error."),
-        key("rack_lead", Kind::Tolerance(DeviationKind::RackLead), "Tolerance of the rack's lead angle error."),
-        key("pinion_radial", Kind::Tolerance(DeviationKind::PinionRadial), "Tolerance of the pinion's radial error."),
-        key("pinion_pitch", Kind::Tolerance(DeviationKind::PinionPitch), "Tolerance of the pinion's pitch error."),
-        key(
-            "pinion_lead",
-            Kind::Tolerance(DeviationKind::PinionLead),
-            "Tolerance of the pinion's helix slope deviation; not among those sought where none is named.",
-        ),
-    ],
-};
+section! {
+    BUDGET = "budget",
+    "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \
+     \"each\" or \"total\" beside one, on which teeth. Default each." {
+        BUDGET_STACK: &'static str = word("budget.stack", &["worst", "rss", "simulation"]),
+            "How tolerances add up. Default worst.";
+        BUDGET_CONFORMING: f64 = number("budget.conforming", FRACTION),
+            "Fraction of random assemblies that must conform. Default 0.9973.";
+        BUDGET_DISTRIBUTION: &'static str = word("budget.distribution", &["uniform", "normal", "triangular"]),
+            "How errors spread within their tolerances. Default uniform.";
+        BUDGET_RACK_OVER_ROLLER: () = composite("budget.rack_over_roller", Kind::Tolerance(DeviationKind::RackOverRoller)),
+            "Tolerance of the over-roller error.";
+        BUDGET_RACK_PITCH: () = composite("budget.rack_pitch", Kind::Tolerance(DeviationKind::RackPitch)),
+            "Tolerance of the rack's pitch error.";
+        BUDGET_RACK_LEAD: () = composite("budget.rack_lead", Kind::Tolerance(DeviationKind::RackLead)),
+            "Tolerance of the rack's lead angle error.";
+        BUDGET_PINION_RADIAL: () = composite("budget.pinion_radial", Kind::Tolerance(DeviationKind::PinionRadial)),
+            "Tolerance of the pinion's radial error.";
+        BUDGET_PINION_PITCH: () = composite("budget.pinion_pitch", Kind::Tolerance(DeviationKind::PinionPitch)),
+            "Tolerance of the pinion's pitch error.";
+        BUDGET_PINION_LEAD: () = composite("budget.pinion_lead", Kind::Tolerance(DeviationKind::PinionLead)),
+            "Tolerance of the pinion's helix slope deviation; not among those sought where none is named.";
+    }
+}
 
 /// The sections in the order in which they are documented.
 pub(crate) const SECTIONS: &[Section] =

@@ -43,15 +43,7 @@ fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Loca
             }
         }
         DeValue::Table(ends) => {
-            for (key, _) in ends {
-                let end = key.get_ref().as_ref();
-                if !matches!(end, "lower" | "upper") {
-                    let diagnostic =
-                        Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{end}`")).help(help);
-                    reader.report(diagnostic, key.span(), "unknown key");
-                    return None;
-                }
-            }
+            reader.knows_keys(name, ends, &["lower", "upper"].into_iter(), help)?;
             let mut end = |name: &str| match ends.get(name) {
                 Some(value) => reader.length_value(name, value).map(Some),
                 None => Some(None),

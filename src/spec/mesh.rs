@@ -15,7 +15,6 @@ use crate::deviation::{
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
-use crate::formula::over_pin::OverPin;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
@@ -377,19 +376,10 @@ impl Spec {
             let place = place.clone().map(|span| (span, "has absolute over-pin values".to_owned()));
             ("the nominal measure over the pin".to_owned(), place)
         };
-        let module = missing.take(self, keys::PAIR_NORMAL_MODULE, who);
-        let alpha = missing.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, who);
         let pin = missing.take(self, keys::RACK_PIN, who);
-        let datum = missing.take(self, keys::RACK_DATUM, who);
-        let (Some(module), Some(alpha), Some(pin), Some(datum)) = (module, alpha, pin, datum) else {
+        let over_pin = self.over_pin_of(pin.unwrap_or(Length::ZERO), &mut missing, &who);
+        let (Some(_), Some(over_pin)) = (pin, over_pin) else {
             return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
-        };
-        let over_pin = OverPin {
-            normal_module: module,
-            normal_pressure_angle: alpha,
-            tooth_thickness: self.get(keys::RACK_TOOTH_THICKNESS),
-            pin_diameter: pin,
-            datum,
         };
         over_pin.measure().map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }

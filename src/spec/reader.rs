@@ -119,6 +119,25 @@ impl SectionReader<'_> {
         Some(Located { value, span })
     }
 
+    /// Reports keys of the table of a value that it cannot have; `None` if there are any.
+    pub(super) fn knows_keys(
+        &mut self,
+        name: &str,
+        table: &DeTable<'_>,
+        known: &(impl Iterator<Item = &'static str> + Clone),
+        help: &str,
+    ) -> Option<()> {
+        let unknown = table.keys().filter(|key| !known.clone().any(|known| known == key.get_ref().as_ref()));
+        let before = self.diagnostics.len();
+        for key in unknown {
+            let message = format!("`{name}` has no key `{}`", key.get_ref());
+            let similar = similar(key.get_ref(), known.clone());
+            let help = similar.map_or_else(|| help.to_owned(), |similar| format!("did you mean `{similar}`?"));
+            self.report(Diagnostic::error(Code::UnknownKey, message).help(help), key.span(), "unknown key");
+        }
+        (self.diagnostics.len() == before).then_some(())
+    }
+
     pub(super) fn report(&mut self, diagnostic: Diagnostic, span: Range<usize>, label: &str) {
         self.diagnostics.push(diagnostic.at(self.source, span, label));
     }

@@ -3,7 +3,7 @@
 use toml::de::DeValue;
 
 use super::keys::{self, Kind};
-use super::reader::{SectionReader, similar};
+use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec};
 use crate::chance::racks::Scatter;
@@ -51,17 +51,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
     let DeValue::Table(table) = value.get_ref() else {
         return located(WrittenSpread::Spread(Uncertainty::standard(number(reader, name, value)?)));
     };
-    let known = ["class", "half_width", "distribution"];
-    for (key, _) in table {
-        let key_name = key.get_ref().as_ref();
-        if !known.contains(&key_name) {
-            let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{key_name}`"));
-            let help = similar(key_name, known.into_iter())
-                .map_or_else(|| HELP.to_owned(), |similar| format!("did you mean `{similar}`?"));
-            reader.report(diagnostic.help(help), key.span(), "unknown key");
-            return None;
-        }
-    }
+    reader.knows_keys(name, table, &["class", "half_width", "distribution"].into_iter(), HELP)?;
     let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
     match (table.get("class"), table.get("half_width"), table.get("distribution")) {
         (Some(grade), None, None) => {

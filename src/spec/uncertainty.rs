@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
+use super::resolve::MissingKeys;
 use super::{Located, Spec};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -60,23 +61,8 @@ impl SectionReader<'_> {
         source: Option<Source>,
     ) -> Option<&'v Spanned<DeValue<'t>>> {
         let (DeValue::Table(table), Some(source)) = (value.get_ref(), source) else { return Some(value) };
-        let mut known = true;
-        for (key, _) in table {
-            let key_name = key.get_ref().as_ref();
-            let all = UNCERTAINTY_KEYS.into_iter().chain(["value"]);
-            if !all.clone().any(|candidate| candidate == key_name) {
-                known = false;
-                let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{key_name}`"));
-                let help = similar(key_name, all).map_or_else(
-                    || format!("write {name} = {{ value = …, u = … }}"),
-                    |similar| format!("did you mean `{similar}`?"),
-                );
-                self.report(diagnostic.help(help), key.span(), "unknown key");
-            }
-        }
-        if !known {
-            return None;
-        }
+        let known = UNCERTAINTY_KEYS.into_iter().chain(["value"]);
+        self.knows_keys(name, table, &known, &format!("write {name} = {{ value = …, u = … }}"))?;
         let Some(inner) = table.get("value") else {
             let diagnostic = Diagnostic::error(Code::BadUncertainty, format!("`{name}` is a table without a value"))
                 .help(format!("write {name} = {{ value = …, u = … }}"));
@@ -270,13 +256,7 @@ impl Spec {
     pub fn over_pin(&self) -> Option<OverPin> {
         let (_, written) = self.errors.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller)?;
         let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
-        Some(OverPin {
-            normal_module: self.get(keys::PAIR_NORMAL_MODULE)?,
-            normal_pressure_angle: self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?,
-            tooth_thickness: self.get(keys::RACK_TOOTH_THICKNESS),
-            pin_diameter: *roller,
-            datum: self.get(keys::RACK_DATUM)?,
-        })
+        self.over_pin_of(*roller, &mut MissingKeys::default(), &|| (String::new(), None))
     }
 
     /// The uncertainties of the values that ΔCD of the given errors follows from.
