@@ -57,7 +57,7 @@ fn batch(spec: &Arc<Spec>, data: &[u8]) {
 /// The rows written, the rejected ones, and the outcome.
 fn run(spec: &Arc<Spec>, data: &[u8], workers: usize) -> Option<(Vec<u8>, Vec<u8>, Outcome)> {
     let table = table(data, &spec.want())?;
-    let rule = spec.rule.as_ref().map(|rule| rule.value.clone()).unwrap_or_default();
+    let rule = spec.or_zero(rackmesh::spec::keys::DECISION_RULE);
     let request = Request { rule, statistics: true, failures_kept: 5, problems_kept: usize::MAX, ..Request::default() };
     let plan = Plan::new(spec, &table, request).ok()?;
     let layout = Layout::new(&plan, &table).ok()?;

@@ -4,6 +4,7 @@ use super::eval::ModelArg;
 use super::mesh::files_read;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::set::SetArgs;
 use super::teeth;
 use crate::budget::{self, Budget, BudgetError, Request, Rule};
 use crate::budget::{Simulation, Spread};
@@ -16,7 +17,7 @@ use crate::judge::{Interval, Limit, LimitTarget};
 use crate::quantity::Length;
 use crate::report::plot::{Bar, TornadoPlot};
 use crate::report::{BudgetReport, Format, bound_remarks};
-use crate::spec::Spec;
+use crate::spec::{Spec, keys};
 
 pub(super) const ABOUT: &str = "Allocate a ΔCD tolerance to the errors: which tolerance each may have";
 
@@ -65,6 +66,8 @@ pub(super) struct Args {
     /// Draw the tornado plot to this file (.svg or .png).
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -96,7 +99,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let (entries, classes) = spec.budget_entries()?;
         let request = Request {
@@ -193,7 +196,7 @@ fn reached(budget: &Budget, basis: &Basis) -> Result<Option<Interval>, Failure> 
 
 /// For each free tolerance, the coarsest grade of the spec's standard that stays within it.
 fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
-    let Some(standard) = spec.tolerance.standard.as_ref().map(|standard| standard.value) else { return Vec::new() };
+    let Some(standard) = spec.get(keys::TOLERANCE_STANDARD) else { return Vec::new() };
     if !budget.is_feasible() {
         return Vec::new();
     }

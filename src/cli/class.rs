@@ -2,6 +2,7 @@
 
 use super::eval::ModelArg;
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{Model, PartDeviation, domain};
@@ -11,7 +12,7 @@ use crate::judge::class_mesh::{ArrangedDeviation, arrangement};
 use crate::judge::grade::{self, GradeSearch, Obtained};
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
-use crate::spec::{MeasuredValue, Spec};
+use crate::spec::{MeasuredValue, Spec, keys};
 use crate::standard::{Deviation, Permissible, Size, Standard, StandardError, Wheel};
 
 pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and the ΔCD that they allow";
@@ -70,6 +71,8 @@ pub(super) struct Args {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -103,9 +106,13 @@ struct Sized {
 impl Args {
     pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
         let path = self.obtained.take().map(|path| (path, true)).or_else(|| Some((self.spec.take()?, false)));
-        let spec = path.as_ref().map(|(path, _)| super::read_spec(path, output)).transpose()?;
-        let written = spec.as_ref().and_then(|spec| spec.tolerance.standard.as_ref());
-        let Some(standard) = self.standard.or(written.map(|standard| standard.value)) else {
+        let spec = match &path {
+            Some((path, _)) => Some(self.set.read_spec(path, output)?),
+            None if self.set.is_empty() => None,
+            None => Some(self.set.without_file(output)?),
+        };
+        let written = spec.as_ref().and_then(|spec| spec.get(keys::TOLERANCE_STANDARD));
+        let Some(standard) = self.standard.or(written) else {
             let known = Standard::ALL.map(Standard::id).join(", ");
             let help = format!("give --standard, or [tolerance] standard in the spec: {known}");
             return Err(usage("no standard is given, and there is no default").help(help).into());
@@ -131,7 +138,7 @@ impl Args {
         wheel.helix_angle = options.3.or(wheel.helix_angle);
         positive(Size::NormalModule, wheel.normal_module)?;
         positive(Size::FaceWidth, wheel.face_width)?;
-        let written = spec.and_then(|spec| spec.tolerance.diameter.as_ref()).map(|choice| choice.value.clone());
+        let written = spec.and_then(|spec| spec.get(keys::TOLERANCE_DIAMETER));
         let pinion = || -> Result<Option<Length>, Failure> {
             // of the spec's pinion for a rack, else of this wheel
             let (module, teeth, helix_angle) = match (part, spec) {
@@ -158,12 +165,12 @@ impl Args {
                 (Some(diameter), DiameterSource::Given)
             }
             (Part::Rack, Some(RackDiameter::Developed)) => {
-                let length = spec.and_then(|spec| spec.rack.toothed_length.as_ref());
+                let length = spec.and_then(|spec| spec.get(keys::RACK_TOOTHED_LENGTH));
                 let length = length.ok_or_else(|| {
                     usage("a developed diameter needs the toothed length of the rack")
                         .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
                 })?;
-                let diameter = class::developed_diameter(length.value)
+                let diameter = class::developed_diameter(length)
                     .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
                 (Some(diameter), DiameterSource::Developed)
             }
@@ -184,7 +191,7 @@ impl Args {
         };
         wheel.diameter = diameter;
         let diameter_source = wheel.diameter.as_ref().map(|_| source);
-        let written = spec.and_then(|spec| spec.pair.normal_pressure_angle.as_ref()).map(|angle| angle.value);
+        let written = spec.and_then(|spec| spec.get(keys::PAIR_NORMAL_PRESSURE_ANGLE));
         let meshing = Meshing {
             part,
             pressure_angle: self.pressure_angle.or(written),

@@ -8,7 +8,7 @@ use crate::formula::PartDeviation;
 use crate::judge::bound::Basis;
 use crate::judge::{Limits, Rule};
 use crate::report::UncertaintyPart;
-use crate::spec::Spec;
+use crate::spec::{Spec, keys};
 use crate::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyError};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -59,7 +59,7 @@ impl DecisionArgs {
 
     /// The rule: that of the command line, or of the spec, or simple.
     pub(super) fn rule(&self, spec: &Spec) -> Rule {
-        let of_spec = || spec.rule.as_ref().map(|rule| rule.value.clone());
+        let of_spec = || spec.get(keys::DECISION_RULE);
         self.rule.clone().or_else(of_spec).unwrap_or_default()
     }
 

@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use super::decision::DecisionArgs;
 use super::mesh;
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use super::teeth::{self, with_known_teeth};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::{Evaluation, evaluate};
@@ -43,6 +44,8 @@ pub(super) struct Args {
     no_mesh: bool,
     #[command(flatten)]
     decision: DecisionArgs,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -93,7 +96,7 @@ impl Args {
                 Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
-        let spec = with_known_teeth(super::read_spec(&path, output)?, &path)?;
+        let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path)?;
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) =
             judged(&spec, &spec.part_deviations()?, &basis, &self.decision, self.model.into(), self.stack.into())?;

@@ -6,6 +6,7 @@ use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{CATALOGUE, FormulaPage as Page};
 use crate::report::{Column, Table, table_text, wrap};
+use crate::spec::{self, KeyEntry};
 
 pub(super) const ABOUT: &str = "Print the documentation of a formula, a method or a diagnostic code";
 
@@ -14,11 +15,15 @@ pub(super) const ABOUT: &str = "Print the documentation of a formula, a method o
   rackmesh explain                lists every topic
   rackmesh explain rack-lead      a formula: equation, symbols, domain, source
   rackmesh explain cpk            a method: how the number is made, by which standard
-  rackmesh explain missing-key    a diagnostic: what is wrong and what to do")]
+  rackmesh explain missing-key    a diagnostic: what is wrong and what to do
+  rackmesh explain keys           every key of the spec; also one of them, such as rack.face_width")]
 pub(super) struct Args {
-    /// A formula, a method or a diagnostic code; without one, all are listed.
+    /// A formula, a method, a diagnostic code or a key of the spec; without one, all are listed.
     topic: Option<String>,
 }
+
+/// The topic that lists the keys of the spec.
+const KEYS: &str = "keys";
 
 /// What makes numbers out of several formulas; each is the documentation of its module.
 const METHODS: &[Page] = &[
@@ -64,7 +69,9 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let text = match &self.topic {
             None => list(),
-            Some(topic) => for_screen(&page(topic).ok_or_else(|| unknown(topic))?, output.screen().width),
+            Some(topic) => {
+                for_screen(&page(topic).or_else(|| keys(topic)).ok_or_else(|| unknown(topic))?, output.screen().width)
+            }
         };
         output.text(&text)?;
         Ok(Status::Pass)
@@ -79,6 +86,20 @@ fn page(topic: &str) -> Option<String> {
         return Some(format!("# {}\n\n{}", page.name, page.text));
     }
     Code::ALL.iter().find(|code| code.name() == topic).map(|code| code.page().to_owned())
+}
+
+/// Every key of the spec, or those that are called `topic` or are within it.
+fn keys(topic: &str) -> Option<String> {
+    let topic = topic.trim();
+    let is_within = |key: &KeyEntry| {
+        topic == KEYS || key.path.strip_prefix(topic).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    let mut rows = String::new();
+    for KeyEntry { path, holds, doc } in spec::keys().into_iter().filter(is_within) {
+        // writing to a string cannot fail
+        let _ = writeln!(rows, "| {path} | {holds} | {} |", doc.replace('|', "\\|"));
+    }
+    (!rows.is_empty()).then(|| format!("# {topic}\n\n| key | holds | what it means |\n|---|---|---|\n{rows}"))
 }
 
 /// Markdown as it reads on a screen: code indented instead of fenced; and where there is a width, paragraphs broken to
@@ -143,7 +164,7 @@ fn list() -> String {
             let _ = writeln!(text, "  {:<18}{}", page.name, first_sentence(page.text));
         }
     }
-    text.push_str("\nDiagnostics:\n");
+    text.push_str("\nThe spec:\n  keys              every key, what it holds and what it means\n\nDiagnostics:\n");
     for code in Code::ALL {
         let body = code.page().split_once("## What is wrong\n").map_or("", |(_, body)| body);
         let _ = writeln!(text, "  {:<18}{}", code.name(), first_sentence(body));
@@ -157,7 +178,7 @@ fn first_sentence(text: &str) -> String {
     text[..end.unwrap_or(text.len())].replace('\n', " ")
 }
 
-/// The names of all topics.
+/// The names of all topics but keys.
 fn names() -> impl Iterator<Item = &'static str> {
     CATALOGUE.iter().chain(METHODS).map(|page| page.name).chain(Code::ALL.iter().map(|code| code.name()))
 }

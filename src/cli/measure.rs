@@ -4,9 +4,11 @@ use clap::ValueEnum;
 
 use super::mesh::{measured_tables, unsolved};
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Length;
 use crate::report::{Format, MeasureReport};
+use crate::spec::keys;
 
 pub(super) const ABOUT: &str = "Roll a pin through the spaces of the rack (or pinion) of a spec, deviations included";
 
@@ -33,6 +35,8 @@ pub(super) struct Args {
     /// Last space of the rack.
     #[arg(long, default_value_t = 20, allow_negative_numbers = true)]
     last: i64,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -52,7 +56,7 @@ const MOST: i64 = 10_000_000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let mesh = &input.mesh;
         let report = match self.part {
@@ -66,10 +70,10 @@ impl Args {
                     let space = std::f64::consts::PI * pair.normal_module_mm() - pair.rack().tooth_thickness_mm;
                     space / crate::trig::cos(pair.normal_pressure_angle_rad())
                 };
-                let written = self.pin.or(spec.rack.pin.as_ref().map(|pin| pin.value));
+                let written = self.pin.or(spec.get(keys::RACK_PIN));
                 let pin_mm = written.map_or_else(ideal, Length::mm);
                 let readings = mesh.measure_rack(pin_mm, self.first..=self.last).map_err(|error| unsolved(&error))?;
-                let datum_mm = spec.rack.datum.as_ref().map(|datum| datum.value.mm());
+                let datum_mm = spec.get(keys::RACK_DATUM).map(Length::mm);
                 MeasureReport::Rack { pin_mm, datum_mm, readings }
             }
             Part::Pinion => {

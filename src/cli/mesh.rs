@@ -7,6 +7,7 @@ use super::decision::DecisionArgs;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::set::SetArgs;
 use super::teeth::{Judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
@@ -17,8 +18,7 @@ use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
 use crate::report::plot::{CurvePlot, Mark, Series};
 use crate::report::{Format, MeshReport};
-use crate::spec::Located;
-use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
+use crate::spec::{Located, MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation, keys};
 use crate::table::{self, Source, Teeth};
 
 pub(super) const ABOUT: &str = "Solve the exact zero-backlash mesh along the stroke, with every tooth's own deviations";
@@ -45,6 +45,8 @@ pub(super) struct Args {
     /// Write the curve as a picture; the name ends in .svg or .png.
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -91,8 +93,8 @@ fn table_path(spec_path: &str, name: &str) -> PathBuf {
 
 /// The files that are read for a spec: itself and the tables that it names.
 pub(super) fn files_read(spec: &Spec, spec_path: &str) -> Vec<String> {
-    let tables = [&spec.rack.measured, &spec.pinion.measured].into_iter().flatten();
-    let paths = tables.map(|table| table_path(spec_path, &table.value).display().to_string());
+    let tables = [keys::RACK_MEASURED, keys::PINION_MEASURED].into_iter().filter_map(|key| spec.get(key));
+    let paths = tables.map(|table| table_path(spec_path, &table).display().to_string());
     std::iter::once(spec_path.to_owned()).chain(paths).collect()
 }
 
@@ -112,13 +114,13 @@ pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTa
         Failure::from(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span.clone(), ""))
     };
     let mut tables = MeasuredTables::default();
-    if let Some(file) = &spec.rack.measured {
+    if let Some(file) = &spec.values.located(keys::RACK_MEASURED) {
         match read(file)? {
             Teeth::Rack(rack) => tables.rack = Some(rack),
             Teeth::Pinion(_) => return Err(wrong(file, "spaces of a rack")),
         }
     }
-    if let Some(file) = &spec.pinion.measured {
+    if let Some(file) = &spec.values.located(keys::PINION_MEASURED) {
         match read(file)? {
             Teeth::Pinion(pinion) => tables.pinion = Some(pinion),
             Teeth::Rack(_) => return Err(wrong(file, "teeth of a pinion")),
@@ -226,7 +228,7 @@ const MOST_LISTED: u64 = 1000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = with_known_teeth(super::read_spec(&self.spec, output)?, &self.spec)?;
+        let spec = with_known_teeth(self.set.read_spec(&self.spec, output)?, &self.spec)?;
         let strokes = self.strokes()?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;

@@ -25,6 +25,7 @@ mod read;
 mod report;
 mod reproduce;
 mod schema;
+mod set;
 mod simulate;
 mod stream;
 mod tables;
@@ -32,13 +33,10 @@ mod target;
 mod teeth;
 mod terminal;
 
-use std::io::Read as _;
 use std::process::ExitCode;
 
 use clap::{Arg, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::spec::Spec;
 use output::{Failure, Output, Status};
 
 const EXAMPLES: &str = "Examples:
@@ -138,38 +136,6 @@ pub fn run() -> ExitCode {
     });
     // a subcommand is required, so there always is one
     output.finish(called.unwrap_or(Ok(Status::Pass))).into()
-}
-
-/// The largest spec that is read: far beyond any that a person writes.
-const LARGEST_SPEC: u64 = 16 << 20;
-
-/// Reads and parses the spec at `path`; `-` is standard input.
-fn read_spec(path: &str, output: &mut Output) -> Result<Spec, Failure> {
-    let mut bytes = Vec::new();
-    let (name, read) = if path == "-" {
-        ("<stdin>", std::io::stdin().lock().take(LARGEST_SPEC + 1).read_to_end(&mut bytes))
-    } else {
-        let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST_SPEC + 1).read_to_end(&mut bytes));
-        (path, read)
-    };
-    let unreadable = |reason: String| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {reason}"));
-    if let Err(error) = read {
-        return Err(unreadable(error.to_string()).into());
-    }
-    if bytes.len() as u64 > LARGEST_SPEC {
-        return Err(unreadable("it is larger than 16 MiB".to_owned()).into());
-    }
-    match String::from_utf8(bytes) {
-        Ok(text) => {
-            let spec = Spec::parse(name, &text)?;
-            spec.suspicions().iter().for_each(|found| output.diagnostic(found));
-            Ok(spec)
-        }
-        Err(error) => {
-            let at = error.utf8_error().valid_up_to();
-            Err(unreadable(format!("it is not text in UTF-8 (byte {at})")).into())
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
 
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use super::{long, mesh};
 use crate::chance::DEFAULT_SEED;
 use crate::chance::racks::{RackSettings, RacksError, simulate_racks};
@@ -38,6 +39,8 @@ pub(super) struct Args {
     /// Threads; default one per core.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format; CSV lists every rack.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -45,7 +48,7 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let (scatter, classes) = spec.scatter()?;
         let input = spec.mesh(&mesh::measured_tables(&spec, &self.spec)?)?;
         let settings = RackSettings {

@@ -25,7 +25,7 @@ pub(super) fn of_report(
     let blocks = without_verdict(report.blocks(), &mut page, "the measured values");
     page.sections.push(Section { heading: "Result".to_owned(), blocks, ..Section::default() });
     page.sections.push(reading_section(readings, notes));
-    page.sections.push(spec_section(spec));
+    page.sections.extend(spec_sections(spec));
     Ok(page.html())
 }
 
@@ -35,9 +35,15 @@ pub(super) fn reading_section(readings: &[Reading], notes: &[String]) -> Section
     Section { heading: "How the tables were read".to_owned(), blocks, ..Section::default() }
 }
 
-/// The spec as it stands in its file.
-pub(super) fn spec_section(spec: &Spec) -> Section {
-    Section { heading: "Spec".to_owned(), source: Some(spec.source.text.clone()), ..Section::default() }
+/// The spec as it stands in its file, and what the command line sets of it.
+pub(super) fn spec_sections(spec: &Spec) -> impl Iterator<Item = Section> {
+    let file = Some(("Spec", &spec.source));
+    let set = spec.source.next.as_ref().map(|options| ("Set on the command line", options));
+    file.into_iter().chain(set).map(|(heading, source)| Section {
+        heading: heading.to_owned(),
+        source: Some(source.text.clone()),
+        ..Section::default()
+    })
 }
 
 /// The blocks; their verdicts go to the top of the page as well.

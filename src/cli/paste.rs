@@ -6,6 +6,7 @@ use super::decision::DecisionArgs;
 use super::eval::{self, ModelArg, StackArg};
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use super::tables::{self, Opened, ReadArgs};
 use super::{batch, mesh, office, page, target, teeth, terminal};
 use crate::batch::TeethJudge;
@@ -61,6 +62,8 @@ pub(super) struct Args {
     partial: bool,
     #[command(flatten)]
     decision: DecisionArgs,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -82,7 +85,7 @@ struct Read {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = Arc::new(super::read_spec(&self.spec, output)?);
+        let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
         let interruption = long::interrupted();
         if let Some(path) = &self.output {
             target::refuse_inputs(path, &self.inputs(&spec).iter().map(String::as_str).collect::<Vec<_>>())?;

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use super::long;
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use super::tables::{self, ReadArgs};
 use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
 use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};
-use crate::spec::Spec;
 use crate::table::{Reading, Stranger, Want, refusal};
 
 pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping to paste into a spec";
@@ -28,6 +28,8 @@ pub(super) struct Args {
     /// The gear spec (TOML) whose columns are looked for.
     #[arg(long, value_name = "SPEC")]
     spec: Option<String>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -40,8 +42,8 @@ impl Args {
         let is_spec = |path: &&String| path.to_ascii_lowercase().ends_with(".toml");
         let named = self.spec.as_ref().or(self.files.iter().find(is_spec));
         let spec = Arc::new(match named {
-            Some(path) => super::read_spec(path, output)?,
-            None => Spec::parse("no spec", "")?,
+            Some(path) => self.set.read_spec(path, output)?,
+            None => self.set.without_file(output)?,
         });
         let interruption = long::interrupted();
         let shown = |want| Want { only_shown: true, ..want };

@@ -7,7 +7,8 @@ use super::decision::DecisionArgs;
 use super::eval::{self, ModelArg, StackArg};
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
-use super::page::{hashed, reading_section, spec_section, without_verdict};
+use super::page::{hashed, reading_section, spec_sections, without_verdict};
+use super::set::SetArgs;
 use super::tables::{self, Files, ReadArgs};
 use super::teeth::{self, Judged, with_known_teeth};
 use super::{batch, mesh, target};
@@ -18,7 +19,7 @@ use crate::judge::{LimitTarget, Stack};
 use crate::quantity::Length;
 use crate::report::html::{Chart, InputFile, Page, Section};
 use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
-use crate::spec::Spec;
+use crate::spec::{Spec, keys};
 use crate::table::Want;
 
 pub(super) const ABOUT: &str =
@@ -62,6 +63,8 @@ pub(super) struct Args {
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
+    set: SetArgs,
+    #[command(flatten)]
     decision: DecisionArgs,
     #[command(flatten)]
     reading: ReadArgs,
@@ -69,7 +72,7 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = super::read_spec(&self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let inputs = self.inputs(&spec);
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         if let Some(path) = &self.output {
@@ -99,7 +102,7 @@ impl Args {
             statuses.push(self.lot(&spec, &mut page, output)?);
         }
         page.sections.push(self.assumptions());
-        page.sections.push(spec_section(&spec));
+        page.sections.extend(spec_sections(&spec));
         let html = page.html();
         match &self.output {
             Some(path) => target::write(path, &inputs, html.as_bytes())?,
@@ -150,9 +153,9 @@ impl Args {
                 return Ok(());
             }
         };
-        for file in [&spec.rack.measured, &spec.pinion.measured].into_iter().flatten() {
+        for file in [keys::RACK_MEASURED, keys::PINION_MEASURED].into_iter().filter_map(|key| spec.get(key)) {
             let folder = std::path::Path::new(&self.spec).parent().unwrap_or(std::path::Path::new(""));
-            page.inputs.push(hashed(&folder.join(&file.value).display().to_string())?);
+            page.inputs.push(hashed(&folder.join(&file).display().to_string())?);
         }
         let curve = match input.mesh.curve(self.from.mm(), self.to.mm(), TOLERANCE_MM) {
             Ok(curve) => curve,

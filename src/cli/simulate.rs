@@ -7,6 +7,7 @@ use super::long::Interruption;
 use super::mesh::{files_read, measured_tables};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::set::SetArgs;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::Mesh;
 use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
@@ -38,6 +39,8 @@ pub(super) struct Args {
     /// Write ΔCD over the stroke as a picture, the exact mesh beside it; the name ends in .svg or .png.
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output format.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -59,7 +62,7 @@ impl Args {
     }
 
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let mut spec = super::read_spec(&self.spec, output)?;
+        let mut spec = self.set.read_spec(&self.spec, output)?;
         if let Some(spacing) = &self.spacing {
             spec.simulation.parameters.spacing_mm = spacing.mm();
         }

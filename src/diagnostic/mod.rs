@@ -23,6 +23,25 @@ pub struct Source {
     pub name: String,
     /// The whole text.
     pub text: String,
+    /// A text that counts as standing behind this one, a byte apart: what the command line adds to a file.
+    pub next: Option<Arc<Self>>,
+}
+
+impl Source {
+    /// A text that stands alone.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { name: name.into(), text: text.into(), next: None }
+    }
+
+    /// The text that holds these bytes, of this one and what stands behind it, and where in it.
+    #[must_use]
+    pub fn holding(self: &Arc<Self>, span: Range<usize>) -> (Arc<Self>, Range<usize>) {
+        let offset = self.text.len() + 1;
+        match &self.next {
+            Some(next) if span.start >= offset => (Arc::clone(next), span.start - offset..span.end - offset),
+            _ => (Arc::clone(self), span),
+        }
+    }
 }
 
 /// How serious a problem is.
@@ -89,7 +108,8 @@ impl Diagnostic {
     /// Adds where the problem is.
     #[must_use]
     pub fn at(mut self, source: &Arc<Source>, span: Range<usize>, label: impl Into<String>) -> Self {
-        self.place = Some(Place { source: Arc::clone(source), span, label: label.into() });
+        let (source, span) = source.holding(span);
+        self.place = Some(Place { source, span, label: label.into() });
         self
     }
 

@@ -1,7 +1,7 @@
 //! What a spec says about its pair that a bound can rest on: all of its geometry, a statement, or nothing. Computes no
 //! bound, and requires nothing.
 
-use super::Spec;
+use super::{Spec, keys};
 use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth};
@@ -10,13 +10,13 @@ use crate::uncertainty::TeethSensitivity;
 
 /// The keys of a pair's geometry, but for how its rack is held.
 pub const GEOMETRY_KEYS: [&str; 7] = [
-    "pair.normal_module",
-    "pair.normal_pressure_angle",
-    "rack.face_width",
-    "rack.addendum",
-    "pinion.teeth",
-    "pinion.tip_diameter",
-    "pinion.face_width",
+    keys::PAIR_NORMAL_MODULE.any.path,
+    keys::PAIR_NORMAL_PRESSURE_ANGLE.any.path,
+    keys::RACK_FACE_WIDTH.any.path,
+    keys::RACK_ADDENDUM.any.path,
+    keys::PINION_TEETH.any.path,
+    keys::PINION_TIP_DIAMETER.any.path,
+    keys::PINION_FACE_WIDTH.any.path,
 ];
 
 impl Spec {
@@ -40,14 +40,13 @@ impl Spec {
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
     pub fn pair_basis(&self) -> Result<Basis, Diagnostics> {
-        let rolls = self.support.roll.as_ref().is_some_and(|roll| roll.value != "fixed");
-        let normal_module_mm = self.pair.normal_module.as_ref().map(|module| module.value.mm());
-        let geometry = match (self.given_pair()?, &self.pair.both_flanks) {
+        let normal_module_mm = self.get(keys::PAIR_NORMAL_MODULE).map(Length::mm);
+        let geometry = match (self.given_pair()?, self.place(keys::PAIR_CONTACT)) {
             (Some(given), _) => GivenGeometry::Known(KnownPairs::new(given)),
             (None, Some(_)) => GivenGeometry::BothFlanks,
             (None, None) => GivenGeometry::Unknown,
         };
-        Ok(Basis { geometry, known_teeth: None, rolls, normal_module_mm })
+        Ok(Basis { geometry, known_teeth: None, rolls: self.rolls(), normal_module_mm })
     }
 
     /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error, and
@@ -67,8 +66,8 @@ impl Spec {
     #[must_use]
     pub fn knows_teeth(&self, part: Part) -> bool {
         match part {
-            Part::Rack => !self.rack.deviations.is_empty() || self.rack.measured.is_some(),
-            Part::Pinion => !self.pinion.deviations.is_empty() || self.pinion.measured.is_some(),
+            Part::Rack => !self.rack_deviations.is_empty() || self.place(keys::RACK_MEASURED).is_some(),
+            Part::Pinion => !self.pinion_deviations.is_empty() || self.place(keys::PINION_MEASURED).is_some(),
         }
     }
 
@@ -91,20 +90,13 @@ impl Spec {
     /// The keys that the pair's geometry still lacks.
     #[must_use]
     pub fn missing_geometry(&self) -> Vec<&'static str> {
-        let (pair, rack, pinion) = (&self.pair, &self.rack, &self.pinion);
-        let rolls = self.support.roll.as_ref().is_some_and(|roll| roll.value != "fixed");
-        let given = [
-            pair.normal_module.is_some(),
-            pair.normal_pressure_angle.is_some(),
-            rack.face_width.is_some(),
-            rack.addendum.is_some(),
-            pinion.teeth.is_some(),
-            pinion.tip_diameter.is_some(),
-            pinion.face_width.is_some(),
-        ];
-        let depth = ("support.roll_axis_depth", !rolls || self.support.roll_axis_depth.is_some());
-        let keys = GEOMETRY_KEYS.into_iter().zip(given).chain([depth]);
-        keys.filter(|(_, is_given)| !is_given).map(|(key, _)| key).collect()
+        let depth = self.rolls().then_some(keys::SUPPORT_ROLL_AXIS_DEPTH.any.path);
+        GEOMETRY_KEYS.into_iter().chain(depth).filter(|path| self.values.at(path).is_none()).collect()
+    }
+
+    /// Whether the rack may roll.
+    pub(super) fn rolls(&self) -> bool {
+        self.get(keys::SUPPORT_ROLL).is_some_and(|roll| roll != "fixed")
     }
 
     /// The pair with all that is given of it but its errors; `None` if a key is missing.
@@ -117,7 +109,7 @@ impl Spec {
         }
         let pair = self.pair("the bound")?;
         let path = ContactPath::nominal(&pair);
-        if let Some(stated) = &self.pair.both_flanks
+        if let Some(stated) = self.place(keys::PAIR_CONTACT)
             && !(path.has_both_flanks_of_a_rack_tooth() && path.has_both_flanks_of_a_pinion_tooth())
         {
             let message = format!(
@@ -126,10 +118,7 @@ impl Spec {
                 path.ratio, path.offset
             );
             let help = "leave `contact` out: the geometry is given";
-            return Err(Diagnostic::error(Code::BadGeometry, message)
-                .help(help)
-                .at(&self.source, stated.clone(), "")
-                .into());
+            return Err(Diagnostic::error(Code::BadGeometry, message).help(help).at(&self.source, stated, "").into());
         }
         let support = self.support()?;
         Ok(Some(GivenPair { pair, rack_form: self.rack_form(), pinion_form: self.pinion_form(), support }))
@@ -137,9 +126,9 @@ impl Spec {
 
     /// Form of the rack's flanks.
     pub(super) fn rack_form(&self) -> RackForm {
-        let relief = self.rack.tip_relief.as_ref().map(|relief| &relief.value);
+        let relief = self.tip_relief.as_ref().map(|relief| &relief.value);
         RackForm {
-            crowning_mm: self.rack.crowning.as_ref().map_or(0.0, |crowning| crowning.value.mm()),
+            crowning_mm: self.or_zero(keys::RACK_CROWNING).mm(),
             tip_relief_mm: relief.map_or(0.0, |relief| relief.amount.mm()),
             tip_relief_start_mm: relief.map_or(0.0, |relief| relief.start.mm()),
         }
@@ -147,10 +136,9 @@ impl Spec {
 
     /// Form of the pinion's flanks.
     pub(super) fn pinion_form(&self) -> PinionForm {
-        let or_zero = |length: Option<Length>| length.map_or(0.0, Length::mm);
         PinionForm {
-            crowning_mm: or_zero(self.pinion.crowning.as_ref().map(|crowning| crowning.value)),
-            profile_slope_mm: or_zero(self.pinion.profile_slope.as_ref().map(|slope| slope.value)),
+            crowning_mm: self.or_zero(keys::PINION_CROWNING).mm(),
+            profile_slope_mm: self.or_zero(keys::PINION_PROFILE_SLOPE).mm(),
         }
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use toml::de::DeValue;
 
 use super::errors::{Errors, read_extent_value};
-use super::keys::{self, Kind, Section};
+use super::keys::{self, Section};
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
@@ -63,17 +63,17 @@ pub enum Reading {
 /// Reads `[batch]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
     let columns = reader.table("columns", &keys::BATCH_COLUMNS, |reader| BatchSection {
-        part_id: reader.text("part_id"),
+        part_id: reader.get(keys::PART_ID).map(|id| id.value),
         columns: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, column(reader, kind)?))).collect(),
         ..BatchSection::default()
     });
     BatchSection {
         ignore: reader.texts("ignore"),
-        decimal: reader.word("decimal").map(|mark| match mark.value {
+        decimal: reader.get(keys::BATCH_DECIMAL).map(|mark| match mark.value {
             "comma" => DecimalMark::Comma,
             _ => DecimalMark::Point,
         }),
-        others_ignored: reader.word("others").is_some(),
+        others_ignored: reader.get(keys::BATCH_OTHERS).is_some(),
         ..columns.map(|columns| columns.value).unwrap_or_default()
     }
 }
@@ -86,18 +86,18 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
         (_, deviation::Unit::Tooth) => &keys::SLOPE_COLUMN,
     };
     reader.table(kind.key(), section, |reader| {
-        let unit = reader.column_unit("unit");
-        let length = if kind == DeviationKind::RackLead { reader.length("length") } else { None };
+        let unit = reader.column_unit("unit", kind == DeviationKind::RackLead);
+        let length = if kind == DeviationKind::RackLead { reader.get(keys::EVALUATION_LENGTH) } else { None };
         if let (Some(length), Some(Unit::Angle(unit))) = (&length, unit.as_ref().map(|unit| unit.value)) {
             let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
             reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone(), "");
         }
         BatchColumn {
-            name: reader.text("name"),
+            name: reader.get(keys::COLUMN_NAME).map(|name| name.value),
             unit,
             length,
             nominal: nominal(reader, kind),
-            kind: reader.word("kind"),
+            kind: reader.get(keys::COLUMN_KIND),
             extent: reader
                 .table
                 .and_then(|table| table.get(keys::EXTENT))
@@ -107,12 +107,12 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
 }
 
 fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
-    if kind == DeviationKind::RackLead {
-        let angle = reader.angle("nominal")?;
-        Some(Located { value: DeviationValue::Angle(angle.value), span: angle.span })
-    } else {
-        let length = reader.length("nominal")?;
-        Some(Located { value: DeviationValue::Length(length.value), span: length.span })
+    fn of<T: Into<DeviationValue>>(Located { value, span }: Located<T>) -> Located<DeviationValue> {
+        Located { value: value.into(), span }
+    }
+    match kind {
+        DeviationKind::RackLead => reader.get(keys::ANGLE_NOMINAL).map(of),
+        _ => reader.get(keys::LENGTH_NOMINAL).map(of),
     }
 }
 
@@ -138,9 +138,8 @@ impl BatchSection {
 
 impl SectionReader<'_> {
     /// The unit of a column.
-    fn column_unit(&mut self, name: &str) -> Option<Located<Unit>> {
+    fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
         let value = self.table?.get(name)?;
-        let Some(Kind::ColumnUnit { of_lead }) = self.kind(name) else { return None };
         let DeValue::String(symbol) = value.get_ref() else {
             self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
             return None;
@@ -208,8 +207,8 @@ impl Spec {
             expected: self.asked_errors(),
             own: self.batch.part_id.iter().map(|name| (name.clone(), Field::PartId)).chain(own).collect(),
             given: DeviationKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
-            module: self.pair.normal_module.as_ref().map(|module| module.value),
-            face_width: self.rack.face_width.as_ref().map(|width| width.value),
+            module: self.get(keys::PAIR_NORMAL_MODULE),
+            face_width: self.get(keys::RACK_FACE_WIDTH),
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
             decimal: self.batch.decimal,
             others_ignored: self.batch.others_ignored,

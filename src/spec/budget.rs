@@ -63,22 +63,12 @@ impl BudgetSection {
 /// Reads `[budget]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> BudgetSection {
     BudgetSection {
-        stack: reader.word("stack"),
-        conforming: fraction(reader, "conforming"),
-        spread: reader.word("distribution"),
+        stack: reader.get(keys::BUDGET_STACK),
+        conforming: reader.get(keys::BUDGET_CONFORMING),
+        spread: reader.get(keys::BUDGET_DISTRIBUTION),
         errors: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, tolerance(reader, kind)?))).collect(),
         extents: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect(),
     }
-}
-
-fn fraction(reader: &mut SectionReader<'_>, name: &str) -> Option<Located<f64>> {
-    let number = reader.number(name)?;
-    if number.value > 0.0 && number.value <= 1.0 {
-        return Some(number);
-    }
-    let message = format!("`{name}` is {}; it is a fraction, above 0 and at most 1", number.value);
-    reader.report(Diagnostic::error(Code::OutOfDomain, message), number.span, "");
-    None
 }
 
 fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<WrittenTolerance>> {

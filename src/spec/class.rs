@@ -3,27 +3,15 @@
 
 use std::ops::Range;
 
-use super::resolve::MissingKeys;
-use super::{Located, Spec};
+use super::resolve::{MissingKeys, Need};
+use super::{Spec, keys};
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::class::{
     self, DiameterSource, ErrorClass, RackDiameter, developed_diameter, deviation_of, reference_diameter,
 };
-use crate::quantity::{Angle, Length};
-use crate::standard::{Size, Standard, StandardError, Wheel};
-
-/// `[tolerance]`: what classes refer to.
-#[derive(Debug, Clone, Default)]
-pub struct ToleranceSection {
-    /// The standard and edition.
-    pub standard: Option<Located<Standard>>,
-    /// Which diameter stands for the rack.
-    pub diameter: Option<Located<RackDiameter>>,
-}
-
-/// Who needs a key, and where that is written.
-type Need = (String, Option<(Range<usize>, String)>);
+use crate::quantity::Length;
+use crate::standard::{Size, StandardError, Wheel};
 
 impl Spec {
     /// The errors that the spec gives as classes, and what they come to.
@@ -50,22 +38,16 @@ impl Spec {
     /// The size of a part as far as the spec gives it, without a diameter.
     #[must_use]
     pub fn wheel(&self, part: Part) -> Wheel {
-        fn value<T: Clone>(written: Option<&Located<T>>) -> Option<T> {
-            written.map(|written| written.value.clone())
-        }
-        let normal_module = value(self.pair.normal_module.as_ref());
         let (face_width, teeth, helix_angle) = match part {
-            Part::Rack => (self.rack.face_width.as_ref(), None, self.rack.helix_angle.as_ref()),
-            Part::Pinion => {
-                (self.pinion.face_width.as_ref(), self.pinion.teeth.as_ref(), self.pinion.helix_angle.as_ref())
-            }
+            Part::Rack => (keys::RACK_FACE_WIDTH, None, keys::RACK_HELIX_ANGLE),
+            Part::Pinion => (keys::PINION_FACE_WIDTH, self.get(keys::PINION_TEETH), keys::PINION_HELIX_ANGLE),
         };
         Wheel {
-            normal_module,
+            normal_module: self.get(keys::PAIR_NORMAL_MODULE),
             diameter: None,
-            face_width: value(face_width),
-            teeth: value(teeth),
-            helix_angle: value(helix_angle),
+            face_width: self.get(face_width),
+            teeth,
+            helix_angle: self.get(helix_angle),
         }
     }
 
@@ -90,7 +72,7 @@ impl Spec {
         };
         let part = kind.part();
         let need = || -> Need { (format!("`{}` of class {grade}", kind.key()), Some((span.clone(), String::new()))) };
-        let standard = missing.take("tolerance", "standard", self.tolerance.standard.as_ref(), need)?;
+        let standard = missing.take(self, keys::TOLERANCE_STANDARD, need)?;
         let Some(limiting) = standard.that_limits(deviation) else {
             let error = StandardError::NoSuchDeviation { standard, deviation };
             return Some(Err(self.no_class(kind, &error, span)));
@@ -109,20 +91,22 @@ impl Spec {
                     Err(diagnostic) => return Some(Err(diagnostic)),
                 },
                 Err(StandardError::Missing { size, .. }) => {
-                    let (section, name) = match (size, part) {
-                        (Size::NormalModule, _) => ("pair", "normal_module"),
-                        (Size::FaceWidth, Part::Rack) => ("rack", "face_width"),
-                        (Size::FaceWidth, Part::Pinion) => ("pinion", "face_width"),
-                        _ => ("pinion", "teeth"),
-                    };
-                    missing.take::<()>(section, name, None, need);
+                    missing.note(
+                        match (size, part) {
+                            (Size::NormalModule, _) => keys::PAIR_NORMAL_MODULE.any,
+                            (Size::FaceWidth, Part::Rack) => keys::RACK_FACE_WIDTH.any,
+                            (Size::FaceWidth, Part::Pinion) => keys::PINION_FACE_WIDTH.any,
+                            _ => keys::PINION_TEETH.any,
+                        },
+                        need,
+                    );
                     return None;
                 }
                 Err(error) => return Some(Err(self.no_class(kind, &error, span))),
             }
         };
         let face_width = match kind {
-            DeviationKind::RackLead => Some(missing.take("rack", "face_width", self.rack.face_width.as_ref(), need)?),
+            DeviationKind::RackLead => Some(missing.take(self, keys::RACK_FACE_WIDTH, need)?),
             _ => None,
         };
         Some(match class::error_value(kind, &permissible, face_width) {
@@ -142,29 +126,25 @@ impl Spec {
         missing: &mut MissingKeys,
     ) -> Option<Result<(Length, DiameterSource), Diagnostic>> {
         let mut pinion = |source: DiameterSource| {
-            let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), &need);
-            let teeth = missing.take("pinion", "teeth", self.pinion.teeth.as_ref(), &need);
-            let helix_angle = self.pinion.helix_angle.as_ref().map_or(Angle::ZERO, |angle| angle.value);
+            let module = missing.take(self, keys::PAIR_NORMAL_MODULE, &need);
+            let teeth = missing.take(self, keys::PINION_TEETH, &need);
+            let helix_angle = self.or_zero(keys::PINION_HELIX_ANGLE);
             Some((reference_diameter(module?, teeth?, helix_angle), source))
         };
         let (diameter, source) = match part {
             Part::Pinion => pinion(DiameterSource::Own)?,
-            Part::Rack => {
-                let choice = self.tolerance.diameter.as_ref();
-                match choice.map(|choice| &choice.value) {
-                    Some(RackDiameter::Pinion) => pinion(DiameterSource::MatingPinion)?,
-                    Some(RackDiameter::Developed) => {
-                        let length = self.rack.toothed_length.as_ref();
-                        let length = missing.take("rack", "toothed_length", length, &need)?;
-                        (developed_diameter(length), DiameterSource::Developed)
-                    }
-                    Some(RackDiameter::Given(diameter)) => (Ok(*diameter), DiameterSource::Given),
-                    None => {
-                        missing.take("tolerance", "diameter", choice, &need);
-                        return None;
-                    }
+            Part::Rack => match self.get(keys::TOLERANCE_DIAMETER) {
+                Some(RackDiameter::Pinion) => pinion(DiameterSource::MatingPinion)?,
+                Some(RackDiameter::Developed) => {
+                    let length = missing.take(self, keys::RACK_TOOTHED_LENGTH, &need)?;
+                    (developed_diameter(length), DiameterSource::Developed)
                 }
-            }
+                Some(RackDiameter::Given(diameter)) => (Ok(diameter), DiameterSource::Given),
+                None => {
+                    missing.note(keys::TOLERANCE_DIAMETER.any, &need);
+                    return None;
+                }
+            },
         };
         Some(match diameter {
             Ok(diameter) => Ok((diameter, source)),

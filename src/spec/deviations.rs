@@ -5,8 +5,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Located;
-use super::keys::{self, Kind, Section};
+use super::keys::{self, AnyKey, Key, Section};
 use super::reader::{SectionReader, type_in_words};
+use super::value::KeyType;
 use crate::deviation::{
     Eccentricity, PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, ToothRange,
 };
@@ -32,23 +33,23 @@ pub enum WrittenPinionDeviation {
     Eccentricity(Eccentricity),
 }
 
-type Displacement<Kind> = (&'static str, fn(f64) -> Kind);
+type Displacement<Kind> = (Key<Length>, fn(f64) -> Kind);
 
 const RACK_DISPLACEMENTS: [Displacement<RackDeviationKind>; 6] = [
-    ("over_roller", RackDeviationKind::OverRoller),
-    ("pitch", RackDeviationKind::Pitch),
-    ("shift", RackDeviationKind::Shift),
-    ("thickness", RackDeviationKind::Thickness),
-    ("left", RackDeviationKind::Left),
-    ("right", RackDeviationKind::Right),
+    (keys::RACK_DEVIATION_OVER_ROLLER, RackDeviationKind::OverRoller),
+    (keys::RACK_DEVIATION_PITCH, RackDeviationKind::Pitch),
+    (keys::RACK_DEVIATION_SHIFT, RackDeviationKind::Shift),
+    (keys::RACK_DEVIATION_THICKNESS, RackDeviationKind::Thickness),
+    (keys::RACK_DEVIATION_LEFT, RackDeviationKind::Left),
+    (keys::RACK_DEVIATION_RIGHT, RackDeviationKind::Right),
 ];
 
 const PINION_DISPLACEMENTS: [Displacement<PinionDeviationKind>; 5] = [
-    ("shift", PinionDeviationKind::Shift),
-    ("thickness", PinionDeviationKind::Thickness),
-    ("left", PinionDeviationKind::Left),
-    ("right", PinionDeviationKind::Right),
-    ("radial", PinionDeviationKind::Radial),
+    (keys::PINION_DEVIATION_SHIFT, PinionDeviationKind::Shift),
+    (keys::PINION_DEVIATION_THICKNESS, PinionDeviationKind::Thickness),
+    (keys::PINION_DEVIATION_LEFT, PinionDeviationKind::Left),
+    (keys::PINION_DEVIATION_RIGHT, PinionDeviationKind::Right),
+    (keys::PINION_DEVIATION_RADIAL, PinionDeviationKind::Radial),
 ];
 
 /// Reads every `[[rack.deviation]]`.
@@ -59,14 +60,14 @@ pub(super) fn rack(reader: &mut SectionReader<'_>) -> Vec<Located<RackDeviation>
         "deviation",
         &keys::RACK_DEVIATION,
         |entry, found| {
-            let Some(teeth) = entry.teeth("teeth") else { return };
-            for (name, kind) in RACK_DISPLACEMENTS {
-                if let Some(length) = entry.length(name) {
+            let Some(teeth) = entry.teeth(keys::RACK_DEVIATION_TEETH) else { return };
+            for (key, kind) in RACK_DISPLACEMENTS {
+                if let Some(length) = entry.get(key) {
                     let deviation = RackDeviation { teeth, kind: kind(length.value.mm()) };
                     found.push(Located { value: deviation, span: length.span });
                 }
             }
-            if let Some(angle) = entry.angle("lead") {
+            if let Some(angle) = entry.get(keys::RACK_DEVIATION_LEAD) {
                 let deviation = RackDeviation { teeth, kind: RackDeviationKind::Lead(angle.value.radians()) };
                 found.push(Located { value: deviation, span: angle.span });
             }
@@ -84,21 +85,24 @@ pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinio
         "deviation",
         &keys::PINION_DEVIATION,
         |entry, found| {
-            let Some(teeth) = entry.teeth("teeth") else { return };
+            let Some(teeth) = entry.teeth(keys::PINION_DEVIATION_TEETH) else { return };
             let mut of_teeth = |kind, span| {
                 let deviation = WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind });
                 found.push(Located { value: deviation, span });
             };
-            for (name, kind) in PINION_DISPLACEMENTS {
-                if let Some(length) = entry.length(name) {
+            for (key, kind) in PINION_DISPLACEMENTS {
+                if let Some(length) = entry.get(key) {
                     of_teeth(kind(length.value.mm()), length.span);
                 }
             }
-            if let Some(angle) = entry.angle("lead") {
+            if let Some(angle) = entry.get(keys::PINION_DEVIATION_LEAD) {
                 of_teeth(PinionDeviationKind::Lead(angle.value.radians()), angle.span);
             }
             let eccentricity = entry.table("eccentricity", &keys::ECCENTRICITY, |reader| {
-                (reader.required_length("amount"), reader.required_count("tooth"))
+                (
+                    reader.required(keys::PINION_DEVIATION_ECCENTRICITY_AMOUNT),
+                    reader.required(keys::PINION_DEVIATION_ECCENTRICITY_TOOTH),
+                )
             });
             if let Some(Located { value: (Some(amount), Some(tooth)), span }) = eccentricity {
                 let eccentricity = Eccentricity { amount_mm: amount.value.mm(), tooth: i64::from(tooth.value) };
@@ -113,7 +117,7 @@ pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinio
 /// Reads `rack.tip_relief`.
 pub(super) fn tip_relief(reader: &mut SectionReader<'_>) -> Option<Located<TipRelief>> {
     let read = reader.table("tip_relief", &keys::TIP_RELIEF, |reader| {
-        (reader.required_length("amount"), reader.required_length("start"))
+        (reader.required(keys::RACK_TIP_RELIEF_AMOUNT), reader.required(keys::RACK_TIP_RELIEF_START))
     })?;
     let (amount, start) = read.value;
     Some(Located { value: TipRelief { amount: amount?.value, start: start?.value }, span: read.span })
@@ -142,7 +146,7 @@ fn each_table<T>(
             continue;
         };
         if !table.iter().any(|(key, _)| key.get_ref() != "teeth") {
-            let names: Vec<_> = section.keys.iter().map(|key| key.name).filter(|name| *name != "teeth").collect();
+            let names: Vec<_> = section.keys.iter().map(AnyKey::name).filter(|name| *name != "teeth").collect();
             let diagnostic = Diagnostic::error(Code::BadErrorEntry, format!("this `{}` changes nothing", section.name))
                 .help(format!("give at least one of {}", names.join(", ")));
             reader.report(diagnostic, entry.span(), "");
@@ -180,7 +184,7 @@ impl SectionReader<'_> {
     ) -> Option<Located<T>> {
         let value = self.table?.get(name)?;
         let DeValue::Table(table) = value.get_ref() else {
-            let names: Vec<_> = section.keys.iter().map(|key| format!("{} = …", key.name)).collect();
+            let names: Vec<_> = section.keys.iter().map(|key| format!("{} = …", key.name())).collect();
             self.wrong_type(name, value, &format!("a table {{ {} }}", names.join(", ")));
             return None;
         };
@@ -189,21 +193,11 @@ impl SectionReader<'_> {
         (self.diagnostics.len() == before).then(|| Located { value: read, span: value.span() })
     }
 
-    fn required_length(&mut self, name: &str) -> Option<Located<Length>> {
-        self.require(name)?;
-        self.length(name)
-    }
-
-    fn required_count(&mut self, name: &str) -> Option<Located<u32>> {
-        self.require(name)?;
-        self.count(name)
-    }
-
-    /// Reports a key without which its table means nothing.
-    fn require(&mut self, name: &str) -> Option<()> {
-        let table = self.table?;
+    /// The value of a key without which its table means nothing.
+    fn required<T: KeyType>(&mut self, key: Key<T>) -> Option<Located<T>> {
+        let (table, name) = (self.table?, key.any.name());
         if table.contains_key(name) {
-            return Some(());
+            return self.get(key);
         }
         // a table without keys has no place of its own; its section's name is in the message
         let span = table.iter().next().map_or(0..0, |(key, value)| key.span().start..value.span().end);
@@ -213,49 +207,7 @@ impl SectionReader<'_> {
     }
 
     /// A range of teeth; every tooth if there is none.
-    fn teeth(&mut self, name: &str) -> Option<ToothRange> {
-        debug_assert!(self.section.keys.iter().any(|key| key.name == name && matches!(key.kind, Kind::Teeth)));
-        let Some(value) = self.table.and_then(|table| table.get(name)) else { return Some(ToothRange::ALL) };
-        let text = match value.get_ref() {
-            DeValue::String(text) => text.as_ref(),
-            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
-            _ => {
-                self.wrong_type(name, value, "a tooth number or text such as \"8..=12\"");
-                return None;
-            }
-        };
-        match text.parse() {
-            Ok(range) => Some(range),
-            Err(error) => {
-                self.report(Diagnostic::error(Code::BadTeeth, format!("`{name}`: {error}")), value.span(), "");
-                None
-            }
-        }
-    }
-
-    /// A file's name.
-    pub(super) fn file(&mut self, name: &str) -> Option<Located<String>> {
-        let value = self.table?.get(name)?;
-        let text = self.text(name)?;
-        Some(Located { value: text, span: value.span() })
-    }
-
-    /// One of the words that the key allows.
-    pub(super) fn word(&mut self, name: &str) -> Option<Located<&'static str>> {
-        let value = self.table?.get(name)?;
-        let words = self.section.keys.iter().find_map(|key| match key.kind {
-            Kind::Word(words) if key.name == name => Some(words),
-            _ => None,
-        })?;
-        let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
-        let found = match value.get_ref() {
-            DeValue::String(text) => words.iter().find(|word| **word == text.as_ref()),
-            _ => None,
-        };
-        if found.is_none() {
-            let message = format!("`{name}` must be {}", quoted.join(" or "));
-            self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
-        }
-        Some(Located { value: found?, span: value.span() })
+    fn teeth(&mut self, key: Key<ToothRange>) -> Option<ToothRange> {
+        if self.table?.contains_key(key.any.name()) { Some(self.get(key)?.value) } else { Some(ToothRange::ALL) }
     }
 }

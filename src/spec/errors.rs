@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::Located;
 use super::keys;
-use super::reader::{SectionReader, similar};
+use super::reader::SectionReader;
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
@@ -215,24 +215,9 @@ fn read_error_table(
     span: Range<usize>,
 ) -> Option<WrittenError> {
     let forms = error_table_forms(kind);
-    let mut known = true;
-    for (key, _) in entry {
-        let name = key.get_ref().as_ref();
-        let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART, keys::EXTENT]);
-        let all = forms.iter().flat_map(|form| form.iter().copied()).chain(beside);
-        if !all.clone().any(|candidate| candidate == name) {
-            known = false;
-            let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{}` has no key `{name}`", kind.key()));
-            let diagnostic = match similar(name, all) {
-                Some(similar) => diagnostic.help(format!("did you mean `{similar}`?")),
-                None => diagnostic.help(format!("write {}", forms_in_words(forms))),
-            };
-            reader.report(diagnostic, key.span(), "unknown key");
-        }
-    }
-    if !known {
-        return None;
-    }
+    let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART, keys::EXTENT]);
+    let known = forms.iter().flat_map(|form| form.iter().copied()).chain(beside);
+    reader.knows_keys(kind.key(), entry, &known, &format!("write {}", forms_in_words(forms)))?;
     let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
     let every_part = entry.contains_key(keys::EVERY_PART);
     let beside = uncertain + usize::from(every_part) + usize::from(entry.contains_key(keys::EXTENT));

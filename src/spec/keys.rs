@@ -1,15 +1,14 @@
 //! Every key of the spec, declared once: the reader, the JSON Schema and the suggestions for misspelt
 //! keys all follow this table. It holds names, kinds of values and their domains, and reads nothing.
 
-mod scatter;
-mod simulation;
+use std::marker::PhantomData;
 
-pub(crate) use scatter::SCATTER;
-pub(crate) use simulation::{SIMULATION, YOKE};
-
-use crate::deviation::{self, DeviationKind};
+use crate::deviation::{self, DeviationKind, ToothRange};
 use crate::formula::domain;
-use crate::quantity::{Bound, Domain};
+use crate::judge::Rule;
+use crate::judge::class::RackDiameter;
+use crate::quantity::{Angle, Bound, Domain, Length};
+use crate::standard::Standard;
 
 /// What a key holds.
 #[derive(Debug, Clone, Copy)]
@@ -102,12 +101,49 @@ impl Unit {
     };
 }
 
-/// One key.
+/// A key, whatever it holds.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Key {
-    pub(crate) name: &'static str,
+pub struct AnyKey {
+    /// Its name with the sections that it is in, `rack.face_width`; of a key that several tables have, the name alone.
+    pub path: &'static str,
     pub(crate) kind: Kind,
-    pub(crate) doc: &'static str,
+    /// What it means.
+    pub doc: &'static str,
+}
+
+impl AnyKey {
+    /// Its name within its section.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.path.rsplit('.').next().unwrap_or(self.path)
+    }
+}
+
+/// A key that holds a `T`.
+#[derive(Debug)]
+pub struct Key<T> {
+    /// The key.
+    pub any: AnyKey,
+    holds: PhantomData<fn() -> T>,
+}
+
+// whether or not a `T` is
+impl<T> Copy for Key<T> {}
+
+impl<T> Clone for Key<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Key<T> {
+    const fn new(path: &'static str, kind: Kind) -> Self {
+        Self { any: AnyKey { path, kind, doc: "" }, holds: PhantomData }
+    }
+
+    const fn with(self, doc: &'static str) -> Self {
+        Self { any: AnyKey { doc, ..self.any }, ..self }
+    }
 }
 
 /// One section; the one without a name holds the keys at the top.
@@ -115,25 +151,87 @@ pub(crate) struct Key {
 pub(crate) struct Section {
     pub(crate) name: &'static str,
     pub(crate) doc: &'static str,
-    pub(crate) keys: &'static [Key],
+    pub(crate) keys: &'static [AnyKey],
 }
 
-const fn key(name: &'static str, kind: Kind, doc: &'static str) -> Key {
-    Key { name, kind, doc }
+/// Declares a section with its keys. A key is declared once, here: what reads, describes, suggests and sets it follows.
+macro_rules! section {
+    ($section:ident = $path:literal, $about:literal { $($key:ident: $type:ty = $value:expr, $doc:literal;)* }) => {
+        $(
+            #[doc = $doc]
+            pub const $key: Key<$type> = $value.with($doc);
+        )*
+        pub(crate) const $section: Section = Section { name: $path, doc: $about, keys: &[$($key.any),*] };
+    };
 }
 
-pub(crate) const TOP: Section = Section {
-    name: "",
-    doc: "What may be wrong with a rack and pinion, and how much of it is permitted.",
-    keys: &[
-        key("title", Kind::Text, "Printed above the results."),
-        key(
-            "correlation",
-            Kind::Tables(&CORRELATION),
-            "Which uncertainties belong together; any number, each between two values.",
-        ),
-    ],
-};
+mod scatter;
+mod simulation;
+
+pub(crate) use scatter::SCATTER;
+pub use simulation::*;
+
+const fn text(path: &'static str) -> Key<String> {
+    Key::new(path, Kind::Text)
+}
+
+const fn file(path: &'static str) -> Key<String> {
+    Key::new(path, Kind::File)
+}
+
+const fn length(path: &'static str, domain: Domain) -> Key<Length> {
+    Key::new(path, Kind::Length(domain))
+}
+
+const fn angle(path: &'static str, domain: Domain) -> Key<Angle> {
+    Key::new(path, Kind::Angle(domain))
+}
+
+const fn number(path: &'static str, domain: Domain) -> Key<f64> {
+    Key::new(path, Kind::Number(domain))
+}
+
+const fn measure(path: &'static str, domain: Domain, unit: Unit) -> Key<f64> {
+    Key::new(path, Kind::Measure(domain, unit))
+}
+
+const fn count(path: &'static str, domain: Domain) -> Key<u32> {
+    Key::new(path, Kind::Count(domain))
+}
+
+const fn word(path: &'static str, words: &'static [&'static str]) -> Key<&'static str> {
+    Key::new(path, Kind::Word(words))
+}
+
+const fn teeth(path: &'static str) -> Key<ToothRange> {
+    Key::new(path, Kind::Teeth)
+}
+
+/// A key that does not hold one value: what reads its section reads it.
+const fn composite(path: &'static str, kind: Kind) -> Key<()> {
+    Key::new(path, kind)
+}
+
+/// The same without a name of its own in the program.
+const fn key(name: &'static str, kind: Kind, doc: &'static str) -> AnyKey {
+    AnyKey { path: name, kind, doc }
+}
+
+const fn between(name: &'static str, symbol: &'static str, lower: i64, upper: i64) -> Domain {
+    Domain { name, symbol, lower: Bound::Inclusive(lower), upper: Bound::Inclusive(upper) }
+}
+
+const fn from_zero(name: &'static str, symbol: &'static str) -> Domain {
+    Domain { name, symbol, lower: Bound::Inclusive(0), upper: Bound::None }
+}
+
+section! {
+    TOP = "", "What may be wrong with a rack and pinion, and how much of it is permitted." {
+        TITLE: String = text("title"), "Printed above the results.";
+        CORRELATIONS: () = composite("correlation", Kind::Tables(&CORRELATION)),
+            "Which uncertainties belong together; any number, each between two values.";
+    }
+}
 
 /// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
 pub(crate) const EVERY_PART: &str = "every_part";
@@ -144,321 +242,254 @@ pub(crate) const EXTENT: &str = "extent";
 /// The keys of an uncertainty, beside the value that it is of.
 pub(crate) const UNCERTAINTY_KEYS: [&str; 6] = ["u", "U", "k", "half_width", "distribution", "dof"];
 
-pub(crate) const CORRELATION: Section = Section {
-    name: "correlation",
-    doc: "The correlation of two uncertain values.",
-    keys: &[
-        key("between", Kind::Pair, "The two values: their keys, such as \"rack_pitch\" or \"rack.face_width\"."),
-        key(
-            "coefficient",
-            Kind::Number(Domain {
-                name: "correlation coefficient",
-                symbol: "r",
-                lower: Bound::Inclusive(-1),
-                upper: Bound::Inclusive(1),
-            }),
-            "Correlation coefficient r, -1 to 1.",
+section! {
+    CORRELATION = "correlation", "The correlation of two uncertain values." {
+        CORRELATION_BETWEEN: () = composite("correlation.between", Kind::Pair),
+            "The two values: their keys, such as \"rack_pitch\" or \"rack.face_width\".";
+        CORRELATION_COEFFICIENT: f64 = number(
+            "correlation.coefficient",
+            between("correlation coefficient", "r", -1, 1),
         ),
-    ],
-};
+            "Correlation coefficient r, -1 to 1.";
+    }
+}
 
-pub(crate) const DECISION: Section = Section {
-    name: "decision",
-    doc: "How a verdict is reached.",
-    keys: &[key(
-        "rule",
-        Kind::Rule,
-        "simple: the measured value decides. iso14253: with a guard band of 1.65 standard uncertainties. guard=VALUE: with \
-         that guard band. Default simple.",
-    )],
-};
+section! {
+    DECISION = "decision", "How a verdict is reached." {
+        DECISION_RULE: Rule = Key::new("decision.rule", Kind::Rule),
+            "simple: the measured value decides. iso14253: with a guard band of 1.65 standard uncertainties. \
+             guard=VALUE: with that guard band. Default simple.";
+    }
+}
 
-pub(crate) const PAIR: Section = Section {
-    name: "pair",
-    doc: "What rack and pinion have in common.",
-    keys: &[
-        key("normal_module", Kind::Length(domain::NORMAL_MODULE), "Normal module m_n."),
-        key(
-            "transverse_module",
-            Kind::Length(domain::TRANSVERSE_MODULE),
-            "Transverse module of the pinion m_t, instead of the normal one: m_n = m_t cos β_p.",
-        ),
-        key(
-            "normal_pressure_angle",
-            Kind::Angle(domain::NORMAL_PRESSURE_ANGLE),
-            "Normal pressure angle α_n, above 0° and at most 45°.",
-        ),
-        key(
-            "shaft_angle",
-            Kind::Angle(domain::SHAFT_ANGLE),
-            "Magnitude of the shaft angle Σ = β_r + β_p, against which the helix angles are checked; 0° where the pinion's axis \
-             lies square across the rack.",
-        ),
-        key(
-            "contact",
-            Kind::Word(&[BOTH_FLANKS]),
-            "\"both flanks\" states, where the geometry is not given, that a tooth of the rack and one of the pinion always carry \
-             with both flanks: ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|, ε and c being length and offset of the path of contact in \
-             pitches.",
-        ),
-    ],
-};
+section! {
+    PAIR = "pair", "What rack and pinion have in common." {
+        PAIR_NORMAL_MODULE: Length = length("pair.normal_module", domain::NORMAL_MODULE), "Normal module m_n.";
+        PAIR_TRANSVERSE_MODULE: Length = length("pair.transverse_module", domain::TRANSVERSE_MODULE),
+            "Transverse module of the pinion m_t, instead of the normal one: m_n = m_t cos β_p.";
+        PAIR_NORMAL_PRESSURE_ANGLE: Angle = angle("pair.normal_pressure_angle", domain::NORMAL_PRESSURE_ANGLE),
+            "Normal pressure angle α_n, above 0° and at most 45°.";
+        PAIR_SHAFT_ANGLE: Angle = angle("pair.shaft_angle", domain::SHAFT_ANGLE),
+            "Magnitude of the shaft angle Σ = β_r + β_p, against which the helix angles are checked; 0° where the \
+             pinion's axis lies square across the rack.";
+        PAIR_CONTACT: &'static str = word("pair.contact", &[BOTH_FLANKS]),
+            "\"both flanks\" states, where the geometry is not given, that a tooth of the rack and one of the pinion \
+             always carry with both flanks: ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|, ε and c being length and offset of the \
+             path of contact in pitches.";
+    }
+}
 
 /// What `[pair] contact` may state.
 pub(crate) const BOTH_FLANKS: &str = "both flanks";
 
-pub(crate) const RACK: Section = Section {
-    name: "rack",
-    doc: "Nominal geometry of the rack.",
-    keys: &[
-        key(
-            "helix_angle",
-            Kind::Angle(domain::RACK_HELIX_ANGLE),
-            "Helix angle of the teeth β_r, right hand positive. Default 0.",
-        ),
-        key("face_width", Kind::Length(domain::FACE_WIDTH), "Face width k."),
-        key(
-            "addendum",
-            Kind::Length(Domain::positive("addendum of the rack", "h_a")),
-            "Height of the tooth tips above the reference plane.",
-        ),
-        key(
-            "tooth_thickness",
-            Kind::Length(domain::TOOTH_THICKNESS),
-            "Normal tooth thickness s_n at the reference plane. Default π m_n / 2.",
-        ),
-        key(
-            "datum",
-            Kind::Length(domain::DATUM),
-            "Distance K from the measuring datum (the bar's axis or back) to the reference plane.",
-        ),
-        key(
-            "toothed_length",
-            Kind::Length(Domain::positive("toothed length", "L")),
-            "Length L of the toothed part; its developed diameter is L/π.",
-        ),
-        key("pin", Kind::Length(domain::PIN_DIAMETER), "Diameter of the pin behind measured over-pin values."),
-        key("measured", Kind::File, "Table of measured spaces: over-pin, position, lead."),
-        key("deviation", Kind::Tables(&RACK_DEVIATION), "Deviations of some teeth; any number, they add up."),
-        key(
-            "crowning",
-            Kind::Length(FORM),
-            "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.",
-        ),
-        key("tip_relief", Kind::Table(&TIP_RELIEF), "Relief of the flanks towards their tips."),
-    ],
-};
+section! {
+    RACK = "rack", "Nominal geometry of the rack." {
+        RACK_HELIX_ANGLE: Angle = angle("rack.helix_angle", domain::RACK_HELIX_ANGLE),
+            "Helix angle of the teeth β_r, right hand positive. Default 0.";
+        RACK_FACE_WIDTH: Length = length("rack.face_width", domain::FACE_WIDTH), "Face width k.";
+        RACK_ADDENDUM: Length = length("rack.addendum", Domain::positive("addendum of the rack", "h_a")),
+            "Height of the tooth tips above the reference plane.";
+        RACK_TOOTH_THICKNESS: Length = length("rack.tooth_thickness", domain::TOOTH_THICKNESS),
+            "Normal tooth thickness s_n at the reference plane. Default π m_n / 2.";
+        RACK_DATUM: Length = length("rack.datum", domain::DATUM),
+            "Distance K from the measuring datum (the bar's axis or back) to the reference plane.";
+        RACK_TOOTHED_LENGTH: Length = length("rack.toothed_length", Domain::positive("toothed length", "L")),
+            "Length L of the toothed part; its developed diameter is L/π.";
+        RACK_PIN: Length = length("rack.pin", domain::PIN_DIAMETER),
+            "Diameter of the pin behind measured over-pin values.";
+        RACK_MEASURED: String = file("rack.measured"), "Table of measured spaces: over-pin, position, lead.";
+        RACK_DEVIATIONS: () = composite("rack.deviation", Kind::Tables(&RACK_DEVIATION)),
+            "Deviations of some teeth; any number, they add up.";
+        RACK_CROWNING: Length = length("rack.crowning", FORM),
+            "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.";
+        RACK_TIP_RELIEF: () = composite("rack.tip_relief", Kind::Table(&TIP_RELIEF)),
+            "Relief of the flanks towards their tips.";
+    }
+}
 
-pub(crate) const PINION: Section = Section {
-    name: "pinion",
-    doc: "Nominal geometry of the pinion.",
-    keys: &[
-        key(
-            "teeth",
-            Kind::Count(Domain {
-                name: "number of teeth",
-                symbol: "z",
-                lower: Bound::Inclusive(1),
-                upper: Bound::Inclusive(100_000),
-            }),
-            "Number of teeth z.",
+section! {
+    PINION = "pinion", "Nominal geometry of the pinion." {
+        PINION_TEETH: u32 = count("pinion.teeth", between("number of teeth", "z", 1, 100_000)),
+            "Number of teeth z.";
+        PINION_HELIX_ANGLE: Angle = angle("pinion.helix_angle", domain::PINION_HELIX_ANGLE),
+            "Helix angle at the reference cylinder β_p, right hand positive. Default 0.";
+        PINION_PROFILE_SHIFT: f64 = number("pinion.profile_shift", Domain::any("profile shift coefficient", "x")),
+            "Profile shift coefficient x, in units of m_n. Default 0.";
+        PINION_FACE_WIDTH: Length = length("pinion.face_width", Domain::positive("face width of the pinion", "b")),
+            "Face width b.";
+        PINION_TIP_DIAMETER: Length = length("pinion.tip_diameter", Domain::positive("tip diameter", "d_a")),
+            "Tip diameter d_a.";
+        PINION_ROOT_FORM_DIAMETER: Length = length(
+            "pinion.root_form_diameter",
+            Domain::positive("root form diameter", "d_Ff"),
         ),
-        key(
-            "helix_angle",
-            Kind::Angle(domain::PINION_HELIX_ANGLE),
-            "Helix angle at the reference cylinder β_p, right hand positive. Default 0.",
+            "Root form diameter d_Ff, where the involute starts.";
+        PINION_TOOTH_THICKNESS_DEVIATION: Length = length(
+            "pinion.tooth_thickness_deviation",
+            Domain::any("tooth thickness deviation of the pinion", "E_s"),
         ),
-        key(
-            "profile_shift",
-            Kind::Number(Domain::any("profile shift coefficient", "x")),
-            "Profile shift coefficient x, in units of m_n. Default 0.",
-        ),
-        key("face_width", Kind::Length(Domain::positive("face width of the pinion", "b")), "Face width b."),
-        key("tip_diameter", Kind::Length(Domain::positive("tip diameter", "d_a")), "Tip diameter d_a."),
-        key(
-            "root_form_diameter",
-            Kind::Length(Domain::positive("root form diameter", "d_Ff")),
-            "Root form diameter d_Ff, where the involute starts.",
-        ),
-        key(
-            "tooth_thickness_deviation",
-            Kind::Length(Domain::any("tooth thickness deviation of the pinion", "E_s")),
-            "Deviation of the transverse tooth thickness at the reference circle from nominal. Default 0.",
-        ),
-        key("measured", Kind::File, "Table of measured teeth: radial, left and right pitch, lead."),
-        key("deviation", Kind::Tables(&PINION_DEVIATION), "Deviations of some teeth; any number, they add up."),
-        key(
-            "crowning",
-            Kind::Length(FORM),
-            "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.",
-        ),
-        key(
-            "profile_slope",
-            Kind::Length(Domain::any("profile slope", "f_Hα")),
-            "Removed at the tip, in proportion to the roll angle from the start of the involute.",
-        ),
-    ],
-};
+            "Deviation of the transverse tooth thickness at the reference circle from nominal. Default 0.";
+        PINION_MEASURED: String = file("pinion.measured"),
+            "Table of measured teeth: radial, left and right pitch, lead.";
+        PINION_DEVIATIONS: () = composite("pinion.deviation", Kind::Tables(&PINION_DEVIATION)),
+            "Deviations of some teeth; any number, they add up.";
+        PINION_CROWNING: Length = length("pinion.crowning", FORM),
+            "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.";
+        PINION_PROFILE_SLOPE: Length = length("pinion.profile_slope", Domain::any("profile slope", "f_Hα")),
+            "Removed at the tip, in proportion to the roll angle from the start of the involute.";
+    }
+}
 
-pub(crate) const ERRORS: Section = Section {
-    name: "errors",
-    doc: "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
-          error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on which teeth.",
-    keys: &[
-        key(
-            "rack_over_roller",
-            Kind::Error(DeviationKind::RackOverRoller),
-            "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.",
-        ),
-        key("rack_pitch", Kind::Error(DeviationKind::RackPitch), "Pitch error of the rack, along its axis."),
-        key(
-            "rack_lead",
-            Kind::Error(DeviationKind::RackLead),
-            "Lead angle error of the rack; or { f_h_beta, length }, a helix slope deviation over its length.",
-        ),
-        key("pinion_radial", Kind::Error(DeviationKind::PinionRadial), "Radial measurement error of the pinion."),
-        key(
-            "pinion_pitch",
-            Kind::Error(DeviationKind::PinionPitch),
-            "Single pitch deviation f_p of the pinion, transverse, at the reference circle.",
-        ),
-        key(
-            "pinion_lead",
-            Kind::Error(DeviationKind::PinionLead),
-            "Helix slope deviation f_Hβ of the pinion over its face width, along the transverse base tangent.",
-        ),
-    ],
-};
+section! {
+    ERRORS = "errors",
+    "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
+     error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on \
+     which teeth." {
+        ERRORS_RACK_OVER_ROLLER: () = composite("errors.rack_over_roller", Kind::Error(DeviationKind::RackOverRoller)),
+            "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.";
+        ERRORS_RACK_PITCH: () = composite("errors.rack_pitch", Kind::Error(DeviationKind::RackPitch)),
+            "Pitch error of the rack, along its axis.";
+        ERRORS_RACK_LEAD: () = composite("errors.rack_lead", Kind::Error(DeviationKind::RackLead)),
+            "Lead angle error of the rack; or { f_h_beta, length }, a helix slope deviation over its length.";
+        ERRORS_PINION_RADIAL: () = composite("errors.pinion_radial", Kind::Error(DeviationKind::PinionRadial)),
+            "Radial measurement error of the pinion.";
+        ERRORS_PINION_PITCH: () = composite("errors.pinion_pitch", Kind::Error(DeviationKind::PinionPitch)),
+            "Single pitch deviation f_p of the pinion, transverse, at the reference circle.";
+        ERRORS_PINION_LEAD: () = composite("errors.pinion_lead", Kind::Error(DeviationKind::PinionLead)),
+            "Helix slope deviation f_Hβ of the pinion over its face width, along the transverse base tangent.";
+    }
+}
 
-pub(crate) const LIMITS: Section = Section {
-    name: "limits",
-    doc: "Permitted ΔCD: of the combination, and of single errors.",
-    keys: &[
-        key("center_distance", Kind::Limit, "Limits of the combined ΔCD."),
-        key("rack_over_roller", Kind::Limit, "Limits of ΔCD from the rack's over-roller error."),
-        key("rack_pitch", Kind::Limit, "Limits of ΔCD from the rack's pitch error."),
-        key("rack_lead", Kind::Limit, "Limits of ΔCD from the rack's lead angle error."),
-        key("pinion_radial", Kind::Limit, "Limits of ΔCD from the pinion's radial error."),
-        key("pinion_pitch", Kind::Limit, "Limits of ΔCD from the pinion's pitch error."),
-        key("pinion_lead", Kind::Limit, "Limits of ΔCD from the pinion's helix slope deviation."),
-    ],
-};
+section! {
+    LIMITS = "limits", "Permitted ΔCD: of the combination, and of single errors." {
+        LIMITS_CENTER_DISTANCE: () = composite("limits.center_distance", Kind::Limit), "Limits of the combined ΔCD.";
+        LIMITS_RACK_OVER_ROLLER: () = composite("limits.rack_over_roller", Kind::Limit),
+            "Limits of ΔCD from the rack's over-roller error.";
+        LIMITS_RACK_PITCH: () = composite("limits.rack_pitch", Kind::Limit),
+            "Limits of ΔCD from the rack's pitch error.";
+        LIMITS_RACK_LEAD: () = composite("limits.rack_lead", Kind::Limit),
+            "Limits of ΔCD from the rack's lead angle error.";
+        LIMITS_PINION_RADIAL: () = composite("limits.pinion_radial", Kind::Limit),
+            "Limits of ΔCD from the pinion's radial error.";
+        LIMITS_PINION_PITCH: () = composite("limits.pinion_pitch", Kind::Limit),
+            "Limits of ΔCD from the pinion's pitch error.";
+        LIMITS_PINION_LEAD: () = composite("limits.pinion_lead", Kind::Limit),
+            "Limits of ΔCD from the pinion's helix slope deviation.";
+    }
+}
 
 /// An amount removed from a flank, normal to it.
-const FORM: Domain =
-    Domain { name: "amount removed from the flank", symbol: "c", lower: Bound::Inclusive(0), upper: Bound::None };
+const FORM: Domain = from_zero("amount removed from the flank", "c");
 
 const DISPLACEMENT: Domain = Domain::any("displacement", "e");
 
-pub(crate) const TIP_RELIEF: Section = Section {
-    name: "rack.tip_relief",
-    doc: "Tip relief of the rack, growing linearly from its start to the tip.",
-    keys: &[
-        key("amount", Kind::Length(FORM), "Removed at the tip, normal to the flank."),
-        key(
-            "start",
-            Kind::Length(Domain::any("start of the tip relief", "h_0")),
-            "Height above the reference plane at which it starts.",
-        ),
-    ],
-};
+section! {
+    TIP_RELIEF = "rack.tip_relief", "Tip relief of the rack, growing linearly from its start to the tip." {
+        RACK_TIP_RELIEF_AMOUNT: Length = length("rack.tip_relief.amount", FORM),
+            "Removed at the tip, normal to the flank.";
+        RACK_TIP_RELIEF_START: Length = length("rack.tip_relief.start", Domain::any("start of the tip relief", "h_0")),
+            "Height above the reference plane at which it starts.";
+    }
+}
 
-pub(crate) const RACK_DEVIATION: Section = Section {
-    name: "rack.deviation",
-    doc: "What is wrong with some teeth of the rack.",
-    keys: &[
-        key("teeth", Kind::Teeth, "The teeth concerned. Default \"all\"."),
-        key("over_roller", Kind::Length(DISPLACEMENT), "Pitch-line shift of both flanks, along Z; the tip stays."),
-        key(
-            "pitch",
-            Kind::Length(DISPLACEMENT),
-            "The pitch before each of these teeth is longer by this; later teeth keep the sum.",
-        ),
-        key("shift", Kind::Length(DISPLACEMENT), "The teeth shifted along X."),
-        key("thickness", Kind::Length(DISPLACEMENT), "Change of the normal tooth thickness at the reference plane."),
-        key(
-            "lead",
-            Kind::Angle(Domain::any("lead deviation", "Δβ")),
-            "Helix angle deviation: each flank turned about the vertical through its own mid-width point.",
-        ),
-        key("left", Kind::Length(DISPLACEMENT), "Left flank alone, along X, outward positive."),
-        key("right", Kind::Length(DISPLACEMENT), "Right flank (facing +X) alone, along X, outward positive."),
-    ],
-};
+section! {
+    RACK_DEVIATION = "rack.deviation", "What is wrong with some teeth of the rack." {
+        RACK_DEVIATION_TEETH: ToothRange = teeth("rack.deviation.teeth"), "The teeth concerned. Default \"all\".";
+        RACK_DEVIATION_OVER_ROLLER: Length = length("rack.deviation.over_roller", DISPLACEMENT),
+            "Pitch-line shift of both flanks, along Z; the tip stays.";
+        RACK_DEVIATION_PITCH: Length = length("rack.deviation.pitch", DISPLACEMENT),
+            "The pitch before each of these teeth is longer by this; later teeth keep the sum.";
+        RACK_DEVIATION_SHIFT: Length = length("rack.deviation.shift", DISPLACEMENT), "The teeth shifted along X.";
+        RACK_DEVIATION_THICKNESS: Length = length("rack.deviation.thickness", DISPLACEMENT),
+            "Change of the normal tooth thickness at the reference plane.";
+        RACK_DEVIATION_LEAD: Angle = angle("rack.deviation.lead", Domain::any("lead deviation", "Δβ")),
+            "Helix angle deviation: each flank turned about the vertical through its own mid-width point.";
+        RACK_DEVIATION_LEFT: Length = length("rack.deviation.left", DISPLACEMENT),
+            "Left flank alone, along X, outward positive.";
+        RACK_DEVIATION_RIGHT: Length = length("rack.deviation.right", DISPLACEMENT),
+            "Right flank (facing +X) alone, along X, outward positive.";
+    }
+}
 
-pub(crate) const ECCENTRICITY: Section = Section {
-    name: "pinion.deviation.eccentricity",
-    doc: "The tooth system sits off the axis of rotation, towards a tooth.",
-    keys: &[
-        key("amount", Kind::Length(Domain::any("eccentricity", "f_e")), "How far."),
-        key("tooth", Kind::Count(TOOTH), "Towards which tooth, 0 to z - 1."),
-    ],
-};
-
-const TOOTH: Domain =
-    Domain { name: "tooth number", symbol: "j", lower: Bound::Inclusive(0), upper: Bound::Inclusive(99_999) };
-
-pub(crate) const PINION_DEVIATION: Section = Section {
-    name: "pinion.deviation",
-    doc: "What is wrong with some teeth of the pinion; lengths are arcs at the reference circle.",
-    keys: &[
-        key("teeth", Kind::Teeth, "The teeth concerned, 0 to z - 1. Default \"all\"."),
-        key("shift", Kind::Length(DISPLACEMENT), "The teeth shifted towards higher index."),
-        key("thickness", Kind::Length(DISPLACEMENT), "Change of the transverse tooth thickness."),
-        key(
-            "lead",
-            Kind::Angle(Domain::any("lead deviation", "Δβ")),
-            "Helix angle deviation; the section at mid-width stays.",
+section! {
+    ECCENTRICITY = "pinion.deviation.eccentricity",
+    "The tooth system sits off the axis of rotation, towards a tooth." {
+        PINION_DEVIATION_ECCENTRICITY_AMOUNT: Length = length(
+            "pinion.deviation.eccentricity.amount",
+            Domain::any("eccentricity", "f_e"),
         ),
-        key("left", Kind::Length(DISPLACEMENT), "Left flank (facing lower index) alone, outward positive."),
-        key("right", Kind::Length(DISPLACEMENT), "Right flank (facing higher index) alone, outward positive."),
-        key("radial", Kind::Length(DISPLACEMENT), "The space after each of these teeth sits higher by this."),
-        key("eccentricity", Kind::Table(&ECCENTRICITY), "The whole part off its axis."),
-    ],
-};
+            "How far.";
+        PINION_DEVIATION_ECCENTRICITY_TOOTH: u32 = count("pinion.deviation.eccentricity.tooth", between("tooth number", "j", 0, 99_999)),
+            "Towards which tooth, 0 to z - 1.";
+    }
+}
 
-pub(crate) const SUPPORT: Section = Section {
-    name: "support",
-    doc: "How the rack is held.",
-    keys: &[
-        key("roll", Kind::Word(&["fixed", "free"]), "Whether the rack may roll about its own axis. Default fixed."),
-        key(
-            "roll_axis_depth",
-            Kind::Length(Domain::any("depth of the roll axis", "h_roll")),
-            "How far the roll axis lies below the reference plane.",
-        ),
-    ],
-};
+section! {
+    PINION_DEVIATION = "pinion.deviation",
+    "What is wrong with some teeth of the pinion; lengths are arcs at the reference circle." {
+        PINION_DEVIATION_TEETH: ToothRange = teeth("pinion.deviation.teeth"),
+            "The teeth concerned, 0 to z - 1. Default \"all\".";
+        PINION_DEVIATION_SHIFT: Length = length("pinion.deviation.shift", DISPLACEMENT),
+            "The teeth shifted towards higher index.";
+        PINION_DEVIATION_THICKNESS: Length = length("pinion.deviation.thickness", DISPLACEMENT),
+            "Change of the transverse tooth thickness.";
+        PINION_DEVIATION_LEAD: Angle = angle("pinion.deviation.lead", Domain::any("lead deviation", "Δβ")),
+            "Helix angle deviation; the section at mid-width stays.";
+        PINION_DEVIATION_LEFT: Length = length("pinion.deviation.left", DISPLACEMENT),
+            "Left flank (facing lower index) alone, outward positive.";
+        PINION_DEVIATION_RIGHT: Length = length("pinion.deviation.right", DISPLACEMENT),
+            "Right flank (facing higher index) alone, outward positive.";
+        PINION_DEVIATION_RADIAL: Length = length("pinion.deviation.radial", DISPLACEMENT),
+            "The space after each of these teeth sits higher by this.";
+        PINION_DEVIATION_ECCENTRICITY: () = composite("pinion.deviation.eccentricity", Kind::Table(&ECCENTRICITY)),
+            "The whole part off its axis.";
+    }
+}
 
-pub(crate) const TOLERANCE: Section = Section {
-    name: "tolerance",
-    doc: "What an error given as { class = … } refers to.",
-    keys: &[
-        key("standard", Kind::Standard, "The accuracy standard and its edition, such as iso1328-1:1995."),
-        key(
-            "diameter",
-            Kind::RackDiameter,
-            "Which reference diameter stands for the rack: \"pinion\", \"developed\" (L/π), or a length. No default.",
+section! {
+    SUPPORT = "support", "How the rack is held." {
+        SUPPORT_ROLL: &'static str = word("support.roll", &["fixed", "free"]),
+            "Whether the rack may roll about its own axis. Default fixed.";
+        SUPPORT_ROLL_AXIS_DEPTH: Length = length(
+            "support.roll_axis_depth",
+            Domain::any("depth of the roll axis", "h_roll"),
         ),
-    ],
-};
+            "How far the roll axis lies below the reference plane.";
+    }
+}
+
+section! {
+    TOLERANCE = "tolerance", "What an error given as { class = … } refers to." {
+        TOLERANCE_STANDARD: Standard = Key::new("tolerance.standard", Kind::Standard),
+            "The accuracy standard and its edition, such as iso1328-1:1995.";
+        TOLERANCE_DIAMETER: RackDiameter = Key::new("tolerance.diameter", Kind::RackDiameter),
+            "Which reference diameter stands for the rack: \"pinion\", \"developed\" (L/π), or a length. No default.";
+    }
+}
 
 /// What a column holds: the value itself, or its difference from nominal.
-const COLUMN_KIND: Key = key(
-    "kind",
-    Kind::Word(&["measured", "deviation"]),
-    "Whether the column holds measured values or deviations. Default: measured if there is a nominal value.",
-);
+pub(crate) const COLUMN_KIND: Key<&'static str> = word("kind", &["measured", "deviation"])
+    .with("Whether the column holds measured values or deviations. Default: measured if there is a nominal value.");
 
-const COLUMN_NAME: Key = key("name", Kind::Text, "The column's name in the header, if it is not the error's own.");
+pub(crate) const COLUMN_NAME: Key<String> =
+    text("name").with("The column's name in the header, if it is not the error's own.");
 
-const LENGTH_UNIT: Key =
+const LENGTH_UNIT: AnyKey =
     key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers. Default: the header's, or mm.");
 
-const LENGTH_NOMINAL: Key =
-    key("nominal", Kind::Length(Domain::any("nominal value", "M_nom")), "Nominal value of what was measured.");
+pub(crate) const LENGTH_NOMINAL: Key<Length> =
+    length("nominal", Domain::any("nominal value", "M_nom")).with("Nominal value of what was measured.");
 
-const fn column_extent(unit: deviation::Unit) -> Key {
+pub(crate) const ANGLE_NOMINAL: Key<Angle> =
+    angle("nominal", Domain::any("nominal value", "β_nom")).with("Nominal value of what was measured.");
+
+pub(crate) const EVALUATION_LENGTH: Key<Length> =
+    length("length", domain::EVALUATION_LENGTH).with("Evaluation length of f_Hβ.");
+
+pub(crate) const PART_ID: Key<String> =
+    text("part_id").with("Name of the column that names the part. Default part_id.");
+
+const fn column_extent(unit: deviation::Unit) -> AnyKey {
     key(
         EXTENT,
         Kind::Extent(unit),
@@ -469,34 +500,34 @@ const fn column_extent(unit: deviation::Unit) -> Key {
 pub(crate) const SIZE_COLUMN: Section = Section {
     name: "batch.columns.(size)",
     doc: "A column of sizes.",
-    keys: &[COLUMN_NAME, LENGTH_UNIT, LENGTH_NOMINAL, COLUMN_KIND, column_extent(deviation::Unit::Space)],
+    keys: &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Space)],
 };
 
 pub(crate) const PITCH_COLUMN: Section = Section {
     name: "batch.columns.(pitch)",
     doc: "A column of pitches.",
-    keys: &[COLUMN_NAME, LENGTH_UNIT, LENGTH_NOMINAL, COLUMN_KIND, column_extent(deviation::Unit::Pitch)],
+    keys: &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Pitch)],
 };
 
 pub(crate) const SLOPE_COLUMN: Section = Section {
     name: "batch.columns.pinion_lead",
     doc: "A column of helix slope deviations f_Hβ.",
-    keys: &[COLUMN_NAME, LENGTH_UNIT, LENGTH_NOMINAL, COLUMN_KIND, column_extent(deviation::Unit::Tooth)],
+    keys: &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Tooth)],
 };
 
 pub(crate) const ANGLE_COLUMN: Section = Section {
     name: "batch.columns.rack_lead",
     doc: "A column of angles, or of helix slope deviations f_Hβ.",
     keys: &[
-        COLUMN_NAME,
+        COLUMN_NAME.any,
         key(
             "unit",
             Kind::ColumnUnit { of_lead: true },
             "Unit of its numbers; a unit of length means f_Hβ. Default: the header's, or degrees.",
         ),
-        key("length", Kind::Length(domain::EVALUATION_LENGTH), "Evaluation length of f_Hβ."),
-        key("nominal", Kind::Angle(Domain::any("nominal value", "β_nom")), "Nominal value of what was measured."),
-        COLUMN_KIND,
+        EVALUATION_LENGTH.any,
+        ANGLE_NOMINAL.any,
+        COLUMN_KIND.any,
         column_extent(deviation::Unit::Tooth),
     ],
 };
@@ -505,7 +536,7 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
     name: "batch.columns",
     doc: "Where a table with a row per part has what, if its header does not say so.",
     keys: &[
-        key("part_id", Kind::Text, "Name of the column that names the part. Default part_id."),
+        PART_ID.any,
         key("rack_over_roller", Kind::Table(&SIZE_COLUMN), "The rack's over-roller measure or error."),
         key("rack_pitch", Kind::Table(&PITCH_COLUMN), "The rack's pitch or pitch error."),
         key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle, its error, or f_Hβ."),
@@ -515,56 +546,50 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
     ],
 };
 
-pub(crate) const BATCH: Section = Section {
-    name: "batch",
-    doc: "Tables with a row per part.",
-    keys: &[
-        key("columns", Kind::Table(&BATCH_COLUMNS), "Columns that are named or measured otherwise."),
-        key(
-            "ignore",
-            Kind::Texts,
-            "Names of columns that are not to be used: `*` stands for any characters, and case does not count.",
-        ),
-        key(
-            "decimal",
-            Kind::Word(&["comma", "point"]),
-            "What stands before decimals in tables, those of teeth included. Default: found from their numbers.",
-        ),
-        key(
-            "others",
-            Kind::Word(&["ignore"]),
-            "Once every error has its column: columns that are not understood are listed and not used.",
-        ),
-    ],
+section! {
+    BATCH = "batch", "Tables with a row per part." {
+        BATCH_COLUMN_TABLES: () = composite("batch.columns", Kind::Table(&BATCH_COLUMNS)),
+            "Columns that are named or measured otherwise.";
+        BATCH_IGNORE: () = composite("batch.ignore", Kind::Texts),
+            "Names of columns that are not to be used: `*` stands for any characters, and case does not count.";
+        BATCH_DECIMAL: &'static str = word("batch.decimal", &["comma", "point"]),
+            "What stands before decimals in tables, those of teeth included. Default: found from their numbers.";
+        BATCH_OTHERS: &'static str = word("batch.others", &["ignore"]),
+            "Once every error has its column: columns that are not understood are listed and not used.";
+    }
+}
+
+const FRACTION: Domain = Domain {
+    name: "fraction of conforming assemblies",
+    symbol: "P",
+    lower: Bound::Exclusive(0),
+    upper: Bound::Inclusive(1),
 };
 
-const FRACTION: Domain =
-    Domain { name: "fraction", symbol: "P", lower: Bound::Exclusive(0), upper: Bound::Inclusive(1) };
-
-pub(crate) const BUDGET: Section = Section {
-    name: "budget",
-    doc: "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \"each\" or \
-          \"total\" beside one, on which teeth. Default each.",
-    keys: &[
-        key("stack", Kind::Word(&["worst", "rss", "simulation"]), "How tolerances add up. Default worst."),
-        key("conforming", Kind::Number(FRACTION), "Fraction of random assemblies that must conform. Default 0.9973."),
-        key(
-            "distribution",
-            Kind::Word(&["uniform", "normal", "triangular"]),
-            "How errors spread within their tolerances. Default uniform.",
-        ),
-        key("rack_over_roller", Kind::Tolerance(DeviationKind::RackOverRoller), "Tolerance of the over-roller error."),
-        key("rack_pitch", Kind::Tolerance(DeviationKind::RackPitch), "Tolerance of the rack's pitch error."),
-        key("rack_lead", Kind::Tolerance(DeviationKind::RackLead), "Tolerance of the rack's lead angle error."),
-        key("pinion_radial", Kind::Tolerance(DeviationKind::PinionRadial), "Tolerance of the pinion's radial error."),
-        key("pinion_pitch", Kind::Tolerance(DeviationKind::PinionPitch), "Tolerance of the pinion's pitch error."),
-        key(
-            "pinion_lead",
-            Kind::Tolerance(DeviationKind::PinionLead),
-            "Tolerance of the pinion's helix slope deviation; not among those sought where none is named.",
-        ),
-    ],
-};
+section! {
+    BUDGET = "budget",
+    "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \
+     \"each\" or \"total\" beside one, on which teeth. Default each." {
+        BUDGET_STACK: &'static str = word("budget.stack", &["worst", "rss", "simulation"]),
+            "How tolerances add up. Default worst.";
+        BUDGET_CONFORMING: f64 = number("budget.conforming", FRACTION),
+            "Fraction of random assemblies that must conform. Default 0.9973.";
+        BUDGET_DISTRIBUTION: &'static str = word("budget.distribution", &["uniform", "normal", "triangular"]),
+            "How errors spread within their tolerances. Default uniform.";
+        BUDGET_RACK_OVER_ROLLER: () = composite("budget.rack_over_roller", Kind::Tolerance(DeviationKind::RackOverRoller)),
+            "Tolerance of the over-roller error.";
+        BUDGET_RACK_PITCH: () = composite("budget.rack_pitch", Kind::Tolerance(DeviationKind::RackPitch)),
+            "Tolerance of the rack's pitch error.";
+        BUDGET_RACK_LEAD: () = composite("budget.rack_lead", Kind::Tolerance(DeviationKind::RackLead)),
+            "Tolerance of the rack's lead angle error.";
+        BUDGET_PINION_RADIAL: () = composite("budget.pinion_radial", Kind::Tolerance(DeviationKind::PinionRadial)),
+            "Tolerance of the pinion's radial error.";
+        BUDGET_PINION_PITCH: () = composite("budget.pinion_pitch", Kind::Tolerance(DeviationKind::PinionPitch)),
+            "Tolerance of the pinion's pitch error.";
+        BUDGET_PINION_LEAD: () = composite("budget.pinion_lead", Kind::Tolerance(DeviationKind::PinionLead)),
+            "Tolerance of the pinion's helix slope deviation; not among those sought where none is named.";
+    }
+}
 
 /// The sections in the order in which they are documented.
 pub(crate) const SECTIONS: &[Section] =

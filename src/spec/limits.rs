@@ -3,7 +3,6 @@
 use toml::de::DeValue;
 
 use super::Located;
-use super::keys::Kind;
 use super::reader::{self, SectionReader};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
@@ -21,7 +20,6 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> Vec<(LimitTarget, Located<
 
 /// Reads one entry of `[limits]`: `"±0.05"`, or a table with `lower`, `upper` or both.
 fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Located<Limit>> {
-    debug_assert!(reader.section.keys.iter().any(|key| key.name == name && matches!(key.kind, Kind::Limit)));
     let value = reader.table?.get(name)?;
     let help = "write \"±0.05\", or { lower = -0.05, upper = 0.05 }";
     let bad = |message: String| Diagnostic::error(Code::BadLimit, message).help(help);
@@ -45,15 +43,7 @@ fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Loca
             }
         }
         DeValue::Table(ends) => {
-            for (key, _) in ends {
-                let end = key.get_ref().as_ref();
-                if !matches!(end, "lower" | "upper") {
-                    let diagnostic =
-                        Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{end}`")).help(help);
-                    reader.report(diagnostic, key.span(), "unknown key");
-                    return None;
-                }
-            }
+            reader.knows_keys(name, ends, &["lower", "upper"].into_iter(), help)?;
             let mut end = |name: &str| match ends.get(name) {
                 Some(value) => reader.length_value(name, value).map(Some),
                 None => Some(None),

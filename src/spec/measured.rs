@@ -1,12 +1,12 @@
 //! The measured spaces of a rack, or teeth of a pinion, and what each does by the formulas. Called for pasted
 //! blocks and reports.
 
-use super::{MeasuredTables, Spec};
+use super::{MeasuredTables, Spec, keys};
 use crate::deviation::{DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::{Effect, Feature, MeasuredPart, MeasuredRow};
-use crate::quantity::{Angle, Length};
+use crate::quantity::Length;
 use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::trig;
 
@@ -16,11 +16,11 @@ impl Spec {
     pub fn measured_only(&self, rack: bool) -> Self {
         let mut spec = Self { errors: Vec::new(), ..self.clone() };
         if rack {
-            spec.rack.deviations.clear();
-            spec.rack.measured = None;
+            spec.rack_deviations.clear();
+            spec.values.remove(keys::RACK_MEASURED);
         } else {
-            spec.pinion.deviations.clear();
-            spec.pinion.measured = None;
+            spec.pinion_deviations.clear();
+            spec.values.remove(keys::PINION_MEASURED);
         }
         spec
     }
@@ -80,14 +80,14 @@ impl Spec {
 
     /// The transverse pitch along the rack, p_x = π m_n / cos β_r.
     fn rack_pitch(&self) -> Result<Length, Diagnostics> {
-        let Some(module) = &self.pair.normal_module else {
+        let Some(module) = self.get(keys::PAIR_NORMAL_MODULE) else {
             let message = "`pair.normal_module` is missing; positions of spaces need it for their pitch";
             return Err(Diagnostic::error(Code::MissingKey, message)
                 .help("add `normal_module = …` below [pair]")
                 .into());
         };
-        let beta = self.rack.helix_angle.as_ref().map_or(Angle::ZERO, |angle| angle.value);
-        let pitch_mm = std::f64::consts::PI * module.value.mm() / trig::sin_cos_of(beta).1;
+        let beta = self.or_zero(keys::RACK_HELIX_ANGLE);
+        let pitch_mm = std::f64::consts::PI * module.mm() / trig::sin_cos_of(beta).1;
         Length::nearest(pitch_mm * 1e12, "the pitch")
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }

@@ -6,15 +6,15 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::resolve::MissingKeys;
-use super::{Located, Spec, WrittenPinionDeviation};
+use super::{Located, Spec, WrittenPinionDeviation, keys};
 use crate::deviation::plausible;
 use crate::deviation::{
-    DeviationKind, DeviationValue, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow, RackDeviation,
-    RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows, rack_flanks_from_spaces,
+    DeviationKind, DeviationValue, Part, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow,
+    RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows,
+    rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
-use crate::formula::over_pin::OverPin;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
@@ -104,11 +104,7 @@ impl Spec {
     /// Whether the spec gives deviations per tooth.
     #[must_use]
     pub fn has_deviations(&self) -> bool {
-        let (rack, pinion) = (&self.rack, &self.pinion);
-        !rack.deviations.is_empty()
-            || !pinion.deviations.is_empty()
-            || rack.measured.is_some()
-            || pinion.measured.is_some()
+        self.knows_teeth(Part::Rack) || self.knows_teeth(Part::Pinion)
     }
 
     /// The nominal pair; `what` needs it.
@@ -118,37 +114,36 @@ impl Spec {
     pub fn pair(&self, what: &str) -> Result<Pair, Diagnostics> {
         let mut missing = MissingKeys::default();
         let who = || (what.to_owned(), None);
-        let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), who);
-        let alpha = missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), who);
-        let rack_face = missing.take("rack", "face_width", self.rack.face_width.as_ref(), who);
-        let addendum = missing.take("rack", "addendum", self.rack.addendum.as_ref(), who);
-        let teeth = missing.take("pinion", "teeth", self.pinion.teeth.as_ref(), who);
-        let pinion_face = missing.take("pinion", "face_width", self.pinion.face_width.as_ref(), who);
-        let tip = missing.take("pinion", "tip_diameter", self.pinion.tip_diameter.as_ref(), who);
+        let module = missing.take(self, keys::PAIR_NORMAL_MODULE, who);
+        let alpha = missing.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, who);
+        let rack_face = missing.take(self, keys::RACK_FACE_WIDTH, who);
+        let addendum = missing.take(self, keys::RACK_ADDENDUM, who);
+        let teeth = missing.take(self, keys::PINION_TEETH, who);
+        let pinion_face = missing.take(self, keys::PINION_FACE_WIDTH, who);
+        let tip = missing.take(self, keys::PINION_TIP_DIAMETER, who);
         let (Some(module), Some(alpha), Some(rack_face), Some(addendum), Some(teeth), Some(pinion_face), Some(tip)) =
             (module, alpha, rack_face, addendum, teeth, pinion_face, tip)
         else {
             return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
         };
-        let radians = |angle: &Option<Located<Angle>>| angle.as_ref().map_or(0.0, |angle| angle.value.radians());
-        let mm = |length: &Option<Located<Length>>| length.as_ref().map(|length| length.value.mm());
+        let mm = |key| self.get(key).map(Length::mm);
         let data = PairData {
             normal_module_mm: module.mm(),
             normal_pressure_angle_rad: alpha.radians(),
             rack: RackData {
-                helix_angle_rad: radians(&self.rack.helix_angle),
+                helix_angle_rad: self.or_zero(keys::RACK_HELIX_ANGLE).radians(),
                 face_width_mm: rack_face.mm(),
                 addendum_mm: addendum.mm(),
-                tooth_thickness_mm: mm(&self.rack.tooth_thickness),
+                tooth_thickness_mm: mm(keys::RACK_TOOTH_THICKNESS),
             },
             pinion: PinionData {
                 teeth,
-                helix_angle_rad: radians(&self.pinion.helix_angle),
-                profile_shift: self.pinion.profile_shift.as_ref().map_or(0.0, |shift| shift.value),
+                helix_angle_rad: self.or_zero(keys::PINION_HELIX_ANGLE).radians(),
+                profile_shift: self.or_zero(keys::PINION_PROFILE_SHIFT),
                 tip_diameter_mm: tip.mm(),
-                root_form_diameter_mm: mm(&self.pinion.root_form_diameter),
+                root_form_diameter_mm: mm(keys::PINION_ROOT_FORM_DIAMETER),
                 face_width_mm: pinion_face.mm(),
-                tooth_thickness_deviation_mm: mm(&self.pinion.tooth_thickness_deviation).unwrap_or(0.0),
+                tooth_thickness_deviation_mm: mm(keys::PINION_TOOTH_THICKNESS_DEVIATION).unwrap_or(0.0),
             },
         };
         Pair::new(&data).map_err(|error| self.bad_geometry(&error).into())
@@ -165,8 +160,8 @@ impl Spec {
     pub fn mesh(&self, tables: &MeasuredTables) -> Result<MeshInput, Diagnostics> {
         let pair = self.pair("the exact mesh")?;
         let (mut rack_deviations, mut pinion_deviations): (Vec<_>, Vec<_>) = (
-            self.rack.deviations.iter().map(|deviation| deviation.value).collect(),
-            self.pinion.deviations.iter().map(|deviation| deviation.value).collect(),
+            self.rack_deviations.iter().map(|deviation| deviation.value).collect(),
+            self.pinion_deviations.iter().map(|deviation| deviation.value).collect(),
         );
         let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
         self.refuse_both_ways(&kinds)?;
@@ -207,14 +202,13 @@ impl Spec {
     }
 
     pub(super) fn support(&self) -> Result<Support, Diagnostics> {
-        if self.support.roll.as_ref().is_none_or(|roll| roll.value == "fixed") {
+        if !self.rolls() {
             return Ok(Support::Fixed);
         }
         let mut missing = MissingKeys::default();
-        let place = self.support.roll.as_ref().map(|roll| (roll.span.clone(), String::new()));
-        let depth = missing.take("support", "roll_axis_depth", self.support.roll_axis_depth.as_ref(), || {
-            ("a rack that is free to roll".to_owned(), place)
-        });
+        let place = self.place(keys::SUPPORT_ROLL).map(|span| (span, String::new()));
+        let depth =
+            missing.take(self, keys::SUPPORT_ROLL_AXIS_DEPTH, || ("a rack that is free to roll".to_owned(), place));
         match depth {
             Some(depth) => Ok(Support::FreeRoll { axis_depth_mm: depth.mm() }),
             None => Err(Diagnostics(missing.diagnostics(&self.source).collect())),
@@ -229,7 +223,7 @@ impl Spec {
         tables: &MeasuredTables,
     ) -> Result<RackFlanks, Diagnostic> {
         // each by itself first, so that the message points at the one that cannot be
-        for written in &self.rack.deviations {
+        for written in &self.rack_deviations {
             RackFlanks::new(pair, &[written.value]).map_err(|error| self.bad_value(&error, written.span.clone()))?;
         }
         let whole = |error| self.bad_value(&error, 0..0);
@@ -239,8 +233,8 @@ impl Spec {
             None => self.bad_value(&error, 0..0),
         };
         let form = self.rack_form();
-        let form_span = self.rack.tip_relief.as_ref().map(|relief| relief.span.clone());
-        let form_span = form_span.or_else(|| self.rack.crowning.as_ref().map(|crowning| crowning.span.clone()));
+        let form_span = self.tip_relief.as_ref().map(|relief| relief.span.clone());
+        let form_span = form_span.or_else(|| self.place(keys::RACK_CROWNING));
         RackFlanks::new(pair, deviations)
             .map_err(whole)?
             .with_measured(measured)
@@ -256,7 +250,7 @@ impl Spec {
         rows: &[PinionToothRow],
         tables: &MeasuredTables,
     ) -> Result<PinionFlanks, Diagnostic> {
-        for written in &self.pinion.deviations {
+        for written in &self.pinion_deviations {
             let checked = match written.value {
                 WrittenPinionDeviation::Teeth(deviation) => PinionFlanks::new(pair, &[deviation]),
                 WrittenPinionDeviation::Eccentricity(eccentricity) => {
@@ -279,7 +273,7 @@ impl Spec {
             None => self.bad_value(&error, 0..0),
         };
         let form = self.pinion_form();
-        let form_span = self.pinion.profile_slope.as_ref().map(|slope| slope.span.clone());
+        let form_span = self.place(keys::PINION_PROFILE_SLOPE);
         let measured = pinion_flanks_from_rows(pair, rows).map_err(in_table)?;
         PinionFlanks::new(pair, &of_teeth)
             .and_then(|flanks| flanks.with_eccentricity(&eccentricities))
@@ -377,24 +371,15 @@ impl Spec {
             return Ok(*nominal);
         }
         let mut missing = MissingKeys::default();
-        let place = self.rack.measured.as_ref().map(|file| file.span.clone());
+        let place = self.place(keys::RACK_MEASURED);
         let who = || {
             let place = place.clone().map(|span| (span, "has absolute over-pin values".to_owned()));
             ("the nominal measure over the pin".to_owned(), place)
         };
-        let module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), who);
-        let alpha = missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), who);
-        let pin = missing.take("rack", "pin", self.rack.pin.as_ref(), who);
-        let datum = missing.take("rack", "datum", self.rack.datum.as_ref(), who);
-        let (Some(module), Some(alpha), Some(pin), Some(datum)) = (module, alpha, pin, datum) else {
+        let pin = missing.take(self, keys::RACK_PIN, who);
+        let over_pin = self.over_pin_of(pin.unwrap_or(Length::ZERO), &mut missing, &who);
+        let (Some(_), Some(over_pin)) = (pin, over_pin) else {
             return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
-        };
-        let over_pin = OverPin {
-            normal_module: module,
-            normal_pressure_angle: alpha,
-            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value),
-            pin_diameter: pin,
-            datum,
         };
         over_pin.measure().map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
@@ -416,23 +401,20 @@ impl Spec {
     }
 
     fn span_of(&self, quantity: Quantity) -> Option<Range<usize>> {
-        fn span<T>(value: Option<&Located<T>>) -> Option<Range<usize>> {
-            value.map(|value| value.span.clone())
-        }
         match quantity {
-            Quantity::NormalModule => span(self.pair.normal_module.as_ref()),
-            Quantity::NormalPressureAngle => span(self.pair.normal_pressure_angle.as_ref()),
-            Quantity::RackHelixAngle => span(self.rack.helix_angle.as_ref()),
-            Quantity::RackFaceWidth => span(self.rack.face_width.as_ref()),
-            Quantity::RackAddendum => span(self.rack.addendum.as_ref()),
-            Quantity::RackToothThickness => span(self.rack.tooth_thickness.as_ref()),
-            Quantity::PinionTeeth => span(self.pinion.teeth.as_ref()),
-            Quantity::PinionHelixAngle => span(self.pinion.helix_angle.as_ref()),
-            Quantity::PinionProfileShift => span(self.pinion.profile_shift.as_ref()),
-            Quantity::PinionTipDiameter => span(self.pinion.tip_diameter.as_ref()),
-            Quantity::PinionRootFormDiameter => span(self.pinion.root_form_diameter.as_ref()),
-            Quantity::PinionFaceWidth => span(self.pinion.face_width.as_ref()),
-            Quantity::PinionToothThicknessDeviation => span(self.pinion.tooth_thickness_deviation.as_ref()),
+            Quantity::NormalModule => self.place(keys::PAIR_NORMAL_MODULE),
+            Quantity::NormalPressureAngle => self.place(keys::PAIR_NORMAL_PRESSURE_ANGLE),
+            Quantity::RackHelixAngle => self.place(keys::RACK_HELIX_ANGLE),
+            Quantity::RackFaceWidth => self.place(keys::RACK_FACE_WIDTH),
+            Quantity::RackAddendum => self.place(keys::RACK_ADDENDUM),
+            Quantity::RackToothThickness => self.place(keys::RACK_TOOTH_THICKNESS),
+            Quantity::PinionTeeth => self.place(keys::PINION_TEETH),
+            Quantity::PinionHelixAngle => self.place(keys::PINION_HELIX_ANGLE),
+            Quantity::PinionProfileShift => self.place(keys::PINION_PROFILE_SHIFT),
+            Quantity::PinionTipDiameter => self.place(keys::PINION_TIP_DIAMETER),
+            Quantity::PinionRootFormDiameter => self.place(keys::PINION_ROOT_FORM_DIAMETER),
+            Quantity::PinionFaceWidth => self.place(keys::PINION_FACE_WIDTH),
+            Quantity::PinionToothThicknessDeviation => self.place(keys::PINION_TOOTH_THICKNESS_DEVIATION),
         }
     }
 }

@@ -12,8 +12,7 @@ mod budget;
 mod class;
 mod deviations;
 mod errors;
-mod gear;
-mod keys;
+pub mod keys;
 mod limits;
 mod measured;
 mod mesh;
@@ -22,38 +21,41 @@ mod pair;
 mod plausible;
 mod qdas;
 mod reader;
+mod reference;
 mod resolve;
 mod scatter;
 mod schema;
+mod set;
 mod simulation;
 mod template;
 mod uncertainty;
+mod value;
 mod vary;
 
 pub use basis::GEOMETRY_KEYS;
 pub use batch::{BatchColumn, BatchSection, Reading};
 pub use budget::{BudgetSection, WrittenTolerance};
-pub use class::ToleranceSection;
 pub use deviations::{TipRelief, WrittenPinionDeviation};
 pub use errors::WrittenError;
-pub use gear::{PairSection, PinionSection, RackSection, SupportSection};
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use obtained::MeasuredValue;
+pub use reference::{KeyEntry, keys};
 pub use scatter::{ScatterSection, WrittenSpread};
 pub use schema::json_schema;
 pub use simulation::SimulationSection;
 pub use template::TEMPLATE;
 pub use uncertainty::WrittenCorrelation;
+pub use value::{KeyType, Value, Values};
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::deviation::{DeviationKind, DeviationValue, Extent};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::deviation::{DeviationKind, DeviationValue, Extent, RackDeviation};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Place, Source};
 use crate::judge::bound::KnownTeeth;
-use crate::judge::{Limit, LimitTarget, Rule};
+use crate::judge::{Limit, LimitTarget};
 use crate::quantity::Length;
 use crate::uncertainty::{self as uncertain, TeethSensitivity};
 use keys::{SECTIONS, Section};
@@ -75,16 +77,14 @@ pub struct Spec {
     pub source: Arc<Source>,
     /// `title`.
     pub title: Option<String>,
-    /// `[pair]`.
-    pub pair: PairSection,
-    /// `[rack]`.
-    pub rack: RackSection,
-    /// `[pinion]`.
-    pub pinion: PinionSection,
-    /// `[support]`.
-    pub support: SupportSection,
-    /// `[tolerance]`.
-    pub tolerance: ToleranceSection,
+    /// The keys of `[pair]`, `[rack]`, `[pinion]`, `[support]`, `[tolerance]` and `[decision]` that hold one value each.
+    pub values: Values,
+    /// `[[rack.deviation]]`
+    pub rack_deviations: Vec<Located<RackDeviation>>,
+    /// `[[pinion.deviation]]`
+    pub pinion_deviations: Vec<Located<WrittenPinionDeviation>>,
+    /// `rack.tip_relief`
+    pub tip_relief: Option<Located<TipRelief>>,
     /// `[budget]`.
     pub budget: BudgetSection,
     /// `[errors]`, in the paper's order.
@@ -110,8 +110,6 @@ pub struct Spec {
     pub simulation: SimulationSection,
     /// `[scatter]`.
     pub scatter: ScatterSection,
-    /// `decision.rule`.
-    pub rule: Option<Located<Rule>>,
     /// The uncertainties, wherever they stand.
     pub uncertainties: Vec<(uncertain::Source, Located<uncertain::Uncertainty>)>,
     /// `[[correlation]]`
@@ -130,48 +128,61 @@ impl Spec {
     /// # Errors
     /// Every problem found in the text: syntax, unknown keys, wrong types, values outside their domain.
     pub fn parse(name: &str, text: &str) -> Result<Self, Diagnostics> {
+        Self::parse_with(name, text, &[])
+    }
+
+    /// The same with keys set: each of `settings` is `key=value`, such as `errors.rack_pitch=12um`, and takes the place of
+    /// what the text says, or adds the key. A value is TOML if it reads as such, and else text.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse); and settings without a value, of a key that is set twice, or within a value that is no table.
+    pub fn parse_with(name: &str, text: &str, settings: &[String]) -> Result<Self, Diagnostics> {
         // a byte order mark, as some editors write, is no part of the text
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let source = Arc::new(Source { name: name.to_owned(), text: text.to_owned() });
-        let mut diagnostics = Vec::new();
+        let source = Arc::new(Source { next: set::options(settings), ..Source::new(name, text) });
+        let settings = set::settings(settings, text.len());
         let (table, errors) = DeTable::parse_recoverable(text);
         if let Some(error) = errors.first() {
             return Err(syntax_error(&source, error).into());
         }
-        let table = table.into_inner();
+        let mut table = table.into_inner();
+        let mut diagnostics = set::set_all(&mut table, &settings, &source);
         let mut uncertainties = Vec::new();
         let mut sections =
             Sections { source: &source, top: &table, diagnostics: &mut diagnostics, uncertainties: &mut uncertainties };
         sections.refuse_unknown();
         let (title, correlations) =
-            sections.read(&keys::TOP, |reader| (reader.text("title"), uncertainty::correlations(reader)));
-        let pair = sections.read(&keys::PAIR, pair::read);
-        let rack = sections.read(&keys::RACK, gear::rack);
-        let pinion = sections.read(&keys::PINION, gear::pinion);
-        let support = sections.read(&keys::SUPPORT, gear::support);
-        let budget = sections.read(&keys::BUDGET, budget::read);
-        let tolerance = sections.read(&keys::TOLERANCE, |reader| ToleranceSection {
-            standard: reader.standard("standard"),
-            diameter: reader.rack_diameter("diameter"),
+            sections.read(&keys::TOP, |reader| (reader.get(keys::TITLE), uncertainty::correlations(reader)));
+        let mut values = Values::default();
+        sections.read(&keys::PAIR, |reader| reader.values(&mut values));
+        let (rack_deviations, tip_relief) = sections.read(&keys::RACK, |reader| {
+            reader.values(&mut values);
+            (deviations::rack(reader), deviations::tip_relief(reader))
         });
+        let pinion_deviations = sections.read(&keys::PINION, |reader| {
+            reader.values(&mut values);
+            deviations::pinion(reader)
+        });
+        for section in [&keys::SUPPORT, &keys::TOLERANCE, &keys::DECISION] {
+            sections.read(section, |reader| reader.values(&mut values));
+        }
+        let budget = sections.read(&keys::BUDGET, budget::read);
         let errors = sections.read(&keys::ERRORS, errors::read);
         let limits = sections.read(&keys::LIMITS, limits::read);
         let batch = sections.read(&keys::BATCH, batch::read);
         let simulation = sections.read(&keys::SIMULATION, simulation::read);
         let scatter = sections.read(&keys::SCATTER, scatter::read);
-        let rule = sections.read(&keys::DECISION, |reader| reader.rule("rule"));
         diagnostics.extend(batch.other_extents(&errors, &source));
         let errors::Errors { values: errors, nominals, unmeasured, every_part, extents, evaluation_length } = errors;
-        let pair = pair.with(pair::HelixAngles::of(&rack, &pinion), &source, &mut diagnostics);
+        pair::complete(&mut values, &source, &mut diagnostics);
         if diagnostics.is_empty() {
             let spec = Self {
                 source,
-                title,
-                pair,
-                rack,
-                pinion,
-                support,
-                tolerance,
+                title: title.map(|title| title.value),
+                values,
+                rack_deviations,
+                pinion_deviations,
+                tip_relief,
                 budget,
                 errors,
                 nominals,
@@ -183,7 +194,6 @@ impl Spec {
                 batch,
                 simulation,
                 scatter,
-                rule,
                 uncertainties,
                 correlations,
                 known_teeth: None,
@@ -193,7 +203,8 @@ impl Spec {
             let impossible = spec.impossibilities();
             if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }
         } else {
-            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start));
+            let place = |place: &Place| (!Arc::ptr_eq(&place.source, &source), place.span.start);
+            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(place));
             Err(Diagnostics(diagnostics))
         }
     }
@@ -212,7 +223,7 @@ impl Sections<'_> {
         for (key, value) in self.top {
             let name = key.get_ref().as_ref();
             let is_table = matches!(value.get_ref(), DeValue::Table(_));
-            let top_names = keys::TOP.keys.iter().map(|key| key.name);
+            let top_names = keys::TOP.keys.iter().map(keys::AnyKey::name);
             let section_names = SECTIONS.iter().map(|section| section.name);
             let diagnostic = if SECTIONS.iter().any(|section| section.name == name) {
                 if is_table {
@@ -221,7 +232,7 @@ impl Sections<'_> {
                 let found = reader::type_in_words(value.get_ref());
                 Diagnostic::error(Code::WrongType, format!("`{name}` is {found}; it must be a section"))
                     .help(format!("write its keys under a line `[{name}]`"))
-            } else if keys::TOP.keys.iter().any(|key| key.name == name) {
+            } else if keys::TOP.keys.iter().any(|key| key.name() == name) {
                 continue;
             } else {
                 let what = if is_table { "section" } else { "key" };
@@ -229,7 +240,7 @@ impl Sections<'_> {
                 if let Some(similar) = similar(name, section_names.clone().chain(top_names)) {
                     diagnostic.help(format!("did you mean `{similar}`?"))
                 } else if let Some(home) =
-                    SECTIONS.iter().find(|section| section.keys.iter().any(|key| key.name == name))
+                    SECTIONS.iter().find(|section| section.keys.iter().any(|key| key.name() == name))
                 {
                     diagnostic.help(format!("`{name}` is a key of [{}]: write it below that line", home.name))
                 } else {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{MeasuredTables, Spec, WrittenError};
+use super::{MeasuredTables, Spec, WrittenError, keys};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::class::NO_OVER_ROLLER_CLASS;
@@ -53,14 +53,17 @@ impl Spec {
 
     /// f_Hβ of a lead deviation, of which this is the tangent: over the face width.
     fn slope(&self, part: Part, tangent: f64) -> Result<Length, Diagnostics> {
-        let (width, key) = match part {
-            Part::Rack => (self.rack.face_width.as_ref(), "rack.face_width"),
-            Part::Pinion => (self.pinion.face_width.as_ref(), "pinion.face_width"),
+        let key = match part {
+            Part::Rack => keys::RACK_FACE_WIDTH,
+            Part::Pinion => keys::PINION_FACE_WIDTH,
         };
-        let width = width.ok_or_else(|| {
-            Diagnostic::error(Code::MissingKey, format!("`{key}` is missing; f_Hβ of a lead deviation needs it"))
+        let width = self.get(key).ok_or_else(|| {
+            Diagnostic::error(
+                Code::MissingKey,
+                format!("`{}` is missing; f_Hβ of a lead deviation needs it", key.any.path),
+            )
         })?;
-        Length::nearest(width.value.mm() * tangent.abs() * 1e12, "f_Hβ")
+        Length::nearest(width.mm() * tangent.abs() * 1e12, "f_Hβ")
             .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
     }
 
@@ -123,7 +126,7 @@ impl Spec {
         if let Some(largest) = flanks.iter().flat_map(BTreeMap::values).map(|pitch| pitch.abs()).max() {
             push(Deviation::SinglePitch, largest, "largest single pitch deviation");
         }
-        let teeth = self.pinion.teeth.as_ref().map_or(0, |teeth| teeth.value as usize);
+        let teeth = self.or_zero(keys::PINION_TEETH) as usize;
         // sums mean something only over a whole turn
         let whole: Vec<Vec<Length>> = flanks
             .iter()

@@ -1,11 +1,9 @@
-//! Reads `[pair]`: the normal module from whichever module is given, and a shaft angle, which only checks the helix angles.
+//! What `[pair]` comes to: the normal module from whichever module is given, and a shaft angle, which only checks the helix angles.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use super::Located;
-use super::gear::{PairSection, PinionSection, RackSection};
-use super::reader::SectionReader;
+use super::value::{Value, Values};
+use super::{Located, keys};
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::formula::femtometres;
 use crate::quantity::{Angle, Length};
@@ -18,62 +16,30 @@ const SHAFT_ANGLES_APART: Angle = Angle::from_nas(36_000_000_000);
 
 /// The helix angles of both parts, right hand positive.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct HelixAngles {
+struct HelixAngles {
     rack: Angle,
     pinion: Angle,
 }
 
-impl HelixAngles {
-    pub(super) fn of(rack: &RackSection, pinion: &PinionSection) -> Self {
-        let or_zero = |angle: &Option<Located<Angle>>| angle.as_ref().map_or(Angle::ZERO, |angle| angle.value);
-        Self { rack: or_zero(&rack.helix_angle), pinion: or_zero(&pinion.helix_angle) }
+/// Adds the normal module that a transverse one comes to, and holds what the sections say twice against each other. What
+/// is held against a value that cannot be read would be blamed on the wrong one, so that nothing is if there are
+/// `diagnostics` already.
+pub(super) fn complete(values: &mut Values, source: &Arc<Source>, diagnostics: &mut Vec<Diagnostic>) {
+    let helix_angle = |key| values.located(key).map_or(Angle::ZERO, |angle: Located<Angle>| angle.value);
+    let helix_angles =
+        HelixAngles { rack: helix_angle(keys::RACK_HELIX_ANGLE), pinion: helix_angle(keys::PINION_HELIX_ANGLE) };
+    let transverse = values.located(keys::PAIR_TRANSVERSE_MODULE);
+    let converted = transverse.and_then(|module| of_transverse(&module, helix_angles.pinion));
+    let given = values.located(keys::PAIR_NORMAL_MODULE);
+    if diagnostics.is_empty() {
+        let shaft_angle = values.located(keys::PAIR_SHAFT_ANGLE);
+        let shaft_angle = shaft_angle.and_then(|given| check_shaft_angle(&given, helix_angles, source));
+        let modules = given.as_ref().zip(converted.as_ref());
+        let modules = modules.and_then(|(given, converted)| check_modules(given, converted, source));
+        diagnostics.extend(shaft_angle.into_iter().chain(modules));
     }
-}
-
-/// `[pair]` as it is written.
-#[derive(Default)]
-pub(super) struct WrittenPair {
-    normal_module: Option<Located<Length>>,
-    transverse_module: Option<Located<Length>>,
-    normal_pressure_angle: Option<Located<Angle>>,
-    shaft_angle: Option<Located<Angle>>,
-    both_flanks: Option<Range<usize>>,
-}
-
-/// Reads `[pair]`.
-pub(super) fn read(reader: &mut SectionReader<'_>) -> WrittenPair {
-    WrittenPair {
-        normal_module: reader.length("normal_module"),
-        normal_pressure_angle: reader.angle("normal_pressure_angle"),
-        transverse_module: reader.length("transverse_module"),
-        shaft_angle: reader.angle("shaft_angle"),
-        both_flanks: reader.word("contact").map(|word| word.span),
-    }
-}
-
-impl WrittenPair {
-    /// What it comes to with the helix angles of both parts. What is held against a value that cannot be read would be
-    /// blamed on the wrong one, so that nothing is if there are `diagnostics` already.
-    pub(super) fn with(
-        self,
-        helix_angles: HelixAngles,
-        source: &Arc<Source>,
-        diagnostics: &mut Vec<Diagnostic>,
-    ) -> PairSection {
-        let transverse = self.transverse_module.as_ref();
-        let converted = transverse.and_then(|module| of_transverse(module, helix_angles.pinion));
-        if diagnostics.is_empty() {
-            let shaft_angle =
-                self.shaft_angle.as_ref().and_then(|given| check_shaft_angle(given, helix_angles, source));
-            let modules = self.normal_module.as_ref().zip(converted.as_ref());
-            let modules = modules.and_then(|(given, converted)| check_modules(given, converted, source));
-            diagnostics.extend(shaft_angle.into_iter().chain(modules));
-        }
-        PairSection {
-            normal_module: self.normal_module.or(converted),
-            normal_pressure_angle: self.normal_pressure_angle,
-            both_flanks: self.both_flanks,
-        }
+    if let (None, Some(Located { value, span })) = (given, converted) {
+        values.insert(keys::PAIR_NORMAL_MODULE.any.path, Located { value: Value::Length(value), span });
     }
 }
 
@@ -119,13 +85,14 @@ fn check_shaft_angle(given: &Located<Angle>, helix_angles: HelixAngles, source: 
 mod tests {
     use crate::diagnostic::{Code, Diagnostics};
     use crate::spec::Spec;
+    use crate::spec::keys::PAIR_NORMAL_MODULE;
 
     fn spec(pair: &str, rack: &str, pinion: &str) -> Result<Spec, Diagnostics> {
         Spec::parse("test", &format!("[pair]\n{pair}\n[rack]\n{rack}\n[pinion]\n{pinion}\n"))
     }
 
     fn normal_module(pair: &str, pinion: &str) -> f64 {
-        spec(pair, "", pinion).unwrap().pair.normal_module.unwrap().value.mm()
+        spec(pair, "", pinion).unwrap().get(PAIR_NORMAL_MODULE).unwrap().mm()
     }
 
     fn refused(pair: &str, rack: &str, pinion: &str) -> Vec<Code> {

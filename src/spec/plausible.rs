@@ -4,7 +4,9 @@
 use std::ops::Range;
 
 use super::errors::WrittenError;
+use super::keys::{self, Key};
 use super::resolve::MissingKeys;
+use super::value::KeyType;
 use super::{Located, Spec, WrittenPinionDeviation};
 use crate::deviation::plausible::{self, Doubt, Written};
 use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
@@ -62,29 +64,26 @@ impl Spec {
 
     /// The normal module, if it is given.
     pub(crate) fn module(&self) -> Option<Length> {
-        self.pair.normal_module.as_ref().map(|module| module.value)
+        self.get(keys::PAIR_NORMAL_MODULE)
     }
 
     /// The gear data that make no sense.
     fn doubted_sizes(&self) -> Vec<DoubtedKey> {
-        fn of<T: Copy>(
-            name: &str,
-            written: Option<&Located<T>>,
-            rule: impl Fn(T) -> Option<Doubt>,
-        ) -> Option<DoubtedKey> {
-            let written = written?;
-            Some(DoubtedKey { name: name.to_owned(), span: written.span.clone(), doubt: rule(written.value)? })
+        fn of<T: KeyType>(spec: &Spec, key: Key<T>, rule: impl Fn(Located<T>) -> Option<Doubt>) -> Option<DoubtedKey> {
+            let written = spec.values.located(key)?;
+            Some(DoubtedKey { name: key.any.name().to_owned(), span: written.span.clone(), doubt: rule(written)? })
         }
         let module = self.module();
-        let face_width = |width| plausible::face_width(width, module);
-        let bare = |angle: &&Located<Angle>| self.is_bare(&angle.span);
+        let face_width = |width: Located<Length>| plausible::face_width(width.value, module);
+        let helix_angle =
+            |angle: Located<Angle>| plausible::helix_angle(angle.value).filter(|_| self.is_bare(&angle.span));
         [
-            of("normal_module", self.pair.normal_module.as_ref(), plausible::normal_module),
-            of("normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), plausible::pressure_angle),
-            of("helix_angle", self.rack.helix_angle.as_ref().filter(bare), plausible::helix_angle),
-            of("face_width", self.rack.face_width.as_ref(), face_width),
-            of("helix_angle", self.pinion.helix_angle.as_ref().filter(bare), plausible::helix_angle),
-            of("face_width", self.pinion.face_width.as_ref(), face_width),
+            of(self, keys::PAIR_NORMAL_MODULE, |module| plausible::normal_module(module.value)),
+            of(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, |angle| plausible::pressure_angle(angle.value)),
+            of(self, keys::RACK_HELIX_ANGLE, helix_angle),
+            of(self, keys::RACK_FACE_WIDTH, face_width),
+            of(self, keys::PINION_HELIX_ANGLE, helix_angle),
+            of(self, keys::PINION_FACE_WIDTH, face_width),
         ]
         .into_iter()
         .flatten()
@@ -93,7 +92,8 @@ impl Spec {
 
     /// Whether a value is written without a unit.
     fn is_bare(&self, span: &Range<usize>) -> bool {
-        let text = self.source.text.get(span.clone()).unwrap_or_default();
+        let (source, span) = self.source.holding(span.clone());
+        let text = source.text.get(span).unwrap_or_default();
         parse_f64(text.trim_matches(['"', '\''])).is_ok()
     }
 
@@ -121,13 +121,11 @@ impl Spec {
             Some(DoubtedKey { name: name.to_owned(), span: span.clone(), doubt })
         };
         let rack = self
-            .rack
-            .deviations
+            .rack_deviations
             .iter()
             .filter_map(|written| doubted("rack.deviation", of_rack(written.value.kind), &written.span));
         let pinion = self
-            .pinion
-            .deviations
+            .pinion_deviations
             .iter()
             .filter_map(|written| doubted("pinion.deviation", of_pinion(&written.value), &written.span));
         rack.chain(pinion).collect()

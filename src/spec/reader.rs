@@ -1,7 +1,9 @@
 //! Reads one section of a spec: typed values by key, collecting every problem on the way. Called by the files of the
 //! sections; never ends at the first problem and requires no key.
 
+use std::fmt::Display;
 use std::ops::Range;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use toml::Spanned;
@@ -9,12 +11,14 @@ use toml::de::{DeTable, DeValue};
 
 use super::Located;
 use super::errors::LARGEST_CLASS;
-use super::keys::{Kind, SECTIONS, Section, Unit};
+use super::keys::{AnyKey, Key, Kind, SECTIONS, Section, Unit};
 use super::uncertainty::source_of;
+use super::value::{KeyType, Value, Values};
+use crate::deviation::{ToothRange, ToothRangeError};
 use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, split_number};
-use crate::standard::Standard;
 use crate::uncertainty::{Source as UncertainSource, Uncertainty};
 
 /// A table of the spec while it is being read.
@@ -30,20 +34,21 @@ pub(super) struct SectionReader<'a> {
 impl SectionReader<'_> {
     /// Reports keys that the section does not have.
     pub(super) fn refuse_unknown_keys(&mut self) {
-        let known = |name: &str| self.section.keys.iter().any(|key| key.name == name);
+        let known = |name: &str| self.section.keys.iter().any(|key| key.name() == name);
         for (key, _) in self.table.into_iter().flatten() {
             let name = key.get_ref().as_ref();
             if !known(name) {
                 let section = format!("[{}]", self.section.name);
                 let mut diagnostic = Diagnostic::error(Code::UnknownKey, format!("{section} has no key `{name}`"));
-                let own = self.section.keys.iter().map(|key| key.name);
+                let own = self.section.keys.iter().map(AnyKey::name);
                 if let Some(similar) = similar(name, own) {
                     diagnostic = diagnostic.help(format!("did you mean `{similar}`?"));
-                } else if let Some(other) = SECTIONS.iter().find(|other| other.keys.iter().any(|key| key.name == name))
+                } else if let Some(other) =
+                    SECTIONS.iter().find(|other| other.keys.iter().any(|key| key.name() == name))
                 {
                     diagnostic = diagnostic.help(format!("`{name}` is a key of [{}]", other.name));
                 } else {
-                    let names: Vec<_> = self.section.keys.iter().map(|key| key.name).collect();
+                    let names: Vec<_> = self.section.keys.iter().map(AnyKey::name).collect();
                     diagnostic = diagnostic.help(format!("the keys of {section} are {}", names.join(", ")));
                 }
                 self.diagnostics.push(diagnostic.at(self.source, key.span(), "unknown key"));
@@ -51,10 +56,86 @@ impl SectionReader<'_> {
         }
     }
 
-    pub(super) fn kind(&self, name: &str) -> Option<Kind> {
-        let key = self.section.keys.iter().find(|key| key.name == name);
-        debug_assert!(key.is_some(), "{name} is not declared in keys.rs");
-        key.map(|key| key.kind)
+    /// Reads every key of the section that holds one value.
+    pub(super) fn values(&mut self, values: &mut Values) {
+        for key in self.section.keys {
+            if let Some(value) = self.value(key) {
+                values.insert(key.path, value);
+            }
+        }
+    }
+
+    /// The value of a key, if it is there and can be read.
+    pub(super) fn get<T: KeyType>(&mut self, key: Key<T>) -> Option<Located<T>> {
+        let Located { value, span } = self.value(&key.any)?;
+        Some(Located { value: T::of(&value)?, span })
+    }
+
+    /// The value of a key that holds one; `None` for the others too.
+    fn value(&mut self, key: &AnyKey) -> Option<Located<Value>> {
+        let name = key.name();
+        let written = self.table?.get(name)?;
+        let written = match key.kind {
+            Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, source_of(key.path))?,
+            _ => written,
+        };
+        let span = written.span();
+        let value = match key.kind {
+            Kind::Text | Kind::File => Value::Text(self.text_value(name, written)?.to_owned()),
+            Kind::Length(domain) => {
+                let length = self.length_value(name, written)?;
+                self.in_domain(domain.check_length(length), span.clone())?;
+                Value::Length(length)
+            }
+            Kind::Angle(domain) => {
+                let angle = self.angle_value(name, written)?;
+                self.in_domain(domain.check_angle(angle), span.clone())?;
+                Value::Angle(angle)
+            }
+            Kind::Number(domain) => {
+                let number = self.plain_number(name, written)?;
+                Value::Number(self.number_in(&domain, "", number, span.clone())?)
+            }
+            Kind::Measure(domain, unit) => {
+                let number = self.measure_value(name, written, unit)?;
+                Value::Number(self.number_in(&domain, unit.after, number, span.clone())?)
+            }
+            Kind::Count(domain) => {
+                let DeValue::Integer(_) = written.get_ref() else {
+                    self.wrong_type(name, written, "a whole number");
+                    return None;
+                };
+                let number = self.plain_number(name, written)?;
+                // the domain is far inside u32, and the number is whole
+                Value::Count(self.number_in(&domain, "", number, span.clone())? as u32)
+            }
+            Kind::Word(words) => Value::Word(self.word_value(name, written, words)?),
+            Kind::Standard => Value::Standard(self.parsed(name, written, Code::UnknownStandard)?),
+            Kind::Rule => Value::Rule(self.rule_value(name, written)?),
+            Kind::RackDiameter => Value::RackDiameter(self.rack_diameter(name, written)?),
+            Kind::Teeth => Value::Teeth(self.teeth_value(name, written)?),
+            _ => return None,
+        };
+        Some(Located { value, span })
+    }
+
+    /// Reports keys of the table of a value that it cannot have; `None` if there are any.
+    pub(super) fn knows_keys(
+        &mut self,
+        name: &str,
+        table: &DeTable<'_>,
+        known: &(impl Iterator<Item = &'static str> + Clone),
+        help: &str,
+    ) -> Option<()> {
+        let unknown = table.keys().filter(|key| !known.clone().any(|known| known == key.get_ref().as_ref()));
+        let before = self.diagnostics.len();
+        for key in unknown {
+            let message = format!("`{name}` has no key `{}`", key.get_ref());
+            let similar = similar(key.get_ref(), known.clone());
+            let help = similar.map_or_else(|| help.to_owned(), |similar| format!("did you mean `{similar}`?"));
+            self.report(Diagnostic::error(Code::UnknownKey, message).help(help), key.span(), "unknown key");
+        }
+        (self.diagnostics.len() == before).then_some(())
     }
 
     pub(super) fn report(&mut self, diagnostic: Diagnostic, span: Range<usize>, label: &str) {
@@ -66,89 +147,74 @@ impl SectionReader<'_> {
         self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
     }
 
-    pub(super) fn text(&mut self, name: &str) -> Option<String> {
-        let value = self.table?.get(name)?;
+    fn text_value<'v>(&mut self, name: &str, value: &'v Spanned<DeValue<'_>>) -> Option<&'v str> {
         if let DeValue::String(text) = value.get_ref() {
-            return Some(text.to_string());
+            return Some(text);
         }
         self.wrong_type(name, value, "text in quotes");
         None
     }
 
-    pub(super) fn length(&mut self, name: &str) -> Option<Located<Length>> {
-        let value = self.table?.get(name)?;
-        let Some(Kind::Length(domain)) = self.kind(name) else { return None };
-        let value = self.uncertain(name, value, source_of(self.section.name, name))?;
-        let length = self.length_value(name, value)?;
-        self.in_domain(domain.check_length(length), value.span())?;
-        Some(Located { value: length, span: value.span() })
+    /// What a text names; an unknown name is a problem of the kind `code`.
+    fn parsed<T: FromStr<Err: Display>>(&mut self, name: &str, value: &Spanned<DeValue<'_>>, code: Code) -> Option<T> {
+        let parsed = self.text_value(name, value)?.parse();
+        parsed
+            .map_err(|error| self.report(Diagnostic::error(code, format!("`{name}`: {error}")), value.span(), ""))
+            .ok()
     }
 
-    pub(super) fn angle(&mut self, name: &str) -> Option<Located<Angle>> {
-        let value = self.table?.get(name)?;
-        let Some(Kind::Angle(domain)) = self.kind(name) else { return None };
-        let value = self.uncertain(name, value, source_of(self.section.name, name))?;
-        let angle = self.angle_value(name, value)?;
-        self.in_domain(domain.check_angle(angle), value.span())?;
-        Some(Located { value: angle, span: value.span() })
-    }
-
-    pub(super) fn number(&mut self, name: &str) -> Option<Located<f64>> {
-        let value = self.table?.get(name)?;
-        let number = self.plain_number(name, value)?;
-        Some(Located { value: number, span: value.span() })
-    }
-
-    pub(super) fn count(&mut self, name: &str) -> Option<Located<u32>> {
-        let value = self.table?.get(name)?;
-        let Some(Kind::Count(domain)) = self.kind(name) else { return None };
-        let DeValue::Integer(_) = value.get_ref() else {
-            self.wrong_type(name, value, "a whole number");
-            return None;
-        };
-        let number = self.plain_number(name, value)?;
-        if !domain.contains(number) {
-            let message =
-                format!("the {} {} is {number}; it must be {}", domain.name, domain.symbol, domain.in_words(""));
-            self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
-            return None;
-        }
-        // the domain is far inside u32, and the number is whole
-        Some(Located { value: number as u32, span: value.span() })
-    }
-
-    /// The name of a standard.
-    pub(super) fn standard(&mut self, name: &str) -> Option<Located<Standard>> {
-        let value = self.table?.get(name)?;
-        match self.text(name)?.parse() {
-            Ok(standard) => Some(Located { value: standard, span: value.span() }),
-            Err(error) => {
-                let message = format!("`{name}`: {error}");
-                self.report(Diagnostic::error(Code::UnknownStandard, message), value.span(), "");
-                None
-            }
-        }
+    /// A decision rule, whose refusal says what it is of.
+    fn rule_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rule> {
+        let rule = self.text_value(name, value)?.parse::<Rule>();
+        rule.map_err(|message| self.report(Diagnostic::error(Code::BadRule, message), value.span(), "")).ok()
     }
 
     /// Which diameter stands for a rack.
-    pub(super) fn rack_diameter(&mut self, name: &str) -> Option<Located<RackDiameter>> {
+    fn rack_diameter(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<RackDiameter> {
         const DIAMETER: Domain = Domain::positive("reference diameter", "d");
-        let value = self.table?.get(name)?;
-        let choice = match value.get_ref() {
-            DeValue::String(text) if text.as_ref() == "pinion" => RackDiameter::Pinion,
-            DeValue::String(text) if text.as_ref() == "developed" => RackDiameter::Developed,
+        match value.get_ref() {
+            DeValue::String(text) if text.as_ref() == "pinion" => Some(RackDiameter::Pinion),
+            DeValue::String(text) if text.as_ref() == "developed" => Some(RackDiameter::Developed),
             DeValue::String(text) if !text.contains(|c: char| c.is_ascii_digit()) => {
                 let message = format!("`{name}` must be \"pinion\", \"developed\" or a length");
                 self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
-                return None;
+                None
             }
             _ => {
                 let length = self.length_value(name, value)?;
                 self.in_domain(DIAMETER.check_length(length), value.span())?;
-                RackDiameter::Given(length)
+                Some(RackDiameter::Given(length))
+            }
+        }
+    }
+
+    /// A range of teeth.
+    fn teeth_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<ToothRange> {
+        let text = match value.get_ref() {
+            DeValue::String(text) => text.as_ref(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+            _ => {
+                self.wrong_type(name, value, "a tooth number or text such as \"8..=12\"");
+                return None;
             }
         };
-        Some(Located { value: choice, span: value.span() })
+        let teeth = text.parse();
+        let bad = |error| Diagnostic::error(Code::BadTeeth, format!("`{name}`: {error}"));
+        teeth.map_err(|error: ToothRangeError| self.report(bad(error), value.span(), "")).ok()
+    }
+
+    /// One of the words that a key allows.
+    fn word_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, words: &[&'static str]) -> Option<&'static str> {
+        let found = match value.get_ref() {
+            DeValue::String(text) => words.iter().find(|word| **word == text.as_ref()),
+            _ => None,
+        };
+        if found.is_none() {
+            let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+            let message = format!("`{name}` must be {}", quoted.join(" or "));
+            self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
+        }
+        found.copied()
     }
 
     /// The grade of a class.
@@ -166,28 +232,21 @@ impl SectionReader<'_> {
     }
 
     /// A number in the key's unit, or text that names another.
-    pub(super) fn measure(&mut self, name: &str) -> Option<Located<f64>> {
-        let value = self.table?.get(name)?;
-        let Some(Kind::Measure(domain, unit)) = self.kind(name) else { return None };
-        let number = match value.get_ref() {
-            DeValue::String(text) => match in_unit(text, unit) {
-                Ok(number) => number,
-                Err(problem) => {
-                    let message = format!("`{name}`: {problem}");
-                    self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
-                    return None;
-                }
-            },
-            _ => self.plain_number(name, value)?,
-        };
-        if !domain.contains(number) {
-            let unit = unit.after;
-            let bounds = domain.in_words(unit);
-            let message = format!("the {} {} is {number}{unit}; it must be {bounds}", domain.name, domain.symbol);
-            self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
-            return None;
+    fn measure_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, unit: Unit) -> Option<f64> {
+        let DeValue::String(text) = value.get_ref() else { return self.plain_number(name, value) };
+        let bad = |problem| Diagnostic::error(Code::BadQuantity, format!("`{name}`: {problem}"));
+        in_unit(text, unit).map_err(|problem: String| self.report(bad(problem), value.span(), "")).ok()
+    }
+
+    /// A number, unless it lies outside its domain; `unit` stands behind numbers.
+    fn number_in(&mut self, domain: &Domain, unit: &'static str, number: f64, span: Range<usize>) -> Option<f64> {
+        if domain.contains(number) {
+            return Some(number);
         }
-        Some(Located { value: number, span: value.span() })
+        let bounds = domain.in_words(unit);
+        let message = format!("the {} {} is {number}{unit}; it must be {bounds}", domain.name, domain.symbol);
+        self.report(Diagnostic::error(Code::OutOfDomain, message), span, "");
+        None
     }
 
     pub(super) fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<f64> {

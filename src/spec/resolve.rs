@@ -4,6 +4,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::keys::{self, AnyKey, Key};
+use super::value::KeyType;
 use super::{Located, Spec, WrittenError};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -12,7 +14,7 @@ use crate::formula::law::page_of;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, OVER_PIN, PartDeviation};
 use crate::judge::Limits;
-use crate::quantity::{Angle, DomainError, Length};
+use crate::quantity::{DomainError, Length};
 
 impl Spec {
     /// The errors that the spec gives, each with the formula that it needs.
@@ -160,10 +162,8 @@ impl Spec {
         missing: &mut MissingKeys,
         need: &dyn Fn() -> Need,
     ) -> Option<Result<Law, DomainError>> {
-        let helix_angle = |written: &Option<Located<Angle>>| written.as_ref().map_or(Angle::ZERO, |angle| angle.value);
-        let (rack, pinion) = (helix_angle(&self.rack.helix_angle), helix_angle(&self.pinion.helix_angle));
-        let mut pressure_angle =
-            || missing.take("pair", "normal_pressure_angle", self.pair.normal_pressure_angle.as_ref(), need);
+        let (rack, pinion) = (self.or_zero(keys::RACK_HELIX_ANGLE), self.or_zero(keys::PINION_HELIX_ANGLE));
+        let mut pressure_angle = || missing.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, need);
         Some(match kind {
             DeviationKind::RackOverRoller => Ok(Law::rack_over_roller()),
             DeviationKind::PinionRadial => Ok(Law::pinion_radial()),
@@ -172,7 +172,7 @@ impl Spec {
             DeviationKind::PinionLead => Law::pinion_lead(pressure_angle()?, pinion),
             DeviationKind::RackLead => {
                 let pressure_angle = pressure_angle();
-                let face_width = missing.take("rack", "face_width", self.rack.face_width.as_ref(), need);
+                let face_width = missing.take(self, keys::RACK_FACE_WIDTH, need);
                 Law::rack_lead(pressure_angle?, rack, face_width?)
             }
         })
@@ -185,14 +185,13 @@ impl Spec {
         missing: &mut MissingKeys,
         need: &dyn Fn() -> Need,
     ) -> Option<OverPin> {
-        let normal_module = missing.take("pair", "normal_module", self.pair.normal_module.as_ref(), need);
-        let pressure_angle = self.pair.normal_pressure_angle.as_ref();
-        let normal_pressure_angle = missing.take("pair", "normal_pressure_angle", pressure_angle, need);
-        let datum = missing.take("rack", "datum", self.rack.datum.as_ref(), need);
+        let normal_module = missing.take(self, keys::PAIR_NORMAL_MODULE, need);
+        let normal_pressure_angle = missing.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, need);
+        let datum = missing.take(self, keys::RACK_DATUM, need);
         Some(OverPin {
             normal_module: normal_module?,
             normal_pressure_angle: normal_pressure_angle?,
-            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value),
+            tooth_thickness: self.get(keys::RACK_TOOTH_THICKNESS),
             pin_diameter,
             datum: datum?,
         })
@@ -201,7 +200,7 @@ impl Spec {
     /// Values that are each in their domain, but not together.
     fn contradiction(&self, written: &Located<WrittenError>, error: &DomainError) -> Diagnostic {
         let span = match error {
-            DomainError::NoSpace { .. } => self.rack.tooth_thickness.as_ref().map(|thickness| thickness.span.clone()),
+            DomainError::NoSpace { .. } => self.place(keys::RACK_TOOTH_THICKNESS),
             _ => None,
         };
         let code = if matches!(error, DomainError::Overflow(_)) { Code::NoResult } else { Code::OutOfDomain };
@@ -230,8 +229,7 @@ fn needed_by(kind: DeviationKind, written: &Located<WrittenError>) -> impl Fn() 
 pub(super) struct MissingKeys(Vec<MissingKey>);
 
 struct MissingKey {
-    section: &'static str,
-    name: &'static str,
+    key: AnyKey,
     needed_by: Vec<String>,
     /// Where the first need was written, and why it needs the key.
     place: Option<(Range<usize>, String)>,
@@ -239,27 +237,27 @@ struct MissingKey {
 
 impl MissingKeys {
     /// The value of a key, or a note that it is missing; `need` says who needs it, and where that stands.
-    pub(super) fn take<T: Clone>(
-        &mut self,
-        section: &'static str,
-        name: &'static str,
-        written: Option<&Located<T>>,
-        need: impl FnOnce() -> Need,
-    ) -> Option<T> {
-        if let Some(written) = written {
-            return Some(written.value.clone());
+    pub(super) fn take<T: KeyType>(&mut self, spec: &Spec, key: Key<T>, need: impl FnOnce() -> Need) -> Option<T> {
+        let value = spec.get(key);
+        if value.is_none() {
+            self.note(key.any, need);
         }
+        value
+    }
+
+    /// Notes that a key is missing.
+    pub(super) fn note(&mut self, key: AnyKey, need: impl FnOnce() -> Need) {
         let (needed_by, place) = need();
-        match self.0.iter_mut().find(|key| key.section == section && key.name == name) {
-            Some(known) => known.needed_by.push(needed_by),
-            None => self.0.push(MissingKey { section, name, needed_by: vec![needed_by], place }),
+        match self.0.iter_mut().find(|missing| missing.key.path == key.path) {
+            Some(missing) => missing.needed_by.push(needed_by),
+            None => self.0.push(MissingKey { key, needed_by: vec![needed_by], place }),
         }
-        None
     }
 
     pub(super) fn diagnostics(&self, source: &Arc<Source>) -> impl Iterator<Item = Diagnostic> {
-        self.0.iter().map(|key| {
-            let MissingKey { section, name, needed_by, place } = key;
+        self.0.iter().map(|missing| {
+            let MissingKey { key, needed_by, place } = missing;
+            let (section, name) = key.path.rsplit_once('.').unwrap_or(("", key.path));
             let verb = if needed_by.len() == 1 { "needs" } else { "need" };
             let message = format!("`{section}.{name}` is missing; {} {verb} it", needed_by.join(", "));
             let diagnostic = Diagnostic::error(Code::MissingKey, message);

@@ -3,7 +3,7 @@
 use toml::de::DeValue;
 
 use super::keys::{self, Kind};
-use super::reader::{SectionReader, similar};
+use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec};
 use crate::chance::racks::Scatter;
@@ -30,7 +30,7 @@ const HELP: &str = "write a standard deviation (\"4 um\"), { half_width = \"6 um
 
 /// Reads `[scatter]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> ScatterSection {
-    keys::SCATTER.keys.iter().filter_map(|key| Some((key.name, spread(reader, key.name, key.kind)?))).collect()
+    keys::SCATTER.keys.iter().filter_map(|key| Some((key.name(), spread(reader, key.name(), key.kind)?))).collect()
 }
 
 fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Option<Located<WrittenSpread>> {
@@ -51,17 +51,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
     let DeValue::Table(table) = value.get_ref() else {
         return located(WrittenSpread::Spread(Uncertainty::standard(number(reader, name, value)?)));
     };
-    let known = ["class", "half_width", "distribution"];
-    for (key, _) in table {
-        let key_name = key.get_ref().as_ref();
-        if !known.contains(&key_name) {
-            let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{key_name}`"));
-            let help = similar(key_name, known.into_iter())
-                .map_or_else(|| HELP.to_owned(), |similar| format!("did you mean `{similar}`?"));
-            reader.report(diagnostic.help(help), key.span(), "unknown key");
-            return None;
-        }
-    }
+    reader.knows_keys(name, table, &["class", "half_width", "distribution"].into_iter(), HELP)?;
     let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
     match (table.get("class"), table.get("half_width"), table.get("distribution")) {
         (Some(grade), None, None) => {
@@ -102,7 +92,7 @@ impl Spec {
         let mut classes = Vec::new();
         let mut scatter = Scatter::default();
         for (name, written) in &self.scatter {
-            let key = keys::SCATTER.keys.iter().find(|key| key.name == *name);
+            let key = keys::SCATTER.keys.iter().find(|key| key.name() == *name);
             let Some(Kind::Spread { is_angle, class }) = key.map(|key| key.kind) else { continue };
             let spread = match (written.value, class) {
                 (WrittenSpread::Spread(spread), _) => Some(spread),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::{Map, Value, json};
 
 use super::errors::{LARGEST_CLASS, error_table_forms, is_of_a_part};
-use super::keys::{EVERY_PART, EXTENT, Key, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
+use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use super::uncertainty::source_of;
 use crate::deviation::{DeviationKind, Extent, Unit};
 use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
@@ -19,7 +19,7 @@ pub fn json_schema() -> Value {
     let properties: Map<_, _> = TOP
         .keys
         .iter()
-        .map(|key| (key.name, property(key, TOP.name)))
+        .map(|key| (key.name(), property(key)))
         .chain(sections)
         .map(|(name, schema)| (name.to_owned(), schema))
         .collect();
@@ -34,8 +34,7 @@ pub fn json_schema() -> Value {
 }
 
 fn object(section: &Section) -> Value {
-    let properties: Map<_, _> =
-        section.keys.iter().map(|key| (key.name.to_owned(), property(key, section.name))).collect();
+    let properties: Map<_, _> = section.keys.iter().map(|key| (key.name().to_owned(), property(key))).collect();
     json!({
         "description": section.doc,
         "type": "object",
@@ -44,8 +43,8 @@ fn object(section: &Section) -> Value {
     })
 }
 
-fn property(key: &Key, section: &str) -> Value {
-    let source = source_of(section, key.name);
+fn property(key: &AnyKey) -> Value {
+    let source = source_of(key.path);
     let mut schema = match key.kind {
         Kind::Text | Kind::File => json!({ "type": "string" }),
         Kind::Number(domain) => typed("number", &domain),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::keys;
+use super::keys::{self, Key};
 use super::reader::SectionReader;
 use super::{MeshInput, Spec};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -10,6 +10,7 @@ use crate::mesh;
 use crate::multibody::{
     ContactModel, Integrator, ParameterName, Parameters, Scene, SimulationError, SphereGrid, StripGrid, Support, Yoke,
 };
+use crate::quantity::Length;
 
 /// `[simulation]`: the parameters, defaults where nothing is written.
 #[derive(Debug, Clone, Default)]
@@ -20,37 +21,37 @@ pub struct SimulationSection {
     places: Vec<(ParameterName, Range<usize>)>,
 }
 
-type Number<T> = (&'static str, ParameterName, fn(&mut T, f64));
+type Number<V, T> = (Key<V>, ParameterName, fn(&mut T, f64));
 
-const LENGTHS: &[Number<Parameters>] = &[
-    ("start", ParameterName::Start, |p, v| p.start_mm = v),
-    ("stroke", ParameterName::Stroke, |p, v| p.stroke_mm = v),
-    ("ramp", ParameterName::Ramp, |p, v| p.ramp_mm = v),
-    ("tolerance", ParameterName::Tolerance, |p, v| p.tolerance_mm = v),
-    ("spacing", ParameterName::Spacing, |p, v| p.spacing_mm = v),
+const LENGTHS: &[Number<Length, Parameters>] = &[
+    (keys::SIMULATION_START, ParameterName::Start, |p, v| p.start_mm = v),
+    (keys::SIMULATION_STROKE, ParameterName::Stroke, |p, v| p.stroke_mm = v),
+    (keys::SIMULATION_RAMP, ParameterName::Ramp, |p, v| p.ramp_mm = v),
+    (keys::SIMULATION_TOLERANCE, ParameterName::Tolerance, |p, v| p.tolerance_mm = v),
+    (keys::SIMULATION_SPACING, ParameterName::Spacing, |p, v| p.spacing_mm = v),
 ];
 
-const MEASURES: &[Number<Parameters>] = &[
-    ("speed", ParameterName::Speed, |p, v| p.speed_mm_per_s = v),
-    ("preload", ParameterName::Preload, |p, v| p.preload_n = v),
-    ("stiffness", ParameterName::Stiffness, |p, v| p.stiffness = v),
-    ("stiffness_exponent", ParameterName::StiffnessExponent, |p, v| p.stiffness_exponent = v),
-    ("damping", ParameterName::Damping, |p, v| p.damping = v),
-    ("damping_exponent", ParameterName::DampingExponent, |p, v| p.damping_exponent = v),
-    ("indentation_exponent", ParameterName::IndentationExponent, |p, v| p.indentation_exponent = v),
-    ("friction", ParameterName::Friction, |p, v| p.friction = v),
-    ("friction_speed", ParameterName::FrictionSpeed, |p, v| p.friction_speed_mm_per_s = v),
-    ("pinion_mass", ParameterName::PinionMass, |p, v| p.masses.pinion_kg = Some(v)),
-    ("pinion_inertia", ParameterName::PinionInertia, |p, v| p.masses.pinion_kg_mm2 = Some(v)),
-    ("rack_mass", ParameterName::RackMass, |p, v| p.masses.rack_kg = Some(v)),
-    ("rack_inertia", ParameterName::RackInertia, |p, v| p.masses.rack_kg_mm2 = Some(v)),
+const MEASURES: &[Number<f64, Parameters>] = &[
+    (keys::SIMULATION_SPEED, ParameterName::Speed, |p, v| p.speed_mm_per_s = v),
+    (keys::SIMULATION_PRELOAD, ParameterName::Preload, |p, v| p.preload_n = v),
+    (keys::SIMULATION_STIFFNESS, ParameterName::Stiffness, |p, v| p.stiffness = v),
+    (keys::SIMULATION_STIFFNESS_EXPONENT, ParameterName::StiffnessExponent, |p, v| p.stiffness_exponent = v),
+    (keys::SIMULATION_DAMPING, ParameterName::Damping, |p, v| p.damping = v),
+    (keys::SIMULATION_DAMPING_EXPONENT, ParameterName::DampingExponent, |p, v| p.damping_exponent = v),
+    (keys::SIMULATION_INDENTATION_EXPONENT, ParameterName::IndentationExponent, |p, v| p.indentation_exponent = v),
+    (keys::SIMULATION_FRICTION, ParameterName::Friction, |p, v| p.friction = v),
+    (keys::SIMULATION_FRICTION_SPEED, ParameterName::FrictionSpeed, |p, v| p.friction_speed_mm_per_s = v),
+    (keys::SIMULATION_PINION_MASS, ParameterName::PinionMass, |p, v| p.masses.pinion_kg = Some(v)),
+    (keys::SIMULATION_PINION_INERTIA, ParameterName::PinionInertia, |p, v| p.masses.pinion_kg_mm2 = Some(v)),
+    (keys::SIMULATION_RACK_MASS, ParameterName::RackMass, |p, v| p.masses.rack_kg = Some(v)),
+    (keys::SIMULATION_RACK_INERTIA, ParameterName::RackInertia, |p, v| p.masses.rack_kg_mm2 = Some(v)),
 ];
 
-const YOKE: &[Number<Yoke>] = &[
-    ("preload", ParameterName::YokePreload, |y, v| y.preload_n = v),
-    ("rate", ParameterName::YokeRate, |y, v| y.rate_n_per_mm = v),
-    ("stop", ParameterName::YokeStop, |y, v| y.stop_n_per_mm = v),
-    ("bush", ParameterName::BushStiffness, |y, v| y.bush_n_per_mm = v),
+const YOKE: &[Number<f64, Yoke>] = &[
+    (keys::SIMULATION_YOKE_PRELOAD, ParameterName::YokePreload, |y, v| y.preload_n = v),
+    (keys::SIMULATION_YOKE_RATE, ParameterName::YokeRate, |y, v| y.rate_n_per_mm = v),
+    (keys::SIMULATION_YOKE_STOP, ParameterName::YokeStop, |y, v| y.stop_n_per_mm = v),
+    (keys::SIMULATION_YOKE_BUSH, ParameterName::BushStiffness, |y, v| y.bush_n_per_mm = v),
 ];
 
 /// Reads `[simulation]`.
@@ -58,28 +59,28 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> SimulationSection {
     let mut section = SimulationSection::default();
     let SimulationSection { parameters, places } = &mut section;
     let before = reader.diagnostics.len();
-    for (key, name, set) in LENGTHS {
-        if let Some(length) = reader.length(key) {
+    for &(key, name, set) in LENGTHS {
+        if let Some(length) = reader.get(key) {
             set(parameters, length.value.mm());
-            places.push((*name, length.span));
+            places.push((name, length.span));
         }
     }
-    for (key, name, set) in MEASURES {
-        if let Some(number) = reader.measure(key) {
+    for &(key, name, set) in MEASURES {
+        if let Some(number) = reader.get(key) {
             set(parameters, number.value);
-            places.push((*name, number.span));
+            places.push((name, number.span));
         }
     }
     parameters.contact = contact(reader, places);
-    if let Some(word) = reader.word("integrator") {
+    if let Some(word) = reader.get(keys::SIMULATION_INTEGRATOR) {
         parameters.integrator = if word.value == "explicit" { Integrator::Explicit } else { Integrator::Implicit };
     }
-    if let Some(steps) = reader.count("max_steps") {
+    if let Some(steps) = reader.get(keys::SIMULATION_MAX_STEPS) {
         parameters.max_steps = u64::from(steps.value);
         places.push((ParameterName::MaxSteps, steps.span));
     }
     let yoke = yoke(reader, parameters.preload_n, places);
-    if reader.word("support").is_some_and(|word| word.value == "yoke") {
+    if reader.get(keys::SIMULATION_SUPPORT).is_some_and(|word| word.value == "yoke") {
         parameters.support = Support::Yoke(yoke);
     }
     // what follows from one value alone has been said; now what the model allows
@@ -94,21 +95,21 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> SimulationSection {
 
 fn contact(reader: &mut SectionReader<'_>, places: &mut Vec<(ParameterName, Range<usize>)>) -> ContactModel {
     let mut count = |key, name, value: &mut u32| {
-        if let Some(count) = reader.count(key) {
+        if let Some(count) = reader.get(key) {
             *value = count.value;
             places.push((name, count.span));
         }
     };
     let (mut spheres, mut strips) = (SphereGrid::default(), StripGrid::default());
-    count("profile_nodes", ParameterName::ProfileNodes, &mut spheres.profile_nodes);
-    count("width_nodes", ParameterName::WidthNodes, &mut spheres.width_nodes);
-    count("patch_cells", ParameterName::PatchCells, &mut spheres.patch_cells);
-    count("strips", ParameterName::Strips, &mut strips.strips);
-    if let Some(radius) = reader.length("sphere_radius") {
+    count(keys::SIMULATION_PROFILE_NODES, ParameterName::ProfileNodes, &mut spheres.profile_nodes);
+    count(keys::SIMULATION_WIDTH_NODES, ParameterName::WidthNodes, &mut spheres.width_nodes);
+    count(keys::SIMULATION_PATCH_CELLS, ParameterName::PatchCells, &mut spheres.patch_cells);
+    count(keys::SIMULATION_STRIPS, ParameterName::Strips, &mut strips.strips);
+    if let Some(radius) = reader.get(keys::SIMULATION_SPHERE_RADIUS) {
         spheres.radius_mm = radius.value.mm();
         places.push((ParameterName::SphereRadius, radius.span));
     }
-    match reader.word("contact") {
+    match reader.get(keys::SIMULATION_CONTACT) {
         Some(word) if word.value == "analytic" => ContactModel::Analytic(strips),
         _ => ContactModel::Spheres(spheres),
     }
@@ -118,13 +119,13 @@ fn yoke(reader: &mut SectionReader<'_>, preload_n: f64, places: &mut Vec<(Parame
     let default = Yoke { preload_n, ..Yoke::default() };
     let read = reader.table("yoke", &keys::YOKE, |reader| {
         let mut yoke = default;
-        for (key, name, set) in YOKE {
-            if let Some(number) = reader.measure(key) {
+        for &(key, name, set) in YOKE {
+            if let Some(number) = reader.get(key) {
                 set(&mut yoke, number.value);
-                places.push((*name, number.span));
+                places.push((name, number.span));
             }
         }
-        if let Some(clearance) = reader.length("clearance") {
+        if let Some(clearance) = reader.get(keys::SIMULATION_YOKE_CLEARANCE) {
             yoke.clearance_mm = clearance.value.mm();
             places.push((ParameterName::YokeClearance, clearance.span));
         }
@@ -150,7 +151,7 @@ impl Spec {
         let mesh = &input.mesh;
         if let mesh::Support::FreeRoll { axis_depth_mm } = mesh.support() {
             if matches!(parameters.support, Support::Yoke(_)) {
-                let span = self.support.roll.as_ref().map_or(0..0, |roll| roll.span.clone());
+                let span = self.place(keys::SUPPORT_ROLL).unwrap_or(0..0);
                 let diagnostic =
                     Diagnostic::error(Code::Usage, "a rack carried by a yoke is not solved with free roll")
                         .at(&self.source, span, "")

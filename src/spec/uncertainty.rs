@@ -10,11 +10,11 @@ use toml::de::{DeTable, DeValue};
 
 use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
+use super::resolve::MissingKeys;
 use super::{Located, Spec};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
-use crate::judge::Rule;
 use crate::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
 
 /// Every source that a spec can name.
@@ -47,10 +47,9 @@ pub struct WrittenCorrelation {
     pub coefficient: f64,
 }
 
-/// The source behind a key of a section, if its uncertainty means anything.
-pub(super) fn source_of(section: &str, name: &str) -> Option<Source> {
-    let is = |source: &Source| source.key().split_once('.').is_some_and(|(s, n)| s == section && n == name);
-    SOURCES.into_iter().find(|source| !matches!(source, Source::Error(_)) && is(source))
+/// The source behind a key, if its uncertainty means anything.
+pub(super) fn source_of(path: &str) -> Option<Source> {
+    SOURCES.into_iter().find(|source| !matches!(source, Source::Error(_)) && source.key() == path)
 }
 
 impl SectionReader<'_> {
@@ -62,23 +61,8 @@ impl SectionReader<'_> {
         source: Option<Source>,
     ) -> Option<&'v Spanned<DeValue<'t>>> {
         let (DeValue::Table(table), Some(source)) = (value.get_ref(), source) else { return Some(value) };
-        let mut known = true;
-        for (key, _) in table {
-            let key_name = key.get_ref().as_ref();
-            let all = UNCERTAINTY_KEYS.into_iter().chain(["value"]);
-            if !all.clone().any(|candidate| candidate == key_name) {
-                known = false;
-                let diagnostic = Diagnostic::error(Code::UnknownKey, format!("`{name}` has no key `{key_name}`"));
-                let help = similar(key_name, all).map_or_else(
-                    || format!("write {name} = {{ value = …, u = … }}"),
-                    |similar| format!("did you mean `{similar}`?"),
-                );
-                self.report(diagnostic.help(help), key.span(), "unknown key");
-            }
-        }
-        if !known {
-            return None;
-        }
+        let known = UNCERTAINTY_KEYS.into_iter().chain(["value"]);
+        self.knows_keys(name, table, &known, &format!("write {name} = {{ value = …, u = … }}"))?;
         let Some(inner) = table.get("value") else {
             let diagnostic = Diagnostic::error(Code::BadUncertainty, format!("`{name}` is a table without a value"))
                 .help(format!("write {name} = {{ value = …, u = … }}"));
@@ -190,18 +174,6 @@ impl SectionReader<'_> {
         self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
         None
     }
-
-    /// `decision.rule`.
-    pub(super) fn rule(&mut self, name: &str) -> Option<Located<Rule>> {
-        let value = self.table?.get(name)?;
-        match self.text(name)?.parse() {
-            Ok(rule) => Some(Located { value: rule, span: value.span() }),
-            Err(message) => {
-                self.report(Diagnostic::error(Code::BadRule, message), value.span(), "");
-                None
-            }
-        }
-    }
 }
 
 /// The first of the keys that belong to an uncertainty.
@@ -284,13 +256,7 @@ impl Spec {
     pub fn over_pin(&self) -> Option<OverPin> {
         let (_, written) = self.errors.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller)?;
         let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
-        Some(OverPin {
-            normal_module: self.pair.normal_module.as_ref()?.value,
-            normal_pressure_angle: self.pair.normal_pressure_angle.as_ref()?.value,
-            tooth_thickness: self.rack.tooth_thickness.as_ref().map(|thickness| thickness.value),
-            pin_diameter: *roller,
-            datum: self.rack.datum.as_ref()?.value,
-        })
+        self.over_pin_of(*roller, &mut MissingKeys::default(), &|| (String::new(), None))
     }
 
     /// The uncertainties of the values that ΔCD of the given errors follows from.

@@ -1,7 +1,8 @@
 //! The exact mesh of a spec in which one uncertain value is off: what the uncertainty of known teeth follows from.
 //! Solves nothing.
 
-use super::{Located, MeasuredTables, Spec, WrittenPinionDeviation};
+use super::value::Value as KeyValue;
+use super::{MeasuredTables, Spec, WrittenPinionDeviation};
 use crate::deviation::{DeviationKind, Part, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::RADIANS_PER_DEGREE;
@@ -122,37 +123,29 @@ impl Spec {
 impl Whole {
     /// The values of this kind.
     fn values(&mut self, source: Source) -> Vec<Value<'_>> {
-        fn length(value: &mut Option<Located<Length>>) -> Vec<Value<'_>> {
-            value.iter_mut().map(|value| Value::Length(&mut value.value)).collect()
-        }
-        fn angle(value: &mut Option<Located<Angle>>) -> Vec<Value<'_>> {
-            value.iter_mut().map(|value| Value::Angle(&mut value.value)).collect()
-        }
         let (spec, tables) = (&mut self.spec, &mut self.tables);
         match source {
-            Source::NormalModule => length(&mut spec.pair.normal_module),
-            Source::NormalPressureAngle => angle(&mut spec.pair.normal_pressure_angle),
-            Source::RackHelixAngle => angle(&mut spec.rack.helix_angle),
-            Source::PinionHelixAngle => angle(&mut spec.pinion.helix_angle),
-            Source::FaceWidth => length(&mut spec.rack.face_width),
-            Source::ToothThickness => length(&mut spec.rack.tooth_thickness),
-            Source::Datum => length(&mut spec.rack.datum),
             // of errors that are given as one value
             Source::Roller => Vec::new(),
             Source::Error(kind) if kind.part() == Part::Rack => {
-                let written = spec.rack.deviations.iter_mut();
+                let written = spec.rack_deviations.iter_mut();
                 let written = written.filter_map(|deviation| of_rack(kind, &mut deviation.value.kind));
                 let rows = tables.rack.iter_mut().flat_map(|table| &mut table.rows);
                 written.chain(rows.filter_map(|row| of_space(kind, row))).collect()
             }
             Source::Error(kind) => {
-                let written = spec.pinion.deviations.iter_mut().filter_map(|deviation| match &mut deviation.value {
+                let written = spec.pinion_deviations.iter_mut().filter_map(|deviation| match &mut deviation.value {
                     WrittenPinionDeviation::Teeth(of_teeth) => of_pinion(kind, &mut of_teeth.kind),
                     WrittenPinionDeviation::Eccentricity(_) => None,
                 });
                 let rows = tables.pinion.iter_mut().flat_map(|table| &mut table.rows);
                 written.chain(rows.flat_map(|row| of_tooth(kind, row))).collect()
             }
+            size => match spec.values.at_mut(size.key()) {
+                Some(KeyValue::Length(length)) => vec![Value::Length(length)],
+                Some(KeyValue::Angle(angle)) => vec![Value::Angle(angle)],
+                _ => Vec::new(),
+            },
         }
     }
 }

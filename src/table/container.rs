@@ -230,7 +230,7 @@ fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics>
     };
     let records = book.records(&sheet, want.range);
     let name = records.name.clone();
-    let source = Arc::new(crate::diagnostic::Source { name: name.clone(), text: String::new() });
+    let source = Arc::new(crate::diagnostic::Source::new(name.clone(), ""));
     let mut rest = records.records;
     let mut all: Vec<Record> = Vec::new();
     for _ in 0..head.len() {
@@ -295,7 +295,7 @@ fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics>
         let message = format!("{name} has values with decimal points and with commas: one of them is `{text}`");
         Diagnostic::error(Code::BadTable, message).help("write every value with the same mark")
     })?;
-    let source = Arc::new(crate::diagnostic::Source { name: name.to_owned(), text: String::new() });
+    let source = Arc::new(crate::diagnostic::Source::new(name, ""));
     let mut head = vec![table.header(&want.own)];
     head.extend((0..table.len().min(HEAD)).filter_map(|row| table.record(row)));
     let mut understood = understand_records(&source, &head, want).map_err(|Diagnostics(mut problems)| {
@@ -394,7 +394,7 @@ fn parquet_table(name: &str, file: &ParquetTable, want: &Want) -> Result<Table, 
     if let Some(first) = file.read(&wanted)?.next() {
         head.extend(records_of(first?).into_iter().take(HEAD));
     }
-    let source = Arc::new(crate::diagnostic::Source { name: name.to_owned(), text: String::new() });
+    let source = Arc::new(crate::diagnostic::Source::new(name, ""));
     let understood = understand_records(&source, &head, want)?;
     let mut table = Table::new(name, "Parquet", &understood, want);
     table.reading.header_line = None;

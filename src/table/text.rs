@@ -118,7 +118,7 @@ impl Text {
         }
         // lines that were taken away keep their number
         text.insert_str(0, &"\n".repeat(usize::try_from(self.lines).unwrap_or(0)));
-        Arc::new(Source { name: self.name.clone(), text })
+        Arc::new(Source::new(self.name.clone(), text))
     }
 
     /// A table that is all there.

@@ -26,6 +26,7 @@ mod plausible;
 mod process;
 mod reading;
 mod readme;
+mod set;
 mod spec;
 mod stability;
 mod table_properties;

@@ -26,7 +26,7 @@ use crate::judge::{Limit, LimitTarget, Rule, Verdict};
 use crate::mesh::{CarryingStrokes, Summary};
 use crate::parallel;
 use crate::quantity::Length;
-use crate::spec::{MeasuredTables, Spec};
+use crate::spec::{MeasuredTables, Spec, keys};
 use crate::table::{self, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
 
 /// What is asked of a batch of parts with their teeth.
@@ -537,7 +537,7 @@ impl Solver<'_> {
                 self.strokes.map_or_else(|| vec![from..to], |strokes| strokes.measured(&spaces, from, to))
             }
             table::Teeth::Pinion(pinion) => {
-                let teeth = self.judge.measured_only().pinion.teeth.as_ref().map_or(0, |teeth| i64::from(teeth.value));
+                let teeth = i64::from(self.judge.measured_only().or_zero(keys::PINION_TEETH));
                 if let Some(tooth) = pinion.unmeasured(teeth) {
                     return Err(bad(format!("tooth {tooth} was not measured: a turn needs all {teeth}")));
                 }

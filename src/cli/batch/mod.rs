@@ -13,6 +13,7 @@ use super::decision::DecisionArgs;
 use super::eval::{ModelArg, StackArg};
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
+use super::set::SetArgs;
 use super::tables::{self, ReadArgs};
 use super::teeth::with_known_teeth;
 use super::{mesh, stream, target};
@@ -78,6 +79,8 @@ pub(super) struct Args {
     /// Judge parts without the errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
+    #[command(flatten)]
+    set: SetArgs,
     #[command(flatten)]
     decision: DecisionArgs,
     /// Many rows per part, one per tooth or space: each part through the exact mesh.
@@ -154,7 +157,7 @@ struct Ending<'a> {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = Arc::new(super::read_spec(&self.spec, output)?);
+        let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
         let interruption = long::interrupted();
         let mut files = self.files.iter().map(String::as_str).collect::<Vec<_>>();
         if files.is_empty() {

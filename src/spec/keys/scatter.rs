@@ -1,9 +1,9 @@
 //! The keys of `[scatter]`: a part of the table in [`keys`](super).
 
-use super::{Key, Kind, Section, key};
+use super::{AnyKey, Kind, Section, key};
 use crate::deviation::DeviationKind;
 
-const fn length(name: &'static str, class: Option<DeviationKind>, doc: &'static str) -> Key {
+const fn length(name: &'static str, class: Option<DeviationKind>, doc: &'static str) -> AnyKey {
     key(name, Kind::Spread { is_angle: false, class }, doc)
 }
 

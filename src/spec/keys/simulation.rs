@@ -1,183 +1,131 @@
 //! The keys of `[simulation]`: a part of the table in [`keys`](super).
 
-use super::{Kind, Section, Unit, key};
-use crate::quantity::{Bound, Domain};
-
-const fn positive(name: &'static str, symbol: &'static str) -> Domain {
-    Domain::positive(name, symbol)
-}
-
-const fn from_zero(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(0), upper: Bound::None }
-}
+use super::{Key, Kind, Section, Unit, between, composite, count, from_zero, length, measure, word};
+use crate::quantity::{Bound, Domain, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(2), upper: Bound::Inclusive(100_000) }
+    between(name, symbol, 2, 100_000)
 }
 
 const fn exponent(name: &'static str, symbol: &'static str) -> Domain {
     Domain { name, symbol, lower: Bound::Inclusive(1), upper: Bound::None }
 }
 
-pub(crate) const YOKE: Section = Section {
-    name: "simulation.yoke",
-    doc: "The sprung yoke behind the mesh and the bush at the rack's other end.",
-    keys: &[
-        key(
-            "preload",
-            Kind::Measure(positive("preload of the yoke's spring", "F_y"), Unit::FORCE),
-            "Force of the yoke's spring with the rack in its nominal place. Default simulation.preload.",
+section! {
+    YOKE = "simulation.yoke", "The sprung yoke behind the mesh and the bush at the rack's other end." {
+        SIMULATION_YOKE_PRELOAD: f64 = measure(
+            "simulation.yoke.preload",
+            Domain::positive("preload of the yoke's spring", "F_y"), Unit::FORCE,
         ),
-        key(
-            "rate",
-            Kind::Measure(from_zero("rate of the yoke's spring", "c_y"), Unit::RATE),
-            "Rate of the spring. Default 100 N/mm.",
+            "Force of the yoke's spring with the rack in its nominal place. Default simulation.preload.";
+        SIMULATION_YOKE_RATE: f64 = measure(
+            "simulation.yoke.rate",
+            from_zero("rate of the yoke's spring", "c_y"), Unit::RATE,
         ),
-        key(
-            "clearance",
-            Kind::Length(from_zero("clearance of the yoke", "s_y")),
-            "Travel until the yoke meets its stop. Default 0.15 mm.",
+            "Rate of the spring. Default 100 N/mm.";
+        SIMULATION_YOKE_CLEARANCE: Length = length(
+            "simulation.yoke.clearance",
+            from_zero("clearance of the yoke", "s_y"),
         ),
-        key(
-            "stop",
-            Kind::Measure(from_zero("stiffness of the yoke's stop", "c_s"), Unit::RATE),
-            "Stiffness of the stop. Default 1e5 N/mm.",
+            "Travel until the yoke meets its stop. Default 0.15 mm.";
+        SIMULATION_YOKE_STOP: f64 = measure(
+            "simulation.yoke.stop",
+            from_zero("stiffness of the yoke's stop", "c_s"), Unit::RATE,
         ),
-        key(
-            "bush",
-            Kind::Measure(from_zero("stiffness of the bush", "c_b"), Unit::RATE),
-            "Stiffness of the flexible bush as it is felt at the mesh. Default 20 N/mm.",
+            "Stiffness of the stop. Default 1e5 N/mm.";
+        SIMULATION_YOKE_BUSH: f64 = measure(
+            "simulation.yoke.bush",
+            from_zero("stiffness of the bush", "c_b"), Unit::RATE,
         ),
-    ],
-};
+            "Stiffness of the flexible bush as it is felt at the mesh. Default 20 N/mm.";
+    }
+}
 
-pub(crate) const SIMULATION: Section = Section {
-    name: "simulation",
-    doc: "The multibody simulation; every key has a default.",
-    keys: &[
-        key(
-            "start",
-            Kind::Length(Domain::any("start of the stroke", "s_0")),
-            "Stroke at which the run starts. Default 0.",
+section! {
+    SIMULATION = "simulation", "The multibody simulation; every key has a default." {
+        SIMULATION_START: Length = length("simulation.start", Domain::any("start of the stroke", "s_0")),
+            "Stroke at which the run starts. Default 0.";
+        SIMULATION_STROKE: Length = length("simulation.stroke", Domain::positive("stroke", "s")),
+            "How far the rack travels. Default 50 mm.";
+        SIMULATION_SPEED: f64 = measure("simulation.speed", Domain::positive("speed of the rack", "v"), Unit::SPEED),
+            "Speed of the rack. Default 20 mm/s.";
+        SIMULATION_RAMP: Length = length("simulation.ramp", Domain::positive("ramp", "s_r")),
+            "Travel during which the speed is reached. Default 1 mm.";
+        SIMULATION_PRELOAD: f64 = measure("simulation.preload", Domain::positive("preload", "F"), Unit::FORCE),
+            "Force that presses the pinion on. Default 500 N.";
+        SIMULATION_SUPPORT: &'static str = word("simulation.support", &["slider", "yoke"]),
+            "slider: the pinion on a slider that the preload presses on, as in the paper; yoke: the pinion's axis \
+             fixed, the rack pressed on by a sprung yoke. Default slider.";
+        SIMULATION_YOKE: () = composite("simulation.yoke", Kind::Table(&YOKE)), "The yoke, with support = \"yoke\".";
+        SIMULATION_CONTACT: &'static str = word("simulation.contact", &["spheres", "analytic"]),
+            "spheres: spheres on the pinion's flanks against triangles of the rack's; analytic: exact surfaces, the \
+             load spread over the contact line. Default spheres.";
+        SIMULATION_STIFFNESS: f64 = measure("simulation.stiffness", Domain::positive("contact stiffness", "k"), Unit::NONE),
+            "Contact stiffness k, N/mm^a; of one sphere, or of 1 mm of contact line.";
+        SIMULATION_STIFFNESS_EXPONENT: f64 = measure(
+            "simulation.stiffness_exponent",
+            exponent("stiffness exponent", "a"), Unit::NONE,
         ),
-        key("stroke", Kind::Length(positive("stroke", "s")), "How far the rack travels. Default 50 mm."),
-        key(
-            "speed",
-            Kind::Measure(positive("speed of the rack", "v"), Unit::SPEED),
-            "Speed of the rack. Default 20 mm/s.",
+            "Exponent of the penetration, 1 to 2.5.";
+        SIMULATION_DAMPING: f64 = measure("simulation.damping", from_zero("contact damping", "c"), Unit::NONE),
+            "Contact damping c.";
+        SIMULATION_DAMPING_EXPONENT: f64 = measure(
+            "simulation.damping_exponent",
+            exponent("damping exponent", "b"), Unit::NONE,
         ),
-        key("ramp", Kind::Length(positive("ramp", "s_r")), "Travel during which the speed is reached. Default 1 mm."),
-        key(
-            "preload",
-            Kind::Measure(positive("preload", "F"), Unit::FORCE),
-            "Force that presses the pinion on. Default 500 N.",
+            "Exponent of the penetration's rate, 1 to 2.5.";
+        SIMULATION_INDENTATION_EXPONENT: f64 = measure(
+            "simulation.indentation_exponent",
+            exponent("indentation exponent", "e"), Unit::NONE,
         ),
-        key(
-            "support",
-            Kind::Word(&["slider", "yoke"]),
-            "slider: the pinion on a slider that the preload presses on, as in the paper; yoke: the pinion's axis fixed, \
-             the rack pressed on by a sprung yoke. Default slider.",
+            "Exponent of the penetration in the damping term, 1 to 2.5.";
+        SIMULATION_FRICTION: f64 = measure("simulation.friction", from_zero("friction coefficient", "μ"), Unit::NONE),
+            "Friction coefficient μ. Default 0.";
+        SIMULATION_FRICTION_SPEED: f64 = measure(
+            "simulation.friction_speed",
+            Domain::positive("friction regularisation speed", "v_f"), Unit::SPEED,
         ),
-        key("yoke", Kind::Table(&YOKE), "The yoke, with support = \"yoke\"."),
-        key(
-            "contact",
-            Kind::Word(&["spheres", "analytic"]),
-            "spheres: spheres on the pinion's flanks against triangles of the rack's; analytic: exact surfaces, the load \
-             spread over the contact line. Default spheres.",
+            "Sliding speed below which friction fades.";
+        SIMULATION_PROFILE_NODES: u32 = count(
+            "simulation.profile_nodes",
+            nodes("number of spheres over the profile", "n_p"),
         ),
-        key(
-            "stiffness",
-            Kind::Measure(positive("contact stiffness", "k"), Unit::NONE),
-            "Contact stiffness k, N/mm^a; of one sphere, or of 1 mm of contact line.",
+            "Spheres over the profile of a flank.";
+        SIMULATION_WIDTH_NODES: u32 = count("simulation.width_nodes", nodes("number of spheres over the width", "n_w")),
+            "Spheres over the width of a flank.";
+        SIMULATION_SPHERE_RADIUS: Length = length("simulation.sphere_radius", from_zero("sphere radius", "R")),
+            "Largest radius of a sphere.";
+        SIMULATION_PATCH_CELLS: u32 = count(
+            "simulation.patch_cells",
+            between("number of cells of a rack flank", "n_c", 1, 1000),
         ),
-        key(
-            "stiffness_exponent",
-            Kind::Measure(exponent("stiffness exponent", "a"), Unit::NONE),
-            "Exponent of the penetration, 1 to 2.5.",
+            "Cells of two triangles of a rack flank along each direction where it is not plane.";
+        SIMULATION_STRIPS: u32 = count("simulation.strips", nodes("number of strips over the width", "n_s")),
+            "Strips over the width, with contact = \"analytic\".";
+        SIMULATION_PINION_MASS: f64 = measure(
+            "simulation.pinion_mass",
+            from_zero("mass of the pinion", "m_p"), Unit::MASS,
         ),
-        key("damping", Kind::Measure(from_zero("contact damping", "c"), Unit::NONE), "Contact damping c."),
-        key(
-            "damping_exponent",
-            Kind::Measure(exponent("damping exponent", "b"), Unit::NONE),
-            "Exponent of the penetration's rate, 1 to 2.5.",
+            "Mass of the pinion. Default that of its cylinder in steel.";
+        SIMULATION_PINION_INERTIA: f64 = measure(
+            "simulation.pinion_inertia",
+            from_zero("inertia of the pinion", "J_p"), Unit::INERTIA,
         ),
-        key(
-            "indentation_exponent",
-            Kind::Measure(exponent("indentation exponent", "e"), Unit::NONE),
-            "Exponent of the penetration in the damping term, 1 to 2.5.",
+            "Moment of inertia of the pinion about its axis. Default that of its cylinder in steel.";
+        SIMULATION_RACK_MASS: f64 = measure("simulation.rack_mass", from_zero("mass of the rack", "m_r"), Unit::MASS),
+            "Mass of the rack. Default that of a round bar in steel.";
+        SIMULATION_RACK_INERTIA: f64 = measure(
+            "simulation.rack_inertia",
+            from_zero("inertia of the rack", "J_r"), Unit::INERTIA,
         ),
-        key(
-            "friction",
-            Kind::Measure(from_zero("friction coefficient", "μ"), Unit::NONE),
-            "Friction coefficient μ. Default 0.",
-        ),
-        key(
-            "friction_speed",
-            Kind::Measure(positive("friction regularisation speed", "v_f"), Unit::SPEED),
-            "Sliding speed below which friction fades.",
-        ),
-        key(
-            "profile_nodes",
-            Kind::Count(nodes("number of spheres over the profile", "n_p")),
-            "Spheres over the profile of a flank.",
-        ),
-        key(
-            "width_nodes",
-            Kind::Count(nodes("number of spheres over the width", "n_w")),
-            "Spheres over the width of a flank.",
-        ),
-        key("sphere_radius", Kind::Length(from_zero("sphere radius", "R")), "Largest radius of a sphere."),
-        key(
-            "patch_cells",
-            Kind::Count(Domain {
-                name: "number of cells of a rack flank",
-                symbol: "n_c",
-                lower: Bound::Inclusive(1),
-                upper: Bound::Inclusive(1000),
-            }),
-            "Cells of two triangles of a rack flank along each direction where it is not plane.",
-        ),
-        key(
-            "strips",
-            Kind::Count(nodes("number of strips over the width", "n_s")),
-            "Strips over the width, with contact = \"analytic\".",
-        ),
-        key(
-            "pinion_mass",
-            Kind::Measure(from_zero("mass of the pinion", "m_p"), Unit::MASS),
-            "Mass of the pinion. Default that of its cylinder in steel.",
-        ),
-        key(
-            "pinion_inertia",
-            Kind::Measure(from_zero("inertia of the pinion", "J_p"), Unit::INERTIA),
-            "Moment of inertia of the pinion about its axis. Default that of its cylinder in steel.",
-        ),
-        key(
-            "rack_mass",
-            Kind::Measure(from_zero("mass of the rack", "m_r"), Unit::MASS),
-            "Mass of the rack. Default that of a round bar in steel.",
-        ),
-        key(
-            "rack_inertia",
-            Kind::Measure(from_zero("inertia of the rack", "J_r"), Unit::INERTIA),
-            "Moment of inertia of the rack about its roll axis. Default that of a round bar in steel.",
-        ),
-        key("integrator", Kind::Word(&["implicit", "explicit"]), "How time is stepped through. Default implicit."),
-        key("tolerance", Kind::Length(positive("tolerance of a step", "ε")), "Largest error of a step in time."),
-        key(
-            "spacing",
-            Kind::Length(positive("spacing of the samples", "Δs")),
-            "Travel from one printed position to the next. Default 0.1 mm.",
-        ),
-        key(
-            "max_steps",
-            Kind::Count(Domain {
-                name: "step limit",
-                symbol: "n",
-                lower: Bound::Inclusive(1),
-                upper: Bound::Inclusive(1_000_000_000),
-            }),
-            "Most steps in time before a run gives up. Default 1 000 000.",
-        ),
-    ],
-};
+            "Moment of inertia of the rack about its roll axis. Default that of a round bar in steel.";
+        SIMULATION_INTEGRATOR: &'static str = word("simulation.integrator", &["implicit", "explicit"]),
+            "How time is stepped through. Default implicit.";
+        SIMULATION_TOLERANCE: Length = length("simulation.tolerance", Domain::positive("tolerance of a step", "ε")),
+            "Largest error of a step in time.";
+        SIMULATION_SPACING: Length = length("simulation.spacing", Domain::positive("spacing of the samples", "Δs")),
+            "Travel from one printed position to the next. Default 0.1 mm.";
+        SIMULATION_MAX_STEPS: u32 = count("simulation.max_steps", between("step limit", "n", 1, 1_000_000_000)),
+            "Most steps in time before a run gives up. Default 1 000 000.";
+    }
+}

@@ -73,7 +73,7 @@ pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
         if u32::try_from(text.len()).is_err() {
             return Err(Diagnostic::error(Code::FileAccess, format!("{name} is larger than 4 GiB")));
         }
-        reader.sources.push(Arc::new(Source { name: (*name).to_owned(), text: text.to_owned() }));
+        reader.sources.push(Arc::new(Source::new(*name, text)));
         reader.file()?;
     }
     reader.finish()

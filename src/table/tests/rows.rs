@@ -10,7 +10,7 @@ use crate::table::understand::understand;
 
 /// The reader of the rows of a table that begins so.
 fn rows(start: &str, want: &Want) -> Rows {
-    let source = Arc::new(Text { name: "block".to_owned(), text: start.to_owned() });
+    let source = Arc::new(Text::new("block", start));
     let understood = understand(&source, want).unwrap();
     let needed = vec![true; understood.columns.len()];
     Rows::new(setup(understood, b',', true, want), Wanted { needed, keeps_raw: true, ..Wanted::default() })

@@ -1,0 +1,80 @@
+//! Every key of the spec with what it holds, from the same table as the reader. Printed by `rackmesh explain keys` and
+//! offered by completions; reads nothing.
+
+use super::keys::{Kind, SECTIONS, Section, TOP};
+use crate::deviation::Extent;
+use crate::quantity::{Bound, Domain};
+
+/// A key of the spec.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeyEntry {
+    /// With the sections that it is in: `rack.tip_relief.amount`.
+    pub path: String,
+    /// What it holds, in words.
+    pub holds: String,
+    /// What it means.
+    pub doc: &'static str,
+}
+
+/// Every key of the spec, in the order in which they are documented.
+#[must_use]
+pub fn keys() -> Vec<KeyEntry> {
+    let mut entries = Vec::new();
+    for section in std::iter::once(&TOP).chain(SECTIONS) {
+        add(section, section.name, &mut entries);
+    }
+    entries
+}
+
+/// Adds the keys of a section that is found under `path`, and of the tables in it.
+fn add(section: &Section, path: &str, entries: &mut Vec<KeyEntry>) {
+    for key in section.keys {
+        let path = if path.is_empty() { key.name().to_owned() } else { format!("{path}.{}", key.name()) };
+        entries.push(KeyEntry { path: path.clone(), holds: in_words(key.kind), doc: key.doc });
+        if let Kind::Table(section) | Kind::Tables(section) = key.kind {
+            add(section, &path, entries);
+        }
+    }
+}
+
+fn in_words(kind: Kind) -> String {
+    let one_of = |words: &[&str]| words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ");
+    let text = match kind {
+        Kind::Text => "text",
+        Kind::File => "the name of a file",
+        Kind::Length(domain) => return within("a length, mm", &domain, " mm"),
+        Kind::Angle(domain) => return within("an angle, degrees", &domain, "°"),
+        Kind::Number(domain) => return within("a number", &domain, ""),
+        Kind::Count(domain) => return within("a whole number", &domain, ""),
+        Kind::Measure(domain, unit) if unit.symbol.is_empty() => return within("a number", &domain, ""),
+        Kind::Measure(domain, unit) => return within(&format!("a number, {}", unit.symbol), &domain, unit.after),
+        Kind::Word(words) => return one_of(words),
+        Kind::Extent(unit) => {
+            let extents = Extent::EVERY.into_iter().filter(|extent| extent.fits(unit)).map(Extent::name);
+            return one_of(&extents.collect::<Vec<_>>());
+        }
+        Kind::Error(_) => "a deviation, or a table",
+        Kind::Limit => "\"±0.05\", or { lower, upper }",
+        Kind::Texts => "a list of texts",
+        Kind::ColumnUnit { of_lead: false } => "a unit of length",
+        Kind::ColumnUnit { of_lead: true } => "a unit of angle or length",
+        Kind::Standard => "a standard",
+        Kind::RackDiameter => "\"pinion\", \"developed\" or a length",
+        Kind::Rule => "\"simple\", \"iso14253\" or \"guard=5um\"",
+        Kind::Pair => "the names of two values",
+        Kind::Tolerance(_) => "a tolerance, or \"free\"",
+        Kind::Spread { class: Some(_), .. } => "a standard deviation, a half-width or a class",
+        Kind::Spread { class: None, .. } => "a standard deviation or a half-width",
+        Kind::Teeth => "\"all\", 5, \"8..\" or \"8..=12\"",
+        Kind::Table(_) => "a table",
+        Kind::Tables(_) => "any number of tables",
+    };
+    text.to_owned()
+}
+
+fn within(what: &str, domain: &Domain, unit: &'static str) -> String {
+    match (domain.lower, domain.upper) {
+        (Bound::None, Bound::None) => what.to_owned(),
+        _ => format!("{what}, {}", domain.in_words(unit)),
+    }
+}
