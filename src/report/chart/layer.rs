@@ -199,7 +199,7 @@ fn line(from: [f64; 2], to: [f64; 2]) -> String {
 
 fn dots(points: &[(f64, f64)]) -> String {
     let dot = |(x, y): &(f64, f64)| format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"currentColor\"/>");
-    points.iter().map(dot).collect()
+    points.iter().map(dot).collect::<Vec<_>>().concat()
 }
 
 fn rectangle([left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> String {

@@ -58,8 +58,8 @@ impl Paint {
 /// What turns charts dark on a dark screen; print stays light.
 pub(crate) fn dark_style() -> String {
     let paints = [PAPER, GRID, SOFT, INK, BAND, LIMIT].into_iter().chain(SERIES);
-    let rules: String = paints.map(|paint| format!(".chart .{}{{color:{}}}", paint.class, paint.dark)).collect();
-    format!("@media screen and (prefers-color-scheme:dark){{{rules}}}")
+    let rules: Vec<_> = paints.map(|paint| format!(".chart .{}{{color:{}}}", paint.class, paint.dark)).collect();
+    format!("@media screen and (prefers-color-scheme:dark){{{}}}", rules.concat())
 }
 
 /// A line of text that begins, has its middle or ends at x (`start`, `middle`, `end`).
