@@ -14,7 +14,7 @@ pub use layer::{Bar, Layer, Mark, Shape, Span};
 pub(super) use paint::dark_style;
 
 use super::escape;
-use axis::Ruler;
+use axis::{Ruler, Tick};
 use paint::{GRID, INK, PAPER, Paint, SERIES, SOFT, text};
 
 /// A picture over two axes.
@@ -160,28 +160,26 @@ impl Chart {
     /// Grid, numbers and names of the axes.
     fn axes(&self, plane: &Plane<'_>) -> String {
         let Plane { x, y } = plane;
-        let (mut grid, mut base, mut numbers) = (String::new(), String::new(), String::new());
-        let named = |axis: &Axis| matches!(axis.scale, Scale::Names(_));
+        let line = |tick: &Tick, d: &str| {
+            let paint = if tick.is_zero { SOFT } else { GRID };
+            paint.stroke("", &format!("<path d=\"{d}\"/>"))
+        };
+        let (mut lines, mut numbers) = (String::new(), String::new());
         for tick in y.ticks(Y_APART) {
-            let line = format!("<path d=\"M{:.1} {:.1}H{:.1}\"/>", x.from, tick.at, x.to);
-            match tick.is_zero {
-                _ if named(&self.y) => {}
-                true => base += &line,
-                false => grid += &line,
+            if !matches!(self.y.scale, Scale::Names(_)) {
+                lines += &line(&tick, &format!("M{:.1} {:.1}H{:.1}", x.from, tick.at, x.to));
             }
             numbers += &text(x.from - 8.0, tick.at + 5.0, "end", &tick.text);
         }
         for tick in x.ticks(X_APART) {
-            let line = format!("<path d=\"M{:.1} {:.1}V{:.1}\"/>", tick.at, y.from, y.to);
-            *(if tick.is_zero { &mut base } else { &mut grid }) += &line;
+            lines += &line(&tick, &format!("M{:.1} {:.1}V{:.1}", tick.at, y.from, y.to));
             numbers += &text(tick.at, y.from + 18.0, "middle", &tick.text);
         }
         let names = [
             text(MARGIN, y.to - 9.0, "start", &self.y.label),
             text(0.5 * (x.from + x.to), y.from + 40.0, "middle", &self.x.label),
         ];
-        let lines = [GRID.stroke("", &grid), SOFT.stroke("", &base)];
-        [lines.concat(), SOFT.fill("", &numbers), INK.fill("", &names.concat())].concat()
+        [lines, SOFT.fill("", &numbers), INK.fill("", &names.concat())].concat()
     }
 }
 
