@@ -77,16 +77,16 @@ impl Chart {
     /// The picture as a file; `None` if nothing extends along both axes.
     #[must_use]
     pub fn svg(&self) -> Option<String> {
-        self.drawing(&format!("<style>{}</style>\n", paint::dark_style()))
+        self.drawing("xmlns=\"http://www.w3.org/2000/svg\" ", &format!("<style>{}</style>\n", paint::dark_style()))
     }
 
     /// The picture within a page that has the style of [`dark_style`](paint::dark_style).
     #[cfg(feature = "html")]
     pub(super) fn inline(&self) -> Option<String> {
-        self.drawing("")
+        self.drawing("", "")
     }
 
-    fn drawing(&self, style: &str) -> Option<String> {
+    fn drawing(&self, namespace: &str, style: &str) -> Option<String> {
         let Self { width, height, .. } = self;
         let legend = self.legend();
         let top = MARGIN + LINE + legend.height + LINE;
@@ -97,7 +97,7 @@ impl Chart {
         let plane = Plane { x, y };
         let layers: String = self.painted().map(|(layer, paint)| layer.shape.drawn(paint, &plane)).collect();
         Some(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" width=\"{width}\" height=\"{height}\" \
+            "<svg {namespace}class=\"chart\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\" \
              font-size=\"{size}\"><title>{title}</title><desc>{desc}</desc>\n\
              {style}{paper}{heading}{legend}{axes}{layers}</svg>\n",
