@@ -19,7 +19,7 @@ use rackmesh::gear::Pair;
 use rackmesh::mesh::{Mesh, Support};
 use rackmesh::multibody::{ContactModel, Outcome, Parameters, Scene, SphereGrid, StripGrid};
 use rackmesh::quantity::{Angle, Length};
-use rackmesh::report::plot::{LogPlot, LogSeries};
+use rackmesh::report::chart::{Axis, Chart, Layer, Scale, Shape};
 use rackmesh::reproduction::{self, FACE_WIDTH, PRESSURE_ANGLE};
 
 /// Strokes at which only deviating teeth touch, mm.
@@ -34,6 +34,12 @@ struct Row {
     setting: String,
     time_s: f64,
     error_mm: f64,
+}
+
+impl Row {
+    fn point(&self) -> (f64, f64) {
+        (self.time_s, self.error_mm)
+    }
 }
 
 /// One kind of error: what it is, and the rack that has it from tooth 4 on.
@@ -177,6 +183,38 @@ fn measure(case: &Case) -> Result<Vec<Row>, Box<dyn Error>> {
     Ok(rows)
 }
 
+/// The points that no other point beats in both run time and error (the Pareto front), from left to right.
+fn front(rows: &[Row]) -> Vec<(f64, f64)> {
+    let mut points: Vec<_> = rows.iter().map(Row::point).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut lowest = f64::INFINITY;
+    points.retain(|point| {
+        let better = point.1 < lowest;
+        lowest = lowest.min(point.1);
+        better
+    });
+    points
+}
+
+/// Error against run time: a line for each model, and the front as a staircase.
+fn chart(case: &Case, rows: &[Row], front: &[(f64, f64)]) -> Chart {
+    let next = front.iter().skip(1).map(|point| point.0).chain([f64::NAN]);
+    let stairs = front.iter().zip(next).flat_map(|(point, next)| [*point, (next, point.1)]);
+    let mut layers = vec![Layer::new("no setting is both faster and closer", Shape::Trail(stairs.collect()))];
+    for rows in rows.chunk_by(|a, b| a.model == b.model) {
+        layers.push(Layer::new(rows[0].model, Shape::Track(rows.iter().map(Row::point).collect())));
+    }
+    let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Logarithmic };
+    Chart {
+        title: format!("Run time against error: {}", case.title),
+        x: axis("run time for 50 mm of stroke, one core [s]"),
+        y: axis("error of ΔCD, rms [mm]"),
+        layers,
+        height: 560.0,
+        ..Chart::default()
+    }
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| "benches/results".to_owned());
     if folder.starts_with('-') {
@@ -194,23 +232,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut csv = "case,model,setting,time_s,rms_error_mm,on_front\n".to_owned();
     for case in cases() {
         let rows = measure(&case)?;
-        let mut plot = LogPlot {
-            title: format!("Run time against error: {}", case.title),
-            x_label: "run time for 50 mm of stroke, one core [s]".to_owned(),
-            y_label: "error of ΔCD, rms [mm]".to_owned(),
-            series: Vec::new(),
-        };
-        for row in &rows {
-            let point = (row.time_s, row.error_mm);
-            match plot.series.iter_mut().find(|series| series.label == row.model) {
-                Some(series) => series.points.push(point),
-                None => plot.series.push(LogSeries { label: row.model.to_owned(), points: vec![point] }),
-            }
-        }
-        let front = plot.front();
+        let front = front(&rows);
         println!("\n{}\n{:28} {:34} {:>12} {:>14}", case.title, "model", "setting", "run time [s]", "rms error [mm]");
         for row in &rows {
-            let on_front = front.contains(&(row.time_s, row.error_mm));
+            let on_front = front.contains(&row.point());
             let mark = if on_front { " *" } else { "" };
             println!("{:28} {:34} {:12.3e} {:14.3e}{mark}", row.model, row.setting, row.time_s, row.error_mm);
             writeln!(
@@ -219,7 +244,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 case.name, row.model, row.setting, row.time_s, row.error_mm
             )?;
         }
-        std::fs::write(folder.join(format!("run-time-and-error-{}.svg", case.name)), plot.svg()?)?;
+        let svg = chart(&case, &rows, &front).svg().ok_or("nothing was measured")?;
+        std::fs::write(folder.join(format!("run-time-and-error-{}.svg", case.name)), svg)?;
     }
     println!("\n* no setting is both faster and closer");
     std::fs::write(folder.join("run-time-and-error.csv"), csv)?;

@@ -15,7 +15,6 @@ use crate::judge::bound::{Basis, Open};
 use crate::judge::class::{ErrorClass, deviation_of};
 use crate::judge::{Interval, Limit, LimitTarget};
 use crate::quantity::Length;
-use crate::report::plot::{Bar, TornadoPlot};
 use crate::report::{BudgetReport, Format, bound_remarks};
 use crate::spec::{Spec, keys};
 
@@ -63,7 +62,7 @@ pub(super) struct Args {
     /// Do not look for the worst teeth to put the tolerances on.
     #[arg(long)]
     no_mesh: bool,
-    /// Draw the tornado plot to this file (.svg or .png).
+    /// Draw the tornado plot to this file (SVG); the name ends in .svg.
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
     #[command(flatten)]
@@ -125,7 +124,7 @@ impl Args {
             screen: output.screen(),
         };
         if let Some(picture) = &picture {
-            draw(picture, &report)?;
+            picture.write(&report.chart())?;
         }
         output.report(&report, self.format)?;
         Ok(if budget.is_feasible() { Status::Pass } else { Status::Fail })
@@ -211,13 +210,4 @@ fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
         limiting.grades().rev().filter_map(|grade| spec.class_of(kind, grade)).find(within)
     })
     .collect()
-}
-
-/// Writes the tornado plot.
-fn draw(picture: &Picture, report: &BudgetReport<'_>) -> Result<(), Failure> {
-    let bars = report.bars().into_iter().map(|(label, from_mm, to_mm, pale)| Bar { label, from_mm, to_mm, pale });
-    let limits = [report.limit.lower, report.limit.upper].into_iter().flatten().map(Length::mm).collect();
-    let title = report.title.unwrap_or("ΔCD by error").to_owned();
-    let plot = TornadoPlot { title, bars: bars.collect(), limits };
-    picture.write(|| plot.svg(), || plot.png())
 }

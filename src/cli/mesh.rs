@@ -15,8 +15,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Prediction, Verdict};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
+use crate::report::chart::{Chart, Layer, Mark, Shape, Span};
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::plot::{CurvePlot, Mark, Series};
 use crate::report::{Format, MeshReport};
 use crate::spec::{Located, MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation, keys};
 use crate::table::{self, Source, Teeth};
@@ -42,7 +42,7 @@ pub(super) struct Args {
     /// List this many strokes, both ends included.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
     points: Option<u32>,
-    /// Write the curve as a picture; the name ends in .svg or .png.
+    /// Write the curve as a picture (SVG); the name ends in .svg.
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
     #[command(flatten)]
@@ -279,8 +279,7 @@ impl Args {
             screen: output.screen(),
         };
         if let Some(picture) = &picture {
-            let plot = plot(&report);
-            picture.write(|| plot.svg(), || plot.png())?;
+            picture.write(&chart(&report))?;
         }
         let interrupted = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output)?,
@@ -424,29 +423,28 @@ fn list(
     }
 }
 
-/// The picture of a curve.
-fn plot(report: &MeshReport<'_>) -> CurvePlot {
+/// The picture of a curve, with what it is held against.
+pub(super) fn chart(report: &MeshReport<'_>) -> Chart {
     let marks = report.curve.kinks.iter().filter_map(|kink| {
         let (before, after) = (kink.before, kink.after);
-        let label = match (before.0.rack_tooth != after.0.rack_tooth, before.1.rack_tooth != after.1.rack_tooth) {
+        let text = match (before.0.rack_tooth != after.0.rack_tooth, before.1.rack_tooth != after.1.rack_tooth) {
             (true, true) => format!("r{} l{}", after.0.rack_tooth, after.1.rack_tooth),
             (true, false) => format!("r{}", after.0.rack_tooth),
             (false, true) => format!("l{}", after.1.rack_tooth),
             // the place on the flank changes, not the tooth
             (false, false) => return None,
         };
-        Some(Mark { stroke_mm: kink.stroke_mm, delta_cd_mm: kink.delta_cd_mm, label })
+        Some(Mark { x: kink.stroke_mm, y: kink.delta_cd_mm, text })
     });
     let limits = report.limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]);
-    CurvePlot {
-        title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
-        curves: vec![Series {
-            label: "exact mesh".to_owned(),
-            points: report.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect(),
-        }],
-        band: Some(report.prediction.range_mm()),
-        limits: limits.flatten().map(Length::mm).collect(),
-        marks: marks.collect(),
-        ..CurvePlot::default()
-    }
+    let points: Vec<_> = report.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
+    let (low, high) = report.prediction.range_mm();
+    let ends = points.first().into_iter().chain(points.last());
+    let layers = vec![
+        Layer::new("formulas", Shape::Band(ends.map(|(x, _)| Span { x: *x, low, high }).collect())),
+        Layer::new("limits", Shape::Limits(limits.flatten().map(Length::mm).collect())),
+        Layer::new("exact mesh", Shape::Line(points)),
+        Layer::new("contact moves to the right (r) or left (l) flank of a tooth", Shape::Marks(marks.collect())),
+    ];
+    Chart::along_the_stroke(report.title.unwrap_or("ΔCD along the stroke"), layers)
 }

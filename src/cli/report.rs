@@ -17,7 +17,8 @@ use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Stack};
 use crate::quantity::Length;
-use crate::report::html::{Chart, InputFile, Page, Section};
+use crate::report::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
+use crate::report::html::{InputFile, Page, Section};
 use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
 use crate::spec::{Spec, keys};
 use crate::table::Want;
@@ -187,17 +188,7 @@ impl Args {
             notes: mesh::notes(&input),
             screen: Screen::default(),
         };
-        let line = curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
-        let ends = limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]).flatten().map(Length::mm);
-        let chart = Chart {
-            caption: "ΔCD along the stroke by the exact mesh (line), the range of the formulas (band), limits (dashed)"
-                .to_owned(),
-            axes: ("stroke [mm]".to_owned(), "ΔCD [mm]".to_owned()),
-            lines: vec![line],
-            band: Some(prediction.range_mm()),
-            limits: ends.collect(),
-            ..Chart::default()
-        };
+        let chart = mesh::chart(&report);
         let blocks = without_verdict(report.blocks(), page, "the mesh");
         page.sections.push(Section { heading, charts: vec![chart], blocks, ..Section::default() });
         Ok(())
@@ -378,16 +369,27 @@ fn histograms(plan: &Plan, outcome: &crate::batch::Outcome) -> (Option<Chart>, V
         let (Some(low), Some(high)) = (statistics.min_mm(), statistics.max_mm()) else { continue };
         let limits = plan.quantity_limits().get(index).copied().unwrap_or_default();
         let (low, high) = if high > low { (low, high.next_up()) } else { (low - 0.000_5, high + 0.000_5) };
-        let counts: Vec<f64> = statistics.histogram(low, high, BINS).into_iter().map(|count| count as f64).collect();
+        let counts = statistics.histogram(low, high, BINS);
         let edge = |bin: usize| low + (high - low) * bin as f64 / BINS as f64;
         let title = name.trim_end_matches("_mm").replace("delta_cd_", "ΔCD of ").replace('_', " ");
-        let dashed = if limits == (None, None) { "" } else { "; limits dashed" };
+        let bars = counts.into_iter().enumerate().map(|(bin, count)| Bar {
+            left: edge(bin),
+            right: edge(bin + 1),
+            low: 0.0,
+            high: count as f64,
+            text: String::new(),
+        });
+        let (width, height) = if is_error { (420.0, 300.0) } else { (800.0, 400.0) };
         let chart = Chart {
-            caption: format!("Histogram of {title}{dashed}"),
-            axes: (format!("{title} [mm]"), "parts".to_owned()),
-            bars: counts.into_iter().enumerate().map(|(bin, count)| (edge(bin), edge(bin + 1), count)).collect(),
-            limits: [limits.0, limits.1].into_iter().flatten().collect(),
-            ..Chart::default()
+            title: format!("Histogram of {title}"),
+            x: Axis { label: format!("{title} [mm]"), scale: Scale::Airy },
+            y: Axis { label: "parts".to_owned(), scale: Scale::Whole },
+            layers: vec![
+                Layer::new("", Shape::Bars(bars.collect())),
+                Layer::new("limits", Shape::LimitsOnX([limits.0, limits.1].into_iter().flatten().collect())),
+            ],
+            width,
+            height,
         };
         if is_error {
             charts.push(chart);
@@ -451,18 +453,18 @@ impl RunChart {
         let limit = plan.limits().iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
         let limits = limit.into_iter().flat_map(|(_, limit)| [limit.lower, limit.upper]).flatten().map(Length::mm);
         let at = |index: usize| (index as u64 * self.size + 1) as f64;
-        let range: Vec<_> =
-            self.groups.iter().enumerate().map(|(index, (low, high))| (at(index), *low, *high)).collect();
+        let groups = self.groups.iter().enumerate();
+        let spans: Vec<_> = groups.map(|(index, (low, high))| Span { x: at(index), low: *low, high: *high }).collect();
         let grouped = if self.size > 1 { format!("; each point holds {} parts", self.size) } else { String::new() };
         Some(Chart {
-            caption: format!(
-                "Run chart: ΔCD from its lowest to its highest value, in the order of the rows; limits dashed{grouped}"
-            ),
-            axes: ("part".to_owned(), "ΔCD [mm]".to_owned()),
-            lines: vec![range.iter().map(|(at, _, high)| (*at, *high)).collect()],
-            range,
-            limits: limits.collect(),
-            counts: true,
+            title: format!("Run chart: ΔCD in the order of the rows{grouped}"),
+            x: Axis { label: "part".to_owned(), scale: Scale::Whole },
+            y: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
+            layers: vec![
+                Layer::new("highest", Shape::Line(spans.iter().map(|span| (span.x, span.high)).collect())),
+                Layer::new("lowest to highest", Shape::Band(spans)),
+                Layer::new("limits", Shape::Limits(limits.collect())),
+            ],
             ..Chart::default()
         })
     }

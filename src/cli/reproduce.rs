@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::report::plot::{CurvePlot, Series};
+use crate::report::chart::{Chart, Layer, Shape};
 use crate::report::{Format, Reproduction};
 use crate::reproduction::PaperTable;
 
@@ -40,16 +40,13 @@ impl Args {
             ] {
                 for (sign, suffix) in [('+', "plus"), ('-', "minus")] {
                     let curves = reproduction.curves(table, sign);
-                    let curves = curves.map(|(label, points)| Series { label: label.to_owned(), points });
-                    let plot = CurvePlot {
-                        title: format!("{what}: centre distance over the stroke, simulated"),
-                        y_label: "centre distance [mm]",
-                        curves: curves.collect(),
-                        ..CurvePlot::default()
-                    };
+                    let layers = curves.map(|(label, points)| Layer::new(label, Shape::Line(points))).collect();
+                    let title = format!("{what}: centre distance over the stroke, simulated");
+                    let mut chart = Chart::along_the_stroke(&title, layers);
+                    "centre distance [mm]".clone_into(&mut chart.y.label);
                     let path = folder.join(format!("{name}-{suffix}.svg"));
                     let path = path.display().to_string();
-                    Picture::new(&path, Vec::new())?.write(|| plot.svg(), || plot.png())?;
+                    Picture::new(&path, Vec::new())?.write(&chart)?;
                     output.remark(&format!("wrote {path}"));
                 }
             }

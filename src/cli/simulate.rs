@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::Mesh;
 use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
 use crate::quantity::Length;
-use crate::report::plot::{CurvePlot, Series};
+use crate::report::chart::{Chart, Layer, Shape};
 use crate::report::{Format, SimulationReport};
 
 pub(super) const ABOUT: &str =
@@ -36,7 +36,7 @@ pub(super) struct Args {
     /// Travel from one printed position to the next; overrides `simulation.spacing`.
     #[arg(long, value_name = "LENGTH")]
     spacing: Option<Length>,
-    /// Write ΔCD over the stroke as a picture, the exact mesh beside it; the name ends in .svg or .png.
+    /// Write ΔCD over the stroke as a picture (SVG), the exact mesh beside it; the name ends in .svg.
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
     #[command(flatten)]
@@ -84,11 +84,11 @@ impl Args {
             screen: output.screen(),
         };
         if let Some(picture) = &picture {
-            let plot = plot(&report, &input.mesh);
+            let chart = chart(&report, &input.mesh);
             if matches!(outcome.end, RunEnd::Completed) {
-                picture.write(|| plot.svg(), || plot.png())?;
+                picture.write(&chart)?;
             } else if !outcome.samples.is_empty()
-                && let Some(partial) = picture.write_partial(|| plot.svg(), || plot.png())?
+                && let Some(partial) = picture.write_partial(&chart)?
             {
                 output.remark(&format!("{partial} shows what was computed"));
             }
@@ -115,20 +115,15 @@ impl Args {
 }
 
 /// ΔCD over the stroke, the exact mesh beside it.
-fn plot(report: &SimulationReport<'_>, mesh: &Mesh) -> CurvePlot {
+fn chart(report: &SimulationReport<'_>, mesh: &Mesh) -> Chart {
     let samples = report.outcome.samples.iter();
     let strokes: Vec<f64> = samples.clone().map(|sample| sample.stroke_mm).collect();
     let exact = strokes.iter().zip(mesh.sample(&strokes));
     let exact = exact.filter_map(|(stroke, point)| Some((*stroke, point.ok()?.delta_cd_mm)));
-    CurvePlot {
-        title: report.title.unwrap_or("ΔCD along the stroke").to_owned(),
-        curves: vec![
-            Series {
-                label: "simulated".to_owned(),
-                points: samples.map(|sample| (sample.stroke_mm, sample.delta_cd_mm)).collect(),
-            },
-            Series { label: "exact mesh".to_owned(), points: exact.collect() },
-        ],
-        ..CurvePlot::default()
-    }
+    let simulated = samples.map(|sample| (sample.stroke_mm, sample.delta_cd_mm));
+    let layers = vec![
+        Layer::new("simulated", Shape::Line(simulated.collect())),
+        Layer::new("exact mesh", Shape::Line(exact.collect())),
+    ];
+    Chart::along_the_stroke(report.title.unwrap_or("ΔCD along the stroke"), layers)
 }

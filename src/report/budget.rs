@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::evaluation::{ON_WORST_TEETH, class_json, interval_json, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table};
@@ -68,21 +69,64 @@ fn sensitivities(budget: &Budget) -> Vec<(String, &'static str, f64)> {
     all
 }
 
-/// The ΔCD that an error may make, from lowest to highest, mm.
-fn swing(line: &Line) -> (f64, f64) {
-    (line.range.lower.mm().min(0.0), line.range.upper.mm())
+/// The ΔCD that an error may make.
+struct Swing {
+    error: String,
+    from_mm: f64,
+    to_mm: f64,
+    is_fixed: bool,
+}
+
+impl Swing {
+    fn of(line: &Line) -> Self {
+        let (from_mm, to_mm) = (line.range.lower.mm().min(0.0), line.range.upper.mm());
+        Self { error: line.error.kind().to_string(), from_mm, to_mm, is_fixed: line.is_fixed }
+    }
+
+    fn width_mm(&self) -> f64 {
+        self.to_mm - self.from_mm
+    }
 }
 
 impl BudgetReport<'_> {
-    /// The bars of the tornado plot, widest first: name, from, to, whether fixed.
+    /// What the errors may make, widest first.
+    fn swings(&self) -> Vec<Swing> {
+        let mut swings: Vec<_> = self.budget.lines.iter().map(Swing::of).collect();
+        swings.sort_by(|a, b| b.width_mm().total_cmp(&a.width_mm()));
+        swings
+    }
+
+    /// The tornado plot: a horizontal bar for each error, widest first.
     #[must_use]
-    pub fn bars(&self) -> Vec<(String, f64, f64, bool)> {
-        let mut lines: Vec<&Line> = self.budget.lines.iter().collect();
-        lines.sort_by(|a, b| (swing(b).1 - swing(b).0).total_cmp(&(swing(a).1 - swing(a).0)));
-        lines
-            .into_iter()
-            .map(|line| (line.error.kind().to_string(), swing(line).0, swing(line).1, line.is_fixed))
-            .collect()
+    pub fn chart(&self) -> Chart {
+        let swings = self.swings();
+        let bars = |are_fixed: bool| {
+            let rows = swings.iter().enumerate().filter(move |(_, swing)| swing.is_fixed == are_fixed);
+            let bar = |(row, swing): (usize, &Swing)| Bar {
+                left: swing.from_mm,
+                right: swing.to_mm,
+                low: row as f64 + 0.15,
+                high: row as f64 + 0.85,
+                text: millimetres(swing.to_mm),
+            };
+            Shape::Bars(rows.map(bar).collect())
+        };
+        let limits = [self.limit.lower, self.limit.upper].into_iter().flatten().map(Length::mm).collect();
+        Chart {
+            title: self.title.unwrap_or("ΔCD by error").to_owned(),
+            x: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
+            y: Axis {
+                label: "error".to_owned(),
+                scale: Scale::Names(swings.iter().map(|s| s.error.clone()).collect()),
+            },
+            layers: vec![
+                Layer::new("free tolerance", bars(false)),
+                Layer::new("fixed tolerance", bars(true)),
+                Layer::new("limits", Shape::LimitsOnX(limits)),
+            ],
+            height: 150.0 + 44.0 * swings.len() as f64,
+            ..Chart::default()
+        }
     }
 
     /// What the free tolerances add up to, in words.
@@ -117,15 +161,15 @@ impl BudgetReport<'_> {
     fn tornado(&self) -> Option<String> {
         const NAME: usize = 17;
         let width = self.screen.drawing_width()?.checked_sub(NAME + 24).filter(|width| *width >= 10)?.min(80);
-        let bars = self.bars();
-        let low = bars.iter().map(|bar| bar.1).fold(0.0, f64::min);
-        let high = bars.iter().map(|bar| bar.2).fold(0.0, f64::max);
+        let swings = self.swings();
+        let low = swings.iter().map(|swing| swing.from_mm).fold(0.0, f64::min);
+        let high = swings.iter().map(|swing| swing.to_mm).fold(0.0, f64::max);
         if high <= low {
             return None;
         }
         let column = |mm: f64| ((mm - low) / (high - low) * width as f64).round() as usize;
         let zero = column(0.0);
-        let lines = bars.iter().map(|(name, from, to, is_fixed)| {
+        let lines = swings.iter().map(|Swing { error, from_mm: from, to_mm: to, is_fixed }| {
             let (from_column, to_column) = (column(*from), column(*to).max(column(*from) + 1));
             let fill = if *is_fixed { '▒' } else { '█' };
             let bar: String = (0..=width)
@@ -136,7 +180,7 @@ impl BudgetReport<'_> {
                 })
                 .collect();
             let ends = if *from == -*to { format!("±{to:.4}") } else { format!("{from:.4} … {to:.4}") };
-            format!("{name:<NAME$} {bar} {ends}")
+            format!("{error:<NAME$} {bar} {ends}")
         });
         Some(lines.collect::<Vec<_>>().join("\n"))
     }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::batch::{Basis, grouped, whereabouts};
+use super::escape;
 use super::number::millimetres;
 use super::reading::remarks;
 use crate::batch::{Outcome, Part};
@@ -154,23 +155,9 @@ fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Doubt> {
     doubts
 }
 
-/// Text in XML 1.0, which has no place for most control characters.
+/// Text in an attribute of XML, which would lose its line breaks.
 fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\n' => out.push_str("&#10;"),
-            '\r' => out.push_str("&#13;"),
-            '\t' => out.push_str("&#9;"),
-            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
+    escape(text).replace('\n', "&#10;").replace('\r', "&#13;").replace('\t', "&#9;")
 }
 
 /// The batch as workflow commands of GitHub Actions: what keeps it from speaking for all parts, the first parts that did

@@ -12,6 +12,7 @@
 mod batch;
 mod budget;
 mod calculation;
+pub mod chart;
 #[cfg(feature = "batch")]
 mod ci;
 mod class;
@@ -23,8 +24,6 @@ mod mesh;
 pub mod mesh_points;
 mod number;
 mod paste;
-#[cfg(feature = "plot")]
-pub mod plot;
 #[cfg(feature = "table")]
 mod qdas;
 mod racks;
@@ -111,6 +110,24 @@ pub trait Report {
 
     /// The result for people.
     fn blocks(&self) -> Vec<Block>;
+}
+
+/// Text that cannot be taken for markup, in an element or in an attribute; XML has no place for most control characters.
+fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' | '\r' | '\t' => out.push(c),
+            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
 }
 
 /// The end of a verdict's sentence: what the parts were judged without, as the user asked for.

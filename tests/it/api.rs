@@ -28,8 +28,6 @@ fn errors_are_errors() {
     error::<rackmesh::uncertainty::UncertaintyError>();
     error::<rackmesh::reproduction::ReproductionError>();
     error::<rackmesh::diagnostic::Diagnostics>();
-    #[cfg(feature = "plot")]
-    error::<rackmesh::report::plot::PlotError>();
     #[cfg(feature = "batch")]
     error::<rackmesh::batch::RunError>();
 }

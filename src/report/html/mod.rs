@@ -1,17 +1,12 @@
 //! Reports as one page that needs nothing else: no network, no script, no font.
 //!
 //! The command line fills a [`Page`] with the blocks of other reports and with charts; [`Page::html`] writes it.
-//! Colours follow the reader's light or dark setting, and print is always light. All text goes through [`escape`].
-
-mod chart;
-
-pub use chart::Chart;
-
-use std::borrow::Cow;
+//! Colours follow the reader's light or dark setting, and print is always light. All text is escaped.
 
 use sha2::{Digest as _, Sha256};
 
-use super::{Align, Block, Table};
+use super::chart::{self, Chart};
+use super::{Align, Block, Table, escape};
 use crate::judge::Verdict;
 
 /// A part of a page.
@@ -84,26 +79,6 @@ pub struct Page {
     pub inputs: Vec<InputFile>,
 }
 
-/// Text that cannot be taken for markup, in an element or in an attribute.
-#[must_use]
-pub fn escape(text: &str) -> Cow<'_, str> {
-    if !text.contains(['&', '<', '>', '"', '\'']) {
-        return text.into();
-    }
-    let mut out = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c => out.push(c),
-        }
-    }
-    out.into()
-}
-
 impl Page {
     /// The page.
     #[must_use]
@@ -114,10 +89,11 @@ impl Page {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"generator\" content=\"rackmesh {version}\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
-             <title>{title}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n\
+             <title>{title}</title>\n<style>\n{style}{dark}\n</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n\
              <p class=\"soft\">Predicted movement of the operating centre distance (ΔCD) of a rack and pinion; rackmesh {version}</p>\n",
             version = env!("CARGO_PKG_VERSION"),
             style = include_str!("style.css"),
+            dark = chart::dark_style(),
         );
         for Headline { verdict, sentence } in &self.verdicts {
             out += &verdict_html(*verdict, sentence);
@@ -128,10 +104,10 @@ impl Page {
                 escape(&section.heading)
             );
             for chart in &section.charts {
-                out += &chart.html();
+                out += &figure(chart);
             }
             if !section.small_charts.is_empty() {
-                let charts: String = section.small_charts.iter().map(Chart::html).collect();
+                let charts: String = section.small_charts.iter().map(figure).collect();
                 out += &format!("<div class=\"small\">\n{charts}</div>\n");
             }
             for block in &section.blocks {
@@ -167,6 +143,11 @@ impl Page {
     }
 }
 
+/// A picture; nothing if it shows nothing.
+fn figure(chart: &Chart) -> String {
+    chart.inline().map_or_else(String::new, |svg| format!("<figure>{svg}</figure>\n"))
+}
+
 fn verdict_html(verdict: Option<Verdict>, sentence: &str) -> String {
     let class = verdict.map_or("open", Verdict::name);
     let word = verdict.map_or("No verdict", Verdict::name).to_uppercase();
@@ -188,7 +169,7 @@ fn block_html(block: &Block) -> String {
 /// A table; what its first column is called names it.
 fn table_html(table: &Table) -> String {
     let class = |align: Align| if align == Align::Right { " class=\"n\"" } else { "" };
-    let heading = |text: &str| escape(&text.replace('\n', " ")).into_owned();
+    let heading = |text: &str| escape(&text.replace('\n', " "));
     let name = table.columns.first().map_or_else(String::new, |column| heading(&column.heading));
     let mut out = format!(
         "<div class=\"scroll\" role=\"region\" aria-label=\"{name}\" tabindex=\"0\"><table>\n<caption>{name}</caption>\n<thead><tr>"
@@ -216,6 +197,7 @@ fn table_html(table: &Table) -> String {
 mod tests {
     use super::*;
     use crate::report::Column;
+    use crate::report::chart::{Axis, Layer, Shape};
 
     #[test]
     fn text_never_becomes_markup() {
@@ -230,9 +212,10 @@ mod tests {
             sections: vec![Section {
                 heading: evil.to_owned(),
                 charts: vec![Chart {
-                    caption: evil.to_owned(),
-                    axes: (evil.to_owned(), evil.to_owned()),
-                    lines: vec![vec![(0.0, 0.0), (1.0, 1.0)]],
+                    title: evil.to_owned(),
+                    x: Axis { label: evil.to_owned(), ..Axis::default() },
+                    y: Axis { label: evil.to_owned(), ..Axis::default() },
+                    layers: vec![Layer::new(evil, Shape::Line(vec![(0.0, 0.0), (1.0, 1.0)]))],
                     ..Chart::default()
                 }],
                 small_charts: Vec::new(),
