@@ -15,7 +15,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | `encoding`, `chunk`, `split`, `grid` | bytes to text, text to records, records to cells |
-//! | `workbook`, `qdas`, `parquet` | files whose cells are typed |
+//! | `workbook`, `qdas`, `parquet`, `typed` | files whose cells are typed |
 //! | `names` | what headings mean, in four languages |
 //! | `shape` | where the names stand, which cells belong to them |
 //! | `number`, `column`, `companions` | what a cell means |
@@ -62,6 +62,7 @@ mod split;
 mod strangers;
 mod teeth;
 mod text;
+mod typed;
 mod understand;
 mod want;
 pub mod workbook;
@@ -175,7 +176,7 @@ impl Table {
             header_raw: Vec::new(),
             encoding: Encoding::PLAIN,
             place: Place::Line,
-            pieces: Pieces::blocks(Vec::new()),
+            pieces: Pieces::Blocks(Vec::new()),
         }
     }
 

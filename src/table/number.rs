@@ -7,6 +7,9 @@
 
 use std::borrow::Cow;
 
+use crate::deviation::DeviationValue;
+use crate::quantity::{Angle, Decimal, Length, QuantityError, Unit};
+
 /// Which character separates the decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -178,6 +181,14 @@ fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
         at = end;
     }
     Some((number, at))
+}
+
+/// A number in a unit.
+pub(crate) fn quantity(number: Decimal, unit: Unit) -> Result<DeviationValue, QuantityError> {
+    match unit {
+        Unit::Length(unit) => Length::of_number(number, unit).map(DeviationValue::Length),
+        Unit::Angle(unit) => Angle::of_number(number, unit).map(DeviationValue::Angle),
+    }
 }
 
 /// How a cell can be read.

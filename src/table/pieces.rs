@@ -31,8 +31,8 @@ impl Place {
     }
 }
 
-type Blocks = Box<dyn Iterator<Item = io::Result<Block>> + Send>;
-type MakeBlocks = Box<dyn FnOnce(&Rows) -> Blocks + Send>;
+pub(crate) type Blocks = Box<dyn Iterator<Item = io::Result<Block>> + Send>;
+type MakeBlocks = Box<dyn FnOnce(Rows) -> Blocks + Send>;
 
 /// The rows of a table, not yet read.
 pub(crate) enum Pieces {
@@ -70,20 +70,7 @@ enum Source {
 }
 
 impl Pieces {
-    pub(crate) fn stream(setup: Setup, chunks: Chunker, lines: u64) -> Self {
-        Self::Stream { setup, chunks, lines }
-    }
-
-    pub(crate) fn blocks(blocks: Vec<Block>) -> Self {
-        Self::Blocks(blocks)
-    }
-
-    pub(crate) fn later(setup: Setup, make: impl FnOnce(&Rows) -> Vec<Block> + Send + 'static) -> Self {
-        let make = move |rows: &Rows| -> Blocks { Box::new(make(rows).into_iter().map(Ok)) };
-        Self::Later { setup, make: Box::new(make) }
-    }
-
-    pub(crate) fn streamed_later(setup: Setup, make: impl FnOnce(&Rows) -> Blocks + Send + 'static) -> Self {
+    pub(crate) fn later(setup: Setup, make: impl FnOnce(Rows) -> Blocks + Send + 'static) -> Self {
         Self::Later { setup, make: Box::new(make) }
     }
 
@@ -103,7 +90,7 @@ impl Pieces {
             }
             Self::Later { setup, make } => {
                 let rows = Rows::new(setup, wanted);
-                let blocks = make(&rows);
+                let blocks = make(rows.clone());
                 (Some(rows), queue(Source::Blocks(blocks), None, 0))
             }
             Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), None, 0)),

@@ -133,6 +133,11 @@ pub(super) fn fold(text: &str) -> String {
     out.replace("ae", "a").replace("oe", "o").replace("ue", "u")
 }
 
+/// A text as names are compared that are no words of the vocabulary: folded, with a blank between words.
+pub(super) fn joined(text: &str) -> String {
+    fold(text).replace(['_', '-'], " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Whether a capital follows a small letter (`rackPitch`), or a digit a letter or the reverse.
 fn starts_word(before: char, c: char) -> bool {
     (before.is_lowercase() && c.is_uppercase())
