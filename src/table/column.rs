@@ -3,7 +3,7 @@
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::bare_unit;
-use super::names::{Field, Holds};
+use super::names::{Field, ValueKind};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
 use super::strangers::unit_in;
@@ -60,7 +60,7 @@ pub(crate) struct Column {
     pub(crate) place: usize,
     pub(crate) unit: Unit,
     pub(crate) unit_from: UnitFrom,
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ValueKind>,
     pub(crate) nominal: Nominal,
     pub(crate) evaluated: Evaluated,
     /// The nominal value that the spec gives, where the table has its own.
@@ -202,7 +202,7 @@ impl Column {
     fn take_nominal(&mut self, kind: DeviationKind, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
         self.module = want.module;
         self.farthest = Reach::possible(want.module);
-        if self.holds == Some(Holds::Deviation) {
+        if self.holds == Some(ValueKind::Deviation) {
             return Ok(());
         }
         let in_spec = want.given(kind).and_then(|given| given.nominal.clone());
@@ -211,7 +211,7 @@ impl Column {
             self.stated = in_spec.and_then(Result::ok);
         } else if let Some(nominal) = in_spec {
             self.nominal = Nominal::Fixed(nominal?);
-        } else if self.holds == Some(Holds::Measured) && !want.only_shown {
+        } else if self.holds == Some(ValueKind::Measured) && !want.only_shown {
             let message =
                 format!("`{}` holds measured values, and nothing tells the nominal value of {kind}", self.title);
             return Err(Diagnostic::error(Code::MissingKey, message)

@@ -21,6 +21,14 @@ pub enum DecimalMark {
 }
 
 impl DecimalMark {
+    /// `point` or `comma`.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Comma => "comma",
+        }
+    }
+
     /// Both.
     pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
 
@@ -35,10 +43,7 @@ impl DecimalMark {
 
     /// The character.
     pub(crate) const fn character(self) -> char {
-        match self {
-            Self::Point => '.',
-            Self::Comma => ',',
-        }
+        self.byte() as char
     }
 
     /// The character, as the byte that it is in every code of text.

@@ -4,7 +4,7 @@
 use std::io;
 
 use super::block::Block;
-use super::chunk::{Chunker, Holds};
+use super::chunk::{ChunkContent, Chunker};
 use super::rows::{Rows, Setup, Wanted};
 use super::split::next_record;
 
@@ -48,7 +48,7 @@ pub(crate) enum Pieces {
 #[derive(Default)]
 pub(crate) struct Piece {
     pub(crate) bytes: Vec<u8>,
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ChunkContent>,
     pub(crate) block: Block,
     /// Records before it.
     pub(crate) records_before: u64,
@@ -147,8 +147,8 @@ impl Piece {
 }
 
 /// How many records there are in a chunk.
-fn records_in(bytes: &[u8], holds: Holds, separator: u8) -> u64 {
-    if let Holds::Piece { first, .. } = holds {
+fn records_in(bytes: &[u8], holds: ChunkContent, separator: u8) -> u64 {
+    if let ChunkContent::Piece { first, .. } = holds {
         return u64::from(first);
     }
     let (mut fields, mut at, mut lines, mut count) = (Vec::new(), 0, 0, 0);

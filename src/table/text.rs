@@ -171,11 +171,8 @@ impl Text {
         }
         self.chunks.skip(at);
         self.chunks.set_separator(separator);
-        table.pieces = Pieces::Stream {
-            setup: setup(understood, separator, true, want),
-            chunks: self.chunks,
-            lines: self.lines,
-        };
+        table.pieces =
+            Pieces::Stream { setup: setup(understood, separator, true, want), chunks: self.chunks, lines: self.lines };
         Ok(table)
     }
 

@@ -106,7 +106,7 @@ impl std::str::FromStr for Field {
 
 /// Whether a column holds the measured value itself or its deviation from nominal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Holds {
+pub enum ValueKind {
     /// The value.
     Measured,
     /// Measured minus nominal.
@@ -136,7 +136,7 @@ pub(crate) struct Heading {
     /// What it says of that.
     pub(crate) aspect: Aspect,
     /// Whether values are measured values or deviations, if the heading says so.
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ValueKind>,
     /// The unit as it is written, known or not.
     pub(crate) unit: Option<String>,
     /// Whether it is in a language that writes decimal commas.
@@ -245,11 +245,11 @@ fn aspect(senses: &[Sense]) -> Option<Aspect> {
     })
 }
 
-fn holds(senses: &[Sense]) -> Option<Holds> {
+fn holds(senses: &[Sense]) -> Option<ValueKind> {
     if senses.iter().any(|sense| matches!(sense, Sense::Deviation | Sense::Error(_))) {
-        return Some(Holds::Deviation);
+        return Some(ValueKind::Deviation);
     }
-    senses.contains(&Sense::Measured).then_some(Holds::Measured)
+    senses.contains(&Sense::Measured).then_some(ValueKind::Measured)
 }
 
 /// The fields that all names among the words can mean, of the part and the flank that they say; `None` if there is none.

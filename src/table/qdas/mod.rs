@@ -22,7 +22,7 @@ mod table;
 mod write;
 
 pub use read::read;
-pub use write::{Column, write};
+pub use write::{CharacteristicColumn, write};
 
 use std::sync::Arc;
 

@@ -31,8 +31,7 @@ impl Qdas {
         for (index, characteristic) in self.characteristics.iter().enumerate() {
             let title = title(characteristic, own);
             let known = titles.iter().zip(&mut indices).find(|(known, indices)| {
-                **known == title
-                    && indices.iter().all(|other| self.characteristics[*other].part != characteristic.part)
+                **known == title && indices.iter().all(|other| self.characteristics[*other].part != characteristic.part)
             });
             if let Some((_, indices)) = known {
                 indices.push(index);

@@ -86,18 +86,18 @@ fn what_is_wrong_is_said_with_line_and_key() {
 #[test]
 fn what_is_written_is_read_again() {
     let columns = [
-        Column {
+        CharacteristicColumn {
             number: "delta_cd_mm".to_owned(),
             name: "ΔCD".to_owned(),
             unit: "mm".to_owned(),
             upper: Some(0.05),
-            ..Column::default()
+            ..CharacteristicColumn::default()
         },
-        Column {
+        CharacteristicColumn {
             number: "rack_pitch".to_owned(),
             name: "Teilung".to_owned(),
             unit: "µm".to_owned(),
-            ..Column::default()
+            ..CharacteristicColumn::default()
         },
     ];
     let part = PartDefinition { number: "4711".to_owned(), name: "Maß\nband".to_owned() };

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::diagnostic::Source as Text;
-use crate::table::chunk::Holds;
+use crate::table::chunk::ChunkContent;
 use crate::table::text::setup;
 use crate::table::understand::understand;
 
@@ -19,7 +19,7 @@ fn rows(start: &str, want: &Want) -> Rows {
 /// Everything that a block says, as text.
 fn said(rows: &Rows, bytes: &[u8], plain: bool) -> Vec<String> {
     let mut block = Block::default();
-    rows.chunk(&mut bytes.to_vec(), Holds::Records { plain }, &mut block);
+    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records { plain }, &mut block);
     let mut said: Vec<String> = (0..block.rows())
         .map(|row| {
             let raw = String::from_utf8_lossy(block.raw(row).unwrap()).into_owned();

@@ -20,6 +20,7 @@ use std::sync::mpsc;
 use calamine::{DataRef, ExcelDateTime, Reader as _, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
+use super::text::unreadable;
 use crate::diagnostic::{Code, Diagnostic};
 use format::shown_by_style;
 use hidden::{Hidden, SheetXml, sheet_parts};
@@ -220,10 +221,6 @@ fn shown_date(date: &ExcelDateTime) -> String {
         () if days.fract() == 0.0 => format!("{year}-{month:02}-{day:02}"),
         () => format!("{year}-{month:02}-{day:02} {time}"),
     }
-}
-
-fn unreadable(name: &str, problem: &str) -> Diagnostic {
-    Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
 }
 
 fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
