@@ -176,16 +176,17 @@ fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
     if text[at..].starts_with(['.', ',']) {
         return None;
     }
-    let exponent = text[at..].strip_prefix(['e', 'E']).map(|rest| {
-        let sign = usize::from(rest.starts_with(['+', '-']));
-        (sign, rest[sign..].bytes().take_while(u8::is_ascii_digit).count())
-    });
-    if let Some((sign, count)) = exponent.filter(|(_, count)| *count > 0) {
-        let end = at + 1 + sign + count;
-        number.push_str(&text[at..end]);
-        at = end;
-    }
-    Some((number, at))
+    let exponent = exponent(&text[at..]);
+    number.push_str(exponent);
+    Some((number, at + exponent.len()))
+}
+
+/// The power of ten that a text starts with: `e-3`; nothing if it starts with none.
+fn exponent(text: &str) -> &str {
+    let Some(power) = text.strip_prefix(['e', 'E']) else { return "" };
+    let digits = power.strip_prefix(['+', '-']).unwrap_or(power);
+    let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit());
+    if rest.len() < digits.len() { &text[..text.len() - rest.len()] } else { "" }
 }
 
 /// A number in a unit.
