@@ -9,7 +9,7 @@ use super::Table;
 use super::encoding::{decode, peek, unpacked};
 use super::parquet::ParquetTable;
 use super::qdas::Qdas;
-use super::text::{Text, unreadable};
+use super::text::Text;
 use super::typed::{parquet_table, qdas_table, workbook_table};
 use super::want::Want;
 use super::workbook::Workbook;
@@ -62,7 +62,7 @@ impl Container {
     /// # Errors
     /// If it cannot be read, or is a file that holds no table.
     pub fn open(name: &str, source: Source, want: &Want) -> Result<Self, Diagnostics> {
-        let failed = |error: &io::Error| unreadable(name, error);
+        let failed = |error: &io::Error| Diagnostic::unreadable(name, error);
         let bytes: Box<dyn Read + Send> = match source {
             Source::File(mut file) => {
                 let mut mark = [0; 4];
@@ -182,9 +182,9 @@ impl Kind {
 /// All bytes of a file that is read as a whole.
 fn whole(name: &str, bytes: Box<dyn Read + Send>) -> Result<Vec<u8>, Diagnostic> {
     let mut all = Vec::new();
-    bytes.take(LARGEST_FILE as u64 + 1).read_to_end(&mut all).map_err(|error| unreadable(name, &error))?;
+    bytes.take(LARGEST_FILE as u64 + 1).read_to_end(&mut all).map_err(|error| Diagnostic::unreadable(name, &error))?;
     if all.len() > LARGEST_FILE {
-        let problem = unreadable(name, &format!("it is larger than {} MiB", LARGEST_FILE >> 20));
+        let problem = Diagnostic::unreadable(name, &format!("it is larger than {} MiB", LARGEST_FILE >> 20));
         return Err(problem.help("export the table as CSV, which is read at any size"));
     }
     Ok(all)

@@ -368,7 +368,7 @@ pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<Teeth, Dia
     }
     let gatherer = Gatherer::new(&table)?;
     let bad = |message: String| Diagnostic::error(Code::BadTable, message);
-    let blocks = table.blocks().map_err(|error| super::text::unreadable(name, &error))?;
+    let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(name, &error))?;
     let mut parts = gather(gatherer, &blocks)?.into_iter();
     let Some(part) = parts.next() else { return Err(bad(format!("{name} has no rows")).into()) };
     if parts.next().is_some() {

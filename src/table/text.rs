@@ -35,9 +35,9 @@ pub(crate) struct Text {
 
 impl Text {
     pub(crate) fn open(name: &str, bytes: Box<dyn Read + Send>, told: Option<Encoding>) -> Result<Self, Diagnostic> {
-        let (bytes, encoding) = recoded(bytes, told).map_err(|error| unreadable(name, &error))?;
+        let (bytes, encoding) = recoded(bytes, told).map_err(|error| Diagnostic::unreadable(name, &error))?;
         let mut chunks = Chunker::new(bytes);
-        let start = chunks.start(START).map_err(|error| unreadable(name, &error))?;
+        let start = chunks.start(START).map_err(|error| Diagnostic::unreadable(name, &error))?;
         if start.contains(&0) {
             let message = format!("{name} is no text: it holds bytes that no table has");
             return Err(Diagnostic::error(Code::BadTable, message)
@@ -54,7 +54,7 @@ impl Text {
     /// The first bytes, and whether that is all.
     fn start(&mut self, count: usize) -> Result<(Vec<u8>, bool), Diagnostic> {
         let name = self.name.clone();
-        let start = self.chunks.start(count).map_err(|error| unreadable(&name, &error))?.to_vec();
+        let start = self.chunks.start(count).map_err(|error| Diagnostic::unreadable(&name, &error))?.to_vec();
         let is_all = start.len() < count;
         Ok((start, is_all))
     }
@@ -73,7 +73,7 @@ impl Text {
     pub(crate) fn whole(mut self, most: usize) -> Result<String, Diagnostic> {
         let (bytes, is_all) = self.start(most + 1)?;
         if !is_all {
-            return Err(unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
+            return Err(Diagnostic::unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
         }
         Ok(text(&bytes).into_owned())
     }
@@ -238,10 +238,6 @@ fn stated_separator(start: &[u8]) -> Option<(u8, usize)> {
         [separator, b'\n' | b'\r', ..] => Some((*separator, 6)),
         _ => None,
     }
-}
-
-pub(crate) fn unreadable(name: &str, problem: &dyn std::fmt::Display) -> Diagnostic {
-    Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
 }
 
 /// An error of reading, as one that is raised later.

@@ -4,6 +4,7 @@
 //! [`heading`] understands names, [`role`] the columns of a table with a row per characteristic. Of a name that is not
 //! understood, [`near`] tells what it may have meant, and [`is_context`] whether it is known to be something else.
 
+mod letters;
 mod near;
 mod role;
 mod unit;
@@ -11,10 +12,11 @@ mod vocabulary;
 mod words;
 
 pub(crate) use near::{is_context, near};
-pub(crate) use role::{Role, is_evaluation_length, is_statistic, role};
+pub(crate) use role::{is_evaluation_length, is_statistic, role};
 pub(crate) use unit::split_unit;
 
 use crate::deviation::{DeviationKind, Part};
+pub(crate) use vocabulary::Role;
 use vocabulary::{Entry, Sense};
 use words::Words;
 

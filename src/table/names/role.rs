@@ -1,37 +1,10 @@
 //! What the columns of a table with a row per characteristic hold, as measuring programs call them.
 
-use serde::Deserialize;
-
+use super::letters::joined;
 use super::unit::split_unit;
-use super::vocabulary::{Sense, VOCABULARY};
-use super::words::{Words, joined};
+use super::vocabulary::{Role, Sense, VOCABULARY};
+use super::words::Words;
 use super::{Field, bare};
-
-/// A column of a table with a row per characteristic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Role {
-    /// Which part the row is of.
-    Part,
-    /// What was measured.
-    Name,
-    /// The nominal value.
-    Nominal,
-    /// The measured value.
-    Measured,
-    /// Measured minus nominal.
-    Deviation,
-    /// The upper tolerance or limit, or the tolerance to both sides.
-    Upper,
-    /// The lower tolerance or limit.
-    Lower,
-    /// The unit of the row.
-    Unit,
-    /// How uncertain the measured value is.
-    Uncertainty,
-    /// Whether the value is within its tolerance, or by how much it is not.
-    Status,
-}
 
 /// What a heading of a table with a row per characteristic says; `None` for what is none of it, as a column of values
 /// that is called after its part (`Teil 1`).

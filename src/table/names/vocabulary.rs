@@ -7,8 +7,34 @@ use std::sync::LazyLock;
 use serde::Deserialize;
 use serde::de::value::{Error, StrDeserializer};
 
-use super::words::{fold, joined};
-use super::{Field, Role};
+use super::Field;
+use super::letters::{fold, joined};
+
+/// A column of a table with a row per characteristic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Role {
+    /// Which part the row is of.
+    Part,
+    /// What was measured.
+    Name,
+    /// The nominal value.
+    Nominal,
+    /// The measured value.
+    Measured,
+    /// Measured minus nominal.
+    Deviation,
+    /// The upper tolerance or limit, or the tolerance to both sides.
+    Upper,
+    /// The lower tolerance or limit.
+    Lower,
+    /// The unit of the row.
+    Unit,
+    /// How uncertain the measured value is.
+    Uncertainty,
+    /// Whether the value is within its tolerance, or by how much it is not.
+    Status,
+}
 
 /// What a word can mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

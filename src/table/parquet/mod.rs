@@ -16,7 +16,6 @@ use ::parquet::errors::ParquetError;
 use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 
 use super::cell::{Cell, Content, Record};
-use super::text::unreadable;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Decimal;
 use column::{Leaf, Moment, StoredColumn, Values};
@@ -42,7 +41,7 @@ impl ParquetTable {
     pub(crate) fn open<R: ChunkReader + 'static>(name: &str, source: R) -> Result<Self, Diagnostic> {
         check_marks(name, &source)?;
         let length = source.len();
-        let reader = SerializedFileReader::new(source).map_err(|error| unreadable(name, &error))?;
+        let reader = SerializedFileReader::new(source).map_err(|error| Diagnostic::unreadable(name, &error))?;
         let columns = column::columns(reader.metadata().file_metadata().schema_descr());
         Ok(Self { name: name.to_owned(), length, reader: Arc::new(reader), columns })
     }
@@ -83,7 +82,7 @@ impl ParquetTable {
             let end = start.checked_add(chunk.compressed_size()).and_then(|end| u64::try_from(end).ok());
             let in_file = start >= 0 && chunk.compressed_size() >= 0 && end.is_some_and(|end| end <= self.length);
             if !in_file {
-                return Err(unreadable(&self.name, &format!("column `{column}` lies beyond its end")));
+                return Err(Diagnostic::unreadable(&self.name, &format!("column `{column}` lies beyond its end")));
             }
             if let Some(problem) = self.refused(column, chunk.compression()) {
                 return Err(problem);
@@ -117,9 +116,9 @@ fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic>
     let mark = |at: u64| source.get_bytes(at, MARK).unwrap_or_default();
     match (mark(0).as_ref(), mark(end).as_ref()) {
         (b"PAR1", b"PAR1") => Ok(()),
-        (_, b"PARE") => Err(unreadable(name, &"it is encrypted")),
-        (b"PAR1", _) => Err(unreadable(name, &"it is a Parquet file whose end is missing")),
-        _ => Err(unreadable(name, &"it is no Parquet file")),
+        (_, b"PARE") => Err(Diagnostic::unreadable(name, &"it is encrypted")),
+        (b"PAR1", _) => Err(Diagnostic::unreadable(name, &"it is a Parquet file whose end is missing")),
+        _ => Err(Diagnostic::unreadable(name, &"it is no Parquet file")),
     }
 }
 
@@ -144,7 +143,7 @@ impl Iterator for Batches {
         Some(batch.map_err(|error| {
             // nothing is read behind what cannot be read
             (self.left, self.next_group) = (0, self.reader.num_row_groups());
-            unreadable(&self.name, &error)
+            Diagnostic::unreadable(&self.name, &error)
         }))
     }
 }

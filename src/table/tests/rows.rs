@@ -47,6 +47,21 @@ fn line() -> impl Strategy<Value = String> {
     (cells, prop_oneof![6 => Just("\n"), 1 => Just("\r\n")]).prop_map(|(cells, end)| cells.join(",") + end)
 }
 
+#[test]
+fn copied_cells_stay_with_their_rows() {
+    let start = "part,rack_pitch,note\nP1,0.5,a\n";
+    let source = Arc::new(Text { name: "block".to_owned(), text: start.to_owned() });
+    let understood = understand(&source, &want()).unwrap();
+    let wanted = Wanted { needed: vec![true], copied: vec![0, 2], keeps_raw: false };
+    let rows = Rows::new(setup(understood, b',', true, &want()), wanted);
+    let mut block = Block::default();
+    let bytes = b"P1,0.5,a\nP2,0.5,b,too,many\n\"P3\",0.5,c\nP4,x,d\nP5,0.5,\"open";
+    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records { plain: false }, &mut block);
+    let copied = |row: usize| [0, 1].map(|number| String::from_utf8_lossy(block.copied(row, number).unwrap()));
+    let expected = [["P1", "a"], ["", ""], ["P3", "c"], ["P4", "d"], ["", ""]];
+    assert_eq!((0..block.rows()).map(copied).collect::<Vec<_>>(), expected);
+}
+
 proptest! {
     #[test]
     fn a_plain_line_is_read_like_any_other(lines in proptest::collection::vec(line(), 1..12)) {

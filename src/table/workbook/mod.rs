@@ -9,6 +9,7 @@
 mod format;
 mod hidden;
 mod range;
+mod xml;
 
 pub(crate) use format::Shown;
 pub use range::CellRange;
@@ -20,7 +21,6 @@ use std::sync::mpsc;
 use calamine::{DataRef, ExcelDateTime, Reader as _, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
-use super::text::unreadable;
 use crate::diagnostic::{Code, Diagnostic};
 use format::shown_by_style;
 use hidden::{Hidden, SheetXml, sheet_parts};
@@ -106,7 +106,7 @@ impl Workbook {
             head.push(record);
             head.len() < most
         })
-        .map_err(|problem| unreadable(&named(&self.name, sheet), &problem))?;
+        .map_err(|problem| Diagnostic::unreadable(&named(&self.name, sheet), &problem))?;
         Ok(head)
     }
 
@@ -124,7 +124,7 @@ impl Workbook {
             // the other end hangs up when it has seen enough
             let read = each_row(&mut self.book, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
             if let Err(problem) = read {
-                let _ = sender.send(Err(unreadable(&place, &problem)));
+                let _ = sender.send(Err(Diagnostic::unreadable(&place, &problem)));
             }
         });
         SheetRecords { name, hidden, shown, records: Box::new(receiver.into_iter()) }
@@ -224,7 +224,7 @@ fn shown_date(date: &ExcelDateTime) -> String {
 }
 
 fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
-    unreadable(name, &format!("it is no Excel workbook ({error})"))
+    Diagnostic::unreadable(name, &format!("it is no Excel workbook ({error})"))
 }
 
 /// What is found while a workbook is unpacked.
@@ -261,7 +261,10 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         };
         let size = io::copy(&mut file.take(most + 1), into).map_err(|error| broken(&error))?;
         if size > most {
-            return Err(unreadable(name, &format!("its part {part} unpacks to more than {} MiB", most >> 20)));
+            return Err(Diagnostic::unreadable(
+                name,
+                &format!("its part {part} unpacks to more than {} MiB", most >> 20),
+            ));
         }
         if is_sheet {
             hidden.insert(part, sheet.hidden());
