@@ -2,184 +2,22 @@
 //!
 //! `budget` calls [`allocate`] with errors whose tolerances are fixed and errors whose tolerances are free; each free
 //! one gets a share of what the fixed ones leave. It evaluates with the formulas and combinations that
-//! [`evaluate`](super::evaluate) uses, and must not round a tolerance up. By simulation: [`simulation`].
+//! [`evaluate`](super::evaluate) uses, and must not round a tolerance up. By simulation: random assemblies.
 
-pub mod simulation;
+mod request;
+mod simulation;
 #[cfg(test)]
 mod tests;
 
-use thiserror::Error;
-
-use crate::deviation::{DeviationKind, DeviationValue, Extent};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::EvaluationError;
-use crate::formula::{Law, Model, PartDeviation, Sensitivity};
-use crate::judge::bound::{Basis, ExtendedError, Note, Open};
-use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
+use crate::formula::{Law, Model, PartDeviation};
+use crate::judge::bound::{Basis, ExtendedError, Open};
+use crate::judge::{Combined, Interval, Stack, Verdict};
 use crate::quantity::{DomainError, Length};
-use simulation::{Assembly, Simulated, Simulation};
-
-/// How tolerances add up.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum Rule {
-    /// The worst case.
-    WorstCase,
-    /// The statistical sum.
-    Rss,
-    /// A fraction of random assemblies.
-    Simulation(Simulation),
-}
-
-impl Rule {
-    /// `worst`, `rss` or `simulation`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::WorstCase => "worst",
-            Self::Rss => "rss",
-            Self::Simulation(_) => "simulation",
-        }
-    }
-}
-
-/// What decides the size of a free tolerance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Freedom {
-    /// A weight: ΔCD in this ratio.
-    Weight(f64),
-    /// A relative cost: ΔCD where the sum of costs is smallest.
-    Cost(f64),
-}
-
-/// A tolerance that is sought.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Free {
-    /// The law of its error.
-    pub law: Law,
-    /// What decides its size.
-    pub freedom: Freedom,
-    /// On which teeth the error may be.
-    pub extent: Extent,
-}
-
-impl Free {
-    /// The tolerance of this size.
-    fn within(&self, value: DeviationValue) -> PartDeviation {
-        PartDeviation::within(self.law, value).with_extent(self.extent)
-    }
-}
-
-/// One error of a budget.
-#[derive(Debug, Clone, Copy)]
-pub enum Entry {
-    /// Its tolerance is fixed: the error lies within plus and minus its value.
-    Fixed(PartDeviation),
-    /// Its tolerance is sought.
-    Free(Free),
-}
-
-impl Entry {
-    /// The kind of error.
-    #[must_use]
-    pub fn kind(&self) -> DeviationKind {
-        match self {
-            Self::Fixed(error) => error.kind(),
-            Self::Free(free) => free.law.kind(),
-        }
-    }
-}
-
-/// A budget's demand.
-#[derive(Debug, Clone)]
-pub struct Request {
-    /// The errors.
-    pub entries: Vec<Entry>,
-    /// The limit of the combined ΔCD.
-    pub limit: Limit,
-    /// Limits of single errors' ΔCD.
-    pub own_limits: Vec<(DeviationKind, Limit)>,
-    /// How tolerances add up.
-    pub rule: Rule,
-    /// The formulas' reading.
-    pub model: Model,
-    /// What is known of the pair.
-    pub basis: Basis,
-}
-
-/// One error of a finished budget.
-#[derive(Debug, Clone)]
-pub struct Line {
-    /// The error with its tolerance.
-    pub error: PartDeviation,
-    /// Its ΔCD.
-    pub delta_cd: Length,
-    /// What it can do alone, wherever it is.
-    pub range: Interval,
-    /// Whether the tolerance was given.
-    pub is_fixed: bool,
-    /// Whether the error's own limit, not the budget, stops it.
-    pub at_own_limit: bool,
-    /// Its part of the sum of what the errors do alone, or of the squares of it.
-    pub share: f64,
-    /// ∂ΔCD/∂input at the tolerance.
-    pub sensitivities: Vec<Sensitivity>,
-}
-
-/// A finished budget.
-#[derive(Debug, Clone)]
-pub struct Budget {
-    /// One per error.
-    pub lines: Vec<Line>,
-    /// The tolerances combined as `eval` does.
-    pub combined: Combined,
-    /// What their bound rests on.
-    pub notes: Vec<Note>,
-    /// What the simulation of these tolerances gave.
-    pub simulated: Option<Simulated>,
-    /// Errors without which the fixed tolerances would leave something: empty if the budget is feasible.
-    pub broken_by: Vec<DeviationKind>,
-}
-
-impl Budget {
-    /// Whether the limit is met.
-    #[must_use]
-    pub fn is_feasible(&self) -> bool {
-        self.broken_by.is_empty()
-    }
-}
-
-/// Why there is no budget at all.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum BudgetError {
-    /// The limit does not allow ΔCD to be zero, or allows nothing else.
-    #[error(
-        "the limit of ΔCD leaves nothing to distribute: the pair without errors must lie inside it, with room to the sides that the errors move ΔCD to"
-    )]
-    NoRoom,
-    /// Tolerances of every tooth have no bound.
-    #[error(transparent)]
-    Open(#[from] Open),
-    /// Nothing stops the free tolerances.
-    #[error(
-        "the limit does not stop the free tolerances as long as the pair meshes: give it an upper end, or a nearer one"
-    )]
-    Unbounded,
-    /// The limit of ΔCD has no end.
-    #[error("a budget needs a limit of the combined ΔCD")]
-    NoLimit,
-    /// A formula has no result.
-    #[error("{}: {problem}", .kind.name())]
-    Formula {
-        /// The error.
-        kind: DeviationKind,
-        /// What is wrong.
-        problem: Box<DomainError>,
-    },
-    /// A combination has no result.
-    #[error(transparent)]
-    Combination(#[from] EvaluationError),
-}
+use request::Allocated;
+pub use request::{Budget, BudgetError, Entry, Free, Freedom, Line, Request, Rule, Simulated, Simulation, Spread};
+use simulation::Assembly;
 
 fn of_kind(kind: DeviationKind) -> impl Fn(DomainError) -> BudgetError {
     move |problem| BudgetError::Formula { kind, problem: Box::new(problem) }
@@ -314,13 +152,6 @@ fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembl
     broken_by.dedup();
     let notes = request.basis.bound_of(&allocated.errors).notes;
     Ok(Budget { lines, combined, notes, simulated, broken_by })
-}
-
-/// Tolerances and the scale that they stand for.
-#[derive(Debug, Clone)]
-struct Allocated {
-    scale: f64,
-    errors: Vec<PartDeviation>,
 }
 
 /// The free tolerances of a request at one scale of their ratios, in mm of ΔCD.

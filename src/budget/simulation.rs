@@ -7,67 +7,13 @@
 //! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
 //! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
-use super::{Allocated, BudgetError, Request};
+use super::request::{Allocated, BudgetError, Request, Simulated, Simulation, Spread};
 use crate::chance::{BLOCK, Random, Ziggurat};
 use crate::deviation::{DeviationKind, Extent};
 use crate::formula::PartDeviation;
 use crate::judge::bound::{Basis, Open, Range, Scales};
 use crate::parallel;
 use crate::quantity::Length;
-
-/// How errors spread within their tolerances.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum Spread {
-    /// Every value alike: all that is known is the tolerance.
-    #[default]
-    Uniform,
-    /// Normal with a standard deviation of a third of the tolerance; parts beyond it are sorted out.
-    Normal,
-    /// Triangular with its peak at nominal.
-    Triangular,
-}
-
-impl Spread {
-    /// `uniform`, `normal` or `triangular`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Uniform => "uniform",
-            Self::Normal => "normal",
-            Self::Triangular => "triangular",
-        }
-    }
-}
-
-/// What is simulated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Simulation {
-    /// The fraction of assemblies that must conform, above 0 and at most 1.
-    pub conforming: f64,
-    /// How errors spread.
-    pub spread: Spread,
-    /// The number of assemblies.
-    pub draws: u32,
-    /// The seed.
-    pub seed: u64,
-}
-
-impl Simulation {
-    /// What 3 σ leave of a normal distribution: 99.73 %.
-    pub const CONFORMING: f64 = 0.9973;
-    /// So many that 1 % of one tolerance is seen in the tail of 0.27 %.
-    pub const DRAWS: u32 = 1_000_000;
-}
-
-/// What came of a simulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Simulated {
-    /// What was simulated.
-    pub settings: Simulation,
-    /// The fraction that conforms.
-    pub conforming: f64,
-}
 
 /// The draws for one request.
 #[derive(Debug)]

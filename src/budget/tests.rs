@@ -4,10 +4,12 @@ use std::sync::OnceLock;
 
 use proptest::prelude::*;
 
-use super::simulation::Spread;
+use super::Spread;
 use super::*;
+use crate::deviation::Extent;
 use crate::deviation::Extent::{All, Each, One, Part, Total};
 use crate::evaluation::{Evaluation, evaluate};
+use crate::judge::Limit;
 use crate::judge::bound::{GivenGeometry, GivenPair, KnownPairs};
 use crate::judge::{LimitTarget, Stack, Verdict};
 use crate::quantity::Angle;

@@ -1,7 +1,5 @@
 //! Values counted in bins, and the quantiles read back from them. Filled by the simulation.
 
-use super::{PROBABILITY, Simulation};
-
 const BINS: usize = 16_384;
 
 /// Counts of values in bins of equal width, with one more at either end for what lies beyond.
@@ -11,7 +9,7 @@ pub(super) struct Histogram {
     width: f64,
     per_unit: f64,
     counts: Vec<u32>,
-    extremes: (f64, f64),
+    pub(super) extremes: (f64, f64),
 }
 
 impl Histogram {
@@ -83,7 +81,7 @@ impl Histogram {
     }
 
     /// The shortest interval with a share `p` of the values: one end at the edge of a bin.
-    fn shortest(&self, p: f64) -> (f64, f64) {
+    pub(super) fn shortest(&self, p: f64) -> (f64, f64) {
         if self.counts.is_empty() {
             return self.extremes;
         }
@@ -117,27 +115,6 @@ impl Histogram {
             }
         }
         best.1
-    }
-
-    /// All that is asked of the distribution.
-    pub(super) fn simulation(self, mean: f64, standard: f64, draws: f64) -> Simulation {
-        let tail = 0.5 * (1.0 - PROBABILITY);
-        let symmetric = (self.quantile(tail), self.quantile(1.0 - tail));
-        // the standard error of a quantile is √(p (1 − p)/n) over the density there
-        let error = |p: f64| {
-            const BESIDE: f64 = 0.005;
-            let per_probability = (self.quantile(p + BESIDE) - self.quantile(p - BESIDE)) / (2.0 * BESIDE);
-            (p * (1.0 - p) / draws).sqrt() * per_probability
-        };
-        Simulation {
-            mean,
-            standard,
-            symmetric,
-            shortest: self.shortest(PROBABILITY),
-            end_errors: (error(tail), error(1.0 - tail)),
-            extremes: self.extremes,
-            histogram: self,
-        }
     }
 }
 
@@ -193,7 +170,7 @@ mod tests {
     #[test]
     fn the_errors_of_the_ends() {
         let even = histogram(&(0..1000_u32).map(|i| (f64::from(i) + 0.5, 10)).collect::<Vec<_>>());
-        let simulation = even.simulation(500.0, 288.7, 10_000.0);
+        let simulation = crate::chance::Simulation::of(even, 500.0, 288.7, 10_000.0);
         let expected = 1000.0 * (0.025_f64 * 0.975 / 10_000.0).sqrt();
         assert!((simulation.end_errors.0 / expected - 1.0).abs() < 1e-9, "{:?}", simulation.end_errors);
         assert!((simulation.end_errors.1 / expected - 1.0).abs() < 1e-9, "{:?}", simulation.end_errors);

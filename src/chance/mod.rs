@@ -103,6 +103,27 @@ pub struct Simulation {
 }
 
 impl Simulation {
+    /// All that is asked of the distribution.
+    fn of(histogram: Histogram, mean: f64, standard: f64, draws: f64) -> Self {
+        let tail = 0.5 * (1.0 - PROBABILITY);
+        let symmetric = (histogram.quantile(tail), histogram.quantile(1.0 - tail));
+        // the standard error of a quantile is √(p (1 − p)/n) over the density there
+        let error = |p: f64| {
+            const BESIDE: f64 = 0.005;
+            let per_probability = (histogram.quantile(p + BESIDE) - histogram.quantile(p - BESIDE)) / (2.0 * BESIDE);
+            (p * (1.0 - p) / draws).sqrt() * per_probability
+        };
+        Self {
+            mean,
+            standard,
+            symmetric,
+            shortest: histogram.shortest(PROBABILITY),
+            end_errors: (error(tail), error(1.0 - tail)),
+            extremes: histogram.extremes,
+            histogram,
+        }
+    }
+
     /// The value that a share `p` of the draws does not exceed.
     #[must_use]
     pub fn quantile(&self, p: f64) -> f64 {
@@ -254,7 +275,7 @@ pub fn simulate(
         .enumerate()
         .map(|(output, histogram)| {
             let (mean, standard) = moments(blocks.iter().map(|block| &block[output]), pilot[output].center);
-            histogram.simulation(mean, standard, draws)
+            Simulation::of(histogram, mean, standard, draws)
         })
         .collect();
     let inside = total.inside.iter().map(|&count| count as f64 / draws).collect();

@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{Model, PartDeviation, domain};
 use crate::gear::Pair;
 use crate::judge::class::{self, DiameterSource, Meshing, RackDiameter};
-use crate::judge::class_mesh::{self, arrangement};
+use crate::judge::class_mesh::{ArrangedDeviation, arrangement};
 use crate::judge::grade::{self, GradeSearch, Obtained};
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
@@ -424,10 +424,14 @@ fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair
     let mesh = pair.and_then(|pair| {
         let arrangement = arrangement(deviation, sized.part)?;
         let pitches = permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken);
-        let face_width = sized.wheel.face_width.map_or(1.0, Length::mm);
-        let amount = permissible.length().mm();
-        let mm = class_mesh::largest_delta_cd_mm(pair, sized.part, deviation, amount, face_width, pitches as i64);
-        Some((mm.ok()?, arrangement))
+        let arranged = ArrangedDeviation {
+            part: sized.part,
+            deviation,
+            amount_mm: permissible.length().mm(),
+            face_width_mm: sized.wheel.face_width.map_or(1.0, Length::mm),
+            pitches: pitches as i64,
+        };
+        Some((arranged.largest_delta_cd_mm(pair).ok()?, arrangement))
     });
     ClassRow { permissible, delta_cd, mesh }
 }

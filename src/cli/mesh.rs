@@ -179,6 +179,11 @@ pub(super) fn notes(input: &MeshInput) -> Vec<String> {
         );
     }
     notes.extend(input.warnings.iter().map(ToString::to_string));
+    let unmeasured = input.unmeasured_tooth.map(|tooth| format!("tooth {tooth} of the pinion"));
+    let unmeasured = unmeasured.or_else(|| input.unmeasured_space().map(|space| format!("space {space} of the rack")));
+    notes.extend(unmeasured.map(|place| {
+        format!("{place} was not measured, or not everything of it: what was not measured is taken as nominal")
+    }));
     notes.extend(doubted_rows(input));
     notes
 }

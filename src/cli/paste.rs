@@ -357,7 +357,7 @@ impl Args {
         let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| mesh::unsolved(&error))?;
         let prediction = mesh::prediction(&input);
         let mut notes = mesh::notes(&input);
-        notes.extend(judge.notes().into_iter().chain(judged.note.clone()));
+        notes.extend(judge.notes().into_iter().chain(judged.notes));
         if is_rack {
             notes.push(format!(
                 "the strokes whose contacts were measured are {:.3} to {:.3} mm: the others are not judged",

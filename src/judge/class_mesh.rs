@@ -49,83 +49,100 @@ pub const fn arrangement(deviation: Deviation, part: Part) -> Option<&'static st
 /// The teeth of a rack that are off start here; those before are sound.
 const FIRST: i64 = 4;
 
-/// The largest |ΔCD|, or the difference of the largest and the smallest where that is more, along a stroke of
-/// 50 mm or a turn of the pinion and a few teeth, whichever is longer; mm.
-///
-/// `amount_mm` is the deviation, `face_width_mm` the width over which a helix slope is taken, `pitches` the
-/// number of pitches k of a sector.
-///
-/// # Errors
-/// [`NoMeshEffect`] if the deviation has no [`arrangement`], or the mesh no solution.
-pub fn largest_delta_cd_mm(
-    pair: &Pair,
-    part: Part,
-    deviation: Deviation,
-    amount_mm: f64,
-    face_width_mm: f64,
-    pitches: i64,
-) -> Result<f64, NoMeshEffect> {
-    const TOLERANCE_MM: f64 = 1e-6;
-    let teeth = i64::from(pair.pinion().teeth);
-    let (mut rack, mut pinion) = (RackFlanks::nominal(pair), PinionFlanks::nominal(pair));
-    let later = ToothRange::new(Some(FIRST), None).unwrap_or(ToothRange::ALL);
-    let of_rack = |kind| RackFlanks::new(pair, &[RackDeviation { teeth: later, kind }]);
-    // displacements, so that a turn closes by itself
-    let shifts = |shift: &dyn Fn(i64) -> f64| {
-        let each: Vec<_> = (0..teeth)
-            .filter_map(|tooth| {
-                let kind = PinionDeviationKind::Shift(shift(tooth));
-                Some(PinionDeviation { teeth: ToothRange::single(tooth).ok()?, kind })
-            })
-            .collect();
-        PinionFlanks::new(pair, &each)
-    };
-    let real = |n: i64| n as f64;
-    let pitches = pitches.clamp(1, teeth.max(1));
-    match (deviation, part) {
-        (Deviation::SinglePitch, Part::Rack) => rack = of_rack(RackDeviationKind::Shift(amount_mm))?,
-        (Deviation::SinglePitch, Part::Pinion) => {
-            pinion = shifts(&|tooth| if tooth >= teeth / 2 { amount_mm } else { 0.0 })?;
-        }
-        (Deviation::SectorPitch, Part::Rack) => {
-            let range = ToothRange::new(Some(FIRST), Some(FIRST + pitches - 1)).unwrap_or(later);
-            let kind = RackDeviationKind::Pitch(amount_mm / real(pitches));
-            rack = RackFlanks::new(pair, &[RackDeviation { teeth: range, kind }])?;
-        }
-        (Deviation::SectorPitch, Part::Pinion) => {
-            // a turn closes: what k pitches add up, the others take back evenly
-            let others = real((teeth - pitches).max(1));
-            pinion = shifts(&|tooth| amount_mm * (real(tooth) / real(pitches)).min(real(teeth - tooth) / others))?;
-        }
-        (Deviation::TotalPitch, Part::Pinion) => {
-            let half = real(teeth) / 2.0;
-            pinion = shifts(&|tooth| amount_mm * real(tooth.min(teeth - tooth)) / half)?;
-        }
-        (Deviation::ProfileSlope, Part::Pinion) => {
-            let form = PinionForm { profile_slope_mm: -amount_mm, ..PinionForm::default() };
-            pinion = pinion.with_form(form)?;
-        }
-        (Deviation::HelixSlope, Part::Rack) => {
-            rack = of_rack(RackDeviationKind::Lead(trig::atan(amount_mm / face_width_mm)))?;
-        }
-        (Deviation::HelixSlope, Part::Pinion) => {
-            // the same slope over the pinion's own width
-            let over_face_mm = amount_mm * pair.pinion().face_width_mm / face_width_mm;
-            let kind = PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, over_face_mm));
-            pinion = PinionFlanks::new(pair, &[PinionDeviation { teeth: ToothRange::ALL, kind }])?;
-        }
-        (Deviation::Runout, Part::Rack) => rack = of_rack(RackDeviationKind::OverRoller(amount_mm))?,
-        (Deviation::Runout, Part::Pinion) => {
-            pinion = pinion.with_eccentricity(&[Eccentricity { amount_mm: amount_mm / 2.0, tooth: 0 }])?;
-        }
-        _ => return Err(NoMeshEffect::NoArrangement),
+/// A deviation of one part that is put on its teeth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArrangedDeviation {
+    /// The part that has it.
+    pub part: Part,
+    /// Which one it is.
+    pub deviation: Deviation,
+    /// Its size, mm.
+    pub amount_mm: f64,
+    /// The width over which a helix slope is taken, mm.
+    pub face_width_mm: f64,
+    /// The number of pitches k of a sector.
+    pub pitches: i64,
+}
+
+impl ArrangedDeviation {
+    /// The largest |ΔCD|, or the difference of the largest and the smallest where that is more, along a stroke of
+    /// 50 mm or a turn of the pinion and a few teeth, whichever is longer; mm.
+    ///
+    /// # Errors
+    /// [`NoMeshEffect`] if the deviation has no [`arrangement`], or the mesh no solution.
+    pub fn largest_delta_cd_mm(&self, pair: &Pair) -> Result<f64, NoMeshEffect> {
+        const TOLERANCE_MM: f64 = 1e-6;
+        let (rack, pinion) = match self.part {
+            Part::Rack => (self.rack(pair)?, PinionFlanks::nominal(pair)),
+            Part::Pinion => (RackFlanks::nominal(pair), self.pinion(pair)?),
+        };
+        let mesh = Mesh::new(*pair, rack, pinion, Support::Fixed)?;
+        let turn = f64::from(pair.pinion().teeth + 6) * pair.rack().pitch_mm;
+        let curve = mesh.curve(0.0, turn.max(50.0), TOLERANCE_MM)?;
+        let summary = curve.summary(&mesh);
+        Ok(summary
+            .map_or(0.0, |summary| summary.max_mm.abs().max(summary.min_mm.abs()).max(summary.max_mm - summary.min_mm)))
     }
-    let mesh = Mesh::new(*pair, rack, pinion, Support::Fixed)?;
-    let turn = real(teeth + 6) * pair.rack().pitch_mm;
-    let curve = mesh.curve(0.0, turn.max(50.0), TOLERANCE_MM)?;
-    let summary = curve.summary(&mesh);
-    Ok(summary
-        .map_or(0.0, |summary| summary.max_mm.abs().max(summary.min_mm.abs()).max(summary.max_mm - summary.min_mm)))
+
+    fn sector(&self, pair: &Pair) -> i64 {
+        self.pitches.clamp(1, i64::from(pair.pinion().teeth).max(1))
+    }
+
+    fn rack(&self, pair: &Pair) -> Result<RackFlanks, NoMeshEffect> {
+        let later = ToothRange::new(Some(FIRST), None).unwrap_or(ToothRange::ALL);
+        let pitches = self.sector(pair);
+        let (teeth, kind) = match self.deviation {
+            Deviation::SinglePitch => (later, RackDeviationKind::Shift(self.amount_mm)),
+            Deviation::SectorPitch => {
+                let range = ToothRange::new(Some(FIRST), Some(FIRST + pitches - 1)).unwrap_or(later);
+                (range, RackDeviationKind::Pitch(self.amount_mm / pitches as f64))
+            }
+            Deviation::HelixSlope => (later, RackDeviationKind::Lead(trig::atan(self.amount_mm / self.face_width_mm))),
+            Deviation::Runout => (later, RackDeviationKind::OverRoller(self.amount_mm)),
+            _ => return Err(NoMeshEffect::NoArrangement),
+        };
+        Ok(RackFlanks::new(pair, &[RackDeviation { teeth, kind }])?)
+    }
+
+    fn pinion(&self, pair: &Pair) -> Result<PinionFlanks, NoMeshEffect> {
+        let nominal = PinionFlanks::nominal(pair);
+        let (teeth, pitches) = (i64::from(pair.pinion().teeth), self.sector(pair));
+        let shares = |share: &dyn Fn(i64) -> f64| shifted(pair, &|tooth| self.amount_mm * share(tooth));
+        let flanks = match self.deviation {
+            Deviation::SinglePitch => shares(&|tooth| if tooth >= teeth / 2 { 1.0 } else { 0.0 }),
+            Deviation::SectorPitch => {
+                // a turn closes: what k pitches add up, the others take back evenly
+                let others = (teeth - pitches).max(1) as f64;
+                shares(&|tooth| (tooth as f64 / pitches as f64).min((teeth - tooth) as f64 / others))
+            }
+            Deviation::TotalPitch => shares(&|tooth| tooth.min(teeth - tooth) as f64 / (teeth as f64 / 2.0)),
+            Deviation::ProfileSlope => {
+                nominal.with_form(PinionForm { profile_slope_mm: -self.amount_mm, ..PinionForm::default() })
+            }
+            Deviation::HelixSlope => {
+                // the same slope over the pinion's own width
+                let over_face_mm = self.amount_mm * pair.pinion().face_width_mm / self.face_width_mm;
+                let kind = PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, over_face_mm));
+                PinionFlanks::new(pair, &[PinionDeviation { teeth: ToothRange::ALL, kind }])
+            }
+            Deviation::Runout => {
+                nominal.with_eccentricity(&[Eccentricity { amount_mm: self.amount_mm / 2.0, tooth: 0 }])
+            }
+            _ => return Err(NoMeshEffect::NoArrangement),
+        };
+        Ok(flanks?)
+    }
+}
+
+/// A pinion whose teeth are displaced, so that a turn closes by itself.
+fn shifted(pair: &Pair, shift_mm: &dyn Fn(i64) -> f64) -> Result<PinionFlanks, DeviationError> {
+    let each: Vec<_> = (0..i64::from(pair.pinion().teeth))
+        .filter_map(|tooth| {
+            let kind = PinionDeviationKind::Shift(shift_mm(tooth));
+            Some(PinionDeviation { teeth: ToothRange::single(tooth).ok()?, kind })
+        })
+        .collect();
+    PinionFlanks::new(pair, &each)
 }
 
 #[cfg(test)]
@@ -137,7 +154,12 @@ mod tests {
     const AMOUNT_MM: f64 = 0.02;
 
     fn solved(teeth: u32, part: Part, deviation: Deviation, pitches: i64) -> Option<f64> {
-        largest_delta_cd_mm(&pair(teeth, 0.0, 0.0), part, deviation, AMOUNT_MM, 20.0, pitches).ok()
+        of_pair(&pair(teeth, 0.0, 0.0), part, deviation, pitches)
+    }
+
+    fn of_pair(pair: &Pair, part: Part, deviation: Deviation, pitches: i64) -> Option<f64> {
+        let arranged = ArrangedDeviation { part, deviation, amount_mm: AMOUNT_MM, face_width_mm: 20.0, pitches };
+        arranged.largest_delta_cd_mm(pair).ok()
     }
 
     fn near(value: Option<f64>, expected: f64) {
@@ -198,7 +220,7 @@ mod tests {
         (data.rack.face_width_mm, data.pinion.face_width_mm) = (50.0, 50.0);
         let pair = Pair::new(&data).unwrap();
         assert!(pair.contact_ratio().overlap > 2.0);
-        let of = |deviation| largest_delta_cd_mm(&pair, Part::Rack, deviation, AMOUNT_MM, 20.0, 1).ok();
+        let of = |deviation| of_pair(&pair, Part::Rack, deviation, 1);
         near(of(Deviation::SectorPitch), of(Deviation::SinglePitch).unwrap());
     }
 
@@ -212,7 +234,7 @@ mod tests {
         data.pinion.tip_diameter_mm = 85.0;
         data.pinion.root_form_diameter_mm = None;
         let pair = Pair::new(&data).unwrap();
-        let found = largest_delta_cd_mm(&pair, Part::Rack, Deviation::Runout, AMOUNT_MM, 20.0, 1).ok();
+        let found = of_pair(&pair, Part::Rack, Deviation::Runout, 1);
         near(found, AMOUNT_MM);
     }
 }

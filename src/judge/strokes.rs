@@ -32,6 +32,14 @@ pub enum StrokesError {
         "the measured spaces do not stand in one row, so that strokes between them are not covered: give each run of spaces by itself"
     )]
     Gap,
+    /// A tooth of a measured pinion was left out.
+    #[error("tooth {tooth} of the pinion was not measured, or not everything of it: a turn needs all {teeth}")]
+    Tooth {
+        /// The first of them.
+        tooth: i64,
+        /// How many teeth the pinion has.
+        teeth: u32,
+    },
     /// The pair has no contact.
     #[error(transparent)]
     Mesh(#[from] MeshError),

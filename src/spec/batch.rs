@@ -268,7 +268,12 @@ impl Spec {
         (!stated.is_empty()).then(|| format!("extent: {}", stated.join("; ")))
     }
 
-    /// The errors that the spec speaks of, those of columns first, each in its order.
+    /// Whether `[errors]` or `[batch.columns]` names an error.
+    pub(super) fn speaks_of(&self, kind: DeviationKind) -> bool {
+        self.every_part.contains(&kind) || self.asked_errors().contains(&kind)
+    }
+
+    /// The errors that the spec asks of each part, those of columns first, each in its order.
     fn asked_errors(&self) -> Vec<DeviationKind> {
         let columns = self.batch.columns.iter().map(|(kind, column)| (column.span.start, *kind));
         let errors = self.errors.iter().map(|(kind, error)| (error.span.start, *kind));

@@ -8,7 +8,7 @@ use super::keys;
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
-use crate::budget::simulation::Spread;
+use crate::budget::Spread;
 use crate::budget::{Entry, Free, Freedom};
 use crate::deviation::{DeviationKind, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};

@@ -50,7 +50,11 @@ impl Spec {
         };
         let zero = |feature: &Feature| (feature.error(), DeviationValue::zero(feature.error()));
         let kinds: Vec<_> = features.iter().map(zero).collect();
-        let formulas = if kinds.is_empty() { Vec::new() } else { self.with_errors(&kinds).part_deviations()? };
+        let formulas = if kinds.is_empty() {
+            Vec::new()
+        } else {
+            self.measured_only(is_rack).with_errors(&kinds).part_deviations()?
+        };
         let mut rows = Vec::with_capacity(values.len());
         for (number, deviations) in values {
             let mut effects = Vec::with_capacity(deviations.len());

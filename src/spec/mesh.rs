@@ -2,6 +2,7 @@
 //! that solve the mesh or simulate; it gets the text of measured tables from its caller, opens no file and solves
 //! nothing.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::resolve::MissingKeys;
@@ -60,6 +61,10 @@ pub struct MeshInput {
     pub rack_rows: Vec<RackSpaceRow>,
     /// The measured rows of the pinion.
     pub pinion_rows: Vec<PinionToothRow>,
+    /// The spaces of a measured rack of which everything was measured that its table has a column for.
+    pub whole_spaces: BTreeSet<i64>,
+    /// The first tooth of a measured pinion of which something was not measured.
+    pub unmeasured_tooth: Option<i64>,
 }
 
 /// The first rack tooth with a pitch or lead error that `[errors]` gives as one value: teeth before it are
@@ -70,14 +75,28 @@ impl MeshInput {
     /// The strokes at which a deviated tooth can carry.
     ///
     /// # Errors
-    /// [`StrokesError`] if measured spaces do not cover one stretch.
+    /// [`StrokesError`] if measured spaces do not cover one stretch, or a tooth of a measured pinion was left out.
     pub fn judged_strokes(&self) -> Result<Vec<Range<f64>>, StrokesError> {
+        if let Some(tooth) = self.unmeasured_tooth {
+            return Err(StrokesError::Tooth { tooth, teeth: self.mesh.pair().pinion().teeth });
+        }
+        if !self.rack_rows.is_empty() && self.whole_spaces.is_empty() {
+            return Err(StrokesError::NotMeasured);
+        }
         let teeth = DeviatedTeeth {
             rack: &self.rack_deviations,
-            spaces: &self.rack_rows.iter().map(|row| row.space).collect(),
+            spaces: &self.whole_spaces,
             pinion: !self.pinion_deviations.is_empty() || !self.pinion_rows.is_empty(),
         };
         judged_strokes(self.mesh.pair(), &teeth)
+    }
+
+    /// The first space between the first and the last of a measured rack of which something was not measured.
+    #[must_use]
+    pub fn unmeasured_space(&self) -> Option<i64> {
+        let spaces = || self.rack_rows.iter().map(|row| row.space);
+        let (first, last) = spaces().min().zip(spaces().max())?;
+        (first..=last).find(|space| !self.whole_spaces.contains(space))
     }
 }
 
@@ -182,6 +201,8 @@ impl Spec {
             pinion_lead_mm,
             rack_rows,
             pinion_rows,
+            whole_spaces: tables.rack.as_ref().map(RackSpaces::measured_spaces).unwrap_or_default(),
+            unmeasured_tooth: tables.pinion.as_ref().and_then(|table| table.unmeasured(i64::from(pair.pinion().teeth))),
         })
     }
 

@@ -58,13 +58,31 @@ impl Spec {
             .map_err(|error| Diagnostic::error(Code::NoMesh, error.to_string()).into())
     }
 
+    /// What this spec or its tables know of single teeth.
+    #[must_use]
+    pub fn known_of_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
+        let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
+        DeviationKind::ALL.into_iter().filter(|kind| !whole.values(Source::Error(*kind)).is_empty()).collect()
+    }
+
     /// What was measured of teeth that this spec or its tables know one by one, and has no uncertainty.
     #[must_use]
     pub fn certain_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
-        let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
-        let is_uncertain = |source: Source| self.uncertainties.iter().any(|(other, _)| *other == source);
-        let mut is_certain = |source: Source| !is_uncertain(source) && !whole.values(source).is_empty();
-        DeviationKind::ALL.into_iter().filter(|kind| is_certain(Source::Error(*kind))).collect()
+        let is_uncertain =
+            |kind: DeviationKind| self.uncertainties.iter().any(|(source, _)| *source == Source::Error(kind));
+        self.known_of_teeth(tables).into_iter().filter(|kind| !is_uncertain(*kind)).collect()
+    }
+
+    /// What the spec says or asks of a part whose teeth `tables` have, and these do not tell.
+    #[must_use]
+    pub fn not_in_tables(&self, part: Part, tables: &MeasuredTables) -> Vec<DeviationKind> {
+        let measured = self.measured_only(part == Part::Rack).known_of_teeth(tables);
+        let of_teeth = self.known_of_teeth(&MeasuredTables::default());
+        let is_said = |kind: &DeviationKind| self.speaks_of(*kind) || of_teeth.contains(kind);
+        DeviationKind::ALL
+            .into_iter()
+            .filter(|kind| kind.part() == part && is_said(kind) && !measured.contains(kind))
+            .collect()
     }
 
     /// The mesh with each uncertain value off by about its standard uncertainty, one after the other: sizes of the gear, and

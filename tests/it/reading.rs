@@ -300,14 +300,17 @@ fn measured_teeth_replace_the_deviations_of_the_spec() {
         let head = "part_id,space,over_pin_deviation [um]\n".to_owned();
         parts.iter().fold(head, |table, part| (0..12).fold(table, |table, space| table + &row(part, space)))
     };
-    let (code, apart) = status(&["batch", &spec, "--teeth"], rows(&["A", "B"]).as_bytes());
+    // the table tells nothing of the pitches, of which the spec speaks
+    let (code, open) = status(&["batch", &spec, "--teeth"], rows(&["A", "B"]).as_bytes());
+    assert!(code == Some(2) && open.contains("the spec speaks of rack_pitch of the rack"), "{open}");
+    let (code, apart) = status(&["batch", &spec, "--teeth", "--partial"], rows(&["A", "B"]).as_bytes());
     assert!(code.is_some() && apart.contains("2 parts"), "{apart}");
     // the rows of a part may stand anywhere
     let mut lines: Vec<String> = rows(&["A", "B"]).lines().map(str::to_owned).collect();
     let head = lines.remove(0);
     lines.sort_by_key(|line| line.split(',').nth(1).unwrap().parse::<i64>().unwrap());
     let mixed = format!("{head}\n{}\n", lines.join("\n"));
-    let (_, mixed) = status(&["batch", &spec, "--teeth"], mixed.as_bytes());
+    let (_, mixed) = status(&["batch", &spec, "--teeth", "--partial"], mixed.as_bytes());
     let results = |said: &str| -> Vec<String> {
         said.lines().filter(|line| line.starts_with("A,") || line.starts_with("B,")).map(str::to_owned).collect()
     };

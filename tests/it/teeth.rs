@@ -56,6 +56,59 @@ fn errors_of_the_other_part_count_or_nothing_passes() {
     }
 }
 
+/// What the spec says of the measured part and its table does not tell is not dropped.
+#[test]
+fn what_the_table_of_a_part_does_not_tell_is_open() {
+    let folder = Folder::new("teeth-not-in-table");
+    let said = [
+        ("rack_lead", "[errors]\nrack_lead = \"0.5 deg\"\n"),
+        ("rack_lead", "[errors]\nrack_lead = { value = \"0.5 deg\", every_part = true }\n"),
+        ("rack_lead", "[[rack.deviation]]\nteeth = \"0..=3\"\nlead = \"0.5 deg\"\n"),
+    ];
+    for command in [batch, paste] {
+        for (kind, errors) in said {
+            let spec = format!("{PAIR}{errors}{LIMIT}");
+            let open = command(&folder, &spec, &spaces(|_| 0), &[]);
+            assert_eq!(open.code, Some(2), "{errors}: {} {}", open.stdout, open.stderr);
+            let said = format!("{}{}", open.stdout, open.stderr);
+            assert!(said.contains(&format!("the spec speaks of {kind} of the rack")), "{said}");
+            let partial = command(&folder, &spec, &spaces(|_| 0), &["--partial"]);
+            assert_eq!(partial.code, Some(0), "{errors}: {} {}", partial.stdout, partial.stderr);
+        }
+        let told = format!("{PAIR}[errors]\nrack_pitch = \"500 um\"\n{LIMIT}");
+        let passed = command(&folder, &told, &spaces(|_| 0), &[]);
+        assert_eq!(passed.code, Some(0), "{} {}", passed.stdout, passed.stderr);
+    }
+}
+
+/// A cell that is empty in the middle of a table is not taken for a value that is right.
+#[test]
+fn a_tooth_that_was_not_measured_passes_nowhere() {
+    let folder = Folder::new("teeth-hole");
+    let without = |table: &str, row: &str, cut: &str| table.replace(row, cut);
+    let racks = [without(&spaces(|_| 0), "\n5,0,0\n", "\n5,0,\n"), without(&spaces(|_| 0), "\n5,0,0\n", "\n")];
+    let mut whole = "tooth,radial_deviation [um],position_deviation [um]\n".to_owned();
+    (0..8).for_each(|tooth| writeln!(whole, "{tooth},0,0").unwrap());
+    let pinions = [without(&whole, "\n4,0,0\n", "\n4,0,\n"), without(&whole, "\n4,0,0\n", "\n")];
+    let spec = format!("{PAIR}{LIMIT}");
+    assert_eq!(paste(&folder, &spec, &whole, &[]).code, Some(0));
+    assert_eq!(batch(&folder, &spec, &whole, &[]).code, Some(0));
+    for (part, table) in racks.iter().map(|table| ("rack", table)).chain(pinions.iter().map(|table| ("pinion", table)))
+    {
+        for command in [batch, paste] {
+            let ended = command(&folder, &spec, table, &[]);
+            assert_eq!(ended.code, Some(2), "{table}: {} {}", ended.stdout, ended.stderr);
+        }
+        std::fs::write(folder.path("measured.csv"), table).unwrap();
+        let beside = spec.replace(&format!("[{part}]\n"), &format!("[{part}]\nmeasured = \"measured.csv\"\n"));
+        std::fs::write(folder.path("beside.toml"), beside).unwrap();
+        for command in ["eval", "mesh"] {
+            let ended = run(&[command, &folder.path("beside.toml")], "");
+            assert_eq!(ended.code, Some(2), "{command} {table}: {} {}", ended.stdout, ended.stderr);
+        }
+    }
+}
+
 /// A limit on one error of the other part is judged, too, and one on what was measured tooth by tooth is open.
 #[test]
 fn every_limit_counts() {

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::deviation::{self, DeviationKind};
+use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, evaluate};
 use crate::formula::{Model, PartDeviation};
@@ -22,6 +22,10 @@ pub struct TeethJudge {
     errors: Vec<PartDeviation>,
     /// Errors of the other part that the spec asks for and that nobody knows of a part.
     lacking: Vec<DeviationKind>,
+    /// The spec as it was written.
+    spec: Spec,
+    /// The part whose teeth were measured.
+    part: Part,
     basis: Basis,
     limits: Limits,
     rule: Rule,
@@ -41,8 +45,8 @@ pub struct JudgedTeeth {
     pub limits: Vec<LimitCheck>,
     /// Of all limits; `None` without one, or if something is missing.
     pub verdict: Option<Verdict>,
-    /// What was measured and is taken as exact, or judged by nobody, beside values that are uncertain.
-    pub note: Option<String>,
+    /// What was not measured though the spec asks for it, and what is taken as exact beside values that are uncertain.
+    pub notes: Vec<String>,
 }
 
 impl TeethJudge {
@@ -52,7 +56,7 @@ impl TeethJudge {
     /// Diagnostics for geometry that cannot mesh, errors of a part whose teeth the spec knows, and a rule that needs
     /// uncertainties where none is given.
     pub fn new(spec: &Spec, is_rack: bool, rule: Rule, is_partial: bool) -> Result<Self, Diagnostics> {
-        let part = if is_rack { deviation::Part::Rack } else { deviation::Part::Pinion };
+        let part = if is_rack { Part::Rack } else { Part::Pinion };
         let (of_part, of_other): (Vec<_>, Vec<_>) =
             DeviationKind::ALL.into_iter().partition(|kind| kind.part() == part);
         let given: Vec<_> = spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| of_other.contains(kind)).collect();
@@ -67,6 +71,8 @@ impl TeethJudge {
         Ok(Self {
             errors: spec.errors_of_every_part(&of_part)?,
             lacking: spec.lacking(&of_part),
+            spec: spec.clone(),
+            part,
             basis: measured_only.pair_basis()?,
             limits: spec.limits(),
             measured_only,
@@ -84,11 +90,8 @@ impl TeethJudge {
     /// What is not counted, and what follows; what every part has.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let names = |kinds: &mut dyn Iterator<Item = DeviationKind>| {
-            kinds.map(DeviationKind::key).collect::<Vec<_>>().join(", ")
-        };
-        let lacking = names(&mut self.lacking.iter().copied());
-        let every = names(&mut self.errors.iter().map(PartDeviation::kind));
+        let lacking = names(self.lacking.iter().copied());
+        let every = names(self.errors.iter().map(PartDeviation::kind));
         let mut notes = Vec::new();
         if !every.is_empty() {
             notes.push(format!("every part meets the value in [errors]: {every}"));
@@ -118,8 +121,9 @@ impl TeethJudge {
         let (known, certain) = (KnownTeeth { range: followed.judged(&extremes) }, spec.certain_teeth(tables));
         let spec = spec.clone().with_known_teeth(known, sensitivities, certain);
         let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
+        let unmeasured = self.spec.not_in_tables(self.part, tables);
         let mut evaluation = self.evaluated(&spec)?;
-        if (lacks_uncertainty || !self.lacking.is_empty()) && !self.is_partial {
+        if (lacks_uncertainty || !self.lacking.is_empty() || !unmeasured.is_empty()) && !self.is_partial {
             evaluation.leave_open(LimitTarget::CenterDistance);
         }
         let ends = strokes.first().zip(strokes.last());
@@ -129,8 +133,24 @@ impl TeethJudge {
             by: evaluation.judged_by,
             limits: evaluation.limits,
             verdict: evaluation.verdict,
-            note: self.note_of_certain(&spec),
+            notes: self.note_of_unmeasured(&unmeasured).into_iter().chain(self.note_of_certain(&spec)).collect(),
         })
+    }
+
+    /// What the spec says of the measured part and its table does not tell, and what follows.
+    fn note_of_unmeasured(&self, unmeasured: &[DeviationKind]) -> Option<String> {
+        let kinds = names(unmeasured.iter().copied());
+        let part = self.part.name();
+        if kinds.is_empty() {
+            None
+        } else if self.is_partial {
+            Some(format!("judged without {kinds} of the {part}, as told by --partial"))
+        } else {
+            Some(format!(
+                "the spec speaks of {kinds} of the {part}, and the table has no column of it: measure it, take it out of \
+                 the spec, or judge without by --partial"
+            ))
+        }
     }
 
     /// What has no uncertainty where others have one, and what follows.
@@ -139,8 +159,7 @@ impl TeethJudge {
             spec.uncertainties.iter().all(|(source, _)| *source != uncertainty::Source::Error(*kind))
         };
         let beside = self.errors.iter().map(PartDeviation::kind).filter(is_certain);
-        let names =
-            spec.taken_as_exact().into_iter().chain(beside).map(DeviationKind::key).collect::<Vec<_>>().join(", ");
+        let names = names(spec.taken_as_exact().into_iter().chain(beside));
         let rule = &self.rule;
         if spec.uncertainties.is_empty() || names.is_empty() {
             None
@@ -173,4 +192,8 @@ impl TeethJudge {
         decided.map_err(|error| no_result(error.to_string()))?;
         Ok(evaluation)
     }
+}
+
+fn names(kinds: impl Iterator<Item = DeviationKind>) -> String {
+    kinds.map(DeviationKind::key).collect::<Vec<_>>().join(", ")
 }

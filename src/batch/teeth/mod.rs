@@ -379,8 +379,10 @@ impl<'a> Teeth<'a> {
             Err(fault) => return self.reject(part, &fault, place),
         };
         let verdict = solved.judged.verdict;
-        if let Some(note) = solved.judged.note.as_ref().filter(|note| !self.outcome.notes.contains(note)) {
-            self.outcome.notes.push(note.clone());
+        for note in &solved.judged.notes {
+            if !self.outcome.notes.contains(note) {
+                self.outcome.notes.push(note.clone());
+            }
         }
         self.outcome.counts.judge(verdict);
         if solved.is_cut {

@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::sum::{Together, bound, range_of, reached_at_least, together};
+use super::known::KnownTeeth;
+use super::single::range_of;
+use super::sum::{Together, bound, reached_at_least, together};
 use super::{Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Open, Range, Reach};
 use crate::formula::PartDeviation;
 
@@ -17,13 +19,6 @@ pub struct Basis {
     pub rolls: bool,
     /// Normal module, if it is known without the geometry, mm.
     pub normal_module_mm: Option<f64>,
-}
-
-/// Teeth that are known one by one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KnownTeeth {
-    /// The extremes of the exact mesh of these teeth with a part that has no errors.
-    pub range: Range,
 }
 
 /// What is given of the pair's geometry: [`Geometry`] before any errors are known.

@@ -170,3 +170,15 @@ pub(in crate::judge) fn thickness_deviation(pair: &Pair) -> f64 {
     let standard = (0.5 * PI + 2.0 * pinion.profile_shift * tan_n) * pair.normal_module_mm();
     pinion.tooth_thickness_mm - standard / trig::cos(pinion.helix_angle_rad)
 }
+
+/// How far errors move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the rotation by as
+/// much.
+pub(super) fn shift_rad(pair: &Pair, delta_cd_mm: f64) -> f64 {
+    let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth);
+    2.0 * delta_cd_mm * trig::tan(pair.normal_pressure_angle_rad()) / per_rad
+}
+
+/// How far such a shift moves a contact line across the rack, mm.
+pub(super) fn skew(pair: &Pair, shift: f64) -> f64 {
+    pair.pinion().base_radius_mm * shift * trig::sin(pair.shaft_angle_rad()).abs()
+}

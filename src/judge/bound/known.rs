@@ -3,11 +3,12 @@
 
 use std::f64::consts::PI;
 
-use super::field::{ContactPath, Field, line_distance, thickness_deviation, thickness_offset};
-use super::lead::LeadTables;
-use super::pitch::{Counts, Way};
+use super::Range;
+use super::counts::{Counts, Way};
+use super::field::{ContactPath, Field, line_distance, shift_rad, skew, thickness_deviation, thickness_offset};
+use super::lead_tables::LeadTables;
+use super::levels::Levels;
 use super::profile::{Profile, Rolls};
-use super::{KnownTeeth, Range};
 use crate::deviation::{DeviationError, Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
@@ -37,7 +38,7 @@ pub struct KnownPair {
     /// Where lines of contact carry whatever the errors.
     pub(super) line: ContactPath,
     /// Where flanks carry that stand out by so much: in rising order.
-    pub(super) levels: Vec<Level>,
+    pub(super) levels: Levels,
     /// What error-free parts do.
     pub(super) own: Range,
     /// How many steps act at once, of each [`Way`].
@@ -49,6 +50,13 @@ pub struct KnownPair {
     /// Half the rack's width, and half the pinion's, over which profiles alone always carry; `None` if they do not.
     pub(super) rack_sections: Option<f64>,
     pub(super) pinion_sections: Option<f64>,
+}
+
+/// Teeth that are known one by one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownTeeth {
+    /// The extremes of the exact mesh of these teeth with a part that has no errors.
+    pub range: Range,
 }
 
 /// How far errors may move ΔCD altogether.
@@ -85,17 +93,6 @@ impl Reach {
     }
 }
 
-/// Where a flank carries that stands out by `error` mm of centre distance more than its neighbours: edges lengthen its
-/// path.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Level {
-    pub(super) error: f64,
-    pub(super) field: Field,
-    pub(super) path: ContactPath,
-    /// How far its points of contact lie from the contact line at most, mm.
-    pub(super) off_line: f64,
-}
-
 /// Why nothing is known about a pair.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -124,11 +121,6 @@ const SHORTENING: f64 = 2.0;
 /// Where teeth take over from each other errors hold them apart, so that both sides sink further than either curve has
 /// it: by this many times what a side changes on the way of a shift. Found by trials, not proven.
 const SWINGS: f64 = 4.0;
-/// Lengths this near to a whole number of pitches are taken for it.
-const SLACK: f64 = 1e-9;
-/// The first level, mm, and the ratio from one to the next, up to four times the reach.
-const FIRST_LEVEL_MM: f64 = 1e-5;
-const LEVEL_RATIO: f64 = 1.4;
 
 impl GivenPair {
     /// A pair with plain flanks and a rack that does not roll.
@@ -172,7 +164,7 @@ impl KnownPair {
         let rolls = Rolls { low: shorter.lowest_line() + shift, high: pair.pinion().tip_roll_rad - shift };
         let narrower = skew(pair, shift);
         let line = Field::new(pair, rolls, -narrower).path();
-        let (levels, own) = (levels(pair, &reach), Range { lower: 0.0, upper: 0.0 });
+        let (levels, own) = (Levels::new(pair, -reach.range.lower, reach.largest()), Range { lower: 0.0, upper: 0.0 });
         let mut known = Self {
             given,
             reach,
@@ -192,10 +184,10 @@ impl KnownPair {
 
     /// Counts what errors of any size take from the levels.
     fn count(&mut self) {
-        self.counts = Way::ALL.into_iter().map(|way| Counts::new(self, way)).collect();
-        let space = |part| self.stands_back(|path| path.ratio - flanks_apart(part, path), 0.0);
+        self.counts = Way::ALL.into_iter().map(|way| Counts::new(way, &self.levels, &self.line, self.gap())).collect();
+        let space = |part| self.levels.stands_back(|path| path.ratio - flanks_apart(part, path), 0.0);
         self.space_stands_back = [space(Part::Rack), space(Part::Pinion)];
-        self.leads = LeadTables::new(self);
+        self.leads = LeadTables::new(&self.given.pair, self.reach.largest());
     }
 
     pub(super) fn counts(&self, way: Way) -> &Counts {
@@ -267,29 +259,9 @@ impl KnownPair {
         Ok(offset + excess.min(both.upper.max(0.0)))
     }
 
-    /// Where flanks carry that stand out by up to `error` mm more than their neighbours.
-    pub(super) fn level(&self, error: f64) -> &Level {
-        self.levels.iter().find(|level| level.error >= error).unwrap_or(&self.levels[self.levels.len() - 1])
-    }
-
     /// How far the pair alone sinks at most because lines of contact leave gaps, mm.
     pub(super) fn gap(&self) -> f64 {
         (thickness_offset(&self.given.pair) - self.own.lower).max(0.0)
-    }
-
-    /// How much less two edges of a path ask for together, at least, on which a length of it is not below `least`: half of
-    /// what each stands back. Infinite where none is as long.
-    pub(super) fn stands_back(&self, length: impl Fn(&ContactPath) -> f64, least: f64) -> f64 {
-        let mut stands_back = f64::INFINITY;
-        let before = |index: usize| if index == 0 { 0.0 } else { self.levels[index - 1].error };
-        for (index, one) in self.levels.iter().enumerate() {
-            // both ends of such a length are ends of the same kind, so that the length is the mean of those at both levels
-            let long = |other: &Level| 0.5 * (length(&one.path) + length(&other.path)) + SLACK >= least;
-            if let Some(other) = self.levels.iter().position(long) {
-                stands_back = stands_back.min(0.5 * (before(index) + before(other)));
-            }
-        }
-        stands_back
     }
 
     /// The nominal path of contact.
@@ -344,28 +316,6 @@ pub(super) const fn flanks_apart(part: Part, path: &ContactPath) -> f64 {
     }
 }
 
-/// Where flanks carry that stand out more and more.
-fn levels(pair: &Pair, reach: &Reach) -> Vec<Level> {
-    let profile = Profile::new(pair, line_distance(pair), -reach.range.lower);
-    let last = 4.0 * reach.largest();
-    let shift = shift_rad(pair, reach.largest());
-    let mut levels = Vec::new();
-    let mut error = 0.0;
-    loop {
-        let carrying = profile.carrying(error);
-        let rolls = Rolls { low: carrying.low - shift, high: carrying.high + shift };
-        let off_line = 1.2 * profile.off_line(error);
-        let wider = trig::sin(pair.shaft_angle_rad()).abs() * off_line + skew(pair, shift);
-        let field = Field::new(pair, rolls, wider);
-        let path = field.path();
-        levels.push(Level { error, field, path, off_line });
-        if error > last {
-            return levels;
-        }
-        error = if error == 0.0 { FIRST_LEVEL_MM } else { LEVEL_RATIO * error };
-    }
-}
-
 /// The most that one side can ask for beyond its contact lines, mm.
 fn excess(pair: &Pair, reach: &Reach) -> f64 {
     Profile::new(pair, line_distance(pair), -reach.range.lower).largest_excess()
@@ -399,18 +349,6 @@ fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, MeshError> {
         }
     }
     Ok(Range { lower: both.lower - SWINGS * swing, upper: both.upper + swing })
-}
-
-/// How far errors move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the rotation by as
-/// much.
-fn shift_rad(pair: &Pair, delta_cd_mm: f64) -> f64 {
-    let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth);
-    2.0 * delta_cd_mm * trig::tan(pair.normal_pressure_angle_rad()) / per_rad
-}
-
-/// How far such a shift moves a contact line across the rack, mm.
-fn skew(pair: &Pair, shift: f64) -> f64 {
-    pair.pinion().base_radius_mm * shift * trig::sin(pair.shaft_angle_rad()).abs()
 }
 
 /// The same pair with less of its flanks: what is left of them when errors raise the pinion and

@@ -2,11 +2,10 @@
 //! point by what is linear in the point's place; the field of contact says which points there are at a stroke. Read by the
 //! bound; knows no other error.
 
-use std::sync::{Arc, OnceLock};
-
 use super::error::{Effect, RackLines};
 use super::field::Spot;
-use super::known::Level;
+use super::lead_tables::{Asked, NODES_A_SIDE};
+use super::levels::Level;
 use super::{ErrorRange, ExtendedError, Extent, KnownPair, Range};
 use crate::deviation::Part;
 use crate::trig;
@@ -33,56 +32,6 @@ pub(super) struct Leads {
     extent: Option<Extent>,
     /// The only lead, if its sign is not known.
     unsigned: Option<ExtendedError>,
-}
-
-/// What leads ask for at most and give way at most, at the nodes of a table: each is computed when it is first needed, for
-/// rows of a batch ask again and again.
-#[derive(Debug, Clone)]
-pub(super) struct LeadTables {
-    /// From one node to the next: rad of the rack, mm of the pinion.
-    spacing: [f64; 2],
-    nodes: Arc<[[OnceLock<Asked>; NODES]; TABLES]>,
-}
-
-/// Nodes of a table: as many as this to either side of nothing.
-const NODES_A_SIDE: i32 = 128;
-const NODES: usize = 2 * NODES_A_SIDE as usize + 1;
-/// A table for each part and extent.
-const TABLES: usize = 2 * Extent::EVERY.len();
-
-/// What leads ask for at most, what they give way at most, and either way at any one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Asked {
-    most: f64,
-    gives_way: f64,
-    at_any_time: f64,
-}
-
-/// Two tables of one pair for one reach are alike.
-impl PartialEq for LeadTables {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl Default for LeadTables {
-    fn default() -> Self {
-        let nodes = || std::array::from_fn(|_| OnceLock::new());
-        Self { spacing: [0.0; 2], nodes: Arc::new(std::array::from_fn(|_| nodes())) }
-    }
-}
-
-impl LeadTables {
-    /// Of a pair: as far as leads within its reach go.
-    pub(super) fn new(known: &KnownPair) -> Self {
-        /// Faces that cover each other in part leave more to a lead than its formula says.
-        const FARTHER: f64 = 4.0;
-        let pair = &known.given.pair;
-        let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
-        let rack = known.reach.largest() * 2.0 * tan_alpha / pair.rack().face_width_mm;
-        let spacing = [rack, known.reach.largest()].map(|largest| FARTHER * largest / f64::from(NODES_A_SIDE));
-        Self { spacing, ..Self::default() }
-    }
 }
 
 /// Cosines of turned tooth lines are not taken to be smaller.
@@ -190,7 +139,7 @@ impl Leads {
         } else if known.given.rolls() {
             at_any_time
         } else {
-            self.at_any_time(known, Some(known.level(2.0 * known.gap())))
+            self.at_any_time(known, known.levels.level(2.0 * known.gap()))
         };
         let lower_mm = self.kept(known).unwrap_or(raw_lower_mm).max(raw_lower_mm);
         ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm: at_any_time.max(upper_mm), in_contact: None }
@@ -273,12 +222,12 @@ impl Leads {
 
     /// What a right flank asks for at most in each part of its path.
     fn cells(&self, known: &KnownPair, sign: f64) -> Vec<Cell> {
-        let Some(last) = known.levels.last() else { return Vec::new() };
+        let last = known.levels.last();
         let (start, end) = (last.path.offset - 0.5 * last.path.ratio, last.path.offset + 0.5 * last.path.ratio);
         let mut candidates = self.candidates().to_vec();
         candidates.dedup();
         let turns: Vec<_> = candidates.into_iter().map(|value| self.turned(value, half_face(known))).collect();
-        let most = self.at_any_time(known, Some(last));
+        let most = self.at_any_time(known, last);
         let cell = |index: i32| Range {
             lower: f64::from(index) / f64::from(CELLS),
             upper: f64::from(index + 1) / f64::from(CELLS),
@@ -288,7 +237,7 @@ impl Leads {
             let mut found = f64::NEG_INFINITY;
             // what lies off its contact line asks for less by what it stands back
             let mut stands_back = 0.0;
-            for level in &known.levels {
+            for level in known.levels.iter() {
                 if most - stands_back < found {
                     break;
                 }
@@ -307,8 +256,7 @@ impl Leads {
     }
 
     /// The most that they ask for or give way anywhere on the flanks.
-    fn at_any_time(&self, known: &KnownPair, level: Option<&Level>) -> f64 {
-        let Some(level) = level else { return 0.0 };
+    fn at_any_time(&self, known: &KnownPair, level: &Level) -> f64 {
         let asked = self.candidates().map(|value| {
             let turned = self.turned(value, half_face(known));
             let range = level.field.extremes(|spot| turned.at(spot)).unwrap_or(Range { lower: 0.0, upper: 0.0 });
@@ -325,7 +273,7 @@ impl Leads {
             Part::Pinion => known.pinion_sections?,
         };
         let one_hand = self.values.lower * self.values.upper > 0.0;
-        let heights = known.levels.last()?.field.extremes(|spot| spot.z)?;
+        let heights = known.levels.last().field.extremes(|spot| spot.z)?;
         let kept = self.candidates().map(|value| {
             let turned = self.turned(value, half_face(known));
             let at_ends = if one_hand { half * (turned.across.abs() + turned.along.abs()) } else { 0.0 };

@@ -5,22 +5,26 @@
 //! know files, limits or reports.
 
 mod basis;
+mod counts;
 pub(in crate::judge) mod error;
 pub(in crate::judge) mod field;
 mod known;
 pub(in crate::judge) mod lead;
+mod lead_tables;
+mod levels;
 mod moments;
 mod pitch;
 pub(in crate::judge) mod profile;
 mod scales;
+mod single;
 mod sum;
 #[cfg(test)]
 pub(in crate::judge) mod tests;
 
-pub use basis::{Basis, GivenGeometry, KnownPairs, KnownTeeth};
+pub use basis::{Basis, GivenGeometry, KnownPairs};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use field::ContactPath;
-pub use known::{GivenPair, KnownPair, KnownPairError, Reach};
+pub use known::{GivenPair, KnownPair, KnownPairError, KnownTeeth, Reach};
 pub use moments::{Moments, moments};
 pub use scales::Scales;
 pub use sum::{Bound, Together, bound};
@@ -108,7 +112,15 @@ pub struct Knowledge<'a> {
     pub normal_module_mm: Option<f64>,
 }
 
-impl Knowledge<'_> {
+impl<'a> Knowledge<'a> {
+    /// The pair, if its geometry is known.
+    const fn pair(&self) -> Option<&'a KnownPair> {
+        match self.geometry {
+            Geometry::Known(known) => Some(known),
+            Geometry::Unknown | Geometry::BothFlanks => None,
+        }
+    }
+
     fn rolls(&self) -> bool {
         match self.geometry {
             Geometry::Known(known) => known.given.rolls(),

@@ -1,7 +1,7 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
 use super::error::{Effect, PitchEffect};
-use super::sum::range_of;
+use super::single::range_of;
 use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, Open};
 use crate::deviation::Part;
 

@@ -1,7 +1,8 @@
 //! The bound of errors that are shares of given ones, for many shares: a table of each error's range. Read by
 //! simulations; computes no range of its own.
 
-use super::sum::{Sum, range_of};
+use super::single::range_of;
+use super::sum::Sum;
 use super::{Basis, ErrorRange, ExtendedError, Geometry, Knowledge, Open, Range};
 use crate::deviation::Part;
 use crate::formula::PartDeviation;

@@ -1,15 +1,12 @@
 //! The bound of each error and of their sum. Reads what the errors do from the rooms beside it; solves no mesh.
 
-use super::error::{Effect, PitchEffect, RackLines};
+use super::error::{Effect, PitchEffect};
 use super::field::thickness_offset;
-use super::known::flanks_apart;
 use super::lead::Leads;
 use super::moments::{Moments, moments};
-use super::pitch;
+use super::single::{assumed_height, of_leads, range_of, supported};
 use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, Note, Open, Range, Reach};
 use crate::deviation::Part;
-use crate::mesh::LARGEST_ROLL_RAD;
-use crate::trig;
 
 /// The bound of errors whose teeth are not known.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,10 +30,6 @@ pub struct Together {
     pub statistical: Result<Range, Open>,
 }
 
-/// Without geometry flanks are taken to touch within this many modules of the reference plane, or within this share of
-/// the face width.
-const MODULES_HIGH: f64 = 1.5;
-const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 /// Errors move points of contact over the known teeth, whose own leads and steps they then meet elsewhere: by this share
 /// of what both do together. Found by trials, not proven.
 const MOVED: f64 = 2e-3;
@@ -52,103 +45,6 @@ pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     let Together { total, statistical } = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
     Bound { errors: each, total, statistical, notes: notes(errors, knowledge) }
-}
-
-/// What one error can do alone.
-pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
-    if let Some([one, other]) = error.signs() {
-        return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
-    }
-    let range = match error.effect {
-        Effect::Size { part, value } => size(part, value, error.extent, knowledge),
-        Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
-        Effect::RackLead { .. } | Effect::PinionLead { .. } => leads(&Leads::none(error.part()).with(error), knowledge),
-    };
-    Ok(supported(range, knowledge))
-}
-
-const fn known<'a>(knowledge: &Knowledge<'a>) -> Option<&'a KnownPair> {
-    match knowledge.geometry {
-        Geometry::Known(known) => Some(known),
-        Geometry::Unknown | Geometry::BothFlanks => None,
-    }
-}
-
-/// A space that sits higher by e: both its flanks carry for a while, or never.
-fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorRange {
-    let sometimes = ErrorRange::within(value.min(0.0), value.max(0.0));
-    match (extent, known(knowledge)) {
-        (Extent::All, _) => ErrorRange::signed(value),
-        (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
-        (Extent::One, Some(known)) if value > 0.0 => {
-            ErrorRange { upper_mm: (value - known.space_stands_back(part)).max(0.5 * value), ..sometimes }
-        }
-        (Extent::One, Some(known)) if known.carries_lines() => {
-            let path = &known.line;
-            let alone = if path.ratio + flanks_apart(part, path) < 2.0 {
-                1.0
-            } else if path.ratio < 2.0 {
-                0.5
-            } else {
-                0.0
-            };
-            ErrorRange { lower_mm: alone * value, ..sometimes }
-        }
-        (Extent::Part | Extent::One, _) => sometimes,
-    }
-}
-
-fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
-    let PitchEffect { part, value, gain, cap } = *pitch;
-    let known = known(knowledge);
-    let teeth = known.map(|known| known.given.pair.pinion().teeth);
-    // a pinion's deviations are measured from the mean of the turn
-    let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
-    let total = |deviation: f64| 2.0 * gain * deviation * (1.0 - mean);
-    // F_p limits either flank side, which may deviate apart
-    let limit = cap.map_or(f64::INFINITY, total);
-    let step = gain * value.abs();
-    let range = match (extent, known) {
-        (Extent::Total, _) => ErrorRange::either_way(total(value.abs())),
-        (_, Some(known)) => pitch::of_pair(part, extent, value >= 0.0, step, known),
-        (Extent::One, None) => {
-            pitch::one_of_any_pair(step, knowledge.geometry == Geometry::BothFlanks && !knowledge.rolls)
-        }
-        (_, None) if cap.is_some() => ErrorRange::either_way(limit),
-        (_, None) => return Err(Open::TeethInContactUnknown),
-    };
-    Ok(ErrorRange {
-        raw_lower_mm: range.raw_lower_mm.max(-limit),
-        lower_mm: range.lower_mm.max(-limit),
-        upper_mm: range.upper_mm.min(limit),
-        raw_upper_mm: range.raw_upper_mm.min(limit),
-        ..range
-    })
-}
-
-fn leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
-    if let Some([one, other]) = leads.signs() {
-        return self::leads(&one, knowledge).or(self::leads(&other, knowledge));
-    }
-    match known(knowledge) {
-        Some(known) => leads.of_pair(known),
-        None => leads.of_any_pair(leads.lines().map_or(0.0, |lines| assumed_height(lines, knowledge))),
-    }
-}
-
-fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
-    knowledge.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * lines.face_width, |module| MODULES_HIGH * module)
-}
-
-/// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.
-fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
-    if !knowledge.rolls() {
-        return range;
-    }
-    let cos = trig::cos(LARGEST_ROLL_RAD);
-    let raw = range.raw_lower_mm;
-    let raw_lower_mm = if raw < 0.0 { raw / cos } else { raw * cos };
-    ErrorRange { raw_lower_mm, lower_mm: raw_lower_mm, ..range }
 }
 
 /// What errors of both parts add up to, mm.
@@ -190,7 +86,7 @@ impl Adding {
     fn sum(&self, knowledge: &Knowledge) -> Sum {
         let mut sum = self.sum;
         for (all, last) in self.leads.iter().flatten() {
-            let range = if all.is_one() { *last } else { supported(leads(all, knowledge), knowledge) };
+            let range = if all.is_one() { *last } else { supported(of_leads(all, knowledge), knowledge) };
             sum.add(all.part(), range);
         }
         sum
@@ -228,7 +124,7 @@ impl Sum {
     /// lowers no upper one. Every end is raw, and what undercut and gaps do counts once more: errors may shift them
     /// against what the known teeth do.
     fn beside(&self, teeth: KnownTeeth, own: Range, knowledge: &Knowledge) -> Range {
-        let offset = known(knowledge).map_or(0.0, |known| thickness_offset(&known.given.pair));
+        let offset = knowledge.pair().map_or(0.0, |known| thickness_offset(&known.given.pair));
         let moved = MOVED * self.reach().with(Some(teeth)).largest();
         Range {
             lower: teeth.range.lower + self.sinks + (own.lower - offset).min(0.0) - moved,
@@ -244,7 +140,7 @@ impl Sum {
 
 /// The pair's own range, if these errors are within what the pair is known for.
 fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Range, Open> {
-    match known(knowledge) {
+    match knowledge.pair() {
         Some(known) if !known.reach.holds(&sum.reach().with(knowledge.known_teeth)) => Err(Open::BeyondReach),
         Some(known) => Ok(known.own),
         None => Ok(NOTHING),
@@ -342,7 +238,7 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     if errors.iter().any(whole_teeth) {
         notes.push(Note::WholeTeeth);
     }
-    if known(knowledge).is_some() {
+    if knowledge.pair().is_some() {
         return notes;
     }
     notes.push(Note::OwnCurveUnknown);

@@ -16,11 +16,12 @@ mod sketch;
 #[cfg(test)]
 mod tests;
 
+pub use placed::ReachedError;
 pub use seat::Run;
 
 use super::bound::{ExtendedError, GivenPair};
-use crate::deviation::{DeviationError, PinionFlanks, RackFlanks};
-use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
+use crate::deviation::{PinionFlanks, RackFlanks};
+use crate::mesh::{Mesh, MeshPoint, Support};
 use placed::{Flanks, Placed};
 use search::{Candidate, Search, Which};
 use sketch::{Sketch, is_solved, stroke};
@@ -51,24 +52,6 @@ pub struct Placement {
     pub pinion: PinionFlanks,
     /// Where each error sits, in the order given. An error that is on no run deviates nowhere.
     pub errors: Vec<Vec<Run>>,
-}
-
-/// Why nothing is found.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReachedError {
-    /// Errors that no flanks can have.
-    #[error(transparent)]
-    Deviation(#[from] DeviationError),
-    /// The pair does not mesh.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// No stroke has a solution without residual.
-    #[error("no stroke near {stroke_mm} mm is solved")]
-    Unsolved {
-        /// The stroke.
-        stroke_mm: f64,
-    },
 }
 
 /// Placements that are solved for each end, at most.

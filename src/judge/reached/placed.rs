@@ -3,12 +3,29 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use super::ReachedError;
-use crate::deviation::{Part, PinionFlanks, PinionTooth, RackFlanks, RackTooth};
+use crate::deviation::{DeviationError, Part, PinionFlanks, PinionTooth, RackFlanks, RackTooth};
 use crate::gear::Pair;
 use crate::judge::bound::{GivenPair, pinion_lead_angle_rad};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError};
 use crate::trig;
+
+/// Why nothing is found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReachedError {
+    /// Errors that no flanks can have.
+    #[error(transparent)]
+    Deviation(#[from] DeviationError),
+    /// The pair does not mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// No stroke has a solution without residual.
+    #[error("no stroke near {stroke_mm} mm is solved")]
+    Unsolved {
+        /// The stroke.
+        stroke_mm: f64,
+    },
+}
 
 /// Rack teeth that errors are put on: all that carry within a few pitches of stroke 0, and many more.
 pub(in crate::judge) const TEETH: RangeInclusive<i64> = -30..=36;

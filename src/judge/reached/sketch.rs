@@ -4,8 +4,7 @@
 //! With ν(p) for what the flank pair of tooth 0 asks for at the stroke p beyond its error, the flank pair of tooth i asks
 //! for its error + ν(s − i) at the stroke s, and ΔCD is half the sum of the most that right and left flanks ask for.
 
-use super::ReachedError;
-use super::placed::{Asked, BySide, Placed};
+use super::placed::{Asked, BySide, Placed, ReachedError};
 use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::judge::bound::error::Effect;

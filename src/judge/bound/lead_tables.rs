@@ -1,0 +1,56 @@
+//! What leads ask for and give way, at values from one node to the next. Filled when it is first needed.
+
+use std::sync::{Arc, OnceLock};
+
+use super::Extent;
+use crate::gear::Pair;
+use crate::trig;
+
+/// What leads ask for at most and give way at most, at the nodes of a table: each is computed when it is first needed, for
+/// rows of a batch ask again and again.
+#[derive(Debug, Clone)]
+pub(super) struct LeadTables {
+    /// From one node to the next: rad of the rack, mm of the pinion.
+    pub(super) spacing: [f64; 2],
+    pub(super) nodes: Arc<[[OnceLock<Asked>; NODES]; TABLES]>,
+}
+
+/// Nodes of a table: as many as this to either side of nothing.
+pub(super) const NODES_A_SIDE: i32 = 128;
+const NODES: usize = 2 * NODES_A_SIDE as usize + 1;
+/// A table for each part and extent.
+const TABLES: usize = 2 * Extent::EVERY.len();
+
+/// What leads ask for at most, what they give way at most, and either way at any one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Asked {
+    pub(super) most: f64,
+    pub(super) gives_way: f64,
+    pub(super) at_any_time: f64,
+}
+
+/// Two tables of one pair for one reach are alike.
+impl PartialEq for LeadTables {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Default for LeadTables {
+    fn default() -> Self {
+        let nodes = || std::array::from_fn(|_| OnceLock::new());
+        Self { spacing: [0.0; 2], nodes: Arc::new(std::array::from_fn(|_| nodes())) }
+    }
+}
+
+impl LeadTables {
+    /// Of a pair: as far as leads within its reach go.
+    pub(super) fn new(pair: &Pair, largest_mm: f64) -> Self {
+        /// Faces that cover each other in part leave more to a lead than its formula says.
+        const FARTHER: f64 = 4.0;
+        let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
+        let rack = largest_mm * 2.0 * tan_alpha / pair.rack().face_width_mm;
+        let spacing = [rack, largest_mm].map(|largest| FARTHER * largest / f64::from(NODES_A_SIDE));
+        Self { spacing, ..Self::default() }
+    }
+}

@@ -1,0 +1,107 @@
+//! What one error can do alone. Reads what steps and leads do from the rooms beside it; adds nothing up.
+
+use super::error::{Effect, PitchEffect, RackLines};
+use super::known::flanks_apart;
+use super::lead::Leads;
+use super::pitch;
+use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, Open};
+use crate::deviation::Part;
+use crate::mesh::LARGEST_ROLL_RAD;
+use crate::trig;
+
+/// Without geometry flanks are taken to touch within this many modules of the reference plane, or within this share of
+/// the face width.
+const MODULES_HIGH: f64 = 1.5;
+const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
+
+/// What one error can do alone.
+pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+    if let Some([one, other]) = error.signs() {
+        return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
+    }
+    let range = match error.effect {
+        Effect::Size { part, value } => size(part, value, error.extent, knowledge),
+        Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
+        Effect::RackLead { .. } | Effect::PinionLead { .. } => {
+            of_leads(&Leads::none(error.part()).with(error), knowledge)
+        }
+    };
+    Ok(supported(range, knowledge))
+}
+
+/// A space that sits higher by e: both its flanks carry for a while, or never.
+fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorRange {
+    let sometimes = ErrorRange::within(value.min(0.0), value.max(0.0));
+    match (extent, knowledge.pair()) {
+        (Extent::All, _) => ErrorRange::signed(value),
+        (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
+        (Extent::One, Some(known)) if value > 0.0 => {
+            ErrorRange { upper_mm: (value - known.space_stands_back(part)).max(0.5 * value), ..sometimes }
+        }
+        (Extent::One, Some(known)) if known.carries_lines() => {
+            let path = &known.line;
+            let alone = if path.ratio + flanks_apart(part, path) < 2.0 {
+                1.0
+            } else if path.ratio < 2.0 {
+                0.5
+            } else {
+                0.0
+            };
+            ErrorRange { lower_mm: alone * value, ..sometimes }
+        }
+        (Extent::Part | Extent::One, _) => sometimes,
+    }
+}
+
+fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+    let PitchEffect { part, value, gain, cap } = *pitch;
+    let known = knowledge.pair();
+    let teeth = known.map(|known| known.given.pair.pinion().teeth);
+    // a pinion's deviations are measured from the mean of the turn
+    let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
+    let total = |deviation: f64| 2.0 * gain * deviation * (1.0 - mean);
+    // F_p limits either flank side, which may deviate apart
+    let limit = cap.map_or(f64::INFINITY, total);
+    let step = gain * value.abs();
+    let range = match (extent, known) {
+        (Extent::Total, _) => ErrorRange::either_way(total(value.abs())),
+        (_, Some(known)) => pitch::of_pair(part, extent, value >= 0.0, step, known),
+        (Extent::One, None) => {
+            pitch::one_of_any_pair(step, knowledge.geometry == Geometry::BothFlanks && !knowledge.rolls)
+        }
+        (_, None) if cap.is_some() => ErrorRange::either_way(limit),
+        (_, None) => return Err(Open::TeethInContactUnknown),
+    };
+    Ok(ErrorRange {
+        raw_lower_mm: range.raw_lower_mm.max(-limit),
+        lower_mm: range.lower_mm.max(-limit),
+        upper_mm: range.upper_mm.min(limit),
+        raw_upper_mm: range.raw_upper_mm.min(limit),
+        ..range
+    })
+}
+
+pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
+    if let Some([one, other]) = leads.signs() {
+        return of_leads(&one, knowledge).or(of_leads(&other, knowledge));
+    }
+    match knowledge.pair() {
+        Some(known) => leads.of_pair(known),
+        None => leads.of_any_pair(leads.lines().map_or(0.0, |lines| assumed_height(lines, knowledge))),
+    }
+}
+
+pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
+    knowledge.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * lines.face_width, |module| MODULES_HIGH * module)
+}
+
+/// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.
+pub(super) fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
+    if !knowledge.rolls() {
+        return range;
+    }
+    let cos = trig::cos(LARGEST_ROLL_RAD);
+    let raw = range.raw_lower_mm;
+    let raw_lower_mm = if raw < 0.0 { raw / cos } else { raw * cos };
+    ErrorRange { raw_lower_mm, lower_mm: raw_lower_mm, ..range }
+}
