@@ -158,7 +158,7 @@ impl Length {
     /// The length in mm.
     #[must_use]
     pub fn mm(self) -> f64 {
-        self.in_unit(LengthUnit::Millimetre)
+        self.fm as f64 / 1e12
     }
 
     /// The length in `unit`.
