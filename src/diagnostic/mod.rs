@@ -100,6 +100,12 @@ impl Diagnostic {
         Self { code, severity: Severity::Error, message: message.into(), place: None, help: None }
     }
 
+    /// A file that cannot be read, and why.
+    #[must_use]
+    pub fn unreadable(name: &str, problem: &dyn std::fmt::Display) -> Self {
+        Self::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
+    }
+
     /// A warning.
     pub fn warning(code: Code, message: impl Into<String>) -> Self {
         Self { severity: Severity::Warning, ..Self::error(code, message) }

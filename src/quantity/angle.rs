@@ -78,13 +78,8 @@ impl AngleUnit {
     #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
-            Self::Degree => "deg",
-            Self::Arcminute => "arcmin",
-            Self::Arcsecond => "arcsec",
-            Self::Radian => "rad",
-            Self::Milliradian => "mrad",
             Self::Microradian => "µrad",
-            Self::Gon => "gon",
+            unit => unit.spellings()[0],
         }
     }
 
@@ -162,13 +157,10 @@ impl Angle {
     #[must_use]
     pub fn in_unit(self, unit: AngleUnit) -> f64 {
         match unit {
-            AngleUnit::Degree => self.degrees(),
-            AngleUnit::Arcminute => self.nas as f64 / 6e10,
-            AngleUnit::Arcsecond => self.nas as f64 / 1e9,
-            AngleUnit::Gon => self.nas as f64 / 3.24e12,
             AngleUnit::Radian => self.shortest_number(self.radians(), unit),
             AngleUnit::Milliradian => self.shortest_number(1e3 * self.radians(), unit),
             AngleUnit::Microradian => self.shortest_number(1e6 * self.radians(), unit),
+            unit => self.nas as f64 / unit.scale().steps(),
         }
     }
 

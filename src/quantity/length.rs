@@ -83,13 +83,8 @@ impl LengthUnit {
     #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
-            Self::Nanometre => "nm",
             Self::Micrometre => "µm",
-            Self::Millimetre => "mm",
-            Self::Centimetre => "cm",
-            Self::Metre => "m",
-            Self::Inch => "in",
-            Self::Mil => "mil",
+            unit => unit.spellings()[0],
         }
     }
 
@@ -104,19 +99,6 @@ impl LengthUnit {
             // 25.4 mm
             Self::Inch => Scale { factor: 254, exponent: 11 },
             Self::Mil => Scale { factor: 254, exponent: 8 },
-        }
-    }
-
-    /// One of this unit in femtometres, as a number.
-    const fn in_fm(self) -> f64 {
-        match self {
-            Self::Nanometre => 1e6,
-            Self::Micrometre => 1e9,
-            Self::Millimetre => 1e12,
-            Self::Centimetre => 1e13,
-            Self::Metre => 1e15,
-            Self::Inch => 2.54e13,
-            Self::Mil => 2.54e10,
         }
     }
 }
@@ -176,13 +158,13 @@ impl Length {
     /// The length in mm.
     #[must_use]
     pub fn mm(self) -> f64 {
-        self.in_unit(LengthUnit::Millimetre)
+        self.fm as f64 / 1e12
     }
 
     /// The length in `unit`.
     #[must_use]
     pub fn in_unit(self, unit: LengthUnit) -> f64 {
-        self.fm as f64 / unit.in_fm()
+        self.fm as f64 / unit.scale().steps()
     }
 
     /// The length in mm with that many decimals, half away from zero.

@@ -53,6 +53,13 @@ pub(crate) struct Scale {
     pub(crate) exponent: i32,
 }
 
+impl Scale {
+    /// The steps of one of the unit, where they are a whole number.
+    pub(crate) const fn steps(self) -> f64 {
+        (self.factor * POWERS_OF_TEN[self.exponent as usize]) as f64
+    }
+}
+
 impl Decimal {
     /// Reads a decimal number: `25.0131`, `-3`, `+1.5e-3`.
     pub(crate) fn parse(text: &str) -> Result<Self, NumberError> {

@@ -3,7 +3,7 @@
 
 use crate::judge::{LimitTarget, Limits};
 use crate::quantity::Length;
-use crate::table::qdas::{Column, PartDefinition, write};
+use crate::table::qdas::{CharacteristicColumn, PartDefinition, write};
 
 /// A `.dfq` of rows with a header: the columns in mm and degrees, with the limits that hold for them, a row per part
 /// named by its `part_id` (or its first column).
@@ -19,7 +19,7 @@ pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
             Some((index, stem, unit))
         })
         .collect();
-    let columns: Vec<Column> = indices
+    let columns: Vec<CharacteristicColumn> = indices
         .iter()
         .map(|(index, stem, unit)| {
             let limited = |target: &LimitTarget| match target {
@@ -28,7 +28,7 @@ pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
             };
             let limit = limits.iter().find(|(target, _)| limited(target)).map(|(_, limit)| limit);
             let end = |end: fn(&crate::judge::Limit) -> Option<Length>| limit.and_then(end).map(Length::mm);
-            Column {
+            CharacteristicColumn {
                 number: header[*index].clone(),
                 name: stem.replace('_', " ").replace("delta cd", "Delta CD"),
                 unit: (*unit).to_owned(),

@@ -1,7 +1,7 @@
 //! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
 //! the reader of pasted blocks; reads no table.
 
-use crate::table::{DecimalMark, Field, Given, Holds, Want};
+use crate::table::{DecimalMark, Field, Given, ValueKind, Want};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -221,8 +221,8 @@ impl Spec {
         let column = self.batch_column(kind).map(|column| &column.value);
         let stated = column.and_then(|column| column.kind.as_ref()).map(|stated| stated.value);
         let holds = match stated {
-            Some("deviation") => Some(Holds::Deviation),
-            Some(_) => Some(Holds::Measured),
+            Some("deviation") => Some(ValueKind::Deviation),
+            Some(_) => Some(ValueKind::Measured),
             None => None,
         };
         let nominal = match self.reading(kind) {

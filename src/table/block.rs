@@ -168,17 +168,8 @@ pub(crate) fn as_line(record: &Record) -> Vec<u8> {
 
 /// Texts as a line of cells between commas.
 pub(crate) fn line_of<'t>(cells: impl Iterator<Item = &'t str>) -> Vec<u8> {
-    let mut line = String::new();
-    for (index, cell) in cells.enumerate() {
-        if index > 0 {
-            line.push(',');
-        }
-        if cell.contains([',', '"', '\n', '\r']) {
-            line.push_str(&format!("\"{}\"", cell.replace('"', "\"\"")));
-        } else {
-            line.push_str(cell);
-        }
-    }
-    line.push('\n');
-    line.into_bytes()
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // there is always room in memory
+    let _ = writer.write_record(cells);
+    writer.into_inner().unwrap_or_default()
 }

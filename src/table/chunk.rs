@@ -15,7 +15,7 @@ pub(crate) const LONGEST_RECORD: usize = 1 << 18;
 
 /// What a chunk holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Holds {
+pub(crate) enum ChunkContent {
     /// Whole records; `plain` if each is one line without quotes.
     Records { plain: bool },
     /// A piece of a record that is too long; `first` and `last` piece of it.
@@ -99,7 +99,7 @@ impl Chunker {
     }
 
     /// The next chunk into `chunk`; `None` at the end.
-    pub(crate) fn next(&mut self, chunk: &mut Vec<u8>) -> io::Result<Option<Holds>> {
+    pub(crate) fn next(&mut self, chunk: &mut Vec<u8>) -> io::Result<Option<ChunkContent>> {
         if self.overlong.is_some() {
             return self.piece(chunk, false).map(Some);
         }
@@ -112,11 +112,11 @@ impl Chunker {
             if self.ended {
                 // the last record needs no line end
                 self.hand_on(chunk, self.pending.len());
-                return Ok(Some(Holds::Records { plain: split::is_plain(chunk) }));
+                return Ok(Some(ChunkContent::Records { plain: split::is_plain(chunk) }));
             }
             if let Some((length, plain)) = self.whole_records() {
                 self.hand_on(chunk, length);
-                return Ok(Some(Holds::Records { plain }));
+                return Ok(Some(ChunkContent::Records { plain }));
             }
             if size >= LONGEST_RECORD {
                 self.overlong = Some(Overlong { field_start: true, ..Overlong::default() });
@@ -153,7 +153,7 @@ impl Chunker {
     }
 
     /// The next piece of a record that is too long.
-    fn piece(&mut self, chunk: &mut Vec<u8>, first: bool) -> io::Result<Holds> {
+    fn piece(&mut self, chunk: &mut Vec<u8>, first: bool) -> io::Result<ChunkContent> {
         self.fill(CHUNK)?;
         let mut state = self.overlong.take().unwrap_or_default();
         let mut end = None;
@@ -182,7 +182,7 @@ impl Chunker {
         let length = end.unwrap_or(self.pending.len());
         self.hand_on(chunk, length);
         self.overlong = (!last).then_some(state);
-        Ok(Holds::Piece { first, last })
+        Ok(ChunkContent::Piece { first, last })
     }
 }
 
@@ -200,7 +200,7 @@ mod tests {
         }
     }
 
-    fn chunks(bytes: &[u8], trickle: bool) -> Vec<(Vec<u8>, Holds)> {
+    fn chunks(bytes: &[u8], trickle: bool) -> Vec<(Vec<u8>, ChunkContent)> {
         let cursor = io::Cursor::new(bytes.to_vec());
         let mut chunker = Chunker::new(if trickle { Box::new(Trickle(cursor)) } else { Box::new(cursor) });
         let (mut all, mut chunk) = (Vec::new(), Vec::new());
@@ -231,9 +231,12 @@ mod tests {
         for text in [long, quoted] {
             let all = chunks(text.as_bytes(), false);
             assert_eq!(all[0].0, b"a,b\n");
-            assert_eq!(all[1].1, Holds::Piece { first: true, last: false });
-            assert_eq!(all.iter().filter(|(_, holds)| matches!(holds, Holds::Piece { last: true, .. })).count(), 1);
-            assert_eq!(all.last().unwrap(), &(b"P2,2\n".to_vec(), Holds::Records { plain: true }));
+            assert_eq!(all[1].1, ChunkContent::Piece { first: true, last: false });
+            assert_eq!(
+                all.iter().filter(|(_, holds)| matches!(holds, ChunkContent::Piece { last: true, .. })).count(),
+                1
+            );
+            assert_eq!(all.last().unwrap(), &(b"P2,2\n".to_vec(), ChunkContent::Records { plain: true }));
             assert!(all.iter().all(|(chunk, _)| chunk.len() <= LONGEST_RECORD));
             assert_eq!(all.iter().flat_map(|(chunk, _)| chunk.clone()).collect::<Vec<_>>(), text.as_bytes());
         }

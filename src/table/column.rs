@@ -3,8 +3,8 @@
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::bare_unit;
-use super::names::{Field, Holds};
-use super::number::{DecimalMark, Marks, marks, normalise};
+use super::names::{Field, ValueKind};
+use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
 use super::strangers::unit_in;
 use super::want::Want;
@@ -12,7 +12,7 @@ use crate::deviation::plausible::{self, Reach};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::lead_slope;
-use crate::quantity::{Angle, AngleUnit, Decimal, Length, LengthUnit, QuantityError, Unit, shown};
+use crate::quantity::{Angle, AngleUnit, Decimal, Length, LengthUnit, Unit, shown};
 
 /// Where the unit of a column is from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub(crate) struct Column {
     pub(crate) place: usize,
     pub(crate) unit: Unit,
     pub(crate) unit_from: UnitFrom,
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ValueKind>,
     pub(crate) nominal: Nominal,
     pub(crate) evaluated: Evaluated,
     /// The nominal value that the spec gives, where the table has its own.
@@ -69,8 +69,8 @@ pub(crate) struct Column {
     farthest: Reach,
     /// The normal module, if it is known.
     module: Option<Length>,
-    /// How far the file says that it may be, mm or degrees.
-    tolerance: Option<f64>,
+    /// How far the file says that its values may be from nominal, mm or degrees.
+    pub(crate) tolerance: Option<f64>,
     pub(crate) mark: DecimalMark,
     /// Whether the decimal mark is still open: no number so far has decimals.
     pub(crate) mark_is_open: bool,
@@ -202,7 +202,7 @@ impl Column {
     fn take_nominal(&mut self, kind: DeviationKind, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
         self.module = want.module;
         self.farthest = Reach::possible(want.module);
-        if self.holds == Some(Holds::Deviation) {
+        if self.holds == Some(ValueKind::Deviation) {
             return Ok(());
         }
         let in_spec = want.given(kind).and_then(|given| given.nominal.clone());
@@ -211,7 +211,7 @@ impl Column {
             self.stated = in_spec.and_then(Result::ok);
         } else if let Some(nominal) = in_spec {
             self.nominal = Nominal::Fixed(nominal?);
-        } else if self.holds == Some(Holds::Measured) && !want.only_shown {
+        } else if self.holds == Some(ValueKind::Measured) && !want.only_shown {
             let message =
                 format!("`{}` holds measured values, and nothing tells the nominal value of {kind}", self.title);
             return Err(Diagnostic::error(Code::MissingKey, message)
@@ -235,11 +235,6 @@ impl Column {
             (Nominal::None, Unit::Angle(_)) => Some(DeviationValue::Angle(Angle::ZERO)),
             (Nominal::Beside, _) => None,
         }
-    }
-
-    /// The same column, whose decimal mark is still open if that is so.
-    pub(crate) fn with_open_mark(self, mark_is_open: bool) -> Self {
-        Self { mark_is_open, ..self }
     }
 
     /// Whether a plain number is all that a row needs to say.
@@ -328,12 +323,8 @@ impl Column {
     }
 
     fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<DeviationValue, Problem> {
-        let too_large = |error: QuantityError| Problem::Bad(error.to_string());
         match &cell.content {
-            Content::Number(number) => match unit {
-                Unit::Length(unit) => Length::of_number(*number, unit).map(DeviationValue::Length).map_err(too_large),
-                Unit::Angle(unit) => Angle::of_number(*number, unit).map(DeviationValue::Angle).map_err(too_large),
-            },
+            Content::Number(number) => quantity(*number, unit).map_err(|error| Problem::Bad(error.to_string())),
             Content::Text(text) => self.quantity_of_text(text, cell.is_measure(), unit),
             Content::Other(text) => Err(Problem::Bad(format!("`{}` is not a number", shown(text)))),
             Content::Empty => Err(Problem::Bad("the cell is empty".to_owned())),
@@ -408,11 +399,6 @@ impl Column {
             widest = widest.max(if is_limit { (size - nominal).abs() } else { size.abs() });
         }
         Ok(widest)
-    }
-
-    /// The same column, whose file says how far its values may be from nominal, in mm or degrees.
-    pub(crate) fn with_tolerance(self, tolerance: Option<f64>) -> Self {
-        Self { tolerance, ..self }
     }
 
     /// f_Hβ over its evaluation length.
@@ -495,11 +481,7 @@ impl Column {
             Content::Number(number) => number.exponent.min(0),
             Content::Empty | Content::Other(_) => 0,
         };
-        let one = Decimal { negative: false, digits: 1, exponent };
-        match unit {
-            Unit::Length(unit) => Length::of_number(one, unit).map_or(1.0, Length::mm),
-            Unit::Angle(unit) => Angle::of_number(one, unit).map_or(1.0, Angle::degrees),
-        }
+        quantity(Decimal { negative: false, digits: 1, exponent }, unit).map_or(1.0, DeviationValue::base)
     }
 }
 

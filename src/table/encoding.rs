@@ -139,43 +139,39 @@ pub(crate) fn unpacked(mut bytes: Box<dyn Read + Send>) -> io::Result<Box<dyn Re
     let bytes = again(start, bytes);
     Ok(match packed.as_slice() {
         [0x1f, 0x8b, ..] => Box::new(flate2::read::MultiGzDecoder::new(bytes)),
-        [0x28, 0xb5, 0x2f, 0xfd] => Box::new(Zstd { frames: Frames::Between(bytes) }),
+        [0x28, 0xb5, 0x2f, 0xfd] => Box::new(ZstdFrames::Between(bytes)),
         _ => bytes,
     })
 }
 
 /// Frame after frame of zstd.
-struct Zstd {
-    frames: Frames,
-}
-
-enum Frames {
+enum ZstdFrames {
     Between(Box<dyn Read + Send>),
     In(Box<ruzstd::decoding::StreamingDecoder<Box<dyn Read + Send>, ruzstd::decoding::FrameDecoder>>),
     Done,
 }
 
-impl Read for Zstd {
+impl Read for ZstdFrames {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         loop {
-            match std::mem::replace(&mut self.frames, Frames::Done) {
-                Frames::Done => return Ok(0),
-                Frames::Between(mut bytes) => {
+            match std::mem::replace(self, Self::Done) {
+                Self::Done => return Ok(0),
+                Self::Between(mut bytes) => {
                     let start = first(&mut *bytes, 4)?;
                     if start.is_empty() {
                         return Ok(0);
                     }
                     // a window of 8 MiB is what the format asks every decoder for
                     let decoder = ruzstd::decoding::StreamingDecoder::new(again(start, bytes));
-                    self.frames = Frames::In(Box::new(decoder.map_err(io::Error::other)?));
+                    *self = Self::In(Box::new(decoder.map_err(io::Error::other)?));
                 }
-                Frames::In(mut decoder) => {
+                Self::In(mut decoder) => {
                     let count = decoder.read(out)?;
                     if count > 0 {
-                        self.frames = Frames::In(decoder);
+                        *self = Self::In(decoder);
                         return Ok(count);
                     }
-                    self.frames = Frames::Between(decoder.into_inner());
+                    *self = Self::Between(decoder.into_inner());
                 }
             }
         }

@@ -15,7 +15,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | `encoding`, `chunk`, `split`, `grid` | bytes to text, text to records, records to cells |
-//! | `workbook`, `qdas`, `parquet` | files whose cells are typed |
+//! | `workbook`, `qdas`, `parquet`, `typed` | files whose cells are typed |
 //! | `names` | what headings mean, in four languages |
 //! | `shape` | where the names stand, which cells belong to them |
 //! | `number`, `column`, `companions` | what a cell means |
@@ -62,6 +62,7 @@ mod split;
 mod strangers;
 mod teeth;
 mod text;
+mod typed;
 mod understand;
 mod want;
 pub mod workbook;
@@ -70,7 +71,7 @@ pub use block::{Block, Contradiction, Fault};
 pub use container::{Container, Source};
 pub use encoding::{Encoding, decode};
 pub use grid::Separator;
-pub use names::{Field, Holds};
+pub use names::{Field, ValueKind};
 pub use number::DecimalMark;
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use strangers::{Stranger, refusal};
@@ -130,16 +131,14 @@ impl Table {
             format,
             separator: understood.separator.map(Separator::name),
             settled_by: understood.settled_by.clone(),
+            decimal_mark: understood.mark.map(DecimalMark::word),
+            parts_in: shape.orientation.word(),
             header_line: shape.header_line,
             not_used: sorted.not_used,
+            asides: sorted.asides,
             unit_counted: "part",
             ..Reading::default()
         };
-        reading.set_mark(understood.mark);
-        reading.set_orientation(shape.orientation);
-        for aside in sorted.asides {
-            reading.asides.push(AsideReading { line: aside.line, text: aside.text });
-        }
         reading.columns.extend(shape.ids.as_ref().map(|ids| named_only(&ids.title, Field::PartId.key())));
         if let (Some(index), Some(field)) = (&shape.index, shape.index_field) {
             reading.columns.push(named_only(&index.title, field.key()));
@@ -175,7 +174,7 @@ impl Table {
             header_raw: Vec::new(),
             encoding: Encoding::PLAIN,
             place: Place::Line,
-            pieces: Pieces::blocks(Vec::new()),
+            pieces: Pieces::Blocks(Vec::new()),
         }
     }
 
@@ -187,12 +186,15 @@ impl Table {
     /// What its columns are, as lines of `[batch.columns]`.
     #[must_use]
     pub fn mapping(&self) -> Vec<String> {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
         let line = |column: &Column| {
             let unit = column.unit.symbol();
-            let kind = if column.holds == Some(Holds::Deviation) { ", kind = \"deviation\"" } else { "" };
+            let kind = if column.holds == Some(ValueKind::Deviation) { ", kind = \"deviation\"" } else { "" };
             let (name, _) = names::split_unit(&column.title);
-            Some(format!("{} = {{ name = {}, unit = \"{unit}\"{kind} }}", column.kind?.key(), quoted(name.trim())))
+            Some(format!(
+                "{} = {{ name = {}, unit = \"{unit}\"{kind} }}",
+                column.kind?.key(),
+                strangers::quoted(name.trim())
+            ))
         };
         self.columns.iter().filter_map(line).collect()
     }
@@ -262,7 +264,7 @@ fn column_reading(column: &Column) -> ColumnReading {
     let of_space =
         [Field::OverPin, Field::Position, Field::Error(DeviationKind::RackOverRoller)].contains(&column.field);
     let holds = match (column.nominal, column.holds) {
-        (Nominal::None, Some(Holds::Deviation)) => "deviation",
+        (Nominal::None, Some(ValueKind::Deviation)) => "deviation",
         (Nominal::None, None) if column.kind.is_some() || !of_space => "deviation",
         _ => "measured",
     };

@@ -7,6 +7,9 @@
 
 use std::borrow::Cow;
 
+use crate::deviation::DeviationValue;
+use crate::quantity::{Angle, Decimal, Length, QuantityError, Unit};
+
 /// Which character separates the decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -18,6 +21,14 @@ pub enum DecimalMark {
 }
 
 impl DecimalMark {
+    /// `point` or `comma`.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Comma => "comma",
+        }
+    }
+
     /// Both.
     pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
 
@@ -32,10 +43,7 @@ impl DecimalMark {
 
     /// The character.
     pub(crate) const fn character(self) -> char {
-        match self {
-            Self::Point => '.',
-            Self::Comma => ',',
-        }
+        self.byte() as char
     }
 
     /// The character, as the byte that it is in every code of text.
@@ -168,16 +176,25 @@ fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
     if text[at..].starts_with(['.', ',']) {
         return None;
     }
-    let exponent = text[at..].strip_prefix(['e', 'E']).map(|rest| {
-        let sign = usize::from(rest.starts_with(['+', '-']));
-        (sign, rest[sign..].bytes().take_while(u8::is_ascii_digit).count())
-    });
-    if let Some((sign, count)) = exponent.filter(|(_, count)| *count > 0) {
-        let end = at + 1 + sign + count;
-        number.push_str(&text[at..end]);
-        at = end;
+    let exponent = exponent(&text[at..]);
+    number.push_str(exponent);
+    Some((number, at + exponent.len()))
+}
+
+/// The power of ten that a text starts with: `e-3`; nothing if it starts with none.
+fn exponent(text: &str) -> &str {
+    let Some(power) = text.strip_prefix(['e', 'E']) else { return "" };
+    let digits = power.strip_prefix(['+', '-']).unwrap_or(power);
+    let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit());
+    if rest.len() < digits.len() { &text[..text.len() - rest.len()] } else { "" }
+}
+
+/// A number in a unit.
+pub(crate) fn quantity(number: Decimal, unit: Unit) -> Result<DeviationValue, QuantityError> {
+    match unit {
+        Unit::Length(unit) => Length::of_number(number, unit).map(DeviationValue::Length),
+        Unit::Angle(unit) => Angle::of_number(number, unit).map(DeviationValue::Angle),
     }
-    Some((number, at))
 }
 
 /// How a cell can be read.

@@ -4,7 +4,7 @@
 use std::io;
 
 use super::block::Block;
-use super::chunk::{Chunker, Holds};
+use super::chunk::{ChunkContent, Chunker};
 use super::rows::{Rows, Setup, Wanted};
 use super::split::next_record;
 
@@ -31,8 +31,8 @@ impl Place {
     }
 }
 
-type Blocks = Box<dyn Iterator<Item = io::Result<Block>> + Send>;
-type MakeBlocks = Box<dyn FnOnce(&Rows) -> Blocks + Send>;
+pub(crate) type Blocks = Box<dyn Iterator<Item = io::Result<Block>> + Send>;
+type MakeBlocks = Box<dyn FnOnce(Rows) -> Blocks + Send>;
 
 /// The rows of a table, not yet read.
 pub(crate) enum Pieces {
@@ -48,7 +48,7 @@ pub(crate) enum Pieces {
 #[derive(Default)]
 pub(crate) struct Piece {
     pub(crate) bytes: Vec<u8>,
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ChunkContent>,
     pub(crate) block: Block,
     /// Records before it.
     pub(crate) records_before: u64,
@@ -70,20 +70,7 @@ enum Source {
 }
 
 impl Pieces {
-    pub(crate) fn stream(setup: Setup, chunks: Chunker, lines: u64) -> Self {
-        Self::Stream { setup, chunks, lines }
-    }
-
-    pub(crate) fn blocks(blocks: Vec<Block>) -> Self {
-        Self::Blocks(blocks)
-    }
-
-    pub(crate) fn later(setup: Setup, make: impl FnOnce(&Rows) -> Vec<Block> + Send + 'static) -> Self {
-        let make = move |rows: &Rows| -> Blocks { Box::new(make(rows).into_iter().map(Ok)) };
-        Self::Later { setup, make: Box::new(make) }
-    }
-
-    pub(crate) fn streamed_later(setup: Setup, make: impl FnOnce(&Rows) -> Blocks + Send + 'static) -> Self {
+    pub(crate) fn later(setup: Setup, make: impl FnOnce(Rows) -> Blocks + Send + 'static) -> Self {
         Self::Later { setup, make: Box::new(make) }
     }
 
@@ -103,7 +90,7 @@ impl Pieces {
             }
             Self::Later { setup, make } => {
                 let rows = Rows::new(setup, wanted);
-                let blocks = make(&rows);
+                let blocks = make(rows.clone());
                 (Some(rows), queue(Source::Blocks(blocks), None, 0))
             }
             Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), None, 0)),
@@ -160,8 +147,8 @@ impl Piece {
 }
 
 /// How many records there are in a chunk.
-fn records_in(bytes: &[u8], holds: Holds, separator: u8) -> u64 {
-    if let Holds::Piece { first, .. } = holds {
+fn records_in(bytes: &[u8], holds: ChunkContent, separator: u8) -> u64 {
+    if let ChunkContent::Piece { first, .. } = holds {
         return u64::from(first);
     }
     let (mut fields, mut at, mut lines, mut count) = (Vec::new(), 0, 0, 0);

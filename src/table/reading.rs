@@ -5,9 +5,6 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::number::DecimalMark;
-use super::want::Orientation;
-
 /// How one table was read.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Reading {
@@ -75,20 +72,6 @@ pub struct AsideReading {
 }
 
 impl Reading {
-    pub(crate) fn set_mark(&mut self, mark: Option<DecimalMark>) {
-        self.decimal_mark = mark.map(|mark| match mark {
-            DecimalMark::Point => "point",
-            DecimalMark::Comma => "comma",
-        });
-    }
-
-    pub(crate) fn set_orientation(&mut self, orientation: Orientation) {
-        self.parts_in = match orientation {
-            Orientation::Rows => "rows",
-            Orientation::Columns => "columns",
-        };
-    }
-
     /// The sentences that say what was assumed or left out; the others say what was used.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {

@@ -4,7 +4,7 @@
 
 use super::block::{Block, Contradiction, Span, as_line, span_end};
 use super::cell::{Cell, Content, Record};
-use super::chunk::{Holds, LONGEST_RECORD};
+use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, Plain, Problem};
 use super::encoding::text;
 use super::grid::is_unit;
@@ -37,35 +37,26 @@ struct PlainRow {
 /// Reads rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows {
-    columns: Vec<Column>,
-    /// Which columns are needed.
-    needed: Vec<bool>,
-    /// The names of all columns of the file.
-    titles: Vec<String>,
-    id: Option<usize>,
-    index: Option<usize>,
-    /// The fields that are copied.
-    copied: Vec<usize>,
-    /// The fields that hold no numbers as far as the table was looked at, and would be measurements if they did.
-    watched: Vec<usize>,
-    separator: u8,
-    /// Whether a row has as many cells as the header, as in a text with separators.
-    is_even: bool,
-    /// Whether rows are kept as they stand.
-    keeps_raw: bool,
+    setup: Setup,
+    wanted: Wanted,
     /// `None` where a line of plain numbers does not say all.
     plain: Option<PlainRow>,
 }
 
 /// How a table's rows are read.
+#[derive(Debug, Clone)]
 pub(crate) struct Setup {
     pub(crate) columns: Vec<Column>,
+    /// The names of all columns of the file.
     pub(crate) titles: Vec<String>,
+    /// The field of the part's name.
     pub(crate) id: Option<usize>,
+    /// The field of the number of a space or tooth.
     pub(crate) index: Option<usize>,
     pub(crate) separator: u8,
+    /// Whether a row has as many cells as the header, as in a text with separators.
     pub(crate) is_even: bool,
-    /// The fields that hold no numbers so far, and would be measurements if they did.
+    /// The fields that hold no numbers as far as the table was looked at, and would be measurements if they did.
     pub(crate) watched: Vec<usize>,
 }
 
@@ -97,29 +88,32 @@ impl PlainRow {
 
 impl Rows {
     pub(crate) fn new(setup: Setup, wanted: Wanted) -> Self {
-        let Setup { columns, titles, id, index, separator, is_even, watched } = setup;
-        let Wanted { needed, copied, keeps_raw } = wanted;
-        let is_whole = is_even && index.is_none() && copied.is_empty() && watched.is_empty();
-        let plain = PlainRow::of(&columns, &needed, titles.len(), id).filter(|_| is_whole);
-        Self { columns, needed, titles, id, index, copied, watched, separator, is_even, keeps_raw, plain }
+        let is_whole = setup.is_even && setup.index.is_none() && wanted.copied.is_empty() && setup.watched.is_empty();
+        let plain = PlainRow::of(&setup.columns, &wanted.needed, setup.titles.len(), setup.id).filter(|_| is_whole);
+        Self { setup, wanted, plain }
+    }
+
+    /// The columns that are needed, and their numbers.
+    fn needed(&self) -> impl Iterator<Item = (usize, &Column)> {
+        self.setup.columns.iter().enumerate().filter(|(number, _)| self.wanted.needed[*number])
     }
 
     /// Whether parts have names.
     pub(crate) fn has_id(&self) -> bool {
-        self.id.is_some()
+        self.setup.id.is_some()
     }
 
     pub(crate) fn separator(&self) -> u8 {
-        self.separator
+        self.setup.separator
     }
 
     /// The rows of a chunk of text; the chunk's bytes become the block's text.
-    pub(crate) fn chunk(&self, chunk: &mut Vec<u8>, holds: Holds, block: &mut Block) {
-        block.clear(self.columns.len());
+    pub(crate) fn chunk(&self, chunk: &mut Vec<u8>, holds: ChunkContent, block: &mut Block) {
+        block.clear(self.setup.columns.len());
         std::mem::swap(&mut block.text, chunk);
         match holds {
-            Holds::Records { plain } => self.records(plain, block),
-            Holds::Piece { first, last } => self.piece(first, last, block),
+            ChunkContent::Records { plain } => self.records(plain, block),
+            ChunkContent::Piece { first, last } => self.piece(first, last, block),
         }
     }
 
@@ -137,14 +131,14 @@ impl Rows {
                 (block.record_count, block.line_count) = (block.record_count + 1, block.line_count + 1);
                 block.records.push(block.record_count);
                 block.lines.push(block.line_count);
-                if self.keeps_raw {
+                if self.wanted.keeps_raw {
                     block.raw.push(Span { start: span_end(at), end: span_end(next) });
                 }
                 at = next;
                 continue;
             }
             let mut blank = 0;
-            let found = next_record(&bytes, at, self.separator, &mut fields, &mut blank);
+            let found = next_record(&bytes, at, self.setup.separator, &mut fields, &mut blank);
             block.blank_lines += blank;
             let Some(found) = found else {
                 block.line_count += blank;
@@ -154,14 +148,11 @@ impl Rows {
             block.record_count += 1;
             let raw = Span { start: span_end(found.start), end: span_end(found.next) };
             if found.open {
-                self.refuse(line, raw, block, "a quote is not closed, so the rest of the table is in one field");
+                let message = "a quote is not closed, so the rest of the table is in one field".to_owned();
+                self.refuse(line, raw, block, "", message);
             } else {
                 let record = Record::new(cells(&bytes, &fields), line);
-                let before = block.rows();
                 self.row(&record, raw, block, &mut added, bytes.len());
-                if block.rows() > before {
-                    self.copy(&record, block, &mut added, bytes.len());
-                }
             }
             block.line_count += found.lines;
             at = found.next;
@@ -201,7 +192,7 @@ impl Rows {
             } else {
                 let start = at;
                 while let Some(&byte) = bytes.get(at) {
-                    if byte == self.separator || byte == b'\n' || byte == b'\r' {
+                    if byte == self.setup.separator || byte == b'\n' || byte == b'\r' {
                         break;
                     }
                     at += 1;
@@ -214,7 +205,7 @@ impl Rows {
                 }
             }
             if index < last {
-                if bytes.get(at) != Some(&self.separator) {
+                if bytes.get(at) != Some(&self.setup.separator) {
                     return None;
                 }
                 at += 1;
@@ -233,56 +224,27 @@ impl Rows {
         if block.contradiction.is_some() {
             return;
         }
-        block.values.resize_with(self.columns.len(), Vec::new);
+        block.values.resize_with(self.setup.columns.len(), Vec::new);
         block.record_count += 1;
         let raw = match raw {
-            Some(raw) if self.keeps_raw => block.append(raw),
-            None if self.keeps_raw => block.append(&as_line(record)),
+            Some(raw) if self.wanted.keeps_raw => block.append(raw),
+            None if self.wanted.keeps_raw => block.append(&as_line(record)),
             _ => Span::default(),
         };
         let mut added = Vec::new();
-        let (base, before) = (block.text.len(), block.rows());
+        let base = block.text.len();
         self.row(record, raw, block, &mut added, base);
-        if block.rows() > before {
-            self.copy(record, block, &mut added, base);
-        }
         block.text.append(&mut added);
     }
 
-    /// Copies the cells that are written as they are.
-    fn copy(&self, record: &Record, block: &mut Block, added: &mut Vec<u8>, base: usize) {
-        for place in &self.copied {
-            let text = record.cells.get(*place).map(Cell::text).unwrap_or_default();
-            block.copied.push(appended(added, base, &text));
-        }
-    }
-
-    /// A record with its cells found: a part, or why it is none.
+    /// A record with its cells found: a part, or why it is none. What is written down goes to `added`, which stands at
+    /// `base` of the block's text.
     fn row(&self, record: &Record, raw: Span, block: &mut Block, added: &mut Vec<u8>, base: usize) {
         if record.cells.iter().all(Cell::is_empty) {
             block.blank_lines += 1;
             return;
         }
-        if is_units(record) && !self.repeats_units(record) {
-            block.contradiction.get_or_insert(Contradiction {
-                line: record.line,
-                column: self.columns.first().map_or_else(String::new, |column| column.title.clone()),
-                message: format!("the units change: {}", record.in_words()),
-                help: "write every table with one unit by itself",
-            });
-            return;
-        }
-        if let Some(watched) = self.watched.iter().find(|place| record.cells.get(**place).is_some_and(Cell::is_number))
-        {
-            block.contradiction.get_or_insert(Contradiction {
-                line: record.line,
-                column: self.titles.get(*watched).cloned().unwrap_or_default(),
-                message: "it holds a number here, and nothing tells what it measures".to_owned(),
-                help: "say in the spec what it is, under [batch.columns], or leave it out with --ignore",
-            });
-            return;
-        }
-        if let Some(contradiction) = self.other_header(record).or_else(|| self.other_nominal(record)) {
+        if let Some(contradiction) = self.contradiction(record) {
             block.contradiction.get_or_insert(contradiction);
             return;
         }
@@ -290,40 +252,67 @@ impl Rows {
             block.asides.push(AsideReading { line: record.line, text: record.in_words() });
             return;
         }
-        if let Some(line) = swallowed(record, self.separator) {
-            let message = format!("a cell holds a line break and then `{line}`: a quote may be missing");
-            return self.refuse_text(record, raw, block, message);
-        }
-        let width = self.titles.len();
-        // beside a sheet's table, words are remarks and numbers are values
-        let is_beyond = |cell: &Cell| if self.is_even { !cell.is_empty() } else { cell.is_number() };
-        let beyond = record.cells.iter().skip(width).any(is_beyond);
-        if beyond || self.is_even && record.cells.len() < width {
-            let message = format!("the row has {} fields and the header has {width}", record.cells.len());
-            return self.refuse_text(record, raw, block, message);
+        if let Some(message) = self.misfit(record) {
+            return self.refuse(record.line, raw, block, &record.in_words(), message);
         }
         start(record.line, raw, block);
-        if let Some(id) = self.id {
-            let name = record.cells.get(id).map(Cell::text).unwrap_or_default();
-            block.names.push(appended(added, base, &name));
-        }
-        for (number, column) in self.columns.iter().enumerate().filter(|(number, _)| self.needed[*number]) {
+        let mut text_of = |place: usize| {
+            let text = record.cells.get(place).map(Cell::text).unwrap_or_default();
+            let start = span_end(base + added.len());
+            added.extend_from_slice(text.as_bytes());
+            Span { start, end: span_end(base + added.len()) }
+        };
+        block.names.extend(self.setup.id.map(&mut text_of));
+        block.copied.extend(self.wanted.copied.iter().map(|place| text_of(*place)));
+        for (number, column) in self.needed() {
             let cell = record.cells.get(column.place).cloned().unwrap_or_default();
             let value = column.read(&cell, column.beside.map(|companion| record.cells.get(companion.place)));
             put(block, number, column, &cell, value);
         }
-        if let Some(index) = self.index {
+        if let Some(index) = self.setup.index {
             take_index(block, record.cells.get(index));
         }
+    }
+
+    /// Why nothing from a record on can be trusted.
+    fn contradiction(&self, record: &Record) -> Option<Contradiction> {
+        let line = record.line;
+        if is_units(record) && !self.repeats_units(record) {
+            let column = self.setup.columns.first().map_or_else(String::new, |column| column.title.clone());
+            let message = format!("the units change: {}", record.in_words());
+            return Some(Contradiction { line, column, message, help: "write every table with one unit by itself" });
+        }
+        let is_number = |place: &&usize| record.cells.get(**place).is_some_and(Cell::is_number);
+        if let Some(watched) = self.setup.watched.iter().find(is_number) {
+            return Some(Contradiction {
+                line,
+                column: self.setup.titles.get(*watched).cloned().unwrap_or_default(),
+                message: "it holds a number here, and nothing tells what it measures".to_owned(),
+                help: "say in the spec what it is, under [batch.columns], or leave it out with --ignore",
+            });
+        }
+        self.other_header(record).or_else(|| self.other_nominal(record))
+    }
+
+    /// Why the cells of a record are not those of a row.
+    fn misfit(&self, record: &Record) -> Option<String> {
+        if let Some(line) = swallowed(record, self.setup.separator) {
+            return Some(format!("a cell holds a line break and then `{line}`: a quote may be missing"));
+        }
+        let (width, is_even) = (self.setup.titles.len(), self.setup.is_even);
+        // beside a sheet's table, words are remarks and numbers are values
+        let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { cell.is_number() };
+        let is_wrong = record.cells.iter().skip(width).any(is_beyond) || is_even && record.cells.len() < width;
+        is_wrong.then(|| format!("the row has {} fields and the header has {width}", record.cells.len()))
     }
 
     /// Another header among the rows: its columns are not those that are read.
     fn other_header(&self, record: &Record) -> Option<Contradiction> {
         let is_name = |cell: &&Cell| {
-            self.titles.iter().any(|title| *title == cell.text()) || heading(&cell.text(), &[]).is_some()
+            self.setup.titles.iter().any(|title| *title == cell.text()) || heading(&cell.text(), &[]).is_some()
         };
         let names_value = |cell: &&Cell| {
-            let is_title = self.columns.iter().any(|column| column.title == cell.text());
+            let is_title = self.setup.columns.iter().any(|column| column.title == cell.text());
             is_title
                 || heading(&cell.text(), &[]).is_some_and(|found| found.fields.iter().any(|field| !field.is_index()))
         };
@@ -342,11 +331,11 @@ impl Rows {
 
     /// A row of nominal values that are not those of the columns.
     fn other_nominal(&self, record: &Record) -> Option<Contradiction> {
-        let name = self.id.or(self.index).and_then(|place| record.cells.get(place))?.text();
+        let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place))?.text();
         if !may_be_statistic(name.as_bytes()) || role(&name) != Some(Role::Nominal) {
             return None;
         }
-        let other = self.columns.iter().find(|column| {
+        let other = self.setup.columns.iter().find(|column| {
             let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
             cell.is_some_and(|cell| column.quantity(cell).ok() != column.nominal_of_every_part())
         })?;
@@ -361,21 +350,21 @@ impl Rows {
     /// Whether a record is the header again.
     fn repeats_header(&self, record: &Record) -> bool {
         let same = |(cell, title): (&Cell, &String)| cell.text().trim() == title.trim();
-        record.cells.len() == self.titles.len() && record.cells.iter().zip(&self.titles).all(same)
+        record.cells.len() == self.setup.titles.len() && record.cells.iter().zip(&self.setup.titles).all(same)
     }
 
     /// Whether a row of units says of every column what is known of it.
     fn repeats_units(&self, record: &Record) -> bool {
         let is_that_of = |cell: &Cell, column: &Column| column.has_unit(&cell.text());
-        if record.cells.len() < self.titles.len() && !self.is_even {
+        if record.cells.len() < self.setup.titles.len() && !self.setup.is_even {
             // between blanks, a unit has no place but its order
             let cells = record.cells.iter().filter(|cell| !cell.is_missing());
-            let mut columns: Vec<&Column> = self.columns.iter().collect();
+            let mut columns: Vec<&Column> = self.setup.columns.iter().collect();
             columns.sort_by_key(|column| column.place);
             return cells.clone().count() == columns.len()
                 && cells.zip(columns).all(|(cell, column)| is_that_of(cell, column));
         }
-        self.columns.iter().all(|column| {
+        self.setup.columns.iter().all(|column| {
             let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
             cell.is_none_or(|cell| is_that_of(cell, column))
         })
@@ -383,36 +372,31 @@ impl Rows {
 
     /// Whether a record is the header or the units again, or a mean below the parts.
     fn is_aside(&self, record: &Record) -> bool {
-        let name = self.id.or(self.index).and_then(|place| record.cells.get(place)).map(Cell::text);
+        let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
-        let is_words = !self.is_even && !has_numbers && record.cells.len() != self.titles.len();
+        let is_words = !self.setup.is_even && !has_numbers && record.cells.len() != self.setup.titles.len();
         name.is_some_and(|name| is_of_parts(&name))
             || is_words
             || (!has_numbers && (self.repeats_header(record) || is_units(record)))
     }
 
     /// A record that is no row of values at all.
-    fn refuse_text(&self, record: &Record, raw: Span, block: &mut Block, message: String) {
-        self.hold_place(record.line, raw, block);
-        block.fault(None, false, &shown(&record.in_words()), message);
-    }
-
-    fn refuse(&self, line: u64, raw: Span, block: &mut Block, message: &str) {
+    fn refuse(&self, line: u64, raw: Span, block: &mut Block, text: &str, message: String) {
         self.hold_place(line, raw, block);
-        block.fault(None, false, "", message.to_owned());
+        block.fault(None, false, &shown(text), message);
     }
 
     /// A row without values, so that columns stay as long as each other.
     fn hold_place(&self, line: u64, raw: Span, block: &mut Block) {
         start(line, raw, block);
-        if self.id.is_some() {
+        if self.setup.id.is_some() {
             block.names.push(Span::default());
         }
-        block.copied.extend(std::iter::repeat_n(Span::default(), self.copied.len()));
-        for (number, _) in self.columns.iter().enumerate().filter(|(number, _)| self.needed[*number]) {
+        block.copied.extend(std::iter::repeat_n(Span::default(), self.wanted.copied.len()));
+        for (number, _) in self.needed() {
             block.values[number].push(DeviationValue::Length(Length::ZERO));
         }
-        if self.index.is_some() {
+        if self.setup.index.is_some() {
             block.index.push(None);
         }
     }
@@ -423,17 +407,16 @@ impl Rows {
         block.line_count = memchr::memchr_iter(b'\n', &block.text).count() as u64;
         (block.is_rest, block.goes_on) = (!first, !last);
         if !first {
-            if self.keeps_raw {
+            if self.wanted.keeps_raw {
                 block.raw.push(raw);
             }
             return;
         }
         block.record_count = 1;
-        let start = shown(&text(&block.text[..block.text.len().min(200)]));
-        self.hold_place(1, raw, block);
+        let start = text(&block.text[..block.text.len().min(200)]).into_owned();
         let limit = LONGEST_RECORD >> 10;
         let message = format!("the row is longer than {limit} KiB: a quote may not be closed, or a line end missing");
-        block.fault(None, false, &start, message);
+        self.refuse(1, raw, block, &start, message);
     }
 }
 
@@ -452,27 +435,27 @@ pub(crate) fn put(
     cell: &Cell,
     value: Result<Option<DeviationValue>, Problem>,
 ) {
-    let (value, fault) = match value {
-        Ok(Some(value)) => (value, None),
-        Ok(None) => (DeviationValue::Length(Length::ZERO), Some((true, missing(column, cell)))),
-        Err(problem @ (Problem::Bad(_) | Problem::Far(_) | Problem::TooLarge(_))) => {
-            (DeviationValue::Length(Length::ZERO), Some((false, problem.message())))
+    let is_missing = matches!(value, Ok(None));
+    let fault = match value {
+        Ok(Some(value)) => {
+            block.values[number].push(value);
+            return;
         }
-        Err(Problem::OtherMark(message)) => {
-            let line = block.lines.last().copied().unwrap_or(0);
-            block.contradiction.get_or_insert(Contradiction {
-                line,
-                column: column.title.clone(),
-                message: message.clone(),
-                help: "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
-            });
-            (DeviationValue::Length(Length::ZERO), Some((false, message)))
+        Ok(None) => missing(column, cell),
+        Err(problem) => {
+            if let Problem::OtherMark(message) = &problem {
+                block.contradiction.get_or_insert_with(|| Contradiction {
+                    line: block.lines.last().copied().unwrap_or(0),
+                    column: column.title.clone(),
+                    message: message.clone(),
+                    help: "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
+                });
+            }
+            problem.message()
         }
     };
-    block.values[number].push(value);
-    if let Some((is_missing, message)) = fault {
-        block.fault(Some(number), is_missing, &shown(&cell.text()), message);
-    }
+    block.values[number].push(DeviationValue::Length(Length::ZERO));
+    block.fault(Some(number), is_missing, &shown(&cell.text()), fault);
 }
 
 fn missing(column: &Column, cell: &Cell) -> String {
@@ -492,12 +475,6 @@ pub(crate) fn take_index(block: &mut Block, cell: Option<&Cell>) {
             if text.is_empty() { "the cell is empty".to_owned() } else { "it is not a whole number".to_owned() };
         block.fault(None, false, &shown(&text), message);
     }
-}
-
-fn appended(added: &mut Vec<u8>, base: usize, text: &str) -> Span {
-    let start = span_end(base + added.len());
-    added.extend_from_slice(text.as_bytes());
-    Span { start, end: span_end(base + added.len()) }
 }
 
 /// The cells of a record, as [`grid`](super::grid) cuts them.

@@ -93,21 +93,11 @@ pub(crate) fn next_record(
         let quoted = bytes.get(at) == Some(&b'"');
         let mut open = false;
         if quoted {
-            at += 1;
-            loop {
-                let Some(quote) = memchr::memchr(b'"', &bytes[at..]).map(|found| at + found) else {
-                    inner_lines += count_line_ends(&bytes[at..]);
-                    at = bytes.len();
-                    open = true;
-                    break;
-                };
-                inner_lines += count_line_ends(&bytes[at..quote]);
-                at = quote + 1;
-                if bytes.get(at) != Some(&b'"') {
-                    break;
-                }
-                at += 1;
-            }
+            let end = behind_quote(bytes, at + 1);
+            open = end.is_none();
+            let end = end.unwrap_or(bytes.len());
+            inner_lines += count_line_ends(&bytes[at + 1..end]);
+            at = end;
         }
         // short fields are the rule: byte by byte is as fast as anything
         while let Some(&byte) = bytes.get(at) {
@@ -127,6 +117,17 @@ pub(crate) fn next_record(
         let next = at + length.unwrap_or(0);
         let lines = lines_before + inner_lines + u64::from(length.is_some());
         return Some(Record { start, end: at, next, lines_before, lines, open, closed });
+    }
+}
+
+/// The place behind the quote that closes a field whose inside starts at `at`; `None` if there is none.
+fn behind_quote(bytes: &[u8], mut at: usize) -> Option<usize> {
+    loop {
+        let quote = at + memchr::memchr(b'"', &bytes[at..])?;
+        if bytes.get(quote + 1) != Some(&b'"') {
+            return Some(quote + 1);
+        }
+        at = quote + 2;
     }
 }
 

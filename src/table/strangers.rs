@@ -3,9 +3,9 @@
 
 use super::cell::Cell;
 use super::grid::{Separator, records};
-use super::names::{Field, Role, heading, is_context, is_evaluation_length, near, role, split_unit};
-use super::reading::NotUsed;
-use super::shape::{Aside, Shape, Unknown, uncounted};
+use super::names::{Field, Role, is_context, is_evaluation_length, near, role, split_unit};
+use super::reading::{AsideReading, NotUsed};
+use super::shape::{Shape, Unknown, is_part_name, uncounted};
 use super::want::Want;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
@@ -33,7 +33,7 @@ pub struct Stranger {
 pub(crate) struct Sorted {
     pub(crate) strangers: Vec<Stranger>,
     pub(crate) not_used: Vec<NotUsed>,
-    pub(crate) asides: Vec<Aside>,
+    pub(crate) asides: Vec<AsideReading>,
 }
 
 /// Sorts what a table has besides its measurements. `complete` tells that every error of the spec is found.
@@ -75,7 +75,7 @@ impl Sorted {
 }
 
 /// A line of words and numbers as a name and its values.
-fn labelled(aside: &Aside) -> Option<Unknown> {
+fn labelled(aside: &AsideReading) -> Option<Unknown> {
     let record = uncounted(records(&aside.text, Separator::Blanks).first()?);
     let words = record.cells.iter().take_while(|cell| !cell.is_measure()).count();
     let (label, numbers) = record.cells.split_at(words);
@@ -88,8 +88,7 @@ fn labelled(aside: &Aside) -> Option<Unknown> {
     let last = text.split_whitespace().next_back()?;
     if is_context(last) {
         // Part 2: 25.2 mm
-        let is_part = heading(&text, &[]).is_some_and(|heading| heading.fields == [Field::PartId]);
-        return unknown("", numbers.get(1..)?).filter(|_| is_part);
+        return unknown("", numbers.get(1..)?).filter(|_| is_part_name(&text));
     }
     unknown(&text, numbers)
 }
@@ -241,7 +240,8 @@ impl Stranger {
     }
 }
 
-fn quoted(text: &str) -> String {
+/// A text as a spec writes it.
+pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::block::{Block, Fault};
 use super::column::Column;
-use super::names::{Field, Holds};
+use super::names::{Field, ValueKind};
 use super::{Container, Source, Table, Want};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -126,6 +126,8 @@ pub(crate) struct ToothedPart {
     pub(crate) fault: Option<LineFault>,
     /// Whether its rows stand apart in the table.
     pub(crate) is_scattered: bool,
+    /// The numbers of its spaces or teeth so far.
+    numbers: BTreeSet<i64>,
 }
 
 /// What is wrong with a row.
@@ -143,19 +145,20 @@ pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
     !is_pinion
 }
 
-/// Which column holds which value of a tooth or space.
-#[derive(Debug, Default)]
+/// What the columns of a table of teeth or spaces hold.
+#[derive(Debug)]
 struct Layout {
     is_rack: bool,
-    over_pin: Option<usize>,
-    over_pin_deviates: bool,
-    position: Option<usize>,
-    position_deviates: bool,
-    radial: Option<usize>,
-    left_pitch: Option<usize>,
-    right_pitch: Option<usize>,
-    lead: Option<usize>,
+    /// The field of each column.
+    fields: Vec<Field>,
+    /// Whether each column holds deviations.
+    deviates: Vec<bool>,
 }
+
+const OVER_PIN: &[Field] = &[Field::OverPin, Field::Error(DeviationKind::RackOverRoller)];
+const POSITION: &[Field] = &[Field::Position];
+const RADIAL: &[Field] = &[Field::Radial, Field::Error(DeviationKind::PinionRadial)];
+const LEAD: &[Field] = &[Field::Lead, Field::Error(DeviationKind::RackLead)];
 
 /// Puts the rows of a table together to parts.
 pub(crate) struct Gatherer {
@@ -212,10 +215,7 @@ impl Gatherer {
                     _ => self.refuse(number, line, fault),
                 }
             }
-            let value = |column: Option<usize>| {
-                let column = column.filter(|column| present[*column])?;
-                block.values[column].get(row).copied()
-            };
+            let value = |column: usize| block.values[column].get(row).copied().filter(|_| present[column]);
             let index = block.index.get(row).copied().flatten();
             self.row(number, line, index, &value);
         }
@@ -239,6 +239,7 @@ impl Gatherer {
                 raw: Vec::new(),
                 fault: None,
                 is_scattered: false,
+                numbers: BTreeSet::new(),
             });
             self.parts.len() - 1
         });
@@ -259,55 +260,40 @@ impl Gatherer {
         self.parts[part].fault.get_or_insert(LineFault { line, message });
     }
 
-    fn row(
-        &mut self,
-        part: usize,
-        line: u64,
-        index: Option<i64>,
-        value: &dyn Fn(Option<usize>) -> Option<DeviationValue>,
-    ) {
+    fn row(&mut self, part: usize, line: u64, index: Option<i64>, value: &dyn Fn(usize) -> Option<DeviationValue>) {
         let layout = &self.layout;
-        let length = |column| {
-            value(column).and_then(|value| if let DeviationValue::Length(length) = value { Some(length) } else { None })
+        let length = |fields: &[Field]| match value(layout.column(fields)?)? {
+            DeviationValue::Length(length) => Some(length),
+            _ => None,
         };
-        let angle = |column| value(column).and_then(as_angle);
-        let measured = |column, deviates: bool| {
-            length(column).map(|length| if deviates { Measured::Deviation(length) } else { Measured::Absolute(length) })
+        let lead = layout.column(LEAD).and_then(value).and_then(as_angle);
+        let measured = |fields: &[Field]| {
+            let deviates = layout.deviates[layout.column(fields)?];
+            length(fields).map(if deviates { Measured::Deviation } else { Measured::Absolute })
         };
-        let counted = |rows: usize| i64::try_from(rows).unwrap_or(i64::MAX);
         let part = &mut self.parts[part];
-        let (number, is_twice) = match &mut part.teeth {
+        let number = if self.is_numbered { index } else { i64::try_from(part.numbers.len()).ok() };
+        let Some(number) = number else { return };
+        let what = match &mut part.teeth {
             Teeth::Rack(rack) => {
-                let space = if self.is_numbered { index } else { Some(counted(rack.rows.len())) };
-                let Some(space) = space else { return };
-                let is_twice = rack.rows.iter().any(|row| row.space == space);
-                rack.rows.push(RackSpace {
-                    space,
-                    over_pin: measured(layout.over_pin, layout.over_pin_deviates),
-                    position: measured(layout.position, layout.position_deviates),
-                    lead: angle(layout.lead),
-                    line,
-                });
-                (space, is_twice)
+                let (over_pin, position) = (measured(OVER_PIN), measured(POSITION));
+                rack.rows.push(RackSpace { space: number, over_pin, position, lead, line });
+                "space"
             }
             Teeth::Pinion(pinion) => {
-                let tooth = if self.is_numbered { index } else { Some(counted(pinion.rows.len())) };
-                let Some(tooth) = tooth else { return };
-                let is_twice = pinion.rows.iter().any(|row| row.tooth == tooth);
                 pinion.rows.push(PinionTooth {
-                    tooth,
-                    radial: length(layout.radial),
-                    position: length(layout.position),
-                    left_pitch: length(layout.left_pitch),
-                    right_pitch: length(layout.right_pitch),
-                    lead: angle(layout.lead),
+                    tooth: number,
+                    radial: length(RADIAL),
+                    position: length(POSITION),
+                    left_pitch: length(&[Field::LeftPitch]),
+                    right_pitch: length(&[Field::RightPitch]),
+                    lead,
                     line,
                 });
-                (tooth, is_twice)
+                "tooth"
             }
         };
-        if is_twice {
-            let what = if layout.is_rack { "space" } else { "tooth" };
+        if !part.numbers.insert(number) {
             part.fault.get_or_insert(LineFault { line, message: format!("{what} {number} has two rows") });
         }
     }
@@ -330,8 +316,6 @@ impl Layout {
     fn new(table: &Table) -> Result<Self, Diagnostic> {
         let columns = &table.columns;
         let find = |fields: &[Field]| columns.iter().position(|column| fields.contains(&column.field));
-        let deviates =
-            |column: Option<usize>| column.is_some_and(|column| columns[column].holds == Some(Holds::Deviation));
         let is_rack = is_rack(columns, table.index_field);
         let pitch = find(&[Field::Error(DeviationKind::PinionPitch), Field::Error(DeviationKind::RackPitch)]);
         if let Some(pitch) = pitch {
@@ -340,8 +324,7 @@ impl Layout {
             return Err(Diagnostic::error(Code::AmbiguousBlock, message)
                 .help("name it left_pitch or right_pitch; of a rack's spaces, give positions"));
         }
-        let of_rack = [Field::OverPin, Field::Error(DeviationKind::RackOverRoller), Field::Space];
-        let mixes = !is_rack && (find(&of_rack).is_some() || table.index_field == Some(Field::Space));
+        let mixes = !is_rack && (find(OVER_PIN).is_some() || table.index_field == Some(Field::Space));
         if mixes {
             let message = format!("{} mixes spaces of a rack with teeth of a pinion", table.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("give them one after the other"));
@@ -353,27 +336,23 @@ impl Layout {
                  tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
             ));
         }
-        let radial = find(&[Field::Radial, Field::Error(DeviationKind::PinionRadial)]);
-        if let Some(radial) = radial.filter(|radial| columns[*radial].holds == Some(Holds::Measured)) {
+        if let Some(radial) = find(RADIAL).filter(|radial| columns[*radial].holds == Some(ValueKind::Measured)) {
             let message = format!(
                 "{}: `{}` holds measured radii; their deviations are needed",
                 table.name, columns[radial].title
             );
             return Err(Diagnostic::error(Code::BadTable, message).help("give the column of radial deviations"));
         }
-        let over_pin = find(&of_rack);
-        let position = find(&[Field::Position]);
         Ok(Self {
             is_rack,
-            over_pin,
-            over_pin_deviates: deviates(over_pin),
-            position,
-            position_deviates: deviates(position),
-            radial,
-            left_pitch: find(&[Field::LeftPitch]),
-            right_pitch: find(&[Field::RightPitch]),
-            lead: find(&[Field::Lead, Field::Error(DeviationKind::RackLead)]),
+            fields: columns.iter().map(|column| column.field).collect(),
+            deviates: columns.iter().map(|column| column.holds == Some(ValueKind::Deviation)).collect(),
         })
+    }
+
+    /// The column of one of some fields.
+    fn column(&self, fields: &[Field]) -> Option<usize> {
+        self.fields.iter().position(|field| fields.contains(field))
     }
 }
 
@@ -389,7 +368,7 @@ pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<Teeth, Dia
     }
     let gatherer = Gatherer::new(&table)?;
     let bad = |message: String| Diagnostic::error(Code::BadTable, message);
-    let blocks = table.blocks().map_err(|error| super::text::unreadable(name, &error))?;
+    let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(name, &error))?;
     let mut parts = gather(gatherer, &blocks)?.into_iter();
     let Some(part) = parts.next() else { return Err(bad(format!("{name} has no rows")).into()) };
     if parts.next().is_some() {

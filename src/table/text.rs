@@ -11,10 +11,10 @@ use super::encoding::{Encoding, recoded, text};
 use super::gathered::gathered;
 use super::grid::{Separator, records};
 use super::pieces::{Pieces, Place};
-use super::rows::{Rows, Setup};
+use super::rows::Setup;
 use super::split::next_record;
 use super::understand::{Understood, understand};
-use super::want::{Orientation, Want};
+use super::want::Want;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 
 /// Bytes from which a long table is understood.
@@ -35,9 +35,9 @@ pub(crate) struct Text {
 
 impl Text {
     pub(crate) fn open(name: &str, bytes: Box<dyn Read + Send>, told: Option<Encoding>) -> Result<Self, Diagnostic> {
-        let (bytes, encoding) = recoded(bytes, told).map_err(|error| unreadable(name, &error))?;
+        let (bytes, encoding) = recoded(bytes, told).map_err(|error| Diagnostic::unreadable(name, &error))?;
         let mut chunks = Chunker::new(bytes);
-        let start = chunks.start(START).map_err(|error| unreadable(name, &error))?;
+        let start = chunks.start(START).map_err(|error| Diagnostic::unreadable(name, &error))?;
         if start.contains(&0) {
             let message = format!("{name} is no text: it holds bytes that no table has");
             return Err(Diagnostic::error(Code::BadTable, message)
@@ -54,7 +54,7 @@ impl Text {
     /// The first bytes, and whether that is all.
     fn start(&mut self, count: usize) -> Result<(Vec<u8>, bool), Diagnostic> {
         let name = self.name.clone();
-        let start = self.chunks.start(count).map_err(|error| unreadable(&name, &error))?.to_vec();
+        let start = self.chunks.start(count).map_err(|error| Diagnostic::unreadable(&name, &error))?.to_vec();
         let is_all = start.len() < count;
         Ok((start, is_all))
     }
@@ -73,7 +73,7 @@ impl Text {
     pub(crate) fn whole(mut self, most: usize) -> Result<String, Diagnostic> {
         let (bytes, is_all) = self.start(most + 1)?;
         if !is_all {
-            return Err(unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
+            return Err(Diagnostic::unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
         }
         Ok(text(&bytes).into_owned())
     }
@@ -127,9 +127,8 @@ impl Text {
         table.place = Place::Line;
         table.encoding = self.encoding;
         table.reading.encoding = self.encoding_name();
-        let in_rows = understood.shape.orientation == Orientation::Rows && !understood.shape.header.is_empty();
-        let (Some(separator), true) = (understood.separator, in_rows) else {
-            table.pieces = Pieces::blocks(vec![gathered(&understood)]);
+        let (Some(separator), true) = (understood.separator, understood.has_row_per_part()) else {
+            table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
             return table;
         };
         let all = records(&source.text, separator);
@@ -141,12 +140,12 @@ impl Text {
         let is_even = matches!(separator, Separator::Character(_));
         let setup = setup(understood, separator_byte(separator), is_even, want);
         let source = Arc::clone(source);
-        table.pieces = Pieces::later(setup, move |rows: &Rows| {
+        table.pieces = Pieces::later(setup, move |rows| {
             let mut block = Block::default();
-            for record in &all[range.clone()] {
+            for record in &all[range] {
                 rows.record(record, Some(&line_at(&source.text, Some(record))), &mut block);
             }
-            vec![block]
+            Box::new(std::iter::once(Ok(block)))
         });
         table
     }
@@ -172,7 +171,8 @@ impl Text {
         }
         self.chunks.skip(at);
         self.chunks.set_separator(separator);
-        table.pieces = Pieces::stream(setup(understood, separator, true, want), self.chunks, self.lines);
+        table.pieces =
+            Pieces::Stream { setup: setup(understood, separator, true, want), chunks: self.chunks, lines: self.lines };
         Ok(table)
     }
 
@@ -190,7 +190,7 @@ fn can_stream(understood: &Understood) -> bool {
         Some(Separator::Lines) => understood.shape.data.start == 1,
         _ => false,
     };
-    is_cut && understood.shape.orientation == Orientation::Rows && !understood.shape.header.is_empty()
+    is_cut && understood.has_row_per_part()
 }
 
 fn separator_byte(separator: Separator) -> u8 {
@@ -202,10 +202,12 @@ fn separator_byte(separator: Separator) -> u8 {
 
 /// How the rows of an understood table are read.
 pub(crate) fn setup(understood: Understood, separator: u8, is_even: bool, want: &Want) -> Setup {
-    let Understood { shape, columns, mark, .. } = understood;
-    let is_open = mark.is_none();
+    let Understood { shape, mut columns, mark, .. } = understood;
+    for column in &mut columns {
+        column.mark_is_open = mark.is_none();
+    }
     Setup {
-        columns: columns.into_iter().map(|column| column.with_open_mark(is_open)).collect(),
+        columns,
         titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
         id: shape.ids.as_ref().map(|ids| ids.place),
         index: shape.index.as_ref().map(|index| index.place),
@@ -236,10 +238,6 @@ fn stated_separator(start: &[u8]) -> Option<(u8, usize)> {
         [separator, b'\n' | b'\r', ..] => Some((*separator, 6)),
         _ => None,
     }
-}
-
-pub(crate) fn unreadable(name: &str, problem: &dyn std::fmt::Display) -> Diagnostic {
-    Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
 }
 
 /// An error of reading, as one that is raised later.

@@ -106,11 +106,8 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
 }
 
 /// Reads records whose file has cells of its own.
-pub(crate) fn understand_records(
-    source: &Arc<Source>,
-    records: &[Record],
-    want: &Want,
-) -> Result<Understood, Diagnostics> {
+pub(crate) fn understand_records(name: &str, records: &[Record], want: &Want) -> Result<Understood, Diagnostics> {
+    let source = &Arc::new(Source::new(name, ""));
     let shape = shape(records, Separator::TAB, want).map_err(|problem| problem.explain(source, want))?;
     let candidates = readings(source, None, &Arc::new(shape), want)?;
     settle(source, candidates).unwrap_or_else(|| Err(NoShape::NoNumbers.explain(source, want).into()))
@@ -395,6 +392,11 @@ fn stated_units(text: &str) -> Vec<Unit> {
 }
 
 impl Understood {
+    /// Whether each row below a header is a part, a space or a tooth.
+    pub(crate) fn has_row_per_part(&self) -> bool {
+        self.shape.orientation == Orientation::Rows && !self.shape.header.is_empty()
+    }
+
     /// Reads every value: only asked where there is more than one reading to choose from.
     fn examine(&mut self) {
         (self.values, self.doubt, self.ruled_out) = (Vec::new(), None, None);

@@ -2,7 +2,7 @@
 //! Filled by the spec and the command line; asked by every step of the reading.
 
 use super::encoding::Encoding;
-use super::names::{Field, Holds};
+use super::names::{Field, ValueKind};
 use super::number::DecimalMark;
 use super::workbook::CellRange;
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -20,6 +20,16 @@ pub enum Orientation {
     Columns,
 }
 
+impl Orientation {
+    /// `rows` or `columns`.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Self::Rows => "rows",
+            Self::Columns => "columns",
+        }
+    }
+}
+
 /// What the spec says of the column of an error.
 #[derive(Debug, Clone)]
 pub struct Given {
@@ -28,7 +38,7 @@ pub struct Given {
     /// The unit of its numbers.
     pub unit: Option<Unit>,
     /// Whether it holds measured values or deviations.
-    pub holds: Option<Holds>,
+    pub holds: Option<ValueKind>,
     /// The nominal value, or what is missing to compute it.
     pub nominal: Option<Result<DeviationValue, Diagnostics>>,
     /// The evaluation length of f_Hβ.

@@ -4,19 +4,19 @@
 //! [`heading`] understands names, [`role`] the columns of a table with a row per characteristic. Of a name that is not
 //! understood, [`near`] tells what it may have meant, and [`is_context`] whether it is known to be something else.
 
-mod lengths;
+mod letters;
 mod near;
 mod role;
 mod unit;
 mod vocabulary;
 mod words;
 
-pub(crate) use lengths::is_evaluation_length;
 pub(crate) use near::{is_context, near};
-pub(crate) use role::{Role, is_statistic, role};
+pub(crate) use role::{is_evaluation_length, is_statistic, role};
 pub(crate) use unit::split_unit;
 
 use crate::deviation::{DeviationKind, Part};
+pub(crate) use vocabulary::Role;
 use vocabulary::{Entry, Sense};
 use words::Words;
 
@@ -108,7 +108,7 @@ impl std::str::FromStr for Field {
 
 /// Whether a column holds the measured value itself or its deviation from nominal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Holds {
+pub enum ValueKind {
     /// The value.
     Measured,
     /// Measured minus nominal.
@@ -138,7 +138,7 @@ pub(crate) struct Heading {
     /// What it says of that.
     pub(crate) aspect: Aspect,
     /// Whether values are measured values or deviations, if the heading says so.
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ValueKind>,
     /// The unit as it is written, known or not.
     pub(crate) unit: Option<String>,
     /// Whether it is in a language that writes decimal commas.
@@ -247,11 +247,11 @@ fn aspect(senses: &[Sense]) -> Option<Aspect> {
     })
 }
 
-fn holds(senses: &[Sense]) -> Option<Holds> {
+fn holds(senses: &[Sense]) -> Option<ValueKind> {
     if senses.iter().any(|sense| matches!(sense, Sense::Deviation | Sense::Error(_))) {
-        return Some(Holds::Deviation);
+        return Some(ValueKind::Deviation);
     }
-    senses.contains(&Sense::Measured).then_some(Holds::Measured)
+    senses.contains(&Sense::Measured).then_some(ValueKind::Measured)
 }
 
 /// The fields that all names among the words can mean, of the part and the flank that they say; `None` if there is none.

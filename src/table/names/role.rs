@@ -1,34 +1,10 @@
 //! What the columns of a table with a row per characteristic hold, as measuring programs call them.
 
+use super::letters::joined;
 use super::unit::split_unit;
-use super::vocabulary::Sense;
+use super::vocabulary::{Role, Sense, VOCABULARY};
 use super::words::Words;
 use super::{Field, bare};
-
-/// A column of a table with a row per characteristic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Role {
-    /// Which part the row is of.
-    Part,
-    /// What was measured.
-    Name,
-    /// The nominal value.
-    Nominal,
-    /// The measured value.
-    Measured,
-    /// Measured minus nominal.
-    Deviation,
-    /// The upper tolerance or limit, or the tolerance to both sides.
-    Upper,
-    /// The lower tolerance or limit.
-    Lower,
-    /// The unit of the row.
-    Unit,
-    /// How uncertain the measured value is.
-    Uncertainty,
-    /// Whether the value is within its tolerance, or by how much it is not.
-    Status,
-}
 
 /// What a heading of a table with a row per characteristic says; `None` for what is none of it, as a column of values
 /// that is called after its part (`Teil 1`).
@@ -78,84 +54,22 @@ const PART: Sense = Sense::Alone(&[Field::PartId]);
 
 /// What a word can say of a column; `None` if it is not used for one.
 fn role_sense(senses: &[Sense]) -> Option<Sense> {
-    let of_column = |sense: &Sense| {
-        matches!(
-            sense,
-            &PART
-                | Sense::Rack
-                | Sense::Pinion
-                | Sense::Deviation
-                | Sense::Measured
-                | Sense::Nominal
-                | Sense::Upper
-                | Sense::Lower
-                | Sense::Plus
-                | Sense::Minus
-                | Sense::Tolerance
-                | Sense::Limit
-                | Sense::Uncertainty
-                | Sense::Greatest
-                | Sense::Least
-                | Sense::Filling
-        )
+    let of_column = |sense: &Sense| match sense {
+        Sense::Alone(_) => *sense == PART,
+        Sense::Name(_) | Sense::Error(_) | Sense::Left | Sense::Right => false,
+        Sense::Least => true,
+        sense => !sense.is_foreign(),
     };
     senses.iter().copied().find(of_column)
 }
 
-/// What rows and columns beside the parts are called that are made of them.
-const STATISTICS: [&str; 48] = [
-    "mittelwert",
-    "mittel",
-    "mean",
-    "average",
-    "avg",
-    "moyenne",
-    "平均",
-    "平均値",
-    "min",
-    "minimum",
-    "max",
-    "maximum",
-    "最小",
-    "最大",
-    "最小値",
-    "最大値",
-    "std",
-    "stdev",
-    "std dev",
-    "stddev",
-    "standardabw",
-    "standardabweichung",
-    "standard deviation",
-    "écart-type",
-    "標準偏差",
-    "sigma",
-    "range",
-    "spannweite",
-    "étendue",
-    "summe",
-    "sum",
-    "total",
-    "anzahl",
-    "count",
-    "cpk",
-    "cp",
-    "ppk",
-    "pp",
-    "cmk",
-    "cm",
-    "s",
-    "x quer",
-    "xquer",
-    "x-bar",
-    "xbar",
-    "x̄",
-    "median",
-    "variance",
-];
-
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
     let plain = name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase();
-    STATISTICS.contains(&plain.as_str())
+    VOCABULARY.statistics.contains(&plain.as_str())
+}
+
+/// Whether a heading is the length over which f_Hβ is evaluated. Asked where a column names no error.
+pub(crate) fn is_evaluation_length(text: &str) -> bool {
+    VOCABULARY.evaluation_lengths.contains(&joined(&split_unit(text).0))
 }

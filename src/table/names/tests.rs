@@ -12,8 +12,8 @@ fn understood(text: &str) -> String {
         Aspect::Uncertainty => "uncertainty",
     };
     let holds = match heading.holds {
-        Some(Holds::Deviation) => "deviation",
-        Some(Holds::Measured) => "measured",
+        Some(ValueKind::Deviation) => "deviation",
+        Some(ValueKind::Measured) => "measured",
         None => "",
     };
     let unit = heading.unit.unwrap_or_default();

@@ -1,7 +1,8 @@
 //! Where a heading ends and its unit begins.
 
+use super::letters::plain_widths;
 use super::vocabulary::is_japanese;
-use super::words::{Words, plain_widths};
+use super::words::Words;
 use crate::quantity::Unit;
 
 /// Units of what is no length and no angle.

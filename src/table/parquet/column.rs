@@ -1,50 +1,30 @@
 //! What the columns of a Parquet file hold. Found from its schema; reads no value.
 
-use std::fmt;
-
 use ::parquet::basic::{ConvertedType, LogicalType, Type as Physical};
-use ::parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
+use ::parquet::schema::types::{ColumnDescriptor, SchemaDescriptor, TypePtr};
+
+use crate::quantity::Decimal;
+use crate::table::cell::Content;
 
 /// A column of a file.
 #[derive(Debug, Clone)]
-pub(crate) struct Column {
+pub(crate) struct StoredColumn {
     /// Its name.
     pub(crate) name: String,
-    /// What it holds.
-    pub(crate) kind: ColumnKind,
-    /// Where its values are; `None` if they cannot be read.
+    /// Where its values are; `None` of lists, maps and records, and of values of a type that is not read:
+    /// half-precision and very long numbers, bytes.
     pub(super) leaf: Option<Leaf>,
 }
 
-/// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ColumnKind {
-    /// Numbers.
-    Number,
-    /// Texts.
-    Text,
-    /// Dates, times, true and false.
-    Other,
-    /// Lists, maps and records: no measurement of a part.
-    Nested,
-    /// Values of a type that is not read: half-precision and very long numbers, bytes.
-    Unread,
-}
-
-impl fmt::Display for ColumnKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Number => "numbers",
-            Self::Text => "texts",
-            Self::Other => "dates, times or truth values",
-            Self::Nested => "nested values",
-            Self::Unread => "values of a type that is not read",
-        })
+impl StoredColumn {
+    /// Whether its values can be read.
+    pub(crate) fn is_read(&self) -> bool {
+        self.leaf.is_some()
     }
 }
 
 /// Where the values of a column are, and how they are meant.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
     pub(super) index: usize,
     pub(super) values: Values,
@@ -61,9 +41,7 @@ pub(super) enum Values {
     Decimal {
         scale: i32,
     },
-    Text,
     Moment(Moment),
-    TrueOrFalse,
 }
 
 impl Values {
@@ -72,11 +50,12 @@ impl Values {
         if let Self::Decimal { scale } = self { scale } else { 0 }
     }
 
-    fn kind(self) -> ColumnKind {
+    /// What a stored integer means, which is given with a sign and without.
+    pub(super) fn content(self, signed: i64, unsigned: u64) -> Content {
         match self {
-            Self::Plain | Self::Unsigned | Self::Decimal { .. } => ColumnKind::Number,
-            Self::Text => ColumnKind::Text,
-            Self::Moment(_) | Self::TrueOrFalse => ColumnKind::Other,
+            Self::Moment(moment) => Content::Other(moment.shown(signed)),
+            Self::Unsigned => Content::Number(Decimal::of_i128(i128::from(unsigned), 0)),
+            _ => Content::Number(Decimal::of_i128(i128::from(signed), self.scale())),
         }
     }
 }
@@ -136,28 +115,20 @@ fn shown_day(days: i64) -> String {
 }
 
 /// The columns of a file in their order; one that is nested is one column.
-pub(super) fn columns(schema: &SchemaDescriptor) -> Vec<Column> {
-    let fields = schema.root_schema().get_fields();
-    let leaves = |root: usize| (0..schema.num_columns()).filter(move |leaf| schema.get_column_root_idx(*leaf) == root);
-    let column = |(root, field): (usize, &::parquet::schema::types::TypePtr)| {
-        let name = field.name().to_owned();
-        let Some(index) =
-            leaves(root).next().filter(|index| field.is_primitive() && schema.column(*index).max_rep_level() == 0)
-        else {
-            return Column { name, kind: ColumnKind::Nested, leaf: None };
-        };
-        let leaf = values(&schema.column(index)).map(|values| Leaf { index, values });
-        Column { name, kind: leaf.as_ref().map_or(ColumnKind::Unread, |leaf| leaf.values.kind()), leaf }
+pub(super) fn columns(schema: &SchemaDescriptor) -> Vec<StoredColumn> {
+    let column = |(root, field): (usize, &TypePtr)| {
+        let first = (0..schema.num_columns()).find(|leaf| schema.get_column_root_idx(*leaf) == root);
+        let index = first.filter(|index| field.is_primitive() && schema.column(*index).max_rep_level() == 0);
+        let leaf = index.and_then(|index| Some(Leaf { index, values: values(&schema.column(index))? }));
+        StoredColumn { name: field.name().to_owned(), leaf }
     };
-    fields.iter().enumerate().map(column).collect()
+    schema.root_schema().get_fields().iter().enumerate().map(column).collect()
 }
 
 /// How the values of a column are meant; `None` if they are not read.
 fn values(column: &ColumnDescriptor) -> Option<Values> {
     match column.physical_type() {
-        Physical::DOUBLE | Physical::FLOAT => Some(Values::Plain),
-        Physical::BOOLEAN => Some(Values::TrueOrFalse),
-        Physical::INT96 => Some(Values::Moment(Moment::Timestamp { per_second: 1000 })),
+        Physical::DOUBLE | Physical::FLOAT | Physical::BOOLEAN | Physical::INT96 => Some(Values::Plain),
         Physical::INT32 | Physical::INT64 => of_integers(column),
         Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => of_bytes(column),
     }
@@ -196,7 +167,7 @@ fn of_bytes(column: &ColumnDescriptor) -> Option<Values> {
             fits.then_some(Values::Decimal { scale: column.type_scale() })
         }
         (ConvertedType::UTF8 | ConvertedType::ENUM | ConvertedType::JSON, _)
-        | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => has_any_length.then_some(Values::Text),
+        | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => has_any_length.then_some(Values::Plain),
         _ => None,
     }
 }

@@ -1,6 +1,7 @@
+use ::bytes::Bytes;
 use ::parquet::basic::{BrotliLevel, GzipLevel, LogicalType, Repetition, TimeUnit, Type as Physical, ZstdLevel};
 use ::parquet::column::writer::ColumnWriter;
-use ::parquet::data_type::Int96;
+use ::parquet::data_type::{ByteArray, FixedLenByteArray, Int96};
 use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::parser::parse_message_type;
@@ -74,25 +75,22 @@ fn message(text: &str) -> Type {
     parse_message_type(text).unwrap()
 }
 
-fn decimal(text: &str) -> Number {
-    Number::Finite(Decimal::parse(text).unwrap())
+fn decimal(text: &str) -> Content {
+    Content::Number(Decimal::parse(text).unwrap())
 }
 
-fn read_all(bytes: &[u8], wanted: &[usize]) -> Result<Vec<ColumnValues>, String> {
-    let table = ParquetTable::of_bytes("lot.parquet", bytes.to_vec()).map_err(|error| error.to_string())?;
-    let mut all: Vec<ColumnValues> = Vec::new();
-    for batch in table.read(wanted).map_err(|error| error.to_string())? {
-        let batch = batch.map_err(|error| error.to_string())?;
-        if all.is_empty() {
-            all = batch.columns;
-            continue;
-        }
-        for (all, more) in all.iter_mut().zip(batch.columns) {
-            match (all, more) {
-                (ColumnValues::Numbers(all), ColumnValues::Numbers(more)) => all.extend(more),
-                (ColumnValues::Texts(all), ColumnValues::Texts(more))
-                | (ColumnValues::Others(all), ColumnValues::Others(more)) => all.extend(more),
-                _ => panic!("a column changes its kind"),
+fn opened(bytes: &[u8]) -> Result<ParquetTable, Diagnostic> {
+    ParquetTable::open("lot.parquet", Bytes::from(bytes.to_vec()))
+}
+
+/// The cells of each column that can be read.
+fn read_all(bytes: &[u8]) -> Result<Vec<Vec<Content>>, String> {
+    let table = opened(bytes).map_err(|error| error.to_string())?;
+    let mut all = vec![Vec::new(); table.columns().iter().filter(|column| column.is_read()).count()];
+    for batch in table.batches().map_err(|error| error.to_string())? {
+        for record in batch.map_err(|error| error.to_string())? {
+            for (all, cell) in all.iter_mut().zip(record.cells) {
+                all.push(cell.content);
             }
         }
     }
@@ -123,23 +121,20 @@ fn numbers_are_what_the_file_holds() {
         Stored::Bytes(&long),
     ];
     let bytes = file(schema, Compression::UNCOMPRESSED, &[group]);
-    let table = ParquetTable::of_bytes("lot.parquet", bytes.clone()).unwrap();
-    assert!(table.columns().iter().all(|column| column.kind == ColumnKind::Number));
-    let expected: [[Number; 3]; 10] = [
-        [decimal("25.0131"), Number::Missing, Number::NotFinite],
-        [decimal("25.0131"), decimal("-0.1"), Number::NotFinite],
+    let not_finite = || Content::Other("no finite number".to_owned());
+    let expected: [[Content; 3]; 10] = [
+        [decimal("25.0131"), Content::Empty, not_finite()],
+        [decimal("25.0131"), decimal("-0.1"), not_finite()],
         ["-128", "0", "127"].map(decimal),
         ["4294967295", "0", "2147483648"].map(decimal),
-        [Number::Finite(Decimal { negative: false, digits: u64::MAX, exponent: 0 }), decimal("0"), decimal("1")],
+        [Content::Number(Decimal { negative: false, digits: u64::MAX, exponent: 0 }), decimal("0"), decimal("1")],
         ["-9223372036854775808", "9223372036854775807", "12"].map(decimal),
         ["25.0131", "-0.0005", "0.0000"].map(decimal),
         ["25.013100", "-0.000001", "999999999999.999999"].map(decimal),
         ["-0.002", "25.000", "0.000"].map(decimal),
-        [decimal("-1.28"), decimal("0.07"), Number::NotFinite],
+        [decimal("-1.28"), decimal("0.07"), not_finite()],
     ];
-    let all: Vec<usize> = (0..expected.len()).collect();
-    let read = read_all(&bytes, &all).unwrap();
-    assert_eq!(read, expected.map(|column| ColumnValues::Numbers(column.to_vec())));
+    assert_eq!(read_all(&bytes).unwrap(), expected);
 }
 
 #[test]
@@ -186,36 +181,22 @@ fn texts_dates_and_what_is_no_measurement() {
     group.close().unwrap();
     let bytes = writer.into_inner().unwrap();
 
-    let table = ParquetTable::of_bytes("lot.parquet", bytes.clone()).unwrap();
-    let kinds: Vec<_> = table.columns().iter().map(|column| (column.name.as_str(), column.kind)).collect();
+    let table = opened(&bytes).unwrap();
+    let not_read: Vec<_> =
+        table.columns().iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
+    assert_eq!(not_read, ["half", "list", "several"]);
+    let other = |text: &str| vec![Content::Other(text.to_owned())];
+    let text = |text: &str| vec![Content::Text(text.to_owned())];
     let expected = [
-        ("id", ColumnKind::Text),
-        ("plain", ColumnKind::Text),
-        ("ok", ColumnKind::Other),
-        ("day", ColumnKind::Other),
-        ("old", ColumnKind::Other),
-        ("at", ColumnKind::Other),
-        ("half", ColumnKind::Unread),
-        ("list", ColumnKind::Nested),
-        ("several", ColumnKind::Nested),
-        ("none", ColumnKind::Number),
-    ];
-    assert_eq!(kinds, expected);
-    let other = |text: &str| ColumnValues::Others(vec![Some(text.to_owned())]);
-    let text = |text: &str| ColumnValues::Texts(vec![Some(text.to_owned())]);
-    let read = read_all(&bytes, &[9, 0, 1, 2, 3, 4, 5]).unwrap();
-    let expected = [
-        ColumnValues::Numbers(vec![Number::Missing]),
         text("Prüfling\n1"),
         text("x"),
         other("true"),
         other("2025-12-31"),
         other("1970-01-02 00:00:00"),
         other("1970-01-01 00:00:01"),
+        vec![Content::Empty],
     ];
-    assert_eq!(read, expected);
-    let refused = read_all(&bytes, &[0, 6]).unwrap_err();
-    assert!(refused.contains("lot.parquet, column `half` cannot be read: it holds values of a type"), "{refused}");
+    assert_eq!(read_all(&bytes).unwrap(), expected);
 }
 
 #[test]
@@ -242,30 +223,27 @@ fn rows_come_in_batches_whatever_their_groups() {
             start += count;
         }
         let bytes = file(schema.clone(), compression, &groups);
-        let table = ParquetTable::of_bytes("lot.parquet", bytes.clone()).unwrap();
-        let sizes: Vec<_> =
-            table.read(&[2]).unwrap().map(|batch| batch.unwrap()).map(|batch| (batch.first_row, batch.rows)).collect();
+        let batches = opened(&bytes).unwrap().batches().unwrap();
+        let sizes: Vec<_> = batches.map(Result::unwrap).map(|records| (records[0].line, records.len())).collect();
         let full = BATCH_ROWS as u64;
         let expected = [(1, 1), (2, BATCH_ROWS), (full + 2, BATCH_ROWS), (2 * full + 2, BATCH_ROWS), (3 * full + 2, 5)];
         assert_eq!(sizes, expected);
-        let numbers = values.iter().map(|value| finite(Decimal::of_f64(*value))).collect();
-        let texts = texts.iter().map(|text| Some((*text).to_owned())).collect();
-        let read = read_all(&bytes, &[2, 0]).unwrap();
-        assert_eq!(read, [ColumnValues::Numbers(numbers), ColumnValues::Texts(texts)], "{compression}");
+        let numbers: Vec<_> = values.iter().map(|value| Content::of_f64(*value)).collect();
+        let texts: Vec<_> = texts.iter().map(|text| Content::of_text(text)).collect();
+        let ints = vec![decimal("7"); numbers.len()];
+        assert_eq!(read_all(&bytes).unwrap(), [texts, ints, numbers], "{compression}");
     }
 }
 
 #[test]
-fn only_the_wanted_columns_are_unpacked() {
+fn a_page_that_is_broken_is_refused() {
     let schema = message("message parts { required double a; required double b; }");
     let first: Vec<f64> = (0..100).map(f64::from).collect();
     let group = vec![Stored::Doubles(&first, &[]), Stored::Doubles(&first, &[])];
     let mut bytes = file(schema, Compression::UNCOMPRESSED, &[group]);
     // the first column's page
     bytes[4..40].fill(0xff);
-    assert!(read_all(&bytes, &[0]).unwrap_err().contains("cannot read lot.parquet: "));
-    assert!(read_all(&bytes, &[1]).is_ok());
-    assert_eq!(read_all(&bytes, &[]), Ok(Vec::new()));
+    assert!(read_all(&bytes).unwrap_err().contains("cannot read lot.parquet: "));
 }
 
 #[test]
@@ -275,11 +253,11 @@ fn a_file_on_disk_is_read_like_one_in_memory() {
     let bytes = file(schema, Compression::SNAPPY, &[group]);
     let path = std::env::temp_dir().join(format!("rackmesh-table-{}.parquet", std::process::id()));
     std::fs::write(&path, &bytes).unwrap();
-    let table = ParquetTable::of_file("lot.parquet", File::open(&path).unwrap()).unwrap();
-    let batches: Vec<Batch> = table.read(&[1, 0]).unwrap().map(Result::unwrap).collect();
+    let table = ParquetTable::open("lot.parquet", std::fs::File::open(&path).unwrap()).unwrap();
+    let batches: Vec<Vec<Record>> = table.batches().unwrap().map(Result::unwrap).collect();
     std::fs::remove_file(&path).unwrap();
-    let numbers = |texts: [&str; 2]| ColumnValues::Numbers(texts.map(decimal).to_vec());
-    assert_eq!(batches, [Batch { first_row: 1, rows: 2, columns: vec![numbers(["3", "4"]), numbers(["1", "2"])] }]);
+    let record = |texts: [&str; 2], row| Record::new(texts.map(|text| decimal(text).into()).to_vec(), row);
+    assert_eq!(batches, [[record(["1", "3"], 1), record(["2", "4"], 2)]]);
 }
 
 #[test]
@@ -287,7 +265,7 @@ fn what_cannot_be_read_says_why() {
     let schema = || message("message parts { required double a; }");
     let group = || vec![Stored::Doubles(&[1.0, 2.0, 3.0], &[])];
     let bytes = file(schema(), Compression::SNAPPY, &[group()]);
-    let problem = |bytes: &[u8]| read_all(bytes, &[0]).unwrap_err();
+    let problem = |bytes: &[u8]| read_all(bytes).unwrap_err();
     let mut encrypted = bytes.clone();
     let end = encrypted.len() - 4;
     encrypted[end..].copy_from_slice(b"PARE");
@@ -302,7 +280,7 @@ fn what_cannot_be_read_says_why() {
 fn a_codec_that_is_not_read_is_named() {
     let schema = message("message parts { required double a; }");
     let bytes = file(schema, Compression::SNAPPY, &[vec![Stored::Doubles(&[1.0], &[])]]);
-    let table = ParquetTable::of_bytes("lot.parquet", bytes).unwrap();
+    let table = opened(&bytes).unwrap();
     let problem = |compression| table.refused("a", compression).map(|problem| problem.to_string());
     for (compression, name) in [
         (Compression::ZSTD(ZstdLevel::default()), "ZSTD"),
@@ -331,13 +309,12 @@ fn bytes_that_are_changed_are_refused_or_read() {
         Stored::Longs(&[5, 6, 7, 8]),
     ];
     let bytes = file(schema, Compression::SNAPPY, &[group]);
-    let all = [0, 1, 2, 3, 4, 5];
-    assert!(read_all(&bytes, &all).is_ok());
+    assert!(read_all(&bytes).is_ok());
     for at in 0..bytes.len() {
         for change in [0x01, 0x80, 0xff] {
             let mut changed = bytes.clone();
             changed[at] ^= change;
-            let _ = read_all(&changed, &all);
+            let _ = read_all(&changed);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Q-DAS ASCII files (AQDEF): `.dfq`, or a `.dfd` with definitions and its `.dfx` with values.
 //!
-//! The command line reads the files and calls [`read`]; what comes out is a [`Qdas`], from which [`Qdas::table`] makes
+//! The command line reads the files and calls [`read`]; what comes out is a [`Qdas`], from which `Qdas::table` makes
 //! a table with a row per measured part, made row by row. Results go back with [`write`](fn@write). Nothing here knows formulas.
 //!
 //! # The format, as far as it is read
@@ -22,8 +22,7 @@ mod table;
 mod write;
 
 pub use read::read;
-pub use table::QdasTable;
-pub use write::{Column, write};
+pub use write::{CharacteristicColumn, write};
 
 use std::sync::Arc;
 

@@ -1,6 +1,7 @@
 //! Reads Q-DAS ASCII text, line by line. Called by [`read`](fn@super::read); keeps what is said, and judges nothing.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Characteristic, LeftOut, PartDefinition, Qdas, Value};
@@ -27,6 +28,7 @@ struct Draft {
     defined: bool,
 }
 
+#[derive(Default)]
 struct Reader {
     sources: Vec<Arc<Source>>,
     parts: Vec<PartDefinition>,
@@ -50,24 +52,19 @@ struct Line<'t> {
     start: usize,
 }
 
+impl Line<'_> {
+    fn span(&self) -> Range<usize> {
+        self.start..self.start + self.text.len()
+    }
+}
+
 /// Reads a file, or a file of definitions and the file of its values: name and text of each, in that order.
 ///
 /// # Errors
 /// What is wrong, with the file, the line and the key: a line that is neither, an index beyond K0100, a number that is
 /// none.
 pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
-    let mut reader = Reader {
-        sources: Vec::new(),
-        parts: Vec::new(),
-        drafts: Vec::new(),
-        count: None,
-        part: 0,
-        samples: 0,
-        values: 0,
-        work: 0,
-        part_names: Vec::new(),
-        left_out: BTreeMap::new(),
-    };
+    let mut reader = Reader::default();
     for (name, text) in files.iter().take(usize::from(u8::MAX)) {
         let text = text.trim_start_matches('\u{feff}');
         if u32::try_from(text.len()).is_err() {
@@ -80,7 +77,7 @@ pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
 }
 
 impl Reader {
-    fn bad(&self, line: std::ops::Range<usize>, message: String) -> Diagnostic {
+    fn bad(&self, line: Range<usize>, message: String) -> Diagnostic {
         let diagnostic = Diagnostic::error(Code::BadTable, message);
         match self.sources.last() {
             Some(source) => diagnostic.at(source, line, ""),
@@ -111,14 +108,11 @@ impl Reader {
     fn draft(&mut self, index: usize, line: &Line<'_>) -> Result<&mut Draft, Diagnostic> {
         let most = self.count.unwrap_or(MOST_CHARACTERISTICS);
         if index == 0 || index > most {
-            let span = line.start..line.start + line.text.len();
             let message = match self.count {
-                Some(count) => {
-                    format!("K{:04}/{index}: the file has {count} characteristics (K0100)", line.key)
-                }
+                Some(count) => format!("K{:04}/{index}: the file has {count} characteristics (K0100)", line.key),
                 None => format!("K{:04}/{index}: there is no characteristic of that number", line.key),
             };
-            return Err(self.bad(span, message));
+            return Err(self.bad(line.span(), message));
         }
         if self.drafts.len() < index {
             self.drafts.resize(index, Draft::default());
@@ -133,7 +127,6 @@ impl Reader {
     }
 
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
-        let span = line.start..line.start + line.text.len();
         match line.key {
             100 => {
                 let count = line.text.trim().parse::<usize>().ok().filter(|count| *count <= MOST_CHARACTERISTICS);
@@ -142,7 +135,7 @@ impl Reader {
                         "K0100: `{}` is not a number of characteristics (0 to {MOST_CHARACTERISTICS})",
                         line.text
                     );
-                    return Err(self.bad(span, message));
+                    return Err(self.bad(line.span(), message));
                 };
                 self.count = Some(count);
             }
@@ -150,7 +143,8 @@ impl Reader {
             1000..=1999 => {
                 let index = line.index.max(1);
                 if index > MOST_CHARACTERISTICS {
-                    return Err(self.bad(span, format!("K{:04}/{index}: there is no part of that number", line.key)));
+                    let message = format!("K{:04}/{index}: there is no part of that number", line.key);
+                    return Err(self.bad(line.span(), message));
                 }
                 if self.parts.len() < index {
                     self.parts.resize(index, PartDefinition::default());
@@ -181,8 +175,8 @@ impl Reader {
             // no thousands marks, so that a comma is a decimal comma
             let plain = text.replace(',', ".");
             if !is_number(&plain) || normalise(&plain, DecimalMark::Point).is_none() {
-                let span = line.start..line.start + line.text.len();
-                return Err(self.bad(span, format!("K{:04}/{}: `{text}` is not a number", line.key, line.index)));
+                let message = format!("K{:04}/{}: `{text}` is not a number", line.key, line.index);
+                return Err(self.bad(line.span(), message));
             }
             number = Some(plain);
         }
@@ -245,12 +239,8 @@ impl Reader {
 
     /// A value with that attribute does not count.
     fn leave_out(&mut self, attribute: &str, line: u32) {
-        if let Some(known) = self.left_out.get_mut(attribute) {
-            known.count += 1;
-        } else {
-            let left_out = LeftOut { code: attribute.to_owned(), count: 1, first_line: line };
-            self.left_out.insert(attribute.to_owned(), left_out);
-        }
+        let first = || LeftOut { code: attribute.to_owned(), count: 0, first_line: line };
+        self.left_out.entry(attribute.to_owned()).or_insert_with(first).count += 1;
     }
 
     fn work(&mut self, more: usize, line: &Line<'_>) -> Result<(), Diagnostic> {
@@ -258,8 +248,7 @@ impl Reader {
         if self.work <= MOST_WORK {
             return Ok(());
         }
-        let span = line.start..line.start + line.text.len();
-        Err(self.bad(span, format!("K{:04}/0: the file repeats such lines without end", line.key)))
+        Err(self.bad(line.span(), format!("K{:04}/0: the file repeats such lines without end", line.key)))
     }
 
     fn value(&mut self, text: &str, start: usize, line: u32) -> Result<Value, Diagnostic> {
@@ -284,8 +273,7 @@ impl Reader {
             // an empty place is no value either
             is_none: trimmed.is_empty(),
             line,
-            part_name: 0,
-            sample: 0,
+            ..Value::default()
         })
     }
 

@@ -3,76 +3,40 @@
 
 use super::super::names::Field;
 use super::{Characteristic, Qdas};
-use crate::deviation::DeviationKind;
-use crate::quantity::{Angle, Decimal, Length, Unit};
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::quantity::{Decimal, Unit};
 use crate::table::cell::{Cell, Content, Record};
-use crate::table::number::DecimalMark;
+use crate::table::number::{DecimalMark, quantity};
 
-/// What a file says of a characteristic besides its values.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Facts {
-    /// K2001
-    pub(crate) number: String,
-    /// K2002
-    pub(crate) name: String,
-    /// K2142: the unit of the values and of what follows.
-    pub(crate) unit: Option<String>,
-    /// K2101
-    pub(crate) nominal: Option<Decimal>,
-    /// K2110, or K2112 added to the nominal value.
-    pub(crate) lower: Option<Decimal>,
-    /// K2111, or K2113 added to the nominal value.
-    pub(crate) upper: Option<Decimal>,
-    /// K2106
-    pub(crate) uncertainty: Option<Decimal>,
-}
-
-impl Facts {
+impl Characteristic {
     /// How far its limits are from its nominal value, mm or degrees; `None` if it has none.
-    pub(crate) fn widest(&self, unit: Unit) -> Option<f64> {
-        let base = |number: Decimal| match unit {
-            Unit::Length(unit) => Length::of_number(number, unit).ok().map(Length::mm),
-            Unit::Angle(unit) => Angle::of_number(number, unit).ok().map(Angle::degrees),
+    fn widest(&self, unit: Unit) -> Option<f64> {
+        let base = |text: &Option<String>| {
+            let number = Decimal::parse(text.as_deref()?).ok()?;
+            quantity(number, unit).ok().map(DeviationValue::base)
         };
-        let nominal = self.nominal.and_then(base).unwrap_or(0.0);
-        let ends = [self.lower, self.upper].into_iter().flatten().filter_map(base);
+        let nominal = base(&self.nominal).unwrap_or(0.0);
+        let ends = [&self.lower, &self.upper].into_iter().filter_map(base);
         ends.map(|end| (end - nominal).abs()).reduce(f64::max)
-    }
-}
-
-impl From<&Characteristic> for Facts {
-    fn from(of: &Characteristic) -> Self {
-        let number = |text: &Option<String>| text.as_deref().and_then(|text| Decimal::parse(text).ok());
-        Self {
-            number: of.number.clone(),
-            name: of.name.clone(),
-            unit: of.unit.clone(),
-            nominal: number(&of.nominal),
-            lower: number(&of.lower),
-            upper: number(&of.upper),
-            uncertainty: number(&of.uncertainty),
-        }
     }
 }
 
 impl Qdas {
     /// The values as a table: a row per measured part, a column per characteristic with its unit. Columns of errors
     /// have the error's name.
-    #[must_use]
-    pub fn table(self, own: &[(String, Field)]) -> QdasTable {
-        let mut columns = vec!["part_id".to_owned()];
+    pub(crate) fn table(self, own: &[(String, Field)]) -> QdasTable {
+        let mut titles: Vec<String> = Vec::new();
         // the same characteristic of several parts is one column
         let mut indices: Vec<Vec<usize>> = Vec::new();
         for (index, characteristic) in self.characteristics.iter().enumerate() {
             let title = title(characteristic, own);
-            let known = columns.iter().skip(1).zip(&mut indices).find(|(column, indices)| {
-                **column == title
-                    && indices.iter().all(|other| self.characteristics[*other].part != characteristic.part)
+            let known = titles.iter().zip(&mut indices).find(|(known, indices)| {
+                **known == title && indices.iter().all(|other| self.characteristics[*other].part != characteristic.part)
             });
             if let Some((_, indices)) = known {
                 indices.push(index);
             } else {
-                columns.push(title);
+                titles.push(title);
                 indices.push(vec![index]);
             }
         }
@@ -82,39 +46,24 @@ impl Qdas {
         }
         rows.sort_unstable();
         rows.dedup();
-        QdasTable { columns, indices, rows, qdas: self }
+        QdasTable { indices, rows, qdas: self }
     }
 }
 
 /// The values of a file as a table.
 #[derive(Debug, Clone)]
-pub struct QdasTable {
-    /// The names of the columns; the first is `part_id`.
-    pub columns: Vec<String>,
-    /// The characteristics of each other column, one per part of the file.
-    indices: Vec<Vec<usize>>,
+pub(crate) struct QdasTable {
+    /// The characteristics of each column but the first, one per part of the file.
+    pub(super) indices: Vec<Vec<usize>>,
     /// Part and sample.
     rows: Vec<(usize, u32)>,
-    qdas: Qdas,
+    pub(super) qdas: Qdas,
 }
 
 impl QdasTable {
     /// How many rows it has.
-    #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rows.len()
-    }
-
-    /// Whether it has no rows.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
-
-    /// What the file says.
-    #[must_use]
-    pub fn qdas(&self) -> &Qdas {
-        &self.qdas
     }
 
     /// The decimal mark of the values; `None` if none has decimals.
@@ -165,11 +114,12 @@ impl QdasTable {
         Record::new(cells.collect(), 1)
     }
 
-    /// What the file says of the characteristics of a column: one for each of the file's parts that has it, none of
-    /// the first column.
-    pub(crate) fn facts(&self, column: usize) -> Vec<Facts> {
+    /// How far the limits of a column's characteristics are from their nominal values at most, mm or degrees; `None` if
+    /// there are none.
+    pub(crate) fn widest(&self, column: usize, unit: Unit) -> Option<f64> {
         let indices = column.checked_sub(1).and_then(|column| self.indices.get(column));
-        indices.into_iter().flatten().map(|index| Facts::from(&self.qdas.characteristics[*index])).collect()
+        let each = indices.into_iter().flatten().map(|index| &self.qdas.characteristics[*index]);
+        each.filter_map(|characteristic| characteristic.widest(unit)).reduce(f64::max)
     }
 
     /// A row: the part's name and the values, nothing where there is none or it does not count; `None` beyond the last.
@@ -183,15 +133,14 @@ impl QdasTable {
     }
 
     /// The line of the file where a row stands.
-    #[must_use]
-    pub fn line(&self, row: usize) -> u32 {
+    pub(super) fn line(&self, row: usize) -> u32 {
         let Some((part, sample)) = self.rows.get(row).copied() else { return 0 };
         self.characteristics(part).flatten().find_map(|found| found.sample(sample)).map_or(0, |value| value.line)
     }
 }
 
 /// What a column is called in the reader of tables: as the spec calls it, or by the name of the error that it is.
-fn title(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
+pub(super) fn title(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
     match Qdas::error_of(characteristic, own) {
         Some(kind) if characteristic.own_name(own).is_none() => characteristic.with_unit(kind.key()),
         _ => heading(characteristic, own),

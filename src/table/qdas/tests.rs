@@ -1,12 +1,17 @@
-use super::table::Facts;
+use super::table::{QdasTable, title};
 use super::*;
-use crate::quantity::Decimal;
+use crate::quantity::{Decimal, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
 
 /// The names of the columns and the cells of each row.
 fn rows(text: &str) -> Vec<String> {
     let table = read(&[("lot.dfq", text)]).unwrap_or_else(|error| panic!("{error}")).table(&[]);
-    std::iter::once(table.columns.join("|")).chain(records(&table)).collect()
+    std::iter::once(titles(&table, &[]).join("|")).chain(records(&table)).collect()
+}
+
+fn titles(table: &QdasTable, own: &[(String, Field)]) -> Vec<String> {
+    let others = table.indices.iter().map(|indices| title(&table.qdas.characteristics[indices[0]], own));
+    std::iter::once("part_id".to_owned()).chain(others).collect()
 }
 
 fn records(table: &QdasTable) -> Vec<String> {
@@ -81,18 +86,18 @@ fn what_is_wrong_is_said_with_line_and_key() {
 #[test]
 fn what_is_written_is_read_again() {
     let columns = [
-        Column {
+        CharacteristicColumn {
             number: "delta_cd_mm".to_owned(),
             name: "ΔCD".to_owned(),
             unit: "mm".to_owned(),
             upper: Some(0.05),
-            ..Column::default()
+            ..CharacteristicColumn::default()
         },
-        Column {
+        CharacteristicColumn {
             number: "rack_pitch".to_owned(),
             name: "Teilung".to_owned(),
             unit: "µm".to_owned(),
-            ..Column::default()
+            ..CharacteristicColumn::default()
         },
     ];
     let part = PartDefinition { number: "4711".to_owned(), name: "Maß\nband".to_owned() };
@@ -135,7 +140,7 @@ fn a_name_in_the_spec_finds_its_characteristic() {
     let text = "K0100 3\nK2001/1 17\nK2002/1  MYROLL \nK2142/1 mm\nK2002/2 rack_over_roller\nK2142/2 mm\nK2001/3 ß1\n\
                 K2002/3 Teilung Zahnstange\n25.1\u{f}24\u{f}0.1\n";
     let own = |name: &str, kind| (name.to_owned(), Field::Error(kind));
-    let columns = |own: &[(String, Field)]| read(&[("lot.dfq", text)]).unwrap().table(own).columns[1..].to_vec();
+    let columns = |own: &[(String, Field)]| titles(&read(&[("lot.dfq", text)]).unwrap().table(own), own)[1..].to_vec();
     for name in ["MyRoll", " myroll", "MyRoll [mm]", "17"] {
         let own = [own(name, DeviationKind::RackOverRoller)];
         let titled = if name.ends_with(']') { name.to_owned() } else { format!("{} [mm]", name.trim()) };
@@ -161,26 +166,19 @@ fn values_as_records() {
     let half = Content::Number(Decimal { negative: true, digits: 5, exponent: -1 });
     assert_eq!(table.record(1), Some(record(vec![text("2"), Content::Empty, half], 16)));
     assert_eq!(table.record(2), None);
-    assert!(table.facts(0).is_empty() && table.facts(9).is_empty());
-    let decimal = |text: &str| Decimal::parse(text).ok();
-    let facts = Facts {
-        number: "rack_over_roller".to_owned(),
-        name: "Rollenmaß".to_owned(),
-        unit: Some("mm".to_owned()),
-        nominal: decimal("25.000"),
-        lower: decimal("24.98"),
-        upper: decimal("25.03"),
-        uncertainty: decimal("0.002"),
-    };
-    assert_eq!(table.facts(1), [facts]);
+    assert_eq!([0, 1, 2, 9].map(|column| widest_um(&table, column)), [None, Some(30), None, None]);
+}
+
+/// How far the limits of a column are from their nominal values, in µm.
+fn widest_um(table: &QdasTable, column: usize) -> Option<i64> {
+    let widest = table.widest(column, Unit::Length(LengthUnit::Millimetre))?;
+    Some((widest * 1000.0).round() as i64)
 }
 
 #[test]
-fn each_part_of_a_file_has_its_facts() {
-    let text = "K0100 2\nK1001/1 A\nK2002/1 rack_over_roller\nK2101/1 25\nK1001/2 B\nK2002/2 rack_over_roller\nK2101/2 26\n\
-                K0001/1 25.1\nK0001/2 26.1\n";
+fn each_part_of_a_file_has_its_limits() {
+    let text = "K0100 2\nK1001/1 A\nK2002/1 rack_over_roller\nK2101/1 25\nK2111/1 25.1\nK1001/2 B\n\
+                K2002/2 rack_over_roller\nK2101/2 26\nK2110/2 25.8\nK0001/1 25.1\nK0001/2 26.1\n";
     let table = read(&[("lot.dfq", text)]).unwrap().table(&[]);
-    let nominals: Vec<_> =
-        table.facts(1).into_iter().map(|facts| facts.nominal.map(|nominal| nominal.digits)).collect();
-    assert_eq!(nominals, [Some(25), Some(26)]);
+    assert_eq!(widest_um(&table, 1), Some(200));
 }

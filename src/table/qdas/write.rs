@@ -5,7 +5,7 @@ use super::PartDefinition;
 
 /// A characteristic to write.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Column {
+pub struct CharacteristicColumn {
     /// K2001
     pub number: String,
     /// K2002
@@ -26,7 +26,7 @@ pub struct Column {
 #[must_use]
 pub fn write<'r>(
     part: &PartDefinition,
-    columns: &[Column],
+    columns: &[CharacteristicColumn],
     rows: impl IntoIterator<Item = (&'r str, Vec<Option<f64>>)>,
 ) -> Vec<u8> {
     const DECIMALS: usize = 9;

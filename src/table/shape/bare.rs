@@ -13,13 +13,7 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
     } else {
         want.fields.clone()
     };
-    // lines of numbers, perhaps with a name in front
-    let numeric = |record: &Record| {
-        let is_text = |cell: &&Cell| !cell.is_number() && !cell.is_missing();
-        let texts = record.cells.iter().filter(is_text).count();
-        record.numbers() > 0 && (texts == 0 || (texts == 1 && !record.cells[0].is_number()))
-    };
-    let rows: Vec<&Record> = records.iter().filter(|record| numeric(record)).collect();
+    let rows: Vec<&Record> = records.iter().filter(|record| has_numbers_only(record)).collect();
     let Some(first) = rows.first() else { return Err(NoShape::NoNumbers) };
     let labelled = rows.iter().any(|record| !record.cells[0].is_number());
     let width = rows.iter().map(|record| record.filled().len()).max().unwrap_or(0);
@@ -59,7 +53,7 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         shape.take(bare(Field::PartId, rows.iter().map(|row| row.cells[0].clone()).collect()))?;
     }
     shape.lines = if in_rows { rows.iter().map(|row| row.line).collect() } else { vec![first.line; width] };
-    for record in records.iter().filter(|record| !numeric(record) && !record.says_nothing()) {
+    for record in records.iter().filter(|record| !has_numbers_only(record) && !record.says_nothing()) {
         if record.numbers() > 0 {
             shape.unknown.push(unknown_line(record, true));
         } else {
@@ -67,4 +61,11 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         }
     }
     Ok(shape)
+}
+
+/// Whether a line holds numbers, perhaps with a name in front.
+fn has_numbers_only(record: &Record) -> bool {
+    let is_text = |cell: &&Cell| !cell.is_number() && !cell.is_missing();
+    let texts = record.cells.iter().filter(is_text).count();
+    record.numbers() > 0 && (texts == 0 || (texts == 1 && !record.cells[0].is_number()))
 }

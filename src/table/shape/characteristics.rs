@@ -6,12 +6,12 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use super::headings::{Headings, Named, headings, names_value, says_no_part};
+use super::headings::{Headings, Named, headings, is_part_name, names_value, says_no_part};
 use super::{Measurement, NoShape, Series, Shape, Unknown, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::bare_unit;
-use crate::table::names::{Aspect, Field, Holds, Role, heading, is_context, is_statistic, role, split_unit};
+use crate::table::names::{Aspect, Field, Role, ValueKind, heading, is_context, is_statistic, role, split_unit};
 use crate::table::understand::kind_of;
 use crate::table::want::{Orientation, Want};
 
@@ -72,8 +72,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
             let is_part = |place: &usize| {
                 let is_counter = || {
                     let text = record.cells[*place].text();
-                    let is_id = heading(&text, &[]).is_some_and(|found| found.fields == [Field::PartId]);
-                    is_id && !has_digit(&text)
+                    is_part_name(&text) && !has_digit(&text)
                 };
                 *place != name
                     && roles[*place].is_none()
@@ -191,8 +190,8 @@ impl Characteristics {
             // a list's numbers count its rows
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
-            let is_id = heading(&title, &[]).is_some_and(|found| found.fields == [Field::PartId]);
-            Unknown::column(&title, place, cells).measured(!is_counted && !is_id && !is_statistic(&title))
+            let is_measurement = !is_counted && !is_part_name(&title) && !is_statistic(&title);
+            Unknown::column(&title, place, cells).measured(is_measurement)
         };
         (0..self.roles.len()).filter(is_without).map(unknown).collect()
     }
@@ -285,9 +284,9 @@ impl<'a> Reading<'a> {
             kind_of(named.field).and_then(|kind| self.want.given(kind)).is_some_and(|given| given.nominal.is_some());
         let (value, deviation, holds) = match (measured, deviation) {
             (Some(measured), deviation) if nominal.is_some() || (in_spec && deviation.is_some()) => {
-                (measured, deviation, Some(Holds::Measured))
+                (measured, deviation, Some(ValueKind::Measured))
             }
-            (_, Some(deviation)) => (deviation, None, Some(Holds::Deviation)),
+            (_, Some(deviation)) => (deviation, None, Some(ValueKind::Deviation)),
             (measured, None) => {
                 let empty = || Series { cells: vec![Cell::default(); self.parts.len()], ..named.series.clone() };
                 (measured.unwrap_or_else(empty), None, named.holds)

@@ -3,7 +3,7 @@
 use super::{NoShape, Series};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
-use crate::table::names::{Aspect, Field, Heading, Holds, Role, heading, is_evaluation_length, role};
+use crate::table::names::{Aspect, Field, Heading, Role, ValueKind, heading, is_evaluation_length, role};
 use crate::table::want::Want;
 
 /// A column with a known name.
@@ -11,7 +11,7 @@ use crate::table::want::Want;
 pub(crate) struct Named {
     pub(crate) field: Field,
     pub(crate) aspect: Aspect,
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ValueKind>,
     pub(crate) series: Series,
 }
 
@@ -118,6 +118,7 @@ pub(super) fn says_no_part(text: &str) -> bool {
     is_none(text) || text.split_whitespace().any(is_none)
 }
 
-pub(super) fn is_part_name(title: &str) -> bool {
+/// Whether a heading names the part and nothing else.
+pub(crate) fn is_part_name(title: &str) -> bool {
     heading(title, &[]).is_some_and(|heading| heading.fields == [Field::PartId])
 }

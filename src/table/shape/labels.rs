@@ -62,7 +62,7 @@ pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Res
     let Headings { named, commas } = headings(&names, want)?;
     let mut shape = Shape::new(Orientation::Columns);
     shape.commas = commas;
-    let (mut count, mut lines) = (0, Vec::new());
+    let (mut count, mut named_lines) = (0, Vec::new());
     let has_units = labels.iter().zip(&named).any(|(index, named)| {
         let is_angle = named.as_ref().is_some_and(|named| named.field.is_angle());
         records[*index].cells.get(1).is_some_and(|cell| is_unit_of(&cell.text(), is_angle))
@@ -75,41 +75,61 @@ pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Res
         }
         count = count.max(named.series.cells.len());
         if named.aspect == Aspect::Value {
-            lines.push((named.series.cells.len(), *index));
+            named_lines.push((named.series.cells.len(), *index));
         }
         shape.take(named)?;
     }
-    if let Some((_, index)) = lines.iter().find(|(cells, _)| *cells != count) {
+    if let Some((_, index)) = named_lines.iter().find(|(cells, _)| *cells != count) {
         return Err(NoShape::Ragged { record: records[*index].clone(), expected: count + 1 });
     }
+    let lines = Lines { first: labels[0], last: labels[labels.len() - 1], count, has_units, want };
     for (index, record) in records.iter().enumerate().filter(|(index, _)| !labels.contains(index)) {
+        lines.take_other(index, record, &mut shape)?;
+    }
+    shape.lines = vec![records[labels[0]].line; count];
+    shape.drop_valueless();
+    Ok(shape)
+}
+
+/// The lines that begin with known names.
+struct Lines<'a> {
+    /// The first of their records, and the last.
+    first: usize,
+    last: usize,
+    /// Values of each.
+    count: usize,
+    /// Whether a column of units stands behind the names.
+    has_units: bool,
+    want: &'a Want,
+}
+
+impl Lines<'_> {
+    /// Takes a record among them, above or below.
+    fn take_other(&self, index: usize, record: &Record, shape: &mut Shape) -> Result<(), NoShape> {
         if record.says_nothing() {
-            continue;
+            return Ok(());
         }
         let title = record.cells[0].text();
-        if let Some(named) = without_number(record, count, want)
+        if let Some(named) = without_number(record, self.count, self.want)
             && shape.measurements.iter().all(|measurement| measurement.field != named.field)
         {
-            shape.take(named)?;
-            continue;
+            return shape.take(named);
         }
-        let cells = behind_label(record, has_units);
-        let names_parts = heading(&title, &want.own)
-            .filter(|heading| cells.len() == count && heading.fields.first().is_some_and(|field| field.is_index()));
+        let cells = behind_label(record, self.has_units);
+        let names_parts = heading(&title, &self.want.own).filter(|heading| {
+            cells.len() == self.count && heading.fields.first().is_some_and(|field| field.is_index())
+        });
         let of_parts = names_parts.map(|heading| heading.fields[0]).or_else(|| {
-            let is_so = title.is_empty() && index + 1 == labels[0] && cells.len() == count && shape.ids.is_none();
-            is_so.then_some(Field::PartId)
+            let stands_above = title.is_empty() && index + 1 == self.first && cells.len() == self.count;
+            (stands_above && shape.ids.is_none()).then_some(Field::PartId)
         });
         match of_parts {
-            Some(field) if index < labels[0] => {
-                let cells = cells.to_vec();
-                let series = Series { title: title.into_owned(), cells, ..Series::default() };
+            Some(field) if index < self.first => {
+                let series = Series { title: title.into_owned(), cells: cells.to_vec(), ..Series::default() };
                 shape.take(Named { field, aspect: Aspect::Value, holds: None, series })?;
             }
             _ if record.numbers() > 0 && !record.cells[0].is_measure() && !is_part_name(&title) => {
-                let stands_among = labels.first().is_some_and(|first| *first < index)
-                    && labels.last().is_some_and(|last| index < *last);
-                shape.unknown.push(unknown_line(record, stands_among));
+                shape.unknown.push(unknown_line(record, self.first < index && index < self.last));
             }
             // a value whose name is not there
             _ if record.cells.iter().all(|cell| unit_in(&cell.text()).is_some_and(|unit| is_unit(&unit))) => {
@@ -117,10 +137,8 @@ pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Res
             }
             _ => shape.asides.push(aside(record)),
         }
+        Ok(())
     }
-    shape.lines = vec![records[labels[0]].line; count];
-    shape.drop_valueless();
-    Ok(shape)
 }
 
 /// A field that a line names without a number, and what stands in its place: `Rack pitch: n/a`.

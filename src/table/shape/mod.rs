@@ -15,6 +15,7 @@ mod labels;
 mod refusal;
 mod rows;
 
+pub(crate) use headings::is_part_name;
 pub(crate) use labels::uncounted;
 pub(crate) use refusal::{NoShape, located};
 
@@ -23,7 +24,8 @@ use std::borrow::Cow;
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Aspect, Field, Holds, Role, role, split_unit};
+use super::names::{Aspect, Field, Role, ValueKind, role, split_unit};
+use super::reading::AsideReading;
 use super::strangers::could_be_measured;
 use super::want::{Orientation, Want};
 use bare::without_names;
@@ -50,7 +52,7 @@ pub(crate) struct Series {
 pub(crate) struct Measurement {
     pub(crate) field: Field,
     /// Whether the value is the measure or its deviation, if the table says so.
-    pub(crate) holds: Option<Holds>,
+    pub(crate) holds: Option<ValueKind>,
     pub(crate) value: Series,
     pub(crate) beside: Companions<Series>,
 }
@@ -87,13 +89,6 @@ impl Unknown {
     }
 }
 
-/// A line that is no part of the table.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Aside {
-    pub(crate) line: u64,
-    pub(crate) text: String,
-}
-
 /// A text as a table.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Shape {
@@ -110,7 +105,7 @@ pub(crate) struct Shape {
     pub(crate) index_field: Option<Field>,
     pub(crate) measurements: Vec<Measurement>,
     pub(crate) unknown: Vec<Unknown>,
-    pub(crate) asides: Vec<Aside>,
+    pub(crate) asides: Vec<AsideReading>,
     /// The line of each part, space or tooth.
     pub(crate) lines: Vec<u64>,
     /// Whether its language writes decimal commas.
@@ -241,7 +236,7 @@ impl Measurement {
     }
 
     /// Takes one of the columns that belong to the field.
-    fn take(&mut self, aspect: Aspect, holds: Option<Holds>, series: Series) -> Result<(), NoShape> {
+    fn take(&mut self, aspect: Aspect, holds: Option<ValueKind>, series: Series) -> Result<(), NoShape> {
         let has_value = !self.value.title.is_empty();
         let slot = match aspect {
             Aspect::Value if !has_value => {
@@ -249,13 +244,13 @@ impl Measurement {
                 return Ok(());
             }
             // a measured value counts, and the deviation beside it is held against it
-            Aspect::Value if holds == Some(Holds::Deviation) && self.holds != holds => {
-                self.holds = Some(Holds::Measured);
+            Aspect::Value if holds == Some(ValueKind::Deviation) && self.holds != holds => {
+                self.holds = Some(ValueKind::Measured);
                 &mut self.beside.deviation
             }
-            Aspect::Value if self.holds == Some(Holds::Deviation) && holds != self.holds => {
+            Aspect::Value if self.holds == Some(ValueKind::Deviation) && holds != self.holds => {
                 self.beside.deviation = Some(std::mem::replace(&mut self.value, series));
-                self.holds = holds.or(Some(Holds::Measured));
+                self.holds = holds.or(Some(ValueKind::Measured));
                 return Ok(());
             }
             Aspect::Value => return Err(twice(&series, self.field)),
@@ -332,8 +327,8 @@ pub(crate) fn has_digit(text: &str) -> bool {
     text.contains(|c: char| c.is_ascii_digit())
 }
 
-pub(crate) fn aside(record: &Record) -> Aside {
-    Aside { line: record.line, text: record.in_words() }
+pub(crate) fn aside(record: &Record) -> AsideReading {
+    AsideReading { line: record.line, text: record.in_words() }
 }
 
 /// A line with a name and numbers that is not known.

@@ -39,89 +39,98 @@ pub(crate) enum NoShape {
 impl NoShape {
     /// What is wrong, where, and what to do.
     pub(crate) fn explain(self, source: &Arc<Source>, want: &Want) -> Diagnostic {
-        let error = |message: String| Diagnostic::error(Code::BadTable, message);
+        let problem = self.problem(&source.name, want);
         match self {
-            Self::NoNumbers => error(format!("{} holds no table of numbers", source.name))
+            // the message names the file
+            Self::NoNumbers | Self::OpenQuote { .. } | Self::NoRows { .. } => problem,
+            Self::TwoMeanings { heading, .. } | Self::Twice { heading, .. } | Self::NoPart { heading } => {
+                located(problem, source, heading.span, "")
+            }
+            Self::TwoColumns { second, .. } => located(problem, source, second.span, ""),
+            Self::Ragged { record, .. } | Self::Units { record } | Self::HasNames { record } => {
+                located(problem, source, record.span(), "")
+            }
+            Self::Count { span, .. } => located(problem, source, span, ""),
+            Self::Square => located(problem, source, 0..0, ""),
+        }
+    }
+
+    /// What is wrong, and what to do.
+    fn problem(&self, name: &str, want: &Want) -> Diagnostic {
+        let error = |message: String| Diagnostic::error(Code::BadTable, message);
+        let ambiguous = |message: String| Diagnostic::error(Code::AmbiguousBlock, message);
+        match self {
+            Self::NoNumbers => error(format!("{name} holds no table of numbers"))
                 .help("a table has a header row and rows of numbers; numbers without names take --as rack_over_roller"),
             Self::OpenQuote { line } => error(format!(
-                "{}, line {line}: a quote is not closed, or lines later, so rows of the table are in one cell",
-                source.name
+                "{name}, line {line}: a quote is not closed, or lines later, so rows of the table are in one cell"
             ))
             .help("close it, or write it twice where it is meant"),
-            Self::NoRows { names } => {
-                error(format!("{} has names ({names}) and no row of numbers below them", source.name))
-                    .help("no part was measured, so none can pass")
-            }
+            Self::NoRows { names } => error(format!("{name} has names ({names}) and no row of numbers below them"))
+                .help("no part was measured, so none can pass"),
             Self::TwoMeanings { heading, fields } => {
-                let title = heading.text();
+                let (title, first) = (heading.text(), fields[0].key());
                 let each: Vec<_> = fields.iter().map(|field| field.key()).collect();
-                let diagnostic =
-                    Diagnostic::error(Code::AmbiguousBlock, format!("`{title}` could be {}", each.join(" or ")));
-                located(diagnostic, source, heading.span.clone(), "").help(format!(
-                    "say which it is: [batch.columns] {} = {{ name = \"{title}\" }}, or name it `{}`",
-                    each[0], each[0]
+                ambiguous(format!("`{title}` could be {}", each.join(" or "))).help(format!(
+                    "say which it is: [batch.columns] {first} = {{ name = \"{title}\" }}, or name it `{first}`"
                 ))
             }
             Self::Ragged { record, expected } => {
-                let count = record.filled().len();
-                let plural = if count == 1 { "" } else { "s" };
-                let message =
-                    format!("line {}: the row has {count} cell{plural}, and the table has {expected}", record.line);
-                located(error(message), source, record.span(), "").help(
+                let cells = many(record.filled().len(), "cell");
+                error(format!("line {}: the row has {cells}, and the table has {expected}", record.line)).help(
                     "a number with a blank or comma inside may have been cut in two; put semicolons between cells",
                 )
             }
             Self::Units { record } => {
-                let message = format!("line {}: the unit is another than in the rows of the same name", record.line);
-                located(error(message), source, record.span(), "").help("write the same unit in all of them")
+                error(format!("line {}: the unit is another than in the rows of the same name", record.line))
+                    .help("write the same unit in all of them")
             }
             Self::Twice { heading, field } => {
-                let message = format!("`{}` names {} a second time", heading.text(), field.key());
-                located(error(message), source, heading.span, "")
-                    .help(format!("say which of them counts: [batch.columns] {} = {{ name = \"…\" }}", field.key()))
+                let key = field.key();
+                error(format!("`{}` names {key} a second time", heading.text()))
+                    .help(format!("say which of them counts: [batch.columns] {key} = {{ name = \"…\" }}"))
             }
             Self::NoPart { heading } => {
-                let message = format!("`{}` is no part's value, and nothing tells which column is", heading.text());
-                located(error(message), source, heading.span, "")
+                error(format!("`{}` is no part's value, and nothing tells which column is", heading.text()))
                     .help("name the column of values: actual, measured, Ist; or the columns of parts")
             }
             Self::TwoColumns { first, second } => {
-                let message =
-                    format!("`{}` and `{}` hold the same of each characteristic", first.text(), second.text());
-                located(error(message), source, second.span, "").help("leave one of the columns out of the table")
+                error(format!("`{}` and `{}` hold the same of each characteristic", first.text(), second.text()))
+                    .help("leave one of the columns out of the table")
             }
             Self::HasNames { record } => {
-                let message = format!("line {}: the table has names of its own: {}", record.line, record.in_words());
-                located(error(message), source, record.span(), "")
+                error(format!("line {}: the table has names of its own: {}", record.line, record.in_words()))
                     .help("leave out --as, which is for numbers without names, or say in the spec what the columns are")
             }
-            Self::Square => {
-                let message =
-                    "the numbers have no names, and there are as many rows as columns: a part may be a row or a column";
-                located(Diagnostic::error(Code::AmbiguousBlock, message), source, 0..0, "")
-                    .help("say which: --parts rows or --parts columns")
-            }
-            Self::Count { columns, rows, span } => located(count_does_not_fit(columns, rows, want), source, span, "")
+            Self::Square => ambiguous(
+                "the numbers have no names, and there are as many rows as columns: a part may be a row or a column"
+                    .to_owned(),
+            )
+            .help("say which: --parts rows or --parts columns"),
+            Self::Count { columns, rows, .. } => error(count_does_not_fit(*columns, *rows, want))
                 .help("say what the columns hold: --as rack_over_roller,rack_pitch, or give the header row too"),
         }
     }
 }
 
+/// So many of something: `1 cell`, `2 cells`.
+fn many(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Numbers without names of which nobody knows what they are.
-fn count_does_not_fit(columns: usize, rows: usize, want: &Want) -> Diagnostic {
-    let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+fn count_does_not_fit(columns: usize, rows: usize, want: &Want) -> String {
     let (who, names) = if want.fields.is_empty() {
         let names: Vec<_> = want.expected.iter().map(|kind| kind.key()).collect();
         ("the spec's errors", if names.is_empty() { "it names none".to_owned() } else { names.join(", ") })
     } else {
         ("--as", want.fields.iter().map(|field| field.key()).collect::<Vec<_>>().join(", "))
     };
-    let message = format!(
+    format!(
         "the numbers have no names: {} by {}, which do not fit {who} ({names})",
         many(rows, "row"),
         many(columns, "column"),
-    );
-    Diagnostic::error(Code::BadTable, message)
+    )
 }
 
 /// Points into the source, or names it where there is no text to point at.

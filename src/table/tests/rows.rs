@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::diagnostic::Source as Text;
-use crate::table::chunk::Holds;
+use crate::table::chunk::ChunkContent;
 use crate::table::text::setup;
 use crate::table::understand::understand;
 
@@ -19,7 +19,7 @@ fn rows(start: &str, want: &Want) -> Rows {
 /// Everything that a block says, as text.
 fn said(rows: &Rows, bytes: &[u8], plain: bool) -> Vec<String> {
     let mut block = Block::default();
-    rows.chunk(&mut bytes.to_vec(), Holds::Records { plain }, &mut block);
+    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records { plain }, &mut block);
     let mut said: Vec<String> = (0..block.rows())
         .map(|row| {
             let raw = String::from_utf8_lossy(block.raw(row).unwrap()).into_owned();
@@ -45,6 +45,21 @@ fn field() -> impl Strategy<Value = String> {
 fn line() -> impl Strategy<Value = String> {
     let cells = prop_oneof![8 => proptest::collection::vec(field(), 3), 1 => proptest::collection::vec(field(), 0..6)];
     (cells, prop_oneof![6 => Just("\n"), 1 => Just("\r\n")]).prop_map(|(cells, end)| cells.join(",") + end)
+}
+
+#[test]
+fn copied_cells_stay_with_their_rows() {
+    let start = "part,rack_pitch,note\nP1,0.5,a\n";
+    let source = Arc::new(Text::new("block", start));
+    let understood = understand(&source, &want()).unwrap();
+    let wanted = Wanted { needed: vec![true], copied: vec![0, 2], keeps_raw: false };
+    let rows = Rows::new(setup(understood, b',', true, &want()), wanted);
+    let mut block = Block::default();
+    let bytes = b"P1,0.5,a\nP2,0.5,b,too,many\n\"P3\",0.5,c\nP4,x,d\nP5,0.5,\"open";
+    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records { plain: false }, &mut block);
+    let copied = |row: usize| [0, 1].map(|number| String::from_utf8_lossy(block.copied(row, number).unwrap()));
+    let expected = [["P1", "a"], ["", ""], ["P3", "c"], ["P4", "d"], ["", ""]];
+    assert_eq!((0..block.rows()).map(copied).collect::<Vec<_>>(), expected);
 }
 
 proptest! {

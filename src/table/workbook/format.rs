@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::hidden::{Tags, attribute, name};
+use super::xml::{Tags, attribute, name};
 
 /// A unit, or another word or mark, that a column of numbers is shown with.
 #[derive(Debug, Clone, PartialEq, Eq)]

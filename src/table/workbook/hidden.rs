@@ -6,6 +6,7 @@ use std::io::{self, Write};
 
 use super::format::Shown;
 use super::range::{CellRange, corner};
+use super::xml::{Tags, attribute, name};
 
 /// The hidden rows and columns of a sheet that hold values, from 0.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -26,9 +27,7 @@ impl Hidden {
     pub(super) fn columns_in(&self, range: CellRange) -> usize {
         self.columns.iter().filter(|column| range.has_column(**column)).count()
     }
-}
 
-impl Hidden {
     /// What its numbers in a range are shown with; columns count from the range's first.
     pub(super) fn shown(&self, by_style: &HashMap<u32, String>, range: CellRange) -> Vec<Shown> {
         let in_range = self
@@ -41,63 +40,6 @@ impl Hidden {
                 Some(Shown { column: (column - range.columns.0) as usize, row: *row, text })
             })
             .collect()
-    }
-}
-
-/// The tags of XML that comes in pieces.
-#[derive(Default)]
-pub(super) struct Tags {
-    /// What follows a `<`, without its `>`.
-    open: Option<Vec<u8>>,
-}
-
-impl Tags {
-    /// Calls `take` with each tag that ends in `piece`, without its angle brackets.
-    pub(super) fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str)) {
-        /// A longer one is none that is looked for.
-        const LONGEST: usize = 4096;
-        while !piece.is_empty() {
-            let Some(open) = &mut self.open else {
-                let Some(start) = memchr::memchr(b'<', piece) else { return };
-                self.open = Some(Vec::new());
-                piece = &piece[start + 1..];
-                continue;
-            };
-            let end = memchr::memchr(b'>', piece);
-            let more = &piece[..end.unwrap_or(piece.len())];
-            open.extend_from_slice(&more[..more.len().min(LONGEST.saturating_sub(open.len()))]);
-            let Some(end) = end else { return };
-            if let Ok(tag) = std::str::from_utf8(open) {
-                take(tag);
-            }
-            self.open = None;
-            piece = &piece[end + 1..];
-        }
-    }
-}
-
-/// The name of a tag, without its prefix.
-pub(super) fn name(tag: &str) -> &str {
-    let end = tag.find(|c: char| c.is_ascii_whitespace() || c == '/').unwrap_or(tag.len());
-    without_prefix(&tag[..end])
-}
-
-fn without_prefix(name: &str) -> &str {
-    name.rsplit_once(':').map_or(name, |(_, name)| name)
-}
-
-/// The value of an attribute of a tag, as it is written; a prefix of its name does not matter.
-pub(super) fn attribute<'t>(tag: &'t str, wanted: &str) -> Option<&'t str> {
-    let (_, mut rest) = tag.split_once(|c: char| c.is_ascii_whitespace())?;
-    loop {
-        let (name, value) = rest.split_once('=')?;
-        let value = value.trim_start();
-        let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
-        let (value, next) = value[1..].split_once(quote)?;
-        if without_prefix(name.trim()) == wanted {
-            return Some(value);
-        }
-        rest = next;
     }
 }
 

@@ -9,6 +9,7 @@
 mod format;
 mod hidden;
 mod range;
+mod xml;
 
 pub(crate) use format::Shown;
 pub use range::CellRange;
@@ -105,7 +106,7 @@ impl Workbook {
             head.push(record);
             head.len() < most
         })
-        .map_err(|problem| unreadable(&named(&self.name, sheet), &problem))?;
+        .map_err(|problem| Diagnostic::unreadable(&named(&self.name, sheet), &problem))?;
         Ok(head)
     }
 
@@ -123,7 +124,7 @@ impl Workbook {
             // the other end hangs up when it has seen enough
             let read = each_row(&mut self.book, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
             if let Err(problem) = read {
-                let _ = sender.send(Err(unreadable(&place, &problem)));
+                let _ = sender.send(Err(Diagnostic::unreadable(&place, &problem)));
             }
         });
         SheetRecords { name, hidden, shown, records: Box::new(receiver.into_iter()) }
@@ -222,12 +223,8 @@ fn shown_date(date: &ExcelDateTime) -> String {
     }
 }
 
-fn unreadable(name: &str, problem: &str) -> Diagnostic {
-    Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
-}
-
 fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
-    unreadable(name, &format!("it is no Excel workbook ({error})"))
+    Diagnostic::unreadable(name, &format!("it is no Excel workbook ({error})"))
 }
 
 /// What is found while a workbook is unpacked.
@@ -264,7 +261,10 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         };
         let size = io::copy(&mut file.take(most + 1), into).map_err(|error| broken(&error))?;
         if size > most {
-            return Err(unreadable(name, &format!("its part {part} unpacks to more than {} MiB", most >> 20)));
+            return Err(Diagnostic::unreadable(
+                name,
+                &format!("its part {part} unpacks to more than {} MiB", most >> 20),
+            ));
         }
         if is_sheet {
             hidden.insert(part, sheet.hidden());

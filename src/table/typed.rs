@@ -1,0 +1,251 @@
+//! Tables of files whose cells are typed: workbooks, Q-DAS files, Parquet. Their columns are found from the first records,
+//! and the others follow as they are read. Called by [`Container::table`](super::Container::table).
+
+use super::Table;
+use super::block::{Block, line_of};
+use super::cell::{Cell, Content, Record};
+use super::gathered::gathered;
+use super::names::{Field, ValueKind, is_value_heading};
+use super::number::quantity;
+use super::parquet::ParquetTable;
+use super::pieces::{Blocks, Pieces, Place};
+use super::qdas::{Characteristic, LeftOut, Qdas};
+use super::reading::NotUsed;
+use super::rows::Rows;
+use super::text::{as_io, setup};
+use super::understand::{Understood, in_words, understand_records};
+use super::want::{Given, Want};
+use super::workbook::{Shown, Workbook};
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::{Decimal, Unit};
+
+/// Records from which columns are found.
+const HEAD: usize = 400;
+/// Records that are handed on together.
+const TOGETHER: usize = 1024;
+
+/// A table of records with a row per part.
+fn of_records(
+    name: &str,
+    format: &'static str,
+    understood: Understood,
+    want: &Want,
+    records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
+) -> Table {
+    let mut table = Table::new(name, format, &understood, want);
+    table.header_raw = line_of(table.titles.iter().map(String::as_str));
+    table.pieces = Pieces::later(setup(understood, b',', false, want), move |rows| together(rows, records));
+    table
+}
+
+/// Records as blocks, some rows at a time.
+fn together(rows: Rows, records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static) -> Blocks {
+    let mut records = records.peekable();
+    Box::new(std::iter::from_fn(move || {
+        if let Some(Err(problem)) = records.next_if(Result::is_err) {
+            return Some(Err(as_io(&problem)));
+        }
+        let mut block = Block::default();
+        for _ in 0..TOGETHER {
+            let Some(Ok(record)) = records.next_if(Result::is_ok) else { break };
+            rows.record(&record, None, &mut block);
+        }
+        (block.record_count > 0).then_some(Ok(block))
+    }))
+}
+
+/// A sheet of a workbook, and its first records.
+struct Sheet {
+    name: String,
+    head: Vec<Record>,
+}
+
+pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics> {
+    let Sheet { name: sheet, head } = sheet_with_columns(&mut book, want)?;
+    let records = book.records(&sheet, want.range);
+    let name = records.name.clone();
+    let mut rest = records.records;
+    let mut all: Vec<Record> = rest.by_ref().take(head.len()).collect::<Result<_, _>>()?;
+    let mut understood = understand_records(&name, &all, want)?;
+    let in_rows = understood.has_row_per_part();
+    if !in_rows {
+        all.extend(rest.by_ref().collect::<Result<Vec<_>, _>>()?);
+        understood = understand_records(&name, &all, want)?;
+    }
+    if let Some(refused) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &understood, in_rows)) {
+        return Err(refused.into());
+    }
+    let mut table = if in_rows {
+        // the table may end before the sheet does, if all of it was looked at
+        let is_all = all.len() < HEAD;
+        let range = understood.shape.data.start..if is_all { understood.shape.data.end } else { all.len() };
+        let head: Vec<Record> = all.drain(range).collect();
+        let records = head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all));
+        of_records(&name, "workbook", understood, want, records)
+    } else {
+        let mut table = Table::new(&name, "workbook", &understood, want);
+        table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
+        table
+    };
+    table.place = Place::SheetRow;
+    if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {
+        table.reading.notes.push(format!(
+            "{name}: {} hidden rows and {} hidden columns are read like the others",
+            hidden.rows, hidden.columns
+        ));
+    }
+    Ok(table)
+}
+
+/// The one sheet that has columns that are known, or the only one with anything in it.
+fn sheet_with_columns(book: &mut Workbook, want: &Want) -> Result<Sheet, Diagnostic> {
+    let names = book.candidates(want.sheet.as_deref())?;
+    let listed = |names: &[String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let is_known = |record: &Record| record.cells.iter().any(|cell| is_value_heading(&cell.text(), &want.own));
+    let mut found: Option<Sheet> = None;
+    let mut all: Vec<String> = Vec::new();
+    for name in &names {
+        let head = book.head(name, want.range, HEAD)?;
+        if !head.iter().any(is_known) && (names.len() > 1 || head.is_empty()) {
+            continue;
+        }
+        if found.is_none() || head.iter().any(|record| record.numbers() > 0) {
+            all.push(name.clone());
+        }
+        found.get_or_insert(Sheet { name: name.clone(), head });
+    }
+    if all.len() > 1 {
+        let message = format!("{} sheets have columns that are known: {}", all.len(), listed(&all));
+        return Err(Diagnostic::error(Code::AmbiguousBlock, message)
+            .help("say which is meant with --sheet; each is read by itself"));
+    }
+    found.ok_or_else(|| {
+        Diagnostic::error(Code::BadTable, "no sheet of the workbook has a column that is known")
+            .help(format!("its sheets are {}; say which with --sheet, and where with --range", listed(&names)))
+    })
+}
+
+/// The refusal of numbers that are shown with another unit than the one they are read in, by their number format.
+fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: bool) -> Option<Diagnostic> {
+    let unit = Unit::from_symbol(&shown.text);
+    if unit.is_none() && !shown.text.contains(['%', '<', '>']) {
+        return None;
+    }
+    let columns = understood.columns.iter().filter(|column| !in_rows || column.place == shown.column);
+    let other = columns.into_iter().find(|column| unit != Some(column.unit))?;
+    let (row, text, read_in) = (shown.row, &shown.text, other.unit.symbol());
+    let message = format!(
+        "{name}, row {row}: numbers of `{}` are shown with `{text}` by their format, and would be read in {read_in}",
+        other.title
+    );
+    Some(Diagnostic::error(Code::BadTable, message).help("let the number format and the heading say the same unit"))
+}
+
+pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {
+    let left_out = qdas.left_out.clone();
+    let want = &with_nominals(&qdas, want)?;
+    let table = qdas.table(&want.own);
+    let mark = table.mark().map_err(|text| {
+        let message = format!("{name} has values with decimal points and with commas: one of them is `{text}`");
+        Diagnostic::error(Code::BadTable, message).help("write every value with the same mark")
+    })?;
+    let mut head = vec![table.header(&want.own)];
+    head.extend((0..table.len().min(HEAD)).filter_map(|row| table.record(row)));
+    let mut understood =
+        understand_records(name, &head, want).map_err(|problems| with_left_out(problems, &left_out))?;
+    for column in &mut understood.columns {
+        column.tolerance = table.widest(column.place, column.unit);
+    }
+    understood.mark = mark;
+    let records = (0..table.len()).filter_map(move |row| table.record(row)).map(Ok);
+    let mut found = of_records(name, "Q-DAS", understood, want, records);
+    found.reading.header_line = None;
+    for left_out in left_out {
+        let LeftOut { code, count, first_line } = &left_out;
+        let meaning = left_out.meaning().map_or_else(String::new, |meaning| format!(" ({meaning})"));
+        let values =
+            if *count == 1 { "1 value does not count".to_owned() } else { format!("{count} values do not count") };
+        let note = format!("{name}: attribute {code}{meaning}: {values}, the first in line {first_line}");
+        found.reading.notes.push(note);
+        found
+            .reading
+            .not_used
+            .push(NotUsed { title: format!("values with attribute {code}"), why: "they do not count" });
+    }
+    Ok(found)
+}
+
+/// The refusal of a Q-DAS file, with the values that do not count.
+fn with_left_out(Diagnostics(mut problems): Diagnostics, left_out: &[LeftOut]) -> Diagnostics {
+    let codes: Vec<_> =
+        left_out.iter().map(|left_out| format!("{} ({} times)", left_out.code, left_out.count)).collect();
+    if let (Some(problem), false) = (problems.first_mut(), codes.is_empty()) {
+        problem.message += &format!("; values with these attributes do not count: {}", codes.join(", "));
+    }
+    Diagnostics(problems)
+}
+
+/// What is wanted, with the nominal values of a Q-DAS file (K2101): a characteristic that has one holds measured values,
+/// whatever its name says.
+fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
+    let mut want = want.clone();
+    for characteristic in &qdas.characteristics {
+        let Some(kind) = Qdas::error_of(characteristic, &want.own) else { continue };
+        let is_deviation = want.given(kind).is_some_and(|given| given.holds == Some(ValueKind::Deviation));
+        let nominal = nominal_of(characteristic, kind, &want).filter(|nominal| !nominal.is_zero() && !is_deviation);
+        let Some(nominal) = nominal else { continue };
+        let known = want.given.iter().position(|given| given.kind == kind);
+        let at = known.unwrap_or_else(|| {
+            want.given.push(Given { kind, unit: None, holds: None, nominal: None, length: None });
+            want.given.len() - 1
+        });
+        let given = &mut want.given[at];
+        match &given.nominal {
+            Some(Ok(stated)) if *stated != nominal => {
+                let message = format!(
+                    "the nominal value of {kind} is {} in the file (K2101 of `{}`) and {} in the spec or another characteristic",
+                    in_words(nominal),
+                    characteristic.name,
+                    in_words(*stated)
+                );
+                return Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong").into());
+            }
+            _ => given.nominal = Some(Ok(nominal)),
+        }
+        given.holds = given.holds.or(Some(ValueKind::Measured));
+    }
+    Ok(want)
+}
+
+/// The nominal value of a characteristic in its unit, or that of the spec.
+fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want) -> Option<DeviationValue> {
+    let number = Decimal::parse(characteristic.nominal.as_deref()?).ok()?;
+    let default = if Field::Error(kind).is_angle() { "°" } else { "mm" };
+    let unit = match characteristic.unit.as_deref() {
+        Some(symbol) => Unit::from_symbol(symbol),
+        None => want.given(kind).and_then(|given| given.unit).or_else(|| Unit::from_symbol(default)),
+    };
+    quantity(number, unit?).ok()
+}
+
+pub(crate) fn parquet_table(name: &str, file: &ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
+    let (read, not_read): (Vec<_>, Vec<_>) = file.columns().iter().partition(|column| column.is_read());
+    let titles = read.iter().map(|column| Cell::from(Content::of_text(&column.name)));
+    let mut head = vec![Record::new(titles.collect(), 0)];
+    if let Some(first) = file.batches()?.next() {
+        head.extend(first?.into_iter().take(HEAD));
+    }
+    let understood = understand_records(name, &head, want)?;
+    let records = file.batches()?.flat_map(|batch| match batch {
+        Ok(records) => records.into_iter().map(Ok).collect::<Vec<_>>(),
+        Err(problem) => vec![Err(problem)],
+    });
+    let mut table = of_records(name, "Parquet", understood, want, records);
+    table.reading.header_line = None;
+    table.place = Place::Record;
+    for column in not_read {
+        table.reading.not_used.push(NotUsed { title: column.name.clone(), why: "its type is no number" });
+    }
+    Ok(table)
+}
