@@ -2,7 +2,7 @@
 //! rotation tried; balances nothing, that is the solver's.
 //!
 //! Most pairs in reach are seen from afar not to carry; the others are touched, each from where it was touched last.
-//! Without that place the mesh takes 2.4 times as long on crossed pairs; and without what a pair asked for there, which
+//! Without that place the mesh takes up to 2.3 times as long on crossed pairs; and without what a pair asked for there, which
 //! bounds what it asks for nearby, a rack that rolls takes twice as long.
 
 use super::contact::{Pose, Touch};
