@@ -1,17 +1,22 @@
-//! Systems of at most three linear equations. Called by the multibody model's iterations; larger systems have no place
-//! here.
+//! Vectors in space, and systems of at most three linear equations. Called by the multibody model; larger systems have
+//! no place here.
+
+/// The scalar product.
+pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
 
 /// Gaussian elimination of n ≤ 3 equations with pivots on the diagonal; `None` if one is not positive.
-#[allow(clippy::needless_range_loop)] // matrices read as in the books
 pub(crate) fn solve(mut k: [[f64; 3]; 3], mut r: [f64; 3], n: usize) -> Option<[f64; 3]> {
     for i in 0..n {
-        if k[i][i] <= 0.0 || !k[i][i].is_finite() {
+        let pivot = k[i];
+        if pivot[i] <= 0.0 || !pivot[i].is_finite() {
             return None;
         }
         for j in i + 1..n {
-            let factor = k[j][i] / k[i][i];
-            for l in i..n {
-                k[j][l] -= factor * k[i][l];
+            let factor = k[j][i] / pivot[i];
+            for (entry, above) in k[j].iter_mut().zip(pivot) {
+                *entry -= factor * above;
             }
             r[j] -= factor * r[i];
         }

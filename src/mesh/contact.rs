@@ -29,14 +29,14 @@ mod reach;
 mod roll_rate;
 #[cfg(test)]
 pub(super) mod tests;
-mod turned;
 
 pub(super) use form::{Form, FormRates};
 pub(super) use roll_rate::{PoseRates, RollRates};
 
 use std::f64::consts::PI;
 
-use self::corner::Found;
+use self::climb::Search;
+use self::form::OnGenerator;
 use self::reach::Reach;
 use crate::trig;
 
@@ -191,25 +191,25 @@ pub(super) enum Surface {
     Tip,
 }
 
-/// A generator near the one of the contact.
+/// Where a contact is expected: there the search begins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hint {
     pub(super) delta: f64,
     pub(super) w: f64,
     pub(super) at_rack_edge: bool,
-    /// How far off it may be.
-    pub(super) spread: f64,
+}
+
+/// Generators from one δ to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Range {
+    lo: f64,
+    hi: f64,
 }
 
 impl Touch {
     /// Whether what touches lies over the rack tooth's tip plane, away from its flank.
     pub(super) fn is_on_tip(&self) -> bool {
         self.spot.is_on_tip() && self.other.is_none_or(|(spot, _)| spot.is_on_tip())
-    }
-
-    /// Whether the contact goes from generator to generator as the flank turns: corners do.
-    pub(super) fn is_carried(&self) -> bool {
-        self.kind == ContactKind::Corner
     }
 }
 
@@ -389,7 +389,8 @@ impl FlankContact {
         let flank = Self::plane(&self.flank, pose.shift, &at);
         let tip = Self::plane(&self.tip, 0.0, &at);
         if let Some(form) = self.form {
-            return self.demand_with_form(&form, pose, &at, (flank, tip), (lo, hi));
+            let lines = [flank, tip, self.across_line(pose, &at)];
+            return self.demand_with_form(&OnGenerator { form: &form, pose, at: &at, lines, lo, hi });
         }
         let at_bound = |bound: &Bound| {
             let (f, t) = (flank.at(bound.w), tip.at(bound.w));
@@ -493,48 +494,54 @@ impl FlankContact {
     pub(super) fn touch(&self, pose: &Pose, floor: f64, hint: Option<Hint>) -> Option<Touch> {
         let zero = pose.c - self.nu;
         let reach = self.kappa.abs() * self.half_face;
-        let lo = (zero + self.start_roll - reach).max(-PI);
-        let hi = (zero + self.tip_roll + reach).min(PI);
-        if lo > hi {
+        let flank = Range { lo: (zero + self.start_roll - reach).max(-PI), hi: (zero + self.tip_roll + reach).min(PI) };
+        if flank.lo > flank.hi {
             return None;
         }
         if self.form.is_some() {
-            return self.touch_with_form(pose, (lo, hi));
+            return self.touch_with_form(pose, flank);
         }
-        let mut best = self.line(pose);
+        let line = self.line(pose);
+        if self.kappa == 0.0 && line.is_some() {
+            return line;
+        }
+        if line.is_none()
+            && self.slides
+            && let Some(touch) = self.end_of_line(pose, floor, hint)
+        {
+            return Some(touch);
+        }
+        self.search(pose, line, &Search { range: flank, flank, floor, start: hint.map(|hint| hint.delta), known: None })
+    }
+
+    /// What touches where no generator does along its whole length, in closed form; `None` where that is not sure.
+    fn end_of_line(&self, pose: &Pose, floor: f64, hint: Option<Hint>) -> Option<Touch> {
+        let zero = pose.c - self.nu;
+        let at_rack_edge = hint.map_or(zero + 0.5 * (self.start_roll + self.tip_roll) > 0.0, |hint| hint.at_rack_edge);
+        let corner = || self.corner(pose, floor, hint);
+        let rack_corner = || self.rack_corner(pose, hint);
+        if at_rack_edge { rack_corner().or_else(corner) } else { corner().or_else(rack_corner) }
+    }
+
+    /// The largest demand of all generators, or of the contact line.
+    fn search(&self, pose: &Pose, line: Option<Touch>, search: &Search) -> Option<Touch> {
+        let (Range { lo, hi }, floor) = (search.flank, search.floor);
+        let mut best = line;
         // peaks equal within rounding: the first found names the contact
         let tie = 8.0 * DEMAND * self.scale;
-        if self.kappa == 0.0 && best.is_some() {
-            return best;
-        }
-        if best.is_none() && self.slides {
-            let at_rack_edge =
-                hint.map_or(zero + 0.5 * (self.start_roll + self.tip_roll) > 0.0, |hint| hint.at_rack_edge);
-            if at_rack_edge && let Some(touch) = self.rack_corner(pose, floor, hint) {
-                return Some(touch);
-            }
-            match self.corner(pose, floor, hint) {
-                Found::Touch(touch) => return Some(touch),
-                Found::Nothing => return None,
-                Found::Unsure => {}
-            }
-            if !at_rack_edge && let Some(touch) = self.rack_corner(pose, floor, hint) {
-                return Some(touch);
-            }
-        }
         let root = if self.fits { self.reach_of_root(pose) } else { f64::INFINITY };
         let harmless = root <= best.map_or(floor, |best| best.demand.max(floor));
         // what is not looked at is still part of the bound
         let bounded =
             |best: Touch| Touch { demand: if harmless { best.demand.max(root) } else { best.demand }, ..best };
-        let climb = |best: Option<Touch>, from: f64, to: f64| {
-            let found = if from <= to { self.climb(pose, (from, to), (lo, hi), (floor, hint), None) } else { None };
+        let climb = |best: Option<Touch>, lo: f64, hi: f64| {
+            let found = if lo <= hi { self.climb(pose, &Search { range: Range { lo, hi }, ..*search }) } else { None };
             found.filter(|found| best.is_none_or(|best| found.demand > best.demand + tie)).or(best)
         };
         // Along the edge where the involute starts, at δ beyond the contact line, the demand differs from the line's by
         // (r_b/sin ν)(δ³/6 − τ_0 δ²/2 + …): an involute that starts near its base circle reaches out again there.
         let rise = 2.0 * self.start_roll;
-        if !harmless && zero + self.start_roll + reach > rise {
+        if !harmless && pose.c - self.nu + self.start_roll + self.kappa.abs() * self.half_face > rise {
             best = climb(best, lo.max(rise), hi);
         }
         if self.fits && best.is_some_and(|best| best.kind == ContactKind::Line) {

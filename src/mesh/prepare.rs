@@ -125,6 +125,16 @@ impl Roll {
     }
 }
 
+/// One side of a rack tooth as the roll has it.
+struct RolledTooth {
+    flank: Plane,
+    tip: Plane,
+    across: Across,
+    /// Centre distance per distance along the flank's normal.
+    per_height: f64,
+    rates: RollRates,
+}
+
 /// Helices below this turn over the whole face (rad) are none: the flank moves by less than 1e-12 of its radius.
 const NO_HELIX: f64 = 1e-12;
 
@@ -155,7 +165,54 @@ impl Mesh {
         let normal = (cos_b * cos_n, -sin_b * cos_n, sin_n);
         let half_x = 0.5 * rack.tooth_thickness_mm / trig::cos(rack.helix_angle_rad);
         let d = normal.0 * (sign * flank.along_x_mm + half_x) + normal.2 * flank.along_z_mm;
-        // the rack's planes, rolled about its axis
+        let RolledTooth { flank: plane, tip, across, per_height, rates } = self.rolled_tooth(sign, normal, d, roll);
+        let half_face = 0.5 * pinion.face_width_mm;
+        let helix = pinion.helix_angle_rad + partner.lead_rad;
+        let kappa = sign * trig::tan(helix) / pinion.reference_radius_mm;
+        let kappa = if kappa.abs() * pinion.face_width_mm < NO_HELIX { 0.0 } else { kappa };
+        let nu = trig::atan2(1.0, plane.t);
+        let (sin_nu, cos_nu) = trig::sin_cos(nu);
+        // what |y| ≤ k/2 leaves of w within this radius, at any centre distance up to it
+        let radius = pinion.tip_radius_mm + self.eccentricity();
+        let off_axis = across.t.abs() * radius + roll.sin.abs() * (roll.depth.abs() + 2.0 * radius);
+        let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
+        let fits = flank.lead_rad == 0.0 && partner.lead_rad == 0.0 && roll.angle == 0.0;
+        let form = self.form(roll, normal, per_height);
+        let contact = FlankContact {
+            base_radius: pinion.base_radius_mm,
+            kappa,
+            start_roll: pinion.start_roll_rad,
+            tip_roll: pinion.tip_roll_rad,
+            half_face,
+            flank: plane,
+            tip,
+            across,
+            nu,
+            sin_nu,
+            cos_nu,
+            fits: fits && form.is_none(),
+            w_extent,
+            tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
+            form,
+            ..FlankContact::default()
+        }
+        .completed(pinion.tip_radius_mm, self.eccentricity());
+        let middle = |tooth: &crate::deviation::RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
+        let thickness = 2.0 * half_x + tooth.right.along_x_mm - tooth.left.along_x_mm;
+        Prepared {
+            contact,
+            start: sign * partner.arc_mm / pinion.reference_radius_mm - pinion.base_half_angle_rad,
+            per_shift: sign * normal.0 * per_height,
+            rates,
+            center: middle(&tooth),
+            in_order: thickness > 0.0 && rack.pitch_mm + middle(&next) - middle(&tooth) > 0.0,
+        }
+    }
+
+    /// The planes of one side of a rack tooth, whose flank has a normal at a distance from the tooth's place, rolled about
+    /// the rack's axis.
+    fn rolled_tooth(&self, sign: f64, normal: (f64, f64, f64), d: f64, roll: &Roll) -> RolledTooth {
+        let rack = self.pair.rack();
         let rolled_y = normal.1 * roll.cos - normal.2 * roll.sin;
         let rolled_z = normal.1 * roll.sin + normal.2 * roll.cos;
         let rolled_d = d + (normal.2 - rolled_z) * roll.depth;
@@ -188,54 +245,7 @@ impl Mesh {
             per_shift: sign * normal.0 * inverse_rate,
             form: FormRates { per_normal: inverse_rate, per_normal_on_tip: normal.2 * roll.sin * level },
         };
-        let half_face = 0.5 * pinion.face_width_mm;
-        let helix = pinion.helix_angle_rad + partner.lead_rad;
-        let kappa = sign * trig::tan(helix) / pinion.reference_radius_mm;
-        let kappa = if kappa.abs() * pinion.face_width_mm < NO_HELIX { 0.0 } else { kappa };
-        let nu = trig::atan2(1.0, plane.t);
-        let (sin_nu, cos_nu) = trig::sin_cos(nu);
-        // what |y| ≤ k/2 leaves of w within this radius, at any centre distance up to it
-        let radius = pinion.tip_radius_mm + self.eccentricity();
-        let off_axis = across.t.abs() * radius + roll.sin.abs() * (roll.depth.abs() + 2.0 * radius);
-        let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
-        let fits = flank.lead_rad == 0.0 && partner.lead_rad == 0.0 && roll.angle == 0.0;
-        let form = self.form().map(|form| Form {
-            per_normal: inverse,
-            per_normal_on_tip: normal.2 / roll.cos,
-            fall: normal.1 / normal.2,
-            roll: (roll.sin, roll.cos),
-            depth: roll.depth,
-            ..form
-        });
-        let contact = FlankContact {
-            base_radius: pinion.base_radius_mm,
-            kappa,
-            start_roll: pinion.start_roll_rad,
-            tip_roll: pinion.tip_roll_rad,
-            half_face,
-            flank: plane,
-            tip,
-            across,
-            nu,
-            sin_nu,
-            cos_nu,
-            fits: fits && form.is_none(),
-            w_extent,
-            tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
-            form,
-            ..FlankContact::default()
-        }
-        .completed(pinion.tip_radius_mm, self.eccentricity());
-        let middle = |tooth: &crate::deviation::RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
-        let thickness = 2.0 * half_x + tooth.right.along_x_mm - tooth.left.along_x_mm;
-        Prepared {
-            contact,
-            start: sign * partner.arc_mm / pinion.reference_radius_mm - pinion.base_half_angle_rad,
-            per_shift: sign * normal.0 * inverse,
-            rates,
-            center: middle(&tooth),
-            in_order: thickness > 0.0 && rack.pitch_mm + middle(&next) - middle(&tooth) > 0.0,
-        }
+        RolledTooth { flank: plane, tip, across, per_height: inverse, rates }
     }
 
     pub(super) fn eccentricity(&self) -> f64 {
@@ -243,8 +253,8 @@ impl Mesh {
         (along * along + across * across).sqrt()
     }
 
-    /// The amounts that stand back.
-    fn form(&self) -> Option<Form> {
+    /// The amounts that stand back, if there are any.
+    fn form(&self, roll: &Roll, normal: (f64, f64, f64), per_height: f64) -> Option<Form> {
         let (rack, pinion) = (self.rack.form(), self.pinion.form());
         (!rack.is_plain() || !pinion.is_plain()).then(|| Form {
             rack_crowning: rack.crowning_mm,
@@ -253,7 +263,11 @@ impl Mesh {
             tip_relief: rack.tip_relief_mm,
             relief_start: rack.tip_relief_start_mm,
             tip: self.pair.rack().addendum_mm,
-            ..Form::default()
+            per_normal: per_height,
+            per_normal_on_tip: normal.2 / roll.cos,
+            fall: normal.1 / normal.2,
+            roll: (roll.sin, roll.cos),
+            depth: roll.depth,
         })
     }
 }

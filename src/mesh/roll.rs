@@ -17,9 +17,7 @@
 //! from either end; an interval whose bound is above the lowest bottom so far is done with, and the others are divided
 //! where the bounds of both ends meet. In an interval that falls at one end and rises at the other, the bottom is
 //! narrowed down by the intersection of both tangents, which meets a kink quadratically, or by the secant of the
-//! derivative where both ends have the same contacts. Without lead errors the bottom mostly is the kink of the full
-//! lines of contact of a rack that is not rolled; that is tried first, since the bounds from both its sides then close
-//! all the rest. What is found at a stroke does not depend on the strokes solved before.
+//! derivative where both ends have the same contacts. What is found at a stroke does not depend on the strokes solved before.
 //!
 //! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ,
 //! and the slope and curvature of the flank that it touches enter on top. It is taken as [`SAFETY`] times the largest
@@ -28,8 +26,8 @@
 //! valley may be missed, by micrometres in pairs made for it.
 
 use super::prepare::Roll;
-use super::solve::Rolling;
-use super::{Ending, MeshError, MeshPoint, Sampler};
+use super::sampler::{Rolling, Sampler};
+use super::{Ending, MeshError, MeshPoint};
 
 /// Rolls of a rack that is free to roll that are searched, rad: enough to level a flank with a lead error of 1° at a
 /// pressure angle of 14°.
@@ -45,8 +43,6 @@ const MAX_DIVISIONS: u32 = 200;
 /// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and on random pairs as one would build them 3,200 were
 /// the most.
 const MAX_SEARCHES: u64 = 20_000;
-/// Intervals divided until a rack that is not rolled is known to be lowest; mostly none is.
-const LEVEL_DIVISIONS: u32 = 6;
 /// The search goes on this far beside a bottom.
 const BESIDE: f64 = 1e-5;
 /// Evaluations of one valley; a bisection of the whole range to rounding takes 50.
@@ -70,13 +66,6 @@ const SAME: f64 = 2e-3;
 /// Brackets this short let the tangents at both ends speak for the two sides of a kink: its square times any
 /// curvature is below [`LEVEL`].
 const SHORT: f64 = 2e-7;
-
-/// What is kept between strokes.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Valleys {
-    /// Rack teeth that carried at the last stroke: of teeth that ask for the same they come first.
-    carried: [i64; 2],
-}
 
 /// The solution at one roll.
 #[derive(Debug, Clone, Copy)]
@@ -112,11 +101,8 @@ impl Rolled {
 }
 
 impl Sampler<'_> {
+    /// The roll with the smallest centre distance.
     pub(super) fn solve_rolling(&mut self, stroke_mm: f64, depth_mm: f64) -> Result<MeshPoint, MeshError> {
-        if let Some(level) = self.level(stroke_mm, depth_mm) {
-            self.valleys.carried = [level.point.right.rack_tooth, level.point.left.rack_tooth];
-            return Ok(level.point);
-        }
         let mut found = self.lowest(stroke_mm, depth_mm, MAX_SEARCHES)?;
         if found.angle.abs() < FLAT {
             // an unrolled rack has full lines of contact, which a search from outside never quite meets
@@ -126,38 +112,7 @@ impl Sampler<'_> {
             // it goes on falling where no search was made
             found.doubt();
         }
-        self.valleys.carried = [found.point.right.rack_tooth, found.point.left.rack_tooth];
         Ok(found.point)
-    }
-
-    /// The rack that is not rolled, where that is the only lowest position: the kink of full lines of contact, from
-    /// which the centre distance rises so steeply that a few bounds close the rest. Most strokes without lead
-    /// deviations are such; `None` if this one is not, or not seen to be at once.
-    fn level(&mut self, stroke_mm: f64, depth_mm: f64) -> Option<Rolled> {
-        let flat = self.at_roll(stroke_mm, 0.0, depth_mm).ok().filter(Rolled::is_balanced)?;
-        let beside = 0.5 * SHORT;
-        let falling = self.at_roll(stroke_mm, -beside, depth_mm).ok().filter(|low| low.slope < 0.0)?;
-        let rising = self.at_roll(stroke_mm, beside, depth_mm).ok().filter(|high| high.slope > 0.0)?;
-        if tangents(&falling, &rising).1 < flat.value - LEVEL {
-            return None;
-        }
-        let curvature = self.curvature(depth_mm);
-        let mut search = Search::default();
-        search.found(flat);
-        let [falling, rising] = [falling, rising].map(|at| Node { angle: at.angle, solution: Some(at) });
-        let [lowest, highest] = [-LARGEST_ROLL_RAD, LARGEST_ROLL_RAD]
-            .map(|angle| search.node(angle, self.at_roll(stroke_mm, angle, depth_mm)));
-        search.open(lowest, falling, curvature);
-        search.open(rising, highest, curvature);
-        for _ in 0..LEVEL_DIVISIONS {
-            let Some(Interval { low, high, meet, .. }) = search.lowest_interval() else {
-                return (search.lowest.len() == 1).then_some(flat);
-            };
-            let middle = search.node(meet, self.at_roll(stroke_mm, meet, depth_mm));
-            search.open(low, middle, curvature);
-            search.open(middle, high, curvature);
-        }
-        None
     }
 
     /// The lowest bottom of all valleys at a stroke, as far as so many searches of flank pairs tell; of several as deep the
@@ -185,7 +140,7 @@ impl Sampler<'_> {
                 && (low.is_balanced() && falling.slope < 0.0)
                 && (high.is_balanced() && rising.slope >= 0.0)
             {
-                let bottom = self.narrow((falling, rising), stroke_mm, depth_mm, most_searched);
+                let bottom = self.narrow([falling, rising], stroke_mm, depth_mm, most_searched);
                 search.found(bottom);
                 let (left, right) = (bottom.angle - BESIDE, bottom.angle + BESIDE);
                 if left > low.angle {
@@ -221,7 +176,7 @@ impl Sampler<'_> {
     /// A bottom between a falling and a rising end, which need not be the lowest one there.
     fn narrow(
         &mut self,
-        (mut low, mut high): (Rolled, Rolled),
+        [mut low, mut high]: [Rolled; 2],
         stroke_mm: f64,
         depth_mm: f64,
         most_searched: u64,
@@ -254,10 +209,9 @@ impl Sampler<'_> {
                 break;
             }
             // where the mesh ends in between, what is known so far counts
-            let here =
-                if self.work.searched > most_searched { None } else { self.at_roll(stroke_mm, angle, depth_mm).ok() };
-            let here = here.filter(Rolled::is_balanced);
-            let Some(here) = here else {
+            let may = self.work.searched <= most_searched;
+            let here = may.then(|| self.at_roll(stroke_mm, angle, depth_mm).ok()).flatten();
+            let Some(here) = here.filter(Rolled::is_balanced) else {
                 low.doubt();
                 high.doubt();
                 break;
@@ -286,8 +240,7 @@ impl Sampler<'_> {
     /// the centre distance; the dependence is weak and its derivative known, so one or two rounds of Newton's method
     /// do.
     fn at_roll(&mut self, stroke_mm: f64, angle: f64, depth_mm: f64) -> Result<Rolled, MeshError> {
-        self.set_roll(Roll::new(angle, depth_mm));
-        self.carried = self.valleys.carried;
+        self.roll = Roll::new(angle, depth_mm);
         let mut point = self.solve(stroke_mm)?;
         let nominal = self.mesh.pair().nominal_center_distance_mm();
         let mut apart = 0;

@@ -12,6 +12,8 @@
 //! that are (spheres shrink to points at the base circle). It never lies below h, so a sphere whose height
 //! over the plane exceeds R is clear of the patch: the bound by which spheres are culled.
 
+use crate::linear::dot;
+
 /// A distance with its first and second derivatives by the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Distance {
@@ -22,10 +24,6 @@ pub(super) struct Distance {
 
 fn sub(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
@@ -43,6 +41,14 @@ pub(super) fn normal(corners: &[[f64; 3]; 3]) -> [f64; 3] {
     n.map(|v| v / length)
 }
 
+/// How a foot point lies beyond the nearest point of a polygon's edges.
+#[derive(Clone, Copy)]
+struct Beyond {
+    square: f64,
+    offset: [f64; 3],
+    at_vertex: bool,
+}
+
 /// Distance of `center` from a convex plane polygon with its corners counterclockwise about `normal`; `None` if the
 /// foot point is further than `reach` beyond its edges.
 pub(super) fn polygon(
@@ -54,35 +60,30 @@ pub(super) fn polygon(
 ) -> Option<Distance> {
     let height = dot(normal, &sub(center, &corners[0]));
     let foot: [f64; 3] = std::array::from_fn(|axis| center[axis] - height * normal[axis]);
-    let mut inside = true;
-    // the nearest point of the boundary, and the edge's direction if it lies on one
-    let mut best: (f64, [f64; 3], Option<[f64; 3]>) = (f64::INFINITY, [0.0; 3], None);
+    let mut nearest: Option<Beyond> = None;
     for (index, from) in corners.iter().enumerate() {
         let along = sub(&corners[(index + 1) % corners.len()], from);
         let to_foot = sub(&foot, from);
         if dot(&cross(&along, &to_foot), normal) >= 0.0 {
             continue;
         }
-        inside = false;
         let share = dot(&along, &to_foot) / dot(&along, &along);
         let clamped = share.clamp(0.0, 1.0);
         let offset: [f64; 3] = std::array::from_fn(|axis| to_foot[axis] - clamped * along[axis]);
         let square = dot(&offset, &offset);
-        if square < best.0 {
-            let length = dot(&along, &along).sqrt();
-            let edge = (share == clamped).then(|| along.map(|v| v / length));
-            best = (square, offset, edge);
+        if nearest.is_none_or(|nearest| square < nearest.square) {
+            nearest = Some(Beyond { square, offset, at_vertex: share != clamped });
         }
     }
     let face = Distance { value: height, gradient: *normal, hessian: [[0.0; 3]; 3] };
-    if inside || best.0 == 0.0 {
+    let Some(Beyond { square, offset, at_vertex }) = nearest.filter(|nearest| nearest.square != 0.0) else {
         return Some(face);
-    }
-    let beyond = best.0.sqrt();
+    };
+    let beyond = square.sqrt();
     if beyond > reach {
         return None;
     }
-    let outward = best.1.map(|v| v / beyond);
+    let outward = offset.map(|v| v / beyond);
     let floor = height.max(0.5 * radius);
     let slant = (floor * floor + beyond * beyond).sqrt();
     let (sin, cos) = (beyond / slant, floor / slant);
@@ -100,7 +101,7 @@ pub(super) fn polygon(
             }
         }
     }
-    if best.2.is_none() {
+    if at_vertex {
         let across = cross(normal, &outward);
         for (row, add) in distance.hessian.iter_mut().zip(outer(&across, 1.0 / slant)) {
             for (value, add) in row.iter_mut().zip(add) {

@@ -70,7 +70,7 @@ pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
             && index + 1 < values.len()
             && (0.5 * (values[index - 1] + values[index + 1]) - values[index]).abs() > STRAIGHT
     };
-    let (mut sum, mut bent): (f64, Vec<[(f64, f64); 2]>) = (0.0, Vec::new());
+    let (mut sum, mut bent) = (0.0, Vec::new());
     for index in 1..values.len() {
         let [from, to] = [index - 1, index].map(|index| (strokes[index], values[index]));
         if bends(index - 1) || bends(index) {
@@ -79,23 +79,16 @@ pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
             sum += 0.5 * (from.1 + to.1) * (to.0 - from.0);
         }
     }
-    let middle = |[from, to]: &[(f64, f64); 2]| 0.5 * (from.0 + to.0);
-    let middles: Vec<f64> = bent.iter().map(middle).collect();
-    let found = solve(&middles)?;
-    let mut cells: Vec<Cell> = bent
-        .iter()
-        .zip(middles.into_iter().zip(found))
-        .map(|([from, to], mid)| Cell { from: *from, mid, to: *to })
-        .collect();
+    let with_middles = |ends: &[[(f64, f64); 2]]| -> Option<Vec<Cell>> {
+        let middles: Vec<f64> = ends.iter().map(|[from, to]| 0.5 * (from.0 + to.0)).collect();
+        let found = solve(&middles)?;
+        let middles = middles.into_iter().zip(found);
+        Some(ends.iter().zip(middles).map(|(&[from, to], mid)| Cell { from, mid, to }).collect())
+    };
+    let mut cells = with_middles(&bent)?;
     for _ in 0..HALVINGS {
         let halves: Vec<_> = cells.iter().flat_map(|cell| [[cell.from, cell.mid], [cell.mid, cell.to]]).collect();
-        let middles: Vec<f64> = halves.iter().map(middle).collect();
-        let found = solve(&middles)?;
-        let halves: Vec<_> = halves
-            .iter()
-            .zip(middles.into_iter().zip(found))
-            .map(|([from, to], mid)| Cell { from: *from, mid, to: *to })
-            .collect();
+        let halves = with_middles(&halves)?;
         let mut next = Vec::new();
         for (cell, halves) in cells.iter().zip(halves.chunks(2)) {
             let finer: f64 = halves.iter().map(Cell::integral).sum();

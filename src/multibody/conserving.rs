@@ -106,7 +106,6 @@ impl Scene {
         let least = most * (travel * travel + ROUNDING * ROUNDING);
         // M (v_1 − v_0)/h
         let inertia = |i: usize, way: &[f64; 3]| 2.0 * m[i] * (way[i] / h - from.v[i]) / h;
-
         // from where the rack alone would have taken the parts, on by the tangent
         let mut guess = [travel * self.mesh.pair().rotation_per_stroke_rad(), 0.0, 0.0];
         let (mut matrix, mut right) = (self.tangent(from), [0.0; 3]);
@@ -118,8 +117,7 @@ impl Scene {
         for (i, moved) in solve(matrix, right, n).into_iter().flatten().enumerate() {
             guess[i] += moved / scale[i];
         }
-
-        let solution = newton(guess, &limits, |way: &[f64; 3]| {
+        let solution = newton(guess, &limits, &mut |way: &[f64; 3]| {
             let q = std::array::from_fn(|i| from.q[i] + way[i]);
             let v = std::array::from_fn(|i| if i < n { 2.0 * way[i] / h - from.v[i] } else { 0.0 });
             let state = self.state(drive, end, q, v, work);
@@ -129,14 +127,13 @@ impl Scene {
             let size = least + (0..n).map(|i| m[i] * way[i] * way[i]).sum::<f64>();
             let lambda = -gained / size;
             // how λ changes is left out: its share is the change of the stiffness over the step's way
-            let mut balance =
-                Balance { residual: [0.0; 3], tangent: self.tangent(&state), potential: None, with: (state, lambda) };
+            let (mut residual, mut tangent) = ([0.0; 3], self.tangent(&state));
             for i in 0..n {
-                balance.residual[i] = mean[i] + lambda * m[i] * way[i] - inertia(i, way);
-                balance.tangent[i] = balance.tangent[i].map(|k| 0.5 * k);
-                balance.tangent[i][i] += (2.0 / (h * h) - lambda) * m[i];
+                residual[i] = mean[i] + lambda * m[i] * way[i] - inertia(i, way);
+                tangent[i] = tangent[i].map(|k| 0.5 * k);
+                tangent[i][i] += (2.0 / (h * h) - lambda) * m[i];
             }
-            balance
+            Balance { residual, tangent, potential: None, with: (state, lambda) }
         });
         work.counters.iterations += u64::from(solution.iterations);
         if !solution.converged {
@@ -149,10 +146,9 @@ impl Scene {
         let mean = |of: fn(&State) -> f64| 0.5 * (of(from) + of(&state));
         let gained = Flow {
             driven: -mean(|state| state.contact.generalized[3]) * travel - lambda * least,
-            damped: 0.0,
-            rubbed: 0.0,
             exchanged: mean(|state| state.contact.along) * travel,
             impulse: h * mean(|state| state.f[1]) + lambda * h * m[1] * (state.q[1] - from.q[1]),
+            ..Flow::default()
         };
         Some(Step { state, error, gained })
     }

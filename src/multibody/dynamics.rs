@@ -156,130 +156,29 @@ impl Scene {
         work: &mut Work,
         watch: &mut Watch<'_>,
     ) -> Result<RunEnd, SimulationError> {
-        let p = &self.parameters;
-        let drive = Drive::new(p.start_mm, p.speed_mm_per_s, p.ramp_mm);
-        let law = self.law.without_damping().without_friction();
-        let (q, _) = self.equilibrium(p.start_mm, None, &law, work)?;
-        let mut here = self.state(&drive, 0.0, q, [0.0; 3], work);
-        let start = here;
-        let mut ledger = Ledger::default();
-        let mut take = |state: &State, ledger: &Ledger, work: &Work| {
-            let at = Coordinates::from_free(state.q, state.stroke);
-            let sample = self.sample(state.time, &at, &state.contact, work);
+        let mut run = Run::new(self, work)?;
+        let mut take = |run: &Run<'_>, work: &Work| {
+            let here = &run.here;
+            let sample = self.sample(here.time, &Coordinates::from_free(here.q, here.stroke), &here.contact, work);
             samples.push(sample);
-            *energy = Some(self.energy(&start, state, ledger));
+            *energy = Some(run.energy(here, &run.ledger));
             watch(&sample)
         };
-        if take(&here, &ledger, work) == ControlFlow::Break(()) {
+        if take(&run, work) == ControlFlow::Break(()) {
             return Ok(RunEnd::Interrupted);
         }
+        run.step = run.first_step()?;
         let last = self.intervals();
-        // without losses energy is an invariant, and its error is controlled as well
-        let lossless = p.damping == 0.0 && p.friction == 0.0;
-        let accounted = p.energy_tolerance < 1.0;
-        let conservative = lossless && accounted;
-        let total = drive.time(self.sample_stroke(last));
-        let mut step = match p.integrator {
-            Integrator::Implicit => drive.time(self.sample_stroke(1)),
-            Integrator::Explicit => self.explicit_limit(&here, total)?,
-        };
-        let mut before: Option<State> = None;
-        let mut following = Following::default();
         for index in 1..=last {
-            let until = drive.time(self.sample_stroke(index));
-            while here.time < until {
-                let left = until - here.time;
-                let longest = if following.is_on() { step.min(self.following(&here)) } else { step };
-                // the rest in equal steps, none longer than allowed
-                let parts = (left / longest * (1.0 - 1e-9)).ceil().max(1.0);
-                let end = if parts <= 1.0 { until } else { here.time + left / parts };
-                if work.counters.steps + work.counters.rejected >= p.max_steps {
-                    let steps = work.counters.steps;
-                    return Err(SimulationError::TooManySteps { time_s: here.time, stroke_mm: here.stroke, steps });
-                }
-                let h = end - here.time;
-                let made = match p.integrator {
-                    Integrator::Implicit if following.is_on() => self.conserving(&drive, &here, end, work),
-                    Integrator::Implicit => self.implicit(&drive, &here, before.as_ref(), end, work),
-                    Integrator::Explicit => Some(self.explicit(&drive, &here, end, work)),
-                };
-                let ratio = made.as_ref().map_or(f64::INFINITY, |made| made.error / p.tolerance_mm);
-                let (drift, spent) = match &made {
-                    Some(made) if conservative && !following.is_on() => self.drift(&start, &here, made, &ledger, total),
-                    Some(made) if p.integrator == Integrator::Implicit && accounted && !lossless => {
-                        (self.lost(&start, &here, made, &ledger, total), false)
-                    }
-                    _ => (0.0, false),
-                };
-                let floor = if conservative { self.following(&here).max(FINE * total) } else { SHORT * total };
-                if ratio > 1.0 || (drift > 1.0 && (h > floor || spent)) {
-                    work.counters.rejected += 1;
-                    // the error is of third order in the step, that of the work between second and first
-                    let by_drift = if h > floor { SAFETY / drift.sqrt() } else { 1.0 };
-                    let shrink = (SAFETY / libm::cbrt(ratio)).min(by_drift);
-                    step = h * if ratio.is_finite() { shrink.clamp(0.1, 0.9) } else { 0.25 };
-                    if step < SMALLEST * total {
-                        let (time_s, stroke_mm) = (here.time, here.stroke);
-                        return Err(SimulationError::StepTooSmall { time_s, stroke_mm, step_s: step });
-                    }
-                    if spent && step < floor {
-                        following.begin();
-                    }
-                    continue;
-                }
-                let Some(made) = made else { continue };
-                work.counters.steps += 1;
-                following.count(h > WORTH * self.following(&made.state));
-                self.check(made.state.stroke, &made.state.q, &made.state.contact)?;
-                ledger.add(&made.gained, here.time < drive.run_up_s());
-                step = match p.integrator {
-                    Integrator::Implicit => {
-                        let most = if following.is_on() { STEADY } else { GROWTH };
-                        let by_error = h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, most);
-                        by_error.min((h * (SAFETY / drift.sqrt()).clamp(0.2, most)).max(floor))
-                    }
-                    Integrator::Explicit => self.explicit_limit(&made.state, total)?,
-                };
-                before = Some(here);
-                here = made.state;
+            let until = run.drive.time(self.sample_stroke(index));
+            while run.here.time < until {
+                run.advance(until, work)?;
             }
-            if take(&here, &ledger, work) == ControlFlow::Break(()) && index < last {
+            if take(&run, work) == ControlFlow::Break(()) && index < last {
                 return Ok(RunEnd::Interrupted);
             }
         }
         Ok(RunEnd::Completed)
-    }
-
-    /// What a step of a run with losses adds to the drift of the energy over what it may add.
-    fn lost(&self, start: &State, from: &State, made: &Step, ledger: &Ledger, total: f64) -> f64 {
-        let before = self.energy(start, from, ledger);
-        let mut with = *ledger;
-        with.add(&made.gained, false);
-        let after = self.energy(start, &made.state, &with);
-        let exchanged = made.gained.exchanged * total / (made.state.time - from.time);
-        let largest = after.driven.abs().max(after.stored.abs()).max(after.dissipated + after.settling);
-        (after.drift - before.drift).abs() / (STEP * largest.max(CIRCULATING * exchanged)).max(f64::MIN_POSITIVE)
-    }
-
-    /// What a step adds to the drift of the energy over what it may add, and whether the run has none left to lose.
-    fn drift(&self, start: &State, from: &State, made: &Step, ledger: &Ledger, total: f64) -> (f64, bool) {
-        let tolerance = self.parameters.energy_tolerance;
-        let h = made.state.time - from.time;
-        let before = self.energy(start, from, ledger).drift;
-        let mut with = *ledger;
-        with.add(&made.gained, false);
-        let after = self.energy(start, &made.state, &with).drift;
-        // errors of the work are random: their squares add up to that of the allowed drift
-        let mut allowed = DRIFT * tolerance * made.gained.exchanged * (total / h).sqrt();
-        let mut spent = false;
-        if after.abs() > before.abs() {
-            // but what is damped is lost for good
-            let whole = LOST * tolerance * (ledger.sum.exchanged + made.gained.exchanged * (total - from.time) / h);
-            allowed *= (1.0 - before.abs() / whole).max(0.0);
-            // without a mass there is nothing to follow
-            spent = after.abs() > whole && self.following(from) > 0.0;
-        }
-        ((after - before).abs() / allowed.max(f64::MIN_POSITIVE), spent)
     }
 
     /// The forces in a position at a velocity, the rack at the drive's own.
@@ -302,11 +201,15 @@ impl Scene {
         let acceleration = before
             .map_or([0.0; 3], |before| std::array::from_fn(|i| (from.v[i] - before.v[i]) / (from.time - before.time)));
         let guess = |t: f64| std::array::from_fn(|i| from.q[i] + t * (from.v[i] + 0.5 * t * acceleration[i]));
-        let two = self.stage(drive, from.time + GAMMA * h, h, from, &[(from, D)], guess(GAMMA * h), work)?;
+        let two = self.stage(
+            drive,
+            &Stage { time: from.time + GAMMA * h, h, from, known: &[(from, D)], guess: guess(GAMMA * h) },
+            work,
+        )?;
         // the same curvature to the end as to the middle
         let bend: [f64; 3] = std::array::from_fn(|i| (two.q[i] - from.q[i] - GAMMA * h * from.v[i]) / (GAMMA * GAMMA));
         let guess = std::array::from_fn(|i| from.q[i] + h * from.v[i] + bend[i]);
-        let end = self.stage(drive, end, h, from, &[(from, W), (&two, W)], guess, work)?;
+        let end = self.stage(drive, &Stage { time: end, h, from, known: &[(from, W), (&two, W)], guess }, work)?;
         let error = self.filtered(h, from, &two, &end);
         let gained = Flow::of(&[(from, W * h), (&two, W * h), (&end, D * h)]);
         Some(Step { state: end, error, gained })
@@ -341,17 +244,8 @@ impl Scene {
         }
     }
 
-    #[allow(clippy::too_many_arguments)] // the tableau's row
-    fn stage(
-        &self,
-        drive: &Drive,
-        time: f64,
-        h: f64,
-        from: &State,
-        known: &[(&State, f64)],
-        guess: [f64; 3],
-        work: &mut Work,
-    ) -> Option<State> {
+    fn stage(&self, drive: &Drive, stage: &Stage<'_>, work: &mut Work) -> Option<State> {
+        let Stage { time, h, from, known, guess } = *stage;
         let (mut c, mut momentum) = (from.q, [0.0; 3]);
         for i in 0..3 {
             momentum[i] = self.inertia[i] * from.v[i];
@@ -366,7 +260,7 @@ impl Scene {
         driven.speed = (driven.stroke - from.stroke - covered) * per;
         let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
         let velocity = |q: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (q[i] - c[i]) * per) };
-        let solution = newton(guess, &limits, |q: &[f64; 3]| {
+        let solution = newton(guess, &limits, &mut |q: &[f64; 3]| {
             let v = velocity(q);
             let state = self.state_at(driven, *q, v, work);
             let rate = self.closing(q[1]).1;
@@ -425,12 +319,186 @@ impl Scene {
             Err(SimulationError::TooStiffForExplicit { step_s: limit, steps })
         }
     }
+}
 
-    fn energy(&self, start: &State, now: &State, ledger: &Ledger) -> Energy {
-        let stored = |state: &State| {
-            let kinetic: f64 = (0..3).map(|i| 0.5 * self.inertia[i] * state.v[i] * state.v[i]).sum();
-            kinetic + self.potential(&state.contact, state.q[1])
+/// A stage of a step of `h` seconds: the states that lead to it, with their weights, and where it is looked for.
+struct Stage<'a> {
+    time: f64,
+    h: f64,
+    from: &'a State,
+    known: &'a [(&'a State, f64)],
+    guess: [f64; 3],
+}
+
+/// A run under way.
+struct Run<'a> {
+    scene: &'a Scene,
+    drive: Drive,
+    /// How long it takes, s.
+    total: f64,
+    start: State,
+    here: State,
+    before: Option<State>,
+    ledger: Ledger,
+    following: Following,
+    /// The next step, s.
+    step: f64,
+    /// Whether the error of the energy is controlled, and whether energy is an invariant.
+    accounted: bool,
+    lossless: bool,
+}
+
+/// What a step adds to the drift of the energy over what it may add.
+#[derive(Default)]
+struct Drift {
+    share: f64,
+    /// Whether the run has none left to lose.
+    spent: bool,
+}
+
+impl<'a> Run<'a> {
+    fn new(scene: &'a Scene, work: &mut Work) -> Result<Self, SimulationError> {
+        let p = &scene.parameters;
+        let drive = Drive::new(p.start_mm, p.speed_mm_per_s, p.ramp_mm);
+        let law = scene.law.without_damping().without_friction();
+        let (q, _) = scene.equilibrium(p.start_mm, None, &law, work)?;
+        let start = scene.state(&drive, 0.0, q, [0.0; 3], work);
+        Ok(Self {
+            scene,
+            total: drive.time(scene.sample_stroke(scene.intervals())),
+            drive,
+            start,
+            here: start,
+            before: None,
+            ledger: Ledger::default(),
+            following: Following::default(),
+            step: 0.0,
+            accounted: p.energy_tolerance < 1.0,
+            lossless: p.damping == 0.0 && p.friction == 0.0,
+        })
+    }
+
+    fn first_step(&self) -> Result<f64, SimulationError> {
+        match self.scene.parameters.integrator {
+            Integrator::Implicit => Ok(self.drive.time(self.scene.sample_stroke(1))),
+            Integrator::Explicit => self.scene.explicit_limit(&self.here, self.total),
+        }
+    }
+
+    /// Makes a step towards a time, or finds that it has to be shorter.
+    fn advance(&mut self, until: f64, work: &mut Work) -> Result<(), SimulationError> {
+        let (scene, here) = (self.scene, &self.here);
+        let p = &scene.parameters;
+        let left = until - here.time;
+        let longest = if self.following.is_on() { self.step.min(scene.following(here)) } else { self.step };
+        // the rest in equal steps, none longer than allowed
+        let parts = (left / longest * (1.0 - 1e-9)).ceil().max(1.0);
+        let end = if parts <= 1.0 { until } else { here.time + left / parts };
+        if work.counters.steps + work.counters.rejected >= p.max_steps {
+            let steps = work.counters.steps;
+            return Err(SimulationError::TooManySteps { time_s: here.time, stroke_mm: here.stroke, steps });
+        }
+        let h = end - here.time;
+        let made = match p.integrator {
+            Integrator::Implicit if self.following.is_on() => scene.conserving(&self.drive, here, end, work),
+            Integrator::Implicit => scene.implicit(&self.drive, here, self.before.as_ref(), end, work),
+            Integrator::Explicit => Some(scene.explicit(&self.drive, here, end, work)),
         };
-        ledger.balance(stored(now) - stored(start), self.inertia[1] * (now.v[1] - start.v[1]))
+        let ratio = made.as_ref().map_or(f64::INFINITY, |made| made.error / p.tolerance_mm);
+        let drift = made.as_ref().map_or_else(Drift::default, |made| self.drift(made));
+        let floor = if self.lossless && self.accounted {
+            scene.following(here).max(FINE * self.total)
+        } else {
+            SHORT * self.total
+        };
+        let too_large = ratio > 1.0 || (drift.share > 1.0 && (h > floor || drift.spent));
+        let Some(made) = made.filter(|_| !too_large) else {
+            work.counters.rejected += 1;
+            return self.shorten(h, ratio, &drift, floor);
+        };
+        work.counters.steps += 1;
+        self.following.count(h > WORTH * scene.following(&made.state));
+        scene.check(made.state.stroke, &made.state.q, &made.state.contact)?;
+        self.ledger.add(&made.gained, here.time < self.drive.run_up_s());
+        self.step = match p.integrator {
+            Integrator::Implicit => {
+                let most = if self.following.is_on() { STEADY } else { GROWTH };
+                let by_error = h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, most);
+                by_error.min((h * (SAFETY / drift.share.sqrt()).clamp(0.2, most)).max(floor))
+            }
+            Integrator::Explicit => scene.explicit_limit(&made.state, self.total)?,
+        };
+        self.before = Some(std::mem::replace(&mut self.here, made.state));
+        Ok(())
+    }
+
+    /// A step whose error or drift is too large is made again.
+    fn shorten(&mut self, h: f64, ratio: f64, drift: &Drift, floor: f64) -> Result<(), SimulationError> {
+        // the error is of third order in the step, that of the work between second and first
+        let by_drift = if h > floor { SAFETY / drift.share.sqrt() } else { 1.0 };
+        let shrink = (SAFETY / libm::cbrt(ratio)).min(by_drift);
+        self.step = h * if ratio.is_finite() { shrink.clamp(0.1, 0.9) } else { 0.25 };
+        if self.step < SMALLEST * self.total {
+            let State { time, stroke, .. } = self.here;
+            return Err(SimulationError::StepTooSmall { time_s: time, stroke_mm: stroke, step_s: self.step });
+        }
+        if drift.spent && self.step < floor {
+            self.following.begin();
+        }
+        Ok(())
+    }
+
+    fn drift(&self, made: &Step) -> Drift {
+        let implicit = self.scene.parameters.integrator == Integrator::Implicit;
+        if self.accounted && self.lossless && !self.following.is_on() {
+            self.drift_without_losses(made)
+        } else if self.accounted && !self.lossless && implicit {
+            Drift { share: self.lost(made), spent: false }
+        } else {
+            Drift::default()
+        }
+    }
+
+    /// The energy before and after a step.
+    fn balances(&self, made: &Step) -> [Energy; 2] {
+        let mut with = self.ledger;
+        with.add(&made.gained, false);
+        [self.energy(&self.here, &self.ledger), self.energy(&made.state, &with)]
+    }
+
+    /// What a step of a run with losses adds to the drift of the energy over what it may add.
+    fn lost(&self, made: &Step) -> f64 {
+        let [before, after] = self.balances(made);
+        let exchanged = made.gained.exchanged * self.total / (made.state.time - self.here.time);
+        let largest = after.driven.abs().max(after.stored.abs()).max(after.dissipated + after.settling);
+        (after.drift - before.drift).abs() / (STEP * largest.max(CIRCULATING * exchanged)).max(f64::MIN_POSITIVE)
+    }
+
+    /// The same without losses.
+    fn drift_without_losses(&self, made: &Step) -> Drift {
+        let (tolerance, total, from) = (self.scene.parameters.energy_tolerance, self.total, &self.here);
+        let h = made.state.time - from.time;
+        let [before, after] = self.balances(made).map(|energy| energy.drift);
+        // errors of the work are random: their squares add up to that of the allowed drift
+        let mut allowed = DRIFT * tolerance * made.gained.exchanged * (total / h).sqrt();
+        let mut spent = false;
+        if after.abs() > before.abs() {
+            // but what is damped is lost for good
+            let whole =
+                LOST * tolerance * (self.ledger.sum.exchanged + made.gained.exchanged * (total - from.time) / h);
+            allowed *= (1.0 - before.abs() / whole).max(0.0);
+            // without a mass there is nothing to follow
+            spent = after.abs() > whole && self.scene.following(from) > 0.0;
+        }
+        Drift { share: (after - before).abs() / allowed.max(f64::MIN_POSITIVE), spent }
+    }
+
+    fn energy(&self, now: &State, ledger: &Ledger) -> Energy {
+        let inertia = &self.scene.inertia;
+        let stored = |state: &State| {
+            let kinetic: f64 = (0..3).map(|i| 0.5 * inertia[i] * state.v[i] * state.v[i]).sum();
+            kinetic + self.scene.potential(&state.contact, state.q[1])
+        };
+        ledger.balance(stored(now) - stored(&self.start), inertia[1] * (now.v[1] - self.start.v[1]))
     }
 }

@@ -8,6 +8,7 @@
 use super::Coordinates;
 use super::closest::{self, Distance};
 use crate::deviation::RackForm;
+use crate::linear::dot;
 use crate::trig;
 
 /// A rack flank's surface: a plane polygon, or a grid of triangles.
@@ -216,7 +217,20 @@ pub(super) struct Point {
     pub(super) at: [f64; 3],
     pub(super) motion: [[f64; 3]; 4],
     /// Second derivatives by ψψ, ψφ, aφ, φφ; all others are 0.
-    pub(super) second: [[f64; 3]; 4],
+    second: [[f64; 3]; 4],
+}
+
+impl Point {
+    /// Second derivatives of the point's way along a direction.
+    pub(super) fn hessian(&self, along: &[f64; 3]) -> [[f64; 4]; 4] {
+        let [angle_angle, angle_roll, height_roll, roll_roll] = self.second.map(|v| dot(along, &v));
+        [
+            [angle_angle, 0.0, angle_roll, 0.0],
+            [0.0, 0.0, height_roll, 0.0],
+            [angle_roll, height_roll, roll_roll, 0.0],
+            [0.0; 4],
+        ]
+    }
 }
 
 impl Placed {
@@ -224,30 +238,33 @@ impl Placed {
     pub(super) fn point(&self, pose: &Pose, xi: f64, zeta: f64, w: f64) -> Point {
         let (xi, zeta) = (xi + self.eccentric.0, zeta + self.eccentric.1);
         let (sin, cos) = (self.sin_shaft, self.cos_shaft);
-        let (sr, cr) = (pose.sin_roll, pose.cos_roll);
-        // ground to rack: roll back about the axis
-        let back = |v: [f64; 3]| [v[0], v[1] * cr + v[2] * sr, -v[1] * sr + v[2] * cr];
         let turn = |v: [f64; 3]| [0.0, v[2], -v[1]];
-        let lifted =
-            back([xi * cos + w * sin - self.place, -xi * sin + w * cos, pose.at.center_distance + zeta + pose.depth]);
-        let by_angle = back([self.sign * zeta * cos, -self.sign * zeta * sin, -self.sign * xi]);
-        let by_height = back([0.0, 0.0, 1.0]);
+        let lifted = pose.unrolled([
+            xi * cos + w * sin - self.place,
+            -xi * sin + w * cos,
+            pose.at.center_distance + zeta + pose.depth,
+        ]);
+        let by_angle = self.direction(pose, self.sign * zeta, -self.sign * xi);
+        let by_height = pose.unrolled([0.0, 0.0, 1.0]);
         let by_roll = turn(lifted);
         Point {
             at: [lifted[0], lifted[1], lifted[2] - pose.depth],
             motion: [by_angle, by_height, by_roll, [self.sign, 0.0, 0.0]],
-            second: [back([-xi * cos, xi * sin, -zeta]), turn(by_angle), turn(by_height), turn(by_roll)],
+            second: [self.direction(pose, -xi, -zeta), turn(by_angle), turn(by_height), turn(by_roll)],
         }
     }
-}
 
-impl Placed {
+    /// A direction in the pinion's transverse plane, in rack coordinates.
+    pub(super) fn direction(&self, pose: &Pose, xi: f64, zeta: f64) -> [f64; 3] {
+        pose.unrolled([xi * self.cos_shaft, -xi * self.sin_shaft, zeta])
+    }
+
     /// How the pinion's point moves at which a sphere around ξ, ζ, w touches along the rack's unit normal: friction
     /// acts there, not in the centre.
     pub(super) fn motion_at_contact(
         &self,
         pose: &Pose,
-        (xi, zeta, w): (f64, f64, f64),
+        [xi, zeta, w]: [f64; 3],
         radius: f64,
         normal: &[f64; 3],
     ) -> [[f64; 3]; 4] {
@@ -260,6 +277,12 @@ impl Placed {
 }
 
 impl Pose {
+    /// A direction on the ground as the rack has it that is rolled.
+    fn unrolled(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let (sin, cos) = (self.sin_roll, self.cos_roll);
+        [x, y * cos + z * sin, -y * sin + z * cos]
+    }
+
     pub(super) fn new(at: Coordinates, depth: f64, eccentricity: (f64, f64), shared: &Shared) -> Self {
         let (sin_roll, cos_roll) = if at.roll == 0.0 { (0.0, 1.0) } else { trig::sin_cos(at.roll) };
         let eccentric = if eccentricity == (0.0, 0.0) {

@@ -6,6 +6,7 @@ use super::newton::Bend;
 use super::outcome::Counters;
 use super::spheres::Found;
 use super::state::Forces;
+use crate::linear::dot;
 
 /// A contact element's gap as a function of ψ, a, φ, s.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +62,7 @@ impl Work {
         let (mut rest, mut harder) = ([0.0; 3], [0.0; 6]);
         for element in self.touching.0.iter().flatten().chain(&self.near) {
             let g = [element.by_angle, element.by_height, element.by_roll];
-            let opening = dot3(&g, step);
+            let opening = dot(&g, step);
             let depth = -(element.gap + opening);
             let after = if depth > 0.0 { law.force(depth, 0.0) } else { Force::default() };
             let force = element.weight * after.value - element.force + element.by_depth * opening;
@@ -136,10 +137,6 @@ pub(super) struct Load<'a> {
     pub(super) work: &'a mut Work,
 }
 
-fn dot3(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 impl Load<'_> {
     /// Adds an element with a negative gap. `sliding` is asked for only with friction.
     pub(super) fn add(&mut self, right: bool, tooth: i64, element: &Element, sliding: impl FnOnce() -> Sliding) {
@@ -203,10 +200,10 @@ impl Load<'_> {
         for (axis, out) in velocity.iter_mut().enumerate() {
             *out = (0..4).map(|k| motion[k][axis] * v[k]).sum();
         }
-        let across = dot3(&velocity, normal);
+        let across = dot(&velocity, normal);
         let tangent: [f64; 3] = std::array::from_fn(|axis| velocity[axis] - across * normal[axis]);
-        let speed = (dot3(&tangent, &tangent) + fade * fade).sqrt();
-        let per_force: [f64; 4] = std::array::from_fn(|k| -mu * dot3(&tangent, &motion[k]) / speed);
+        let speed = (dot(&tangent, &tangent) + fade * fade).sqrt();
+        let per_force: [f64; 4] = std::array::from_fn(|k| -mu * dot(&tangent, &motion[k]) / speed);
         let sum = &mut self.sum;
         for (i, value) in per_force.iter().enumerate() {
             sum.generalized[i] += f * value;
@@ -214,12 +211,12 @@ impl Load<'_> {
         for i in 0..3 {
             for j in 0..3 {
                 sum.stiffness[i][j] += per_force[i] * by_q[j];
-                let along = dot3(&motion[i], &motion[j]) - dot3(&motion[i], normal) * dot3(&motion[j], normal);
+                let along = dot(&motion[i], &motion[j]) - dot(&motion[i], normal) * dot(&motion[j], normal);
                 let turning = per_force[i] * per_force[j] / (mu * mu);
                 sum.damping[i][j] += mu * f / speed * (along - turning);
-                sum.damping[i][j] += per_force[i] * by_rate * dot3(&motion[j], normal);
+                sum.damping[i][j] += per_force[i] * by_rate * dot(&motion[j], normal);
             }
         }
-        sum.rubbed += mu * f * dot3(&tangent, &tangent) / speed;
+        sum.rubbed += mu * f * dot(&tangent, &tangent) / speed;
     }
 }

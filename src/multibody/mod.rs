@@ -18,6 +18,7 @@ mod face;
 mod flank;
 mod law;
 mod load;
+mod meeting;
 mod newton;
 mod outcome;
 mod parameters;

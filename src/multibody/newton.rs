@@ -11,7 +11,7 @@
 //! A system that knows how its forces bend along a step without being asked for them there may say so; the step is then
 //! the second of two, and as near to the solution.
 
-use crate::linear::solve;
+use crate::linear::{dot, solve};
 
 /// Forces that are out of balance, with their tangent.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +22,17 @@ pub(super) struct Balance<T> {
     pub(super) potential: Option<f64>,
     /// Whatever else the caller wants of the solution.
     pub(super) with: T,
+}
+
+impl<T> Balance<T> {
+    /// Residual and tangent of the unknowns in use, as forces and lengths.
+    fn scaled(&self, limits: &Limits) -> ([f64; 3], [[f64; 3]; 3]) {
+        let scale = &limits.scale;
+        (
+            std::array::from_fn(|i| if i < limits.unknowns { self.residual[i] / scale[i] } else { 0.0 }),
+            std::array::from_fn(|i| std::array::from_fn(|j| self.tangent[i][j] / (scale[i] * scale[j]))),
+        )
+    }
 }
 
 /// What a tangent leaves out of a step: forces at its end, and how the tangent there differs.
@@ -92,7 +103,6 @@ const FALL: f64 = 1e-4;
 const SMALLEST: f64 = 2e-14;
 
 /// Eigenvalues and orthonormal eigenvectors of the symmetric part of the leading n × n block: Jacobi's rotations.
-#[allow(clippy::needless_range_loop)] // matrices read as in the books
 fn eigen(k: &[[f64; 3]; 3], n: usize) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut a: [[f64; 3]; 3] =
         std::array::from_fn(|i| std::array::from_fn(|j| if i < n && j < n { 0.5 * (k[i][j] + k[j][i]) } else { 0.0 }));
@@ -110,9 +120,9 @@ fn eigen(k: &[[f64; 3]; 3], n: usize) -> ([f64; 3], [[f64; 3]; 3]) {
             for row in &mut a {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
-            for j in 0..3 {
-                (a[p][j], a[q][j]) = (c * a[p][j] - s * a[q][j], s * a[p][j] + c * a[q][j]);
-            }
+            let (above, below) = (a[p], a[q]);
+            a[p] = std::array::from_fn(|j| c * above[j] - s * below[j]);
+            a[q] = std::array::from_fn(|j| s * above[j] + c * below[j]);
             for row in &mut v {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
@@ -122,14 +132,13 @@ fn eigen(k: &[[f64; 3]; 3], n: usize) -> ([f64; 3], [[f64; 3]; 3]) {
 }
 
 /// The step of a tangent that is not positive: each principal direction by the size of its stiffness, or by `floor`.
-#[allow(clippy::needless_range_loop)] // matrices read as in the books
 fn downhill(k: &[[f64; 3]; 3], r: &[f64; 3], n: usize, floor: f64) -> [f64; 3] {
     let (values, vectors) = eigen(k, n);
     let mut d = [0.0; 3];
     for (value, vector) in values.iter().zip(&vectors) {
         let part = (0..n).map(|i| vector[i] * r[i]).sum::<f64>() / value.abs().max(floor);
-        for i in 0..n {
-            d[i] += part * vector[i];
+        for (d, along) in d.iter_mut().zip(vector).take(n) {
+            *d += part * along;
         }
     }
     d
@@ -163,23 +172,13 @@ fn norm(v: &[f64; 3]) -> f64 {
     dot(v, v).sqrt()
 }
 
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 /// Solves `balance(x).residual = 0` from `x`.
-pub(super) fn newton<S: System>(mut x: [f64; 3], limits: &Limits, mut system: S) -> Solution<S::With> {
+pub(super) fn newton<S: System>(mut x: [f64; 3], limits: &Limits, system: &mut S) -> Solution<S::With> {
     let n = limits.unknowns;
-    let scaled = |b: &Balance<S::With>| {
-        let r: [f64; 3] = std::array::from_fn(|i| if i < n { b.residual[i] / limits.scale[i] } else { 0.0 });
-        let k: [[f64; 3]; 3] =
-            std::array::from_fn(|i| std::array::from_fn(|j| b.tangent[i][j] / (limits.scale[i] * limits.scale[j])));
-        (r, k)
-    };
     let mut here = system.balance(&x);
     let (mut iterations, mut nudges) = (0, NUDGES);
     loop {
-        let (r, k) = scaled(&here);
+        let (r, k) = here.scaled(limits);
         let size = norm(&r);
         let done = |x, here: &Balance<S::With>, iterations, converged| Solution {
             x,
@@ -218,32 +217,42 @@ pub(super) fn newton<S: System>(mut x: [f64; 3], limits: &Limits, mut system: S)
         if length > limits.step {
             d = d.map(|v| v * (limits.step / length));
         } else if straight.is_some() {
-            d = bent(&system, &k, &r, &d, limits).unwrap_or(d);
+            d = bent(system, &k, &r, &d, limits).unwrap_or(d);
         }
-        let power = dot(&r, &d);
-        let mut share = 1.0;
-        loop {
-            let trial: [f64; 3] =
-                std::array::from_fn(|i| if i < n { x[i] + share * d[i] / limits.scale[i] } else { x[i] });
-            let next = system.balance(&trial);
-            let (r_next, _) = scaled(&next);
-            let power_next = dot(&r_next, &d);
-            let by_power = power_next < -0.7 * power && norm(&r_next) > 0.7 * size;
-            let overshot = match (here.potential, next.potential) {
-                // a fall that rounding hides is left to the power
-                (Some(before), Some(after)) if after <= before + limits.noise => {
-                    by_power && after > before - FALL * share * power
-                }
-                (Some(before), Some(after)) => after > before - FALL * share * power,
-                _ => by_power,
-            };
-            if !overshot || share < 1e-9 {
-                x = trial;
-                here = next;
-                break;
+        (x, here) = along(system, &x, &here, &d, limits);
+    }
+}
+
+/// A step along a direction, shortened while it overshoots: where it ends, and the balance there.
+fn along<S: System>(
+    system: &mut S,
+    x: &[f64; 3],
+    here: &Balance<S::With>,
+    d: &[f64; 3],
+    limits: &Limits,
+) -> ([f64; 3], Balance<S::With>) {
+    let (r, _) = here.scaled(limits);
+    let (size, power) = (norm(&r), dot(&r, d));
+    let mut share = 1.0;
+    loop {
+        let trial: [f64; 3] =
+            std::array::from_fn(|i| if i < limits.unknowns { x[i] + share * d[i] / limits.scale[i] } else { x[i] });
+        let next = system.balance(&trial);
+        let (r_next, _) = next.scaled(limits);
+        let power_next = dot(&r_next, d);
+        let by_power = power_next < -0.7 * power && norm(&r_next) > 0.7 * size;
+        let overshot = match (here.potential, next.potential) {
+            // a fall that rounding hides is left to the power
+            (Some(before), Some(after)) if after <= before + limits.noise => {
+                by_power && after > before - FALL * share * power
             }
-            share *= (power / (power - power_next)).clamp(0.1, 0.5);
+            (Some(before), Some(after)) => after > before - FALL * share * power,
+            _ => by_power,
+        };
+        if !overshot || share < 1e-9 {
+            return (trial, next);
         }
+        share *= (power / (power - power_next)).clamp(0.1, 0.5);
     }
 }
 
@@ -267,7 +276,7 @@ mod tests {
     #[test]
     fn a_balance_on_a_hill_is_left() {
         let limits = Limits { unknowns: 2, scale: [1.0; 3], force: 1e-12, step: 0.1, noise: 1e-14, iterations: 100 };
-        let solution = newton([0.0, 0.3, 0.0], &limits, |x: &[f64; 3]| Balance {
+        let solution = newton([0.0, 0.3, 0.0], &limits, &mut |x: &[f64; 3]| Balance {
             residual: [-4.0 * x[0] * (x[0] * x[0] - 1.0), -2.0 * x[1], 0.0],
             tangent: [[12.0 * x[0] * x[0] - 4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0; 3]],
             potential: None,

@@ -32,8 +32,25 @@ struct AtRest<'a> {
     law: &'a Law,
     stroke: f64,
     rates: Coordinates,
+    /// Whether the energy must fall, where there is one.
     descend: bool,
     work: &'a mut Work,
+}
+
+impl<'a> AtRest<'a> {
+    fn new(scene: &'a Scene, stroke: f64, law: &'a Law, descend: bool, work: &'a mut Work) -> Self {
+        let speed = scene.parameters.speed_mm_per_s;
+        let pinion_angle = speed * scene.mesh.pair().rotation_per_stroke_rad();
+        let rates = Coordinates { pinion_angle, stroke: speed, ..Coordinates::default() };
+        Self { scene, law, stroke, rates, descend, work }
+    }
+
+    /// The balance of the coordinates that `limits` names.
+    fn solve(&mut self, start: [f64; 3], limits: &Limits) -> Solution<Forces> {
+        let solution = newton(start, limits, self);
+        self.work.counters.iterations += u64::from(solution.iterations);
+        solution
+    }
 }
 
 impl System for AtRest<'_> {
@@ -191,7 +208,8 @@ impl Scene {
         let mut x = start;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut step = FIRST_ROLL;
-        let mut last = self.balanced(stroke, x, &limits, law, true, work);
+        let mut at_rest = AtRest::new(self, stroke, law, true, work);
+        let mut last = at_rest.solve(x, &limits);
         for iteration in 0..ROLLS {
             x = last.x;
             let torque = last.with.generalized[2];
@@ -230,7 +248,7 @@ impl Scene {
                 break;
             }
             x[2] = roll;
-            last = self.balanced(stroke, x, &limits, law, true, work);
+            last = at_rest.solve(x, &limits);
         }
         last
     }
@@ -240,28 +258,7 @@ impl Scene {
         if self.rolls {
             limits.iterations = QUICK;
         }
-        self.balanced(stroke, start, &limits, law, descend, work)
-    }
-
-    /// The balance of the coordinates that `limits` names; `descend` makes the energy fall where there is one.
-    fn balanced(
-        &self,
-        stroke: f64,
-        start: [f64; 3],
-        limits: &Limits,
-        law: &Law,
-        descend: bool,
-        work: &mut Work,
-    ) -> Solution<Forces> {
-        let speed = self.parameters.speed_mm_per_s;
-        let rates = Coordinates {
-            pinion_angle: speed * self.mesh.pair().rotation_per_stroke_rad(),
-            stroke: speed,
-            ..Coordinates::default()
-        };
-        let solution = newton(start, limits, AtRest { scene: self, law, stroke, rates, descend, work });
-        work.counters.iterations += u64::from(solution.iterations);
-        solution
+        AtRest::new(self, stroke, law, descend, work).solve(start, &limits)
     }
 
     /// Whether a position still means something.
@@ -357,8 +354,8 @@ mod tests {
                 off[1] += share * forces.penetration;
                 let rates = Coordinates::default();
                 let mut system = AtRest { scene: &scene, law: &law, stroke, rates, descend: false, work: &mut work };
-                let along_the_tangent = newton(off, &limits, |x: &[f64; 3]| system.balance(x)).residual;
-                let bent = newton(off, &limits, system).residual;
+                let along_the_tangent = newton(off, &limits, &mut |x: &[f64; 3]| system.balance(x)).residual;
+                let bent = newton(off, &limits, &mut system).residual;
                 assert!(bent < 0.01 * along_the_tangent, "{support:?} {share}: {bent} {along_the_tangent}");
                 assert!(bent < 1e-6 * scene.load_n());
             }

@@ -7,6 +7,7 @@ use super::error::SimulationError;
 use super::flank::{Bounds, FlankPair, Patch, Pose, Shared, transverse};
 use super::law::Law;
 use super::load::{Load, Work};
+use super::meeting::Meeting;
 use super::outcome::YokeSample;
 use super::parameters::{ContactModel, Parameters, Support};
 use super::spheres;
@@ -125,18 +126,7 @@ impl Scene {
         let partner = usize::try_from(pinion_tooth.rem_euclid(i64::from(p.teeth))).unwrap_or(0);
         let partner = &self.mesh.pinion().teeth()[partner];
         let partner = if right { partner.left } else { partner.right };
-        let key = (right, partner.lead_rad.to_bits());
-        let template = if let Some(found) = leads.iter().position(|known| *known == key) {
-            found
-        } else {
-            let shift = self.mesh.pinion().teeth().iter().flat_map(|tooth| [tooth.left, tooth.right]);
-            let shift = shift.map(|flank| flank.arc_mm.abs()).fold(0.0, f64::max) / p.reference_radius_mm;
-            let form = *self.mesh.pinion().form();
-            let reach = p.base_half_angle_rad + shift;
-            self.templates.push(Template::new(&pair, sign, partner.lead_rad, form, &self.parameters.contact, reach)?);
-            leads.push(key);
-            leads.len() - 1
-        };
+        let template = self.template(right, partner.lead_rad, leads)?;
         let (sin_n, cos_n) = trig::sin_cos(pair.normal_pressure_angle_rad());
         let (sin_b, cos_b) = trig::sin_cos(sign * (rack.helix_angle_rad + flank.lead_rad));
         let normal = [cos_b * cos_n, -sin_b * cos_n, sin_n];
@@ -175,6 +165,24 @@ impl Scene {
             made.shape(self.mesh.rack().form(), grid.patch_cells);
         }
         Ok(made)
+    }
+
+    /// Which template has a pinion flank of this lead; it is made if none has.
+    fn template(&mut self, right: bool, lead: f64, leads: &mut Vec<(bool, u64)>) -> Result<usize, SimulationError> {
+        let key = (right, lead.to_bits());
+        if let Some(found) = leads.iter().position(|known| *known == key) {
+            return Ok(found);
+        }
+        let pinion = self.mesh.pinion();
+        let p = self.mesh.pair().pinion();
+        let shift = pinion.teeth().iter().flat_map(|tooth| [tooth.left, tooth.right]);
+        let shift = shift.map(|flank| flank.arc_mm.abs()).fold(0.0, f64::max) / p.reference_radius_mm;
+        let sign = if right { 1.0 } else { -1.0 };
+        let mut made = Template::new(self.mesh.pair(), sign, lead, *pinion.form(), &self.parameters.contact)?;
+        made.tooth_reach = p.base_half_angle_rad + shift;
+        self.templates.push(made);
+        leads.push(key);
+        Ok(leads.len() - 1)
     }
 
     /// Counts the teeth from this one on as the rack's second part, whether they deviate or not.
@@ -276,49 +284,46 @@ impl Scene {
         work.counters.evaluations += 1;
         work.touching.0.iter_mut().for_each(Vec::clear);
         work.near.clear();
-        let margin = work.margin;
-        let eccentricity = self.mesh.pinion().eccentricity_mm();
-        let pose = Pose::new(*at, self.depth, eccentricity, &self.shared);
-        let pair = self.mesh.pair();
-        let (rack, p) = (pair.rack(), pair.pinion());
+        let pose = Pose::new(*at, self.depth, self.mesh.pinion().eccentricity_mm(), &self.shared);
+        let reach = self.reach(&pose, work.margin);
         let mut load = Load { law, rates: rates.all(), sum: Forces::default(), work };
-        let grid = match self.parameters.contact {
-            ContactModel::Spheres(grid) => Some(grid),
-            ContactModel::Analytic(_) => None,
-        };
-        let radius = grid.map_or(0.0, |grid| grid.radius_mm);
-        // no point of the rack lies higher, rolled or not
-        let top = rack.addendum_mm
-            + 0.5 * rack.face_width_mm * pose.sin_roll.abs()
-            + (self.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
-        let (along, across) = eccentricity;
-        let off = (along * along + across * across).sqrt();
-        let cosine = (at.center_distance - off - top - 2.0 * radius - margin) / p.tip_radius_mm;
-        let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
-        let reach = Reach { cull: self.parameters.cull, rolls: self.rolls, polar, margin };
         // each pinion tooth once: those whose angle from straight down is at most half a turn
-        let half = 0.5 * f64::from(p.teeth);
+        let half = 0.5 * f64::from(self.mesh.pair().pinion().teeth);
         let middle = at.pinion_angle / self.shared.angular_pitch - 0.5;
         let (low, high) = ((middle - half).ceil() as i64, (middle + half).floor() as i64);
         for pinion_tooth in low..=high {
-            for right in [true, false] {
-                let flanks = if right { &self.right } else { &self.left };
-                let rack_tooth = if right { pinion_tooth } else { pinion_tooth + 1 };
-                let Some(flank) =
-                    usize::try_from(rack_tooth - self.first_tooth).ok().and_then(|index| flanks.get(index))
-                else {
+            for (flanks, rack_tooth) in [(&self.right, pinion_tooth), (&self.left, pinion_tooth + 1)] {
+                let index = usize::try_from(rack_tooth - self.first_tooth).ok();
+                let Some(flank) = index.and_then(|index| flanks.get(index)) else { continue };
+                let Some(meeting) = Meeting::new(flank, &self.templates[flank.template], &pose, &reach) else {
                     continue;
                 };
-                let template = &self.templates[flank.template];
-                let placed = flank.place(&pose);
-                if grid.is_none() {
-                    strips::touch(flank, template, &placed, &pose, &reach, self.mesh.rack().form(), &mut load);
-                } else {
-                    spheres::touch(flank, template, &placed, &pose, &reach, &mut load);
+                match self.parameters.contact {
+                    ContactModel::Spheres(_) => spheres::touch(&meeting, &mut load),
+                    ContactModel::Analytic(_) => strips::touch(&meeting, self.mesh.rack().form(), &mut load),
                 }
             }
         }
         load.sum
+    }
+
+    /// What of the pinion may be near the rack in a position.
+    fn reach(&self, pose: &Pose, margin: f64) -> Reach {
+        let (rack, p) = (self.mesh.pair().rack(), self.mesh.pair().pinion());
+        // strips are spheres of the radius 0, and none is remembered that does not touch
+        let (radius, kept) = match self.parameters.contact {
+            ContactModel::Spheres(grid) => (grid.radius_mm, margin),
+            ContactModel::Analytic(_) => (0.0, 0.0),
+        };
+        // no point of the rack lies higher, rolled or not
+        let top = rack.addendum_mm
+            + 0.5 * rack.face_width_mm * pose.sin_roll.abs()
+            + (self.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
+        let (along, across) = self.mesh.pinion().eccentricity_mm();
+        let off = (along * along + across * across).sqrt();
+        let cosine = (pose.at.center_distance - off - top - 2.0 * radius - margin) / p.tip_radius_mm;
+        let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
+        Reach { cull: self.parameters.cull, rolls: self.rolls, polar, margin: kept }
     }
 
     /// The yoke at a centre distance.

@@ -2,13 +2,13 @@
 //!
 //! What provably cannot touch is skipped: see [`super::bound`].
 
-use super::bound::{Bound, Reach, Tip, row_range};
 use super::closest;
 use super::face::{Face, OnFace};
-use super::flank::{FlankPair, Patch, Placed, Pose};
+use super::flank::Patch;
 use super::load::{Element, Load, Sliding};
-use super::template::{EARLY, Node, Row, Template};
-use crate::trig;
+use super::meeting::{Meeting, PlacedRow};
+use super::template::{EARLY, Node, Phase, Row, Template};
+use crate::linear::dot;
 
 /// A sphere that may touch: below the plane, or near it.
 #[derive(Debug, Clone, Copy)]
@@ -35,196 +35,226 @@ impl Plane {
 }
 
 /// Adds the contacts of one flank pair.
-pub(super) fn touch(
-    pair: &FlankPair,
-    template: &Template,
-    placed: &Placed,
-    pose: &Pose,
-    reach: &Reach,
-    load: &mut Load<'_>,
-) {
-    let Placed { n_xi, n_zeta, n_w, .. } = *placed;
-    let axial = template.sin_base * n_w - 1.0;
-    let line = placed.nu - placed.c;
-    let bound = Bound::new(template, placed, reach.margin);
-    if reach.cull && bound.clears_flank(template.half_face) {
-        return;
-    }
-    let (sin_c, cos_c) = trig::sin_cos(placed.c);
-    let rows = &template.rows;
-    let range = if reach.cull { row_range(template, placed, reach.polar) } else { 0..rows.len() };
-    // what may be taken for plane, which most contacts are
-    let plain = matches!(pair.patch, Patch::Plane);
-    // the rack's normal along Y, and the height of the pinion's axis over that of the roll
-    let n_y = n_w * placed.cos_shaft - n_xi * placed.sin_shaft;
-    let lift = pose.at.center_distance + pose.depth;
-    let tip = Tip::new(template, pair, placed, pose);
+pub(super) fn touch(meeting: &Meeting<'_>, load: &mut Load<'_>) {
+    let Meeting { pair, template, reach, placed, .. } = meeting;
     let mut found = std::mem::take(&mut load.work.found);
     found.clear();
-    for row_index in range {
-        let row = &rows[row_index];
-        if reach.cull && bound.clears(row.w) {
-            continue;
-        }
-        let (sin, cos) = (sin_c * row.cos - cos_c * row.sin, cos_c * row.cos + sin_c * row.sin);
-        let plane = Plane {
-            nx: n_xi * cos + n_zeta * sin,
-            ny: n_zeta * cos - n_xi * sin,
-            base: placed.base + row.w * n_w + row.removed,
-            axial,
-        };
-        let (shift, nodes) = &template.phases[row.phase];
-        let crossing = line + template.kappa * row.w;
-        let (from, to) = if plain && reach.cull && crossing < template.start_roll && crossing >= -EARLY {
-            let Some(floor) = tip.floor(&bound, row.w, crossing, (sin, cos)) else { continue };
-            climb(nodes, &plane, (floor - template.start_roll) * template.per_step, *shift, bound.stop, load)
-        } else if reach.cull && crossing >= template.start_roll - EARLY {
-            walk(nodes, &plane, (crossing - template.start_roll) * template.per_step, *shift, bound.stop, load)
+    find(meeting, &mut found, load);
+    let n_y = placed.n_w * placed.cos_shaft - placed.n_xi * placed.sin_shaft;
+    let mut face = Face::new(load, (pair.right, pair.rack_tooth), [placed.n_zeta, placed.sign * pair.normal[0], n_y]);
+    for found in &found {
+        let row = &template.rows[found.row];
+        let sphere = Sphere::new(template, row, found);
+        let done = if reach.rolls {
+            sphere.touch_plane::<true>(meeting, &mut face, load)
         } else {
-            load.work.counters.spheres_tested += nodes.len() as u64;
-            (0, nodes.len())
+            sphere.touch_plane::<false>(meeting, &mut face, load)
         };
-        for (index, node) in nodes[from..to].iter().enumerate() {
-            let gap = plane.depth(node);
-            if gap < 0.0 || gap < reach.margin && plain {
-                found.push(Found { gap, sin, cos, row: row_index, node: from + index });
-            }
+        if !done {
+            sphere.touch_patch(meeting, load);
         }
-    }
-    let [_, ny, nz] = pair.normal;
-    let mut face = Face::new(load, (pair.right, pair.rack_tooth), [n_zeta, placed.sign * pair.normal[0], n_y]);
-    for &Found { gap, sin, cos, row, node } in &found {
-        let row = &rows[row];
-        let node = &template.phases[row.phase].1[node];
-        let turned = (node.xi * cos - node.zeta * sin, node.xi * sin + node.zeta * cos);
-        if plain {
-            let (xi, zeta) = (turned.0 + placed.eccentric.0, turned.1 + placed.eccentric.1);
-            let w = row.w + node.radius * template.sin_base;
-            let across = w * placed.cos_shaft - xi * placed.sin_shaft;
-            // from the axis of the roll
-            let (y, z) = if reach.rolls {
-                let up = zeta + lift;
-                (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll)
-            } else {
-                (across, zeta + lift)
-            };
-            // what is left of the radius once the form is removed, and the height of the centre
-            let left = node.radius - (row.removed + node.removed);
-            let height = gap + left;
-            let beyond = pair.beyond(y, z - pose.depth, height);
-            if beyond <= 0.0 {
-                let on = OnFace {
-                    gap,
-                    weight: row.weight * node.weight,
-                    by_angle: placed.sign * (zeta * n_xi - xi * n_zeta),
-                    by_roll: ny * z - nz * y,
-                    by_angle_twice: -(xi * n_xi + zeta * n_zeta),
-                    by_angle_roll: placed.sign * (zeta * placed.sin_shaft * n_zeta - xi * n_y),
-                    by_roll_twice: -(ny * y + nz * z),
-                };
-                let sliding = || Sliding {
-                    normal: pair.normal,
-                    motion: placed.motion_at_contact(pose, (turned.0, turned.1, w), node.radius, &pair.normal),
-                };
-                if gap >= 0.0 {
-                    face.pass(&on, load);
-                } else if reach.rolls {
-                    face.add::<true>(&on, load, sliding);
-                } else {
-                    face.add::<false>(&on, load, sliding);
-                }
-                continue;
-            }
-            if gap >= 0.0 || closest::clear(height, beyond, node.radius, left) {
-                continue;
-            }
-        }
-        sphere(pair, template, placed, pose, row, node, turned, gap, load);
     }
     face.close(load);
     load.work.found = found;
 }
 
-/// Stations around the contact line that may touch.
-fn walk(nodes: &[Node], plane: &Plane, crossing: f64, shift: f64, stop: f64, load: &mut Load<'_>) -> (usize, usize) {
-    let last = nodes.len() - 1;
-    // the first station beyond the crossing
-    let start = if crossing < 0.0 {
-        0
-    } else if crossing < shift {
-        1
-    } else {
-        ((crossing - shift).min(last as f64) as usize + 2).min(nodes.len())
-    };
-    let start = if crossing >= (last - 1) as f64 { nodes.len() } else { start.min(last) };
-    let mut to = start;
-    while to < nodes.len() && plane.depth(&nodes[to]) < stop {
-        to += 1;
-    }
-    let mut from = start;
-    while from > 0 && plane.depth(&nodes[from - 1]) < stop {
-        from -= 1;
-    }
-    load.work.counters.spheres_tested += (to - from + 2) as u64;
-    (from, to)
-}
-
-/// Stations from a height on that may touch; the contact line lies before them all.
-fn climb(nodes: &[Node], plane: &Plane, floor: f64, shift: f64, stop: f64, load: &mut Load<'_>) -> (usize, usize) {
-    // the last station not above the floor, or one before it
-    let from = if floor < shift { 0 } else { ((floor - shift) as usize).min(nodes.len() - 1) };
-    let mut to = from;
-    while to < nodes.len() && plane.depth(&nodes[to]) < stop {
-        to += 1;
-    }
-    load.work.counters.spheres_tested += (to - from + 1) as u64;
-    (from, to)
-}
-
-#[allow(clippy::too_many_arguments)] // one inner step of `touch`
-fn sphere(
-    pair: &FlankPair,
-    template: &Template,
-    placed: &Placed,
-    pose: &Pose,
-    row: &Row,
-    node: &Node,
-    (xi, zeta): (f64, f64),
-    height: f64,
-    load: &mut Load<'_>,
-) {
-    let point = placed.point(pose, xi, zeta, row.w + node.radius * template.sin_base);
-    let removed = row.removed + node.removed;
-    let Some(distance) = pair.distance(&point.at, node.radius) else { return };
-    let n = &distance.gradient;
-    let flat = *n == pair.normal;
-    // over a plane's face the height is known already, with one rounding less
-    let gap = if flat { height } else { distance.value - node.radius + removed };
-    if gap >= 0.0 {
-        return;
-    }
-    let dot = |v: &[f64; 3]| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
-    let gradient: [f64; 4] = std::array::from_fn(|k| dot(&point.motion[k]));
-    let mut hessian = [[0.0; 4]; 4];
-    let [angle_angle, angle_roll, height_roll, roll_roll] = point.second.map(|v| dot(&v));
-    hessian[0][0] = angle_angle;
-    (hessian[0][2], hessian[2][0]) = (angle_roll, angle_roll);
-    (hessian[1][2], hessian[2][1]) = (height_roll, height_roll);
-    hessian[2][2] = roll_roll;
-    if !flat {
-        for (i, motion) in point.motion.iter().enumerate() {
-            let curved: [f64; 3] =
-                std::array::from_fn(|axis| (0..3).map(|other| distance.hessian[axis][other] * motion[other]).sum());
-            for (j, other) in point.motion.iter().enumerate() {
-                hessian[i][j] += curved[0] * other[0] + curved[1] * other[1] + curved[2] * other[2];
+/// Finds the spheres of one flank pair that are below the rack flank's plane, or near it.
+fn find(meeting: &Meeting<'_>, found: &mut Vec<Found>, load: &mut Load<'_>) {
+    let Meeting { template, reach, placed, bound, .. } = meeting;
+    let plain = meeting.is_plain();
+    let margin = if plain { reach.margin.max(0.0) } else { 0.0 };
+    for placed_row in meeting.rows() {
+        let PlacedRow { index, row, crossing, sin, cos } = placed_row;
+        let plane = Plane {
+            nx: placed.n_xi * cos + placed.n_zeta * sin,
+            ny: placed.n_zeta * cos - placed.n_xi * sin,
+            base: placed.base + row.w * placed.n_w + row.removed,
+            axial: template.sin_base * placed.n_w - 1.0,
+        };
+        let Phase { shift, nodes } = &template.phases[row.phase];
+        let stations = Stations { nodes, shift: *shift, plane: &plane, stop: bound.stop };
+        let station = |roll: f64| (roll - template.start_roll) * template.per_step;
+        let (from, to) = if plain && meeting.is_early(&placed_row) {
+            let Some(floor) = meeting.floor(&placed_row) else { continue };
+            stations.climb(station(floor), load)
+        } else if reach.cull && crossing >= template.start_roll - EARLY {
+            stations.walk(station(crossing), load)
+        } else {
+            load.work.counters.spheres_tested += nodes.len() as u64;
+            (0, nodes.len())
+        };
+        for (node, station) in (from..).zip(&nodes[from..to]) {
+            let gap = plane.depth(station);
+            if gap < margin {
+                found.push(Found { gap, sin, cos, row: index, node });
             }
         }
     }
-    let element = Element { gap, gradient, hessian, weight: row.weight * node.weight, fading: None };
-    load.add(pair.right, pair.rack_tooth, &element, || {
-        let length = dot(n).sqrt();
-        let normal = n.map(|v| v / length);
-        let center = (xi, zeta, row.w + node.radius * template.sin_base);
-        Sliding { normal, motion: placed.motion_at_contact(pose, center, node.radius, &normal) }
-    });
+}
+
+impl Meeting<'_> {
+    /// Whether the rack's flank may be taken for plane, which most are.
+    fn is_plain(&self) -> bool {
+        matches!(self.pair.patch, Patch::Plane)
+    }
+}
+
+/// The stations of a row against the rack flank's plane.
+struct Stations<'a> {
+    nodes: &'a [Node],
+    shift: f64,
+    plane: &'a Plane,
+    /// Height from which on all stations further out are clear.
+    stop: f64,
+}
+
+impl Stations<'_> {
+    /// Those around the contact line that may touch.
+    fn walk(&self, crossing: f64, load: &mut Load<'_>) -> (usize, usize) {
+        let Self { nodes, shift, .. } = *self;
+        let last = nodes.len() - 1;
+        // the first station beyond the crossing
+        let start = if crossing < 0.0 {
+            0
+        } else if crossing < shift {
+            1
+        } else {
+            ((crossing - shift).min(last as f64) as usize + 2).min(nodes.len())
+        };
+        let start = if crossing >= (last - 1) as f64 { nodes.len() } else { start.min(last) };
+        let to = self.first_clear(start);
+        let mut from = start;
+        while from > 0 && self.plane.depth(&nodes[from - 1]) < self.stop {
+            from -= 1;
+        }
+        load.work.counters.spheres_tested += (to - from + 2) as u64;
+        (from, to)
+    }
+
+    /// Those from a height on that may touch; the contact line lies before them all.
+    fn climb(&self, floor: f64, load: &mut Load<'_>) -> (usize, usize) {
+        // the last station not above the floor, or one before it
+        let from = if floor < self.shift { 0 } else { ((floor - self.shift) as usize).min(self.nodes.len() - 1) };
+        let to = self.first_clear(from);
+        load.work.counters.spheres_tested += (to - from + 1) as u64;
+        (from, to)
+    }
+
+    fn first_clear(&self, from: usize) -> usize {
+        let mut to = from;
+        while to < self.nodes.len() && self.plane.depth(&self.nodes[to]) < self.stop {
+            to += 1;
+        }
+        to
+    }
+}
+
+/// A sphere in a position.
+struct Sphere {
+    /// Height of its lowest point over the rack flank's plane.
+    gap: f64,
+    radius: f64,
+    /// Removed by the pinion's form, mm.
+    removed: f64,
+    weight: f64,
+    /// Its centre's ξ, ζ (from the axis of the tooth system) and w.
+    center: [f64; 3],
+}
+
+impl Sphere {
+    fn new(template: &Template, row: &Row, found: &Found) -> Self {
+        let Found { gap, sin, cos, .. } = *found;
+        let node = &template.phases[row.phase].nodes[found.node];
+        Self {
+            gap,
+            radius: node.radius,
+            removed: row.removed + node.removed,
+            weight: row.weight * node.weight,
+            center: [
+                node.xi * cos - node.zeta * sin,
+                node.xi * sin + node.zeta * cos,
+                row.w + node.radius * template.sin_base,
+            ],
+        }
+    }
+
+    /// Adds the contact with a plane face; `false` if the sphere may touch elsewhere.
+    fn touch_plane<const ROLLS: bool>(&self, meeting: &Meeting<'_>, face: &mut Face, load: &mut Load<'_>) -> bool {
+        let Meeting { pair, pose, placed, .. } = meeting;
+        if !meeting.is_plain() {
+            return false;
+        }
+        let [xi, zeta, w] = self.center;
+        let (xi, zeta) = (xi + placed.eccentric.0, zeta + placed.eccentric.1);
+        let across = w * placed.cos_shaft - xi * placed.sin_shaft;
+        // from the axis of the roll
+        let up = zeta + (pose.at.center_distance + pose.depth);
+        let (y, z) = if ROLLS {
+            (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll)
+        } else {
+            (across, up)
+        };
+        // what is left of the radius once the form is removed, and the height of the centre
+        let left = self.radius - self.removed;
+        let height = self.gap + left;
+        let beyond = pair.beyond(y, z - pose.depth, height);
+        if beyond > 0.0 {
+            return self.gap >= 0.0 || closest::clear(height, beyond, self.radius, left);
+        }
+        let [_, ny, nz] = pair.normal;
+        // the rack's normal in the pinion's frame, and its part along Y
+        let (n_xi, n_zeta) = (placed.n_xi, placed.n_zeta);
+        let n_y = placed.n_w * placed.cos_shaft - n_xi * placed.sin_shaft;
+        let on = OnFace {
+            gap: self.gap,
+            weight: self.weight,
+            by_angle: placed.sign * (zeta * n_xi - xi * n_zeta),
+            by_roll: ny * z - nz * y,
+            by_angle_twice: -(xi * n_xi + zeta * n_zeta),
+            by_angle_roll: placed.sign * (zeta * placed.sin_shaft * n_zeta - xi * n_y),
+            by_roll_twice: -(ny * y + nz * z),
+        };
+        if self.gap >= 0.0 {
+            face.pass(&on, load);
+        } else {
+            face.add::<ROLLS>(&on, load, || self.sliding(meeting, pair.normal));
+        }
+        true
+    }
+
+    /// Adds the contact with the rack's flank as it is, edges and form included.
+    fn touch_patch(&self, meeting: &Meeting<'_>, load: &mut Load<'_>) {
+        let Meeting { pair, pose, placed, .. } = meeting;
+        let [xi, zeta, w] = self.center;
+        let point = placed.point(pose, xi, zeta, w);
+        let Some(distance) = pair.distance(&point.at, self.radius) else { return };
+        let n = &distance.gradient;
+        let flat = *n == pair.normal;
+        // over a plane's face the height is known already, with one rounding less
+        let gap = if flat { self.gap } else { distance.value - self.radius + self.removed };
+        if gap >= 0.0 {
+            return;
+        }
+        let gradient: [f64; 4] = std::array::from_fn(|k| dot(n, &point.motion[k]));
+        let mut hessian = point.hessian(n);
+        if !flat {
+            for (i, motion) in point.motion.iter().enumerate() {
+                let curved: [f64; 3] =
+                    std::array::from_fn(|axis| (0..3).map(|other| distance.hessian[axis][other] * motion[other]).sum());
+                for (j, other) in point.motion.iter().enumerate() {
+                    hessian[i][j] += dot(&curved, other);
+                }
+            }
+        }
+        let element = Element { gap, gradient, hessian, weight: self.weight, fading: None };
+        load.add(pair.right, pair.rack_tooth, &element, || {
+            let length = dot(n, n).sqrt();
+            self.sliding(meeting, n.map(|v| v / length))
+        });
+    }
+
+    fn sliding(&self, meeting: &Meeting<'_>, normal: [f64; 3]) -> Sliding {
+        let motion = meeting.placed.motion_at_contact(meeting.pose, self.center, self.radius, &normal);
+        Sliding { normal, motion }
+    }
 }

@@ -10,134 +10,97 @@
 //! which is perpendicular to the profile. Then ∂g/∂q = m·∂P/∂q in every case. Of form (crowning, relief) the tangent
 //! leaves the second derivatives out.
 
-use super::bound::{BEND, Bound, Reach, Tip, row_range};
+use super::bound::BEND;
 use super::face::{Face, OnFace};
-use super::flank::{FlankPair, Placed, Pose, removal};
+use super::flank::{Placed, Point, removal};
 use super::load::{Element, Load, Sliding};
-use super::template::{EARLY, Row, Template};
+use super::meeting::{Meeting, PlacedRow};
+use super::template::Row;
 use crate::deviation::RackForm;
+use crate::linear::dot;
 use crate::trig;
 
-/// A point of the profile in section w, with its derivatives by τ.
-struct Profile {
-    gamma: f64,
-    tau: f64,
-    by_roll: (f64, f64),
-}
-
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
+/// Sections further before or beyond the contact line than this (rad) are clear.
+const FAR: f64 = 1.5;
 
 /// Adds the contacts of one flank pair.
-pub(super) fn touch(
-    pair: &FlankPair,
-    template: &Template,
-    placed: &Placed,
-    pose: &Pose,
-    reach: &Reach,
-    form: &RackForm,
-    load: &mut Load<'_>,
-) {
-    let bound = Bound::new(template, placed, 0.0);
-    if reach.cull && bound.clears_flank(template.half_face) {
-        return;
-    }
-    let rows = &template.rows;
-    let range = if reach.cull { row_range(template, placed, reach.polar) } else { 0..rows.len() };
+pub(super) fn touch(meeting: &Meeting<'_>, form: &RackForm, load: &mut Load<'_>) {
+    let Meeting { pair, template, reach, placed, .. } = meeting;
     let plain = !reach.rolls && form.is_plain() && template.form.is_plain();
-    let line = placed.nu - placed.c;
-    let (sin_c, cos_c) = trig::sin_cos(placed.c);
-    let tip = Tip::new(template, pair, placed, pose);
-    let direct = Direct::new(pair, template, placed, pose, reach.cull);
+    let direct = Direct::new(meeting);
     let by = [placed.n_zeta, placed.sign * pair.normal[0], 0.0];
     let mut face = Face::new(load, (pair.right, pair.rack_tooth), by);
-    for row in &rows[range] {
-        if reach.cull && bound.clears(row.w) {
+    for placed_row in meeting.rows() {
+        load.work.counters.spheres_tested += 1;
+        if meeting.is_early(&placed_row) && meeting.floor(&placed_row).is_none() {
             continue;
         }
-        let crossing = line + template.kappa * row.w;
-        load.work.counters.spheres_tested += 1;
-        if reach.cull && crossing < template.start_roll && crossing >= -EARLY {
-            let turned = (sin_c * row.cos - cos_c * row.sin, cos_c * row.cos + sin_c * row.sin);
-            if tip.floor(&bound, row.w, crossing, turned).is_none() {
-                continue;
-            }
-        }
+        let PlacedRow { row, crossing, .. } = placed_row;
         let tau = crossing.clamp(template.start_roll, template.tip_roll);
         if plain && tau == crossing {
-            if direct.touch(pair, placed, pose, &bound, row, tau, &mut face, load) {
+            if direct.touch(row, tau, &mut face, load) {
                 continue;
             }
-        } else if (tau - crossing).abs() > 1.5 {
+        } else if (tau - crossing).abs() > FAR {
             continue;
         }
-        section(pair, template, placed, pose, form, (row.w, row.weight), (tau, tau == crossing), load);
+        if let Some(section) = Section::lowest(meeting, row, crossing)
+            && let Some(element) = section.element(form)
+        {
+            let sliding = || Sliding { normal: pair.normal, motion: section.at.point.motion };
+            load.add(pair.right, pair.rack_tooth, &element, sliding);
+        }
     }
     face.close(load);
 }
 
 /// Sections that touch on the contact line of plane flanks: their gaps are linear in everything but an eccentricity.
-struct Direct {
+struct Direct<'a> {
+    meeting: &'a Meeting<'a>,
     /// ξ = r_b (sin ν − τ cos ν), ζ = −r_b (cos ν + τ sin ν).
     sin: f64,
     cos: f64,
-    base_radius: f64,
     /// |N_t| r_b (1 − cos 1).
     rise: f64,
     by_angle: f64,
     by_angle_twice: f64,
     top: f64,
-    half_width: f64,
-    tip: f64,
-    cull: bool,
 }
 
-impl Direct {
-    fn new(pair: &FlankPair, template: &Template, placed: &Placed, pose: &Pose, cull: bool) -> Self {
-        let Placed { sign, n_xi, n_zeta, length, eccentric, .. } = *placed;
+impl<'a> Direct<'a> {
+    fn new(meeting: &'a Meeting<'a>) -> Self {
+        let Placed { sign, n_xi, n_zeta, length, eccentric, .. } = meeting.placed;
+        let base_radius = meeting.template.base_radius;
         Self {
+            meeting,
             sin: n_zeta / length,
             cos: n_xi / length,
-            base_radius: template.base_radius,
-            rise: length * template.base_radius * BEND,
-            by_angle: sign * (eccentric.1 * n_xi - eccentric.0 * n_zeta - length * template.base_radius),
+            rise: length * base_radius * BEND,
+            by_angle: sign * (eccentric.1 * n_xi - eccentric.0 * n_zeta - length * base_radius),
             by_angle_twice: -(eccentric.0 * n_xi + eccentric.1 * n_zeta),
-            top: pose.at.center_distance + eccentric.1,
-            half_width: pair.bounds.half_width,
-            tip: pair.bounds.tip,
-            cull,
+            top: meeting.pose.at.center_distance + eccentric.1,
         }
     }
 
-    #[allow(clippy::too_many_arguments)] // one inner step of `touch`
     /// Adds a section's contact if it is one on the contact line; `false` if it may touch elsewhere.
-    fn touch(
-        &self,
-        pair: &FlankPair,
-        placed: &Placed,
-        pose: &Pose,
-        bound: &Bound,
-        row: &Row,
-        tau: f64,
-        face: &mut Face,
-        load: &mut Load<'_>,
-    ) -> bool {
+    fn touch(&self, row: &Row, tau: f64, face: &mut Face, load: &mut Load<'_>) -> bool {
+        let Meeting { pair, template, pose, reach, placed, bound, .. } = self.meeting;
         let gap = bound.height(row.w);
-        let above = self.top - self.base_radius * (self.cos + tau * self.sin) - self.tip;
+        let r = template.base_radius;
+        let above = self.top - r * (self.cos + tau * self.sin) - pair.bounds.tip;
         if above > 0.0 {
             // only the part below the rack's tip may touch: z falls by at most r_b cos ν (τ² − τ_*²)/2, and the section
             // rises as `Bound` has it
             if self.cos <= 0.0 {
                 return false;
             }
-            let end = (tau * tau + 2.0 * above / (self.base_radius * self.cos)).sqrt();
+            let end = (tau * tau + 2.0 * above / (r * self.cos)).sqrt();
             let beyond = (end - tau).min(1.0);
-            return self.cull && gap + self.rise * tau * beyond * beyond >= bound.stop;
+            return reach.cull && gap + self.rise * tau * beyond * beyond >= bound.stop;
         }
-        let xi = self.base_radius * (self.sin - tau * self.cos) + placed.eccentric.0;
-        let y = row.w * placed.cos_shaft - xi * placed.sin_shaft;
-        let share = share(self.half_width, y, row.weight, placed);
+        let x = r * (self.sin - tau * self.cos);
+        let y = row.w * placed.cos_shaft - (x + placed.eccentric.0) * placed.sin_shaft;
+        let share = share(self.meeting, y, row.weight);
         if gap >= 0.0 || share == 0.0 {
             return true;
         }
@@ -152,9 +115,8 @@ impl Direct {
             ..OnFace::default()
         };
         face.add::<false>(&on, load, || {
-            let (x, w) = (self.base_radius * (self.sin - tau * self.cos), row.w);
-            let zeta = -self.base_radius * (self.cos + tau * self.sin);
-            Sliding { normal: pair.normal, motion: placed.point(pose, x, zeta, w).motion }
+            let zeta = -r * (self.cos + tau * self.sin);
+            Sliding { normal: pair.normal, motion: placed.point(pose, x, zeta, row.w).motion }
         });
         true
     }
@@ -164,126 +126,150 @@ impl Direct {
 const LEAST: f64 = 1e-3;
 
 /// The share of a strip that lies between the rack's end faces.
-fn share(half_width: f64, y: f64, width: f64, placed: &Placed) -> f64 {
-    let cell = width * placed.cos_shaft.abs().max(LEAST);
-    ((half_width - y.abs()) / cell + 0.5).clamp(0.0, 1.0)
+fn share(meeting: &Meeting<'_>, y: f64, width: f64) -> f64 {
+    let cell = width * meeting.placed.cos_shaft.abs().max(LEAST);
+    ((meeting.pair.bounds.half_width - y.abs()) / cell + 0.5).clamp(0.0, 1.0)
 }
 
-fn profile(template: &Template, placed: &Placed, w: f64, tau: f64) -> ((f64, f64), Profile) {
-    let gamma = placed.c + tau - template.kappa * w;
-    let (sin, cos) = trig::sin_cos(gamma);
-    let r = template.base_radius;
-    let at = (r * (sin - tau * cos), -r * (cos + tau * sin));
-    (at, Profile { gamma, tau, by_roll: (r * tau * sin, -r * tau * cos) })
+/// A point of the profile in a section.
+struct OnProfile {
+    tau: f64,
+    /// Sine and cosine of γ.
+    sin: f64,
+    cos: f64,
+    point: Point,
+    by_tau: [f64; 3],
 }
 
-#[allow(clippy::too_many_arguments)] // one inner step of `touch`
-fn section(
-    pair: &FlankPair,
-    template: &Template,
-    placed: &Placed,
-    pose: &Pose,
-    form: &RackForm,
-    (w, width): (f64, f64),
-    (tau, on_line): (f64, bool),
-    load: &mut Load<'_>,
-) {
-    let bounds = pair.bounds;
-    let (mut at, mut here) = profile(template, placed, w, tau);
-    let mut point = placed.point(pose, at.0, at.1, w);
-    let on_rack_tip = point.at[2] > bounds.tip;
-    if on_rack_tip {
-        // z falls towards the pinion's tip
-        let (mut low, mut high, mut tau) = (tau, template.tip_roll, tau);
-        let end = profile(template, placed, w, high).0;
-        if placed.point(pose, end.0, end.1, w).at[2] >= bounds.tip {
-            return;
+impl OnProfile {
+    fn new(meeting: &Meeting<'_>, w: f64, tau: f64) -> Self {
+        let Meeting { template, pose, placed, .. } = meeting;
+        let (sin, cos) = trig::sin_cos(placed.c + tau - template.kappa * w);
+        let r = template.base_radius;
+        let point = placed.point(pose, r * (sin - tau * cos), -r * (cos + tau * sin), w);
+        Self { tau, sin, cos, point, by_tau: placed.direction(pose, r * tau * sin, -r * tau * cos) }
+    }
+
+    /// From here on towards the pinion's tip, which z falls to, the place at the rack's tip edge; `None` if there is none.
+    fn down_to_rack_tip(self, meeting: &Meeting<'_>, w: f64) -> Option<Self> {
+        let (tip, mut low, mut high) = (meeting.pair.bounds.tip, self.tau, meeting.template.tip_roll);
+        if Self::new(meeting, w, high).point.at[2] >= tip {
+            return None;
         }
+        let mut here = self;
         for _ in 0..60 {
-            let above = point.at[2] - bounds.tip;
+            let above = here.point.at[2] - tip;
             if above > 0.0 {
-                low = tau;
+                low = here.tau;
             } else {
-                high = tau;
+                high = here.tau;
             }
-            let slope = along(placed, pose, here.by_roll)[2];
-            let step = -above / slope;
-            let next =
-                if slope < 0.0 && tau + step > low && tau + step < high { tau + step } else { 0.5 * (low + high) };
-            if (next - tau).abs() <= 1e-15 {
+            let slope = here.by_tau[2];
+            let newton = here.tau - above / slope;
+            let next = if slope < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - here.tau).abs() <= 1e-15 {
                 break;
             }
-            tau = next;
-            (at, here) = profile(template, placed, w, tau);
-            point = placed.point(pose, at.0, at.1, w);
+            here = Self::new(meeting, w, next);
         }
+        Some(here)
     }
-    let n = &pair.normal;
-    let by_tau = along(placed, pose, here.by_roll);
-    let tau_angle = along(placed, pose, (placed.sign * here.by_roll.1, -placed.sign * here.by_roll.0));
-    let tau_roll = [0.0, by_tau[2], -by_tau[1]];
-    // m, and ∂τ/∂q
-    let mut m = *n;
-    let mut moved = [0.0; 4];
-    let z = |v: &[f64; 3]| v[2];
-    if on_rack_tip {
-        let slope = by_tau[2];
-        m[2] -= dot(n, &by_tau) / slope;
-        moved = std::array::from_fn(|k| -z(&point.motion[k]) / slope);
-    } else if on_line && here.tau > 0.0 {
-        let (sin, cos) = trig::sin_cos(here.gamma);
-        let r = template.base_radius;
-        let bend = along(placed, pose, (r * (sin + here.tau * cos), r * (here.tau * sin - cos)));
-        let curvature = dot(n, &bend);
-        moved[0] = -dot(n, &tau_angle) / curvature;
-        moved[2] = -dot(n, &tau_roll) / curvature;
-    }
-    let (removed, by_y, by_z) = removal(form, bounds.half_width, bounds.tip, point.at[1], point.at[2]);
-    let face = w / template.half_face;
-    let range = template.tip_roll - template.start_roll;
-    let profile_slope = template.form.profile_slope_mm / range;
-    let removed = removed + template.form.crowning_mm * face * face + profile_slope * (here.tau - template.start_roll);
-    let gap = dot(n, &point.at) - pair.offset + removed;
-    if gap >= 0.0 {
-        return;
-    }
-    let share = share(bounds.half_width, point.at[1], width, placed);
-    if share == 0.0 {
-        return;
-    }
-    let mut gradient: [f64; 4] = std::array::from_fn(|k| dot(&m, &point.motion[k]));
-    for (k, slope) in gradient.iter_mut().enumerate() {
-        let carried = |axis: usize| point.motion[k][axis] + by_tau[axis] * moved[k];
-        *slope += by_y * carried(1) + by_z * carried(2) + profile_slope * moved[k];
-    }
-    let mut hessian = [[0.0; 4]; 4];
-    let [angle_angle, angle_roll, height_roll, roll_roll] = point.second.map(|v| dot(&m, &v));
-    hessian[0][0] = angle_angle;
-    (hessian[0][2], hessian[2][0]) = (angle_roll, angle_roll);
-    (hessian[1][2], hessian[2][1]) = (height_roll, height_roll);
-    hessian[2][2] = roll_roll;
-    if on_rack_tip || on_line {
-        let (sin, cos) = trig::sin_cos(here.gamma);
-        let r = template.base_radius;
-        let bend = along(placed, pose, (r * (sin + here.tau * cos), r * (here.tau * sin - cos)));
-        let curvature = dot(&m, &bend);
-        let turned = [dot(&m, &tau_angle), 0.0, dot(&m, &tau_roll), 0.0];
-        for i in 0..4 {
-            for j in 0..4 {
-                hessian[i][j] += turned[i] * moved[j] + turned[j] * moved[i] + curvature * moved[i] * moved[j];
-            }
-        }
-    }
-    let fading = (share < 1.0).then(|| {
-        let per_y = -point.at[1].signum() / placed.cos_shaft.abs().max(LEAST);
-        std::array::from_fn(|k| per_y * (point.motion[k][1] + by_tau[1] * moved[k]))
-    });
-    let element = Element { gap, gradient, hessian, weight: width * share, fading };
-    load.add(pair.right, pair.rack_tooth, &element, || Sliding { normal: *n, motion: point.motion });
 }
 
-/// A transverse direction in rack coordinates.
-fn along(placed: &Placed, pose: &Pose, (xi, zeta): (f64, f64)) -> [f64; 3] {
-    let (x, y) = (xi * placed.cos_shaft, -xi * placed.sin_shaft);
-    [x, y * pose.cos_roll + zeta * pose.sin_roll, -y * pose.sin_roll + zeta * pose.cos_roll]
+/// What holds the lowest point of a section.
+#[derive(Clone, Copy, PartialEq)]
+enum Held {
+    ContactLine,
+    RackTip,
+    /// An end of the involute.
+    Edge,
+}
+
+/// The lowest point of a section.
+struct Section<'a> {
+    meeting: &'a Meeting<'a>,
+    row: &'a Row,
+    at: OnProfile,
+    held: Held,
+}
+
+impl<'a> Section<'a> {
+    /// `None` if nothing of the section lies below the rack's tip.
+    fn lowest(meeting: &'a Meeting<'a>, row: &'a Row, crossing: f64) -> Option<Self> {
+        let tau = crossing.clamp(meeting.template.start_roll, meeting.template.tip_roll);
+        let at = OnProfile::new(meeting, row.w, tau);
+        if at.point.at[2] > meeting.pair.bounds.tip {
+            let at = at.down_to_rack_tip(meeting, row.w)?;
+            return Some(Self { meeting, row, at, held: Held::RackTip });
+        }
+        let held = if tau == crossing && tau > 0.0 { Held::ContactLine } else { Held::Edge };
+        Some(Self { meeting, row, at, held })
+    }
+
+    /// The contact there; `None` if there is none.
+    fn element(&self, form: &RackForm) -> Option<Element> {
+        let Meeting { pair, template, placed, .. } = self.meeting;
+        let OnProfile { tau, point, by_tau, .. } = &self.at;
+        let (bounds, n) = (pair.bounds, &pair.normal);
+        let (removed, by_y, by_z) = removal(form, bounds.half_width, bounds.tip, point.at[1], point.at[2]);
+        let face = self.row.w / template.half_face;
+        let slope = template.form.profile_slope_mm / (template.tip_roll - template.start_roll);
+        let removed = removed + template.form.crowning_mm * face * face + slope * (tau - template.start_roll);
+        let gap = dot(n, &point.at) - pair.offset + removed;
+        let share = share(self.meeting, point.at[1], self.row.weight);
+        if gap >= 0.0 || share == 0.0 {
+            return None;
+        }
+        let Motion { normal, moved, hessian } = self.motion();
+        let carried = |k: usize, axis: usize| point.motion[k][axis] + by_tau[axis] * moved[k];
+        let gradient = std::array::from_fn(|k| {
+            dot(&normal, &point.motion[k]) + (by_y * carried(k, 1) + by_z * carried(k, 2) + slope * moved[k])
+        });
+        let fading = (share < 1.0).then(|| {
+            let per_y = -point.at[1].signum() / placed.cos_shaft.abs().max(LEAST);
+            std::array::from_fn(|k| per_y * carried(k, 1))
+        });
+        Some(Element { gap, gradient, hessian, weight: self.row.weight * share, fading })
+    }
+
+    /// How the place changes with the coordinates.
+    fn motion(&self) -> Motion {
+        let Meeting { pair, template, pose, placed, .. } = self.meeting;
+        let OnProfile { tau, sin, cos, point, by_tau } = &self.at;
+        let (n, r) = (&pair.normal, template.base_radius);
+        let (mut normal, mut moved) = (*n, [0.0; 4]);
+        let by_angle = placed.direction(pose, -placed.sign * r * tau * cos, -placed.sign * r * tau * sin);
+        let by_roll = [0.0, by_tau[2], -by_tau[1]];
+        let bend = placed.direction(pose, r * (sin + tau * cos), r * (tau * sin - cos));
+        match self.held {
+            Held::RackTip => {
+                normal[2] -= dot(n, by_tau) / by_tau[2];
+                moved = std::array::from_fn(|k| -point.motion[k][2] / by_tau[2]);
+            }
+            Held::ContactLine => {
+                let curvature = dot(n, &bend);
+                moved[0] = -dot(n, &by_angle) / curvature;
+                moved[2] = -dot(n, &by_roll) / curvature;
+            }
+            Held::Edge => {}
+        }
+        let mut hessian = point.hessian(&normal);
+        let curvature = dot(&normal, &bend);
+        let turned = [dot(&normal, &by_angle), 0.0, dot(&normal, &by_roll), 0.0];
+        for (i, row) in hessian.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += turned[i] * moved[j] + turned[j] * moved[i] + curvature * moved[i] * moved[j];
+            }
+        }
+        Motion { normal, moved, hessian }
+    }
+}
+
+/// How a place of a section changes with the coordinates.
+struct Motion {
+    /// m.
+    normal: [f64; 3],
+    /// ∂τ/∂q.
+    moved: [f64; 4],
+    hessian: [[f64; 4]; 4],
 }

@@ -42,6 +42,13 @@ pub(super) struct Node {
     pub(super) removed: f64,
 }
 
+/// A profile's spheres: those between its ends lie at this share of a step and whole steps on.
+#[derive(Debug, Clone)]
+pub(super) struct Phase {
+    pub(super) shift: f64,
+    pub(super) nodes: Vec<Node>,
+}
+
 /// A row of spheres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
@@ -73,7 +80,7 @@ pub(super) struct Template {
     pub(super) per_step: f64,
     /// r_b τ_a − R cos β_b at the tip.
     pub(super) last_reach: f64,
-    pub(super) phases: Vec<(f64, Vec<Node>)>,
+    pub(super) phases: Vec<Phase>,
     pub(super) rows: Vec<Row>,
     pub(super) form: PinionForm,
     /// Half the angle that a tooth takes in a section, from its centre line to either flank's start, at most.
@@ -96,7 +103,6 @@ impl Template {
         lead: f64,
         form: PinionForm,
         contact: &ContactModel,
-        tooth_reach: f64,
     ) -> Result<Self, SimulationError> {
         let p = pair.pinion();
         let kappa = sign * trig::tan(p.helix_angle_rad + lead) / p.reference_radius_mm;
@@ -119,7 +125,7 @@ impl Template {
             phases: Vec::new(),
             rows: Vec::new(),
             form,
-            tooth_reach,
+            tooth_reach: 0.0,
         };
         if let ContactModel::Spheres(grid) = contact {
             let (profile, width) = (f64::from(grid.profile_nodes), f64::from(grid.width_nodes));
@@ -211,7 +217,7 @@ impl Template {
                     removed: self.form.profile_slope_mm * (tau - self.start_roll) / (self.tip_roll - self.start_roll),
                 }
             });
-            self.phases.push((shift, nodes.collect()));
+            self.phases.push(Phase { shift, nodes: nodes.collect() });
         }
         let last = grid.width_nodes - 1;
         for r in 0..grid.width_nodes {

@@ -10,9 +10,9 @@
 use std::iter::once;
 use std::ops::{Add, Mul, Sub};
 
-use super::climb::Sample;
+use super::climb::{Sample, Search};
 use super::{
-    Bound, ContactKind, Coordinates, DEMAND, FlankContact, Generator, Hint, Line, Plane, Pose, PoseRates, RollRates,
+    Bound, ContactKind, Coordinates, DEMAND, FlankContact, Generator, Line, Plane, Pose, PoseRates, Range, RollRates,
     Surface, Touch,
 };
 
@@ -119,6 +119,24 @@ impl<T: Quantity> Place<T> {
     }
 }
 
+/// A generator with flank form.
+pub(super) struct OnGenerator<'a> {
+    pub(super) form: &'a Form,
+    pub(super) pose: &'a Pose,
+    pub(super) at: &'a Coordinates,
+    /// What the planes of flank and tip ask for along it, and its way across the rack.
+    pub(super) lines: [Line; 3],
+    pub(super) lo: Bound,
+    pub(super) hi: Bound,
+}
+
+/// How those lines and the roll angle change at a place.
+#[derive(Default)]
+struct Rates {
+    lines: [f64; 3],
+    roll: f64,
+}
+
 /// What holds the place of the largest demand on a generator.
 #[derive(Debug, Clone, Copy)]
 enum Held {
@@ -173,27 +191,16 @@ impl FlankContact {
         Place::new(form, pose, lines.map(|of| line(of.q, of.p)), line(1.0, 0.0), line(self.kappa, at.t0))
     }
 
-    /// A place on a generator where flank, tip and the way across change as told, and the roll angle too.
-    fn changing(
-        &self,
-        form: &Form,
-        pose: &Pose,
-        at: &Coordinates,
-        (lines, w): (&[Line; 3], f64),
-        (rates, roll_rate): ([f64; 3], f64),
-    ) -> Place<Changing> {
-        let demands = [0, 1, 2].map(|i| Changing { value: lines[i].at(w), rate: rates[i] });
-        Place::new(form, pose, demands, w.into(), Changing { value: at.t0 + self.kappa * w, rate: roll_rate })
+    /// A place on a generator where all changes as told.
+    fn changing(&self, on: &OnGenerator<'_>, w: f64, rates: &Rates) -> Place<Changing> {
+        let values = [0, 1, 2].map(|i| Changing { value: on.lines[i].at(w), rate: rates.lines[i] });
+        let roll = Changing { value: on.at.t0 + self.kappa * w, rate: rates.roll };
+        Place::new(on.form, on.pose, values, w.into(), roll)
     }
 
     /// The largest demand on a generator.
-    fn peak(
-        &self,
-        form: &Form,
-        pose: &Pose,
-        (at, lines): (&Coordinates, &[Line; 3]),
-        (lo, hi): (&Bound, &Bound),
-    ) -> Peak {
+    fn peak(&self, on: &OnGenerator<'_>) -> Peak {
+        let OnGenerator { form, pose, at, lines, lo, hi } = on;
         let surfaces = self.surfaces(form, &self.along(form, pose, at, lines));
         let demand = |w: f64| surfaces.iter().map(|surface| surface.at(w)).fold(f64::INFINITY, f64::min);
         // what asks for no more than rounding beyond the middle is as good: flanks without crowning touch along a line
@@ -236,11 +243,11 @@ impl FlankContact {
         Peak { demand, w, held, surfaces, least }
     }
 
-    /// How the largest demand on a generator changes where the surfaces' demands at its place and the bounds on w do as
-    /// told.
-    fn rate(&self, form: &Form, peak: &Peak, place: &Place<Changing>, (lo, hi): (f64, f64)) -> f64 {
+    /// How the largest demand on a generator changes where its place does, and its ends as told.
+    fn rate(&self, form: &Form, peak: &Peak, place: &Place<Changing>, ends: [f64; 2]) -> f64 {
         let rates = self.surfaces(form, place).map(|surface| surface.rate);
         let along = |index: usize| peak.surfaces[index].slope_at(peak.w);
+        let [lo, hi] = ends;
         match peak.held {
             Held::Level | Held::Top => rates[peak.least],
             Held::Low => rates[peak.least] + along(peak.least) * lo,
@@ -250,24 +257,15 @@ impl FlankContact {
     }
 
     /// The demand of a generator with flank form.
-    pub(super) fn demand_with_form(
-        &self,
-        form: &Form,
-        pose: &Pose,
-        at: &Coordinates,
-        (flank, tip): (Line, Line),
-        (lo, hi): (Bound, Bound),
-    ) -> Generator {
-        let lines = [flank, tip, self.across_line(pose, at)];
-        let peak = self.peak(form, pose, (at, &lines), (&lo, &hi));
+    pub(super) fn demand_with_form(&self, on: &OnGenerator<'_>) -> Generator {
+        let OnGenerator { form, lines, lo, hi, .. } = on;
+        let peak = self.peak(on);
         let w = peak.w;
-        let rate = |rates: [f64; 3], roll_rate: f64, ends: (f64, f64)| {
-            self.rate(form, &peak, &self.changing(form, pose, at, (&lines, w), (rates, roll_rate)), ends)
-        };
+        let rate = |rates: &Rates, ends: [f64; 2]| self.rate(form, &peak, &self.changing(on, w, rates), ends);
         Generator::Some {
             demand: peak.demand,
-            slope: rate(lines.map(|line| line.slope_at(w)), 1.0, (lo.slope, hi.slope)),
-            rate: rate(lines.map(|line| line.p_rate), -1.0, (lo.rate, hi.rate)),
+            slope: rate(&Rates { lines: lines.map(|line| line.slope_at(w)), roll: 1.0 }, [lo.slope, hi.slope]),
+            rate: rate(&Rates { lines: lines.map(|line| line.p_rate), roll: -1.0 }, [lo.rate, hi.rate]),
             w,
             kind: match peak.held {
                 Held::Low => lo.kind,
@@ -286,18 +284,19 @@ impl FlankContact {
         form: &Form,
         pose: &Pose,
         delta: f64,
-        (rates, moved): (&RollRates, &PoseRates),
+        rates: &RollRates,
+        moved: &PoseRates,
     ) -> [f64; 2] {
         let at = self.coordinates(pose, delta);
         let (lo, hi) = self.interval(pose, &at);
-        let lines = self.lines(pose, &at);
-        let [.., across] = lines;
-        let peak = self.peak(form, pose, (&at, &lines), (&lo, &hi));
+        let on = OnGenerator { form, pose, at: &at, lines: self.lines(pose, &at), lo, hi };
+        let [.., across] = on.lines;
+        let peak = self.peak(&on);
         let w = peak.w;
         let sweep = Self::sweep(&at, w, rates, moved);
         let xi = at.xi.at(w);
         let by_roll = |plane: &Plane| plane.d - plane.t * xi - plane.w * w;
-        let still = self.changing(form, pose, &at, (&lines, w), ([0.0; 3], 0.0));
+        let still = self.changing(&on, w, &Rates::default());
         let changing = |quantity: Changing, rate: f64| Changing { rate, ..quantity };
         let (sin, cos) = form.roll;
         let rolled = Place {
@@ -315,21 +314,22 @@ impl FlankContact {
             Place { across: changing(still.across, sweep[1]), shift: changing(still.shift, moved.across[1]), ..still };
         [(rolled, sweep[0]), (raised, sweep[1])].map(|(place, sweep)| {
             let end = |bound: &Bound| if bound.kind == ContactKind::RackEndEdge { -sweep / across.q } else { 0.0 };
-            self.rate(form, &peak, &place, (end(&lo), end(&hi)))
+            self.rate(form, &peak, &place, [end(&lo), end(&hi)])
         })
     }
 
-    /// The largest demand over the generators in `lo..=hi`.
-    pub(super) fn touch_with_form(&self, pose: &Pose, (lo, hi): (f64, f64)) -> Option<Touch> {
-        GRIDS.into_iter().find_map(|cells| self.highest(pose, (lo, hi), cells))
+    /// The largest demand over the generators of the flank.
+    pub(super) fn touch_with_form(&self, pose: &Pose, flank: Range) -> Option<Touch> {
+        GRIDS.into_iter().find_map(|cells| self.highest(pose, flank, cells))
     }
 
     /// The highest of the peaks that show on a grid.
-    fn highest(&self, pose: &Pose, (lo, hi): (f64, f64), cells: u32) -> Option<Touch> {
+    fn highest(&self, pose: &Pose, flank: Range, cells: u32) -> Option<Touch> {
+        let Range { lo, hi } = flank;
         let sample = |x: f64| Sample { x, generator: self.demand(pose, x) };
         let mut best: Option<Touch> = None;
-        let mut consider = |range: (f64, f64), hint, known| {
-            let touch = self.climb(pose, range, (lo, hi), (f64::NEG_INFINITY, hint), known);
+        let mut consider = |range: Range, start, known| {
+            let touch = self.climb(pose, &Search { range, flank, floor: f64::NEG_INFINITY, start, known });
             if let Some(touch) = touch
                 && best.is_none_or(|best| touch.demand > best.demand)
             {
@@ -348,16 +348,15 @@ impl FlankContact {
         let samples: Vec<Sample> = places.map(sample).collect();
         let floor = samples.iter().map(Sample::demand).fold(f64::NEG_INFINITY, f64::max);
         if samples[0].slope() < 0.0 {
-            consider((lo, lo), None, None);
+            consider(Range { lo, hi: lo }, None, None);
         }
         if samples[samples.len() - 1].slope() > 0.0 {
-            consider((hi, hi), None, None);
+            consider(Range { lo: hi, hi }, None, None);
         }
         let mut between: Vec<(Sample, Sample, u32)> = samples.windows(2).map(|ends| (ends[0], ends[1], 0)).collect();
         while let Some((low, high, depth)) = between.pop() {
             if let Some(delta) = low.peak_before(&high) {
-                let hint = Hint { delta, w: 0.0, at_rack_edge: false, spread: f64::INFINITY };
-                let peak = consider((low.x, high.x), Some(hint), Some((low, high)));
+                let peak = consider(Range { lo: low.x, hi: high.x }, Some(delta), Some([low, high]));
                 // there may be another one on either side
                 if let Some(peak) = peak.filter(|_| depth < DIVISIONS) {
                     let places = BESIDE.map(|beside| peak + beside).into_iter();

@@ -27,7 +27,8 @@ impl FlankContact {
         &self,
         pose: &Pose,
         touch: &Touch,
-        (rates, moved): (&RollRates, &PoseRates),
+        rates: &RollRates,
+        moved: &PoseRates,
     ) -> [f64; 2] {
         let first = self.spot_roll_rate(pose, &touch.spot, rates, moved);
         let mut rate = match &touch.other {
@@ -59,7 +60,7 @@ impl FlankContact {
 
     fn spot_roll_rate(&self, pose: &Pose, spot: &Spot, rates: &RollRates, moved: &PoseRates) -> [f64; 2] {
         if let Some(form) = &self.form {
-            return self.formed_roll_rate(form, pose, spot.delta, (rates, moved));
+            return self.formed_roll_rate(form, pose, spot.delta, rates, moved);
         }
         let at = self.coordinates(pose, spot.delta);
         let xi = at.xi.at(spot.w);

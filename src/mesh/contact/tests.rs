@@ -211,7 +211,7 @@ fn the_climb_ends_at_the_top() {
         assert!((touch.demand - best).abs() < allowed, "{best} {touch:?}\n{contact:?}\n{pose:?}");
         for spread in [1e-6, 1e-3, 0.1] {
             let delta = touch.spot.delta + spread * random.next(-1.0, 1.0);
-            let hint = Hint { delta, w: touch.spot.w, at_rack_edge: touch.at_rack_edge, spread };
+            let hint = Hint { delta, w: touch.spot.w, at_rack_edge: touch.at_rack_edge };
             let (again, count) = looks(|| contact.touch(pose, NO_FLOOR, Some(hint)));
             hinted += count;
             let again = again.expect("it touched before");
@@ -223,7 +223,7 @@ fn the_climb_ends_at_the_top() {
     });
     println!("{some} touch, {none} do not, difference {worst:e}; {fresh} generators from afar, {hinted} from hints");
     assert!(some > 3000 && none > 300);
-    assert!(fresh <= 44_020 && hinted <= 104_340, "{fresh} {hinted}");
+    assert!(fresh <= 44_050 && hinted <= 118_810, "{fresh} {hinted}");
 }
 
 /// Below the floor a bound will do, above it nothing changes.
@@ -246,7 +246,7 @@ fn a_search_that_ends_early_ends_with_a_bound() {
     });
     println!("{early} early ends, {looked:?} generators");
     assert!(early > 1000);
-    assert!(looked.iter().zip([37_890, 32_840, 28_800, 22_360]).all(|(&looked, known)| looked <= known), "{looked:?}");
+    assert!(looked.iter().zip([37_930, 32_940, 28_950, 22_690]).all(|(&looked, known)| looked <= known), "{looked:?}");
 }
 
 /// The same flank, a little further.
@@ -288,7 +288,7 @@ fn the_climbs_rates_are_differences() {
     assert!(compared.len() >= 5 && compared.values().all(|&count| count > 5), "{compared:?}");
 }
 
-/// Along a stroke each search starts where the last one ended, moved along as it moved before.
+/// Along a stroke each search starts where the last one ended.
 #[test]
 fn neighbouring_strokes_take_few_looks() {
     let mut random = Random(6);
@@ -313,7 +313,7 @@ fn neighbouring_strokes_take_few_looks() {
         }
     }
     println!("{fitting} places looked at on flanks that fit, {tilted} on those that do not");
-    assert!(fitting <= 2935 && tilted <= 34_500);
+    assert!(fitting <= 4260 && tilted <= 46_830);
 }
 
 /// A generator that runs along the rack lies over it or beside it as a whole, by a gap that only δ can close.
@@ -530,7 +530,7 @@ fn contacts_that_once_were_missed() {
         offset_rate: (0.06048892082963491, 0.015904281420386107),
         across: 0.0,
     };
-    let hint = Hint { delta: -0.48835049932520963, w: -0.08539081558994759, at_rack_edge: false, spread: 0.1 };
+    let hint = Hint { delta: -0.48835049932520963, w: -0.08539081558994759, at_rack_edge: false };
     for (contact, pose, hint) in
         [(bends, bends_pose, None), (turns, turns_pose, None), (leads_away, leads_away_pose, Some(hint))]
     {

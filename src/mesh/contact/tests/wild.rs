@@ -2,7 +2,6 @@
 //! narrower than a tooth is high. Here the conditions decide under which the closed forms and bounds hold.
 
 use super::*;
-use crate::mesh::contact::corner::Found;
 
 /// A random pair of such a kind.
 fn wild(random: &mut Random) -> Option<Pair> {
@@ -70,25 +69,18 @@ fn off(found: Option<Touch>, best: Option<f64>) -> f64 {
 /// that is far narrower than its steps; that must stay rare.
 #[test]
 fn wild_flanks_touch_at_the_top() {
-    let (mut some, mut none, mut nothing, mut corners, mut of_rack) = (0, 0, 0, 0, 0);
+    let (mut some, mut none, mut corners, mut of_rack) = (0, 0, 0, 0);
     let (mut missed, mut early, mut below) = (0, 0, [0; 4]);
     let mut look = |contact: &FlankContact, pose: &Pose| {
         let best = scanned(contact, pose);
         let touch = contact.touch(pose, NO_FLOOR, None);
         let about = || format!("{best:?} {touch:?}\n{contact:?}\n{pose:?}");
         if contact.slides && contact.line(pose).is_none() {
-            match contact.corner(pose, NO_FLOOR, None) {
-                Found::Nothing => {
-                    nothing += 1;
-                    assert_eq!(best, None, "{}", about());
-                }
-                Found::Touch(corner) => {
-                    corners += 1;
-                    assert!(off(Some(corner), best) < 1e-9, "{corner:?} {}", about());
-                }
-                Found::Unsure => {}
+            if let Some(corner) = contact.corner(pose, NO_FLOOR, None) {
+                corners += 1;
+                assert!(off(Some(corner), best) < 1e-9, "{corner:?} {}", about());
             }
-            if let Some(corner) = contact.rack_corner(pose, NO_FLOOR, None) {
+            if let Some(corner) = contact.rack_corner(pose, None) {
                 of_rack += 1;
                 assert!(off(Some(corner), best) < 1e-9, "{corner:?} {}", about());
             }
@@ -111,11 +103,8 @@ fn wild_flanks_touch_at_the_top() {
         for above in [1e-9, 1e-4, 0.01, 1.0] {
             if contact.slides && contact.line(pose).is_none() {
                 for floor in [best - above, best + above] {
-                    let of_corner = match contact.corner(pose, floor, None) {
-                        Found::Touch(touch) => Some(touch),
-                        _ => None,
-                    };
-                    for found in of_corner.into_iter().chain(contact.rack_corner(pose, floor, None)) {
+                    let corner = contact.corner(pose, floor, None);
+                    for found in corner.into_iter().chain(contact.rack_corner(pose, None)) {
                         assert!(
                             found.demand >= best - 1e-9 && found.demand <= floor.max(best) + 1e-9,
                             "{found:?} {}",
@@ -137,9 +126,9 @@ fn wild_flanks_touch_at_the_top() {
     }
     println!(
         "{some} touch, {none} do not; the search misses {missed}, ends too early {early} times; {corners} corners and \
-         {of_rack} at the rack's tip edge, {nothing} miss; {below:?} below"
+         {of_rack} at the rack's tip edge; {below:?} below"
     );
-    assert!(corners >= 666 && of_rack >= 379 && nothing >= 807, "{corners} {of_rack} {nothing}");
+    assert!(corners >= 605 && of_rack >= 379, "{corners} {of_rack}");
     assert!(missed <= 14 && early <= 11, "{missed} {early}");
     assert!(below.iter().zip([2363, 3333, 3901, 5289]).all(|(&below, least)| below >= least), "{below:?}");
 }

@@ -1,0 +1,70 @@
+//! A flank pair in a position, and those rows of the pinion's flank that may touch. Made by the scene for every flank
+//! pair of a position; the contact models find the contacts of its rows.
+
+use super::bound::{Bound, Reach, Tip, row_range};
+use super::flank::{FlankPair, Placed, Pose};
+use super::template::{EARLY, Row, Template};
+use crate::trig;
+
+/// A flank pair in a position.
+pub(super) struct Meeting<'a> {
+    pub(super) pair: &'a FlankPair,
+    pub(super) template: &'a Template,
+    pub(super) pose: &'a Pose,
+    pub(super) reach: &'a Reach,
+    pub(super) placed: Placed,
+    pub(super) bound: Bound,
+    pub(super) tip: Tip<'a>,
+}
+
+/// A row of the pinion's flank in a position.
+pub(super) struct PlacedRow<'a> {
+    pub(super) index: usize,
+    pub(super) row: &'a Row,
+    /// Roll angle at which it crosses the contact line.
+    pub(super) crossing: f64,
+    /// Sine and cosine of the angle by which it is turned.
+    pub(super) sin: f64,
+    pub(super) cos: f64,
+}
+
+impl<'a> Meeting<'a> {
+    /// `None` if nothing of the flanks touches.
+    pub(super) fn new(pair: &'a FlankPair, template: &'a Template, pose: &'a Pose, reach: &'a Reach) -> Option<Self> {
+        let placed = pair.place(pose);
+        let bound = Bound::new(template, &placed, reach.margin);
+        if reach.cull && bound.clears_flank(template.half_face) {
+            return None;
+        }
+        let tip = Tip::new(template, pair, &placed, pose);
+        Some(Self { pair, template, pose, reach, placed, bound, tip })
+    }
+
+    /// The rows that are not clear of the rack all along.
+    pub(super) fn rows(&self) -> impl Iterator<Item = PlacedRow<'a>> {
+        let Self { template, reach, placed, bound, .. } = *self;
+        let rows = &template.rows;
+        let range = if reach.cull { row_range(template, &placed, reach.polar) } else { 0..rows.len() };
+        let line = placed.nu - placed.c;
+        let (sin_c, cos_c) = trig::sin_cos(placed.c);
+        range.map(move |index| (index, &rows[index])).filter(move |(_, row)| !(reach.cull && bound.clears(row.w))).map(
+            move |(index, row)| PlacedRow {
+                index,
+                row,
+                crossing: line + template.kappa * row.w,
+                sin: sin_c * row.cos - cos_c * row.sin,
+                cos: cos_c * row.cos + sin_c * row.sin,
+            },
+        )
+    }
+
+    /// Whether a row's contact line lies so little before the profile's start that the rack's tip tells what is clear.
+    pub(super) fn is_early(&self, row: &PlacedRow<'_>) -> bool {
+        self.reach.cull && row.crossing < self.template.start_roll && row.crossing >= -EARLY
+    }
+
+    /// A roll angle below which nothing of an early row touches; `None` if none of it does.
+    pub(super) fn floor(&self, row: &PlacedRow<'_>) -> Option<f64> {
+        self.tip.floor(&self.bound, row.row.w, row.crossing, (row.sin, row.cos))
+    }
+}
