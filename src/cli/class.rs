@@ -14,7 +14,7 @@ use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport,
 use crate::spec::{MeasuredValue, Spec};
 use crate::standard::{Deviation, Permissible, Size, Standard, StandardError, Wheel};
 
-pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and the ΔCD that they allow";
+pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and their ΔCD";
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -22,56 +22,56 @@ pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and
 They grade toothed wheels; for a rack, --diameter says which diameter stands for it.
 
 Examples:
-  rackmesh class --standard iso1328-1:1995 --grade 7 --normal-module 1.9 --diameter 14.675 --face-width 30 --teeth 7
+  rackmesh class --standard iso1328-1:1995 --grade 7 --normal-module 1.9 --diameter 14.675 --face-width 30 --tooth-count 7
   rackmesh class --spec rack.toml --standard iso1328-1:2013 --grade 6
   rackmesh class --spec rack.toml --part rack --diameter developed --standard iso1328-1:1995 --grade 8
   rackmesh class --obtained rack.toml
-  rackmesh class --spec rack.toml --for-delta-cd 0.05
+  rackmesh class --spec rack.toml --delta-cd 0.05
 
-Exit status: 0; 1 if no grade stays within --for-delta-cd; 2 if there is no result."
+Exit status: 0; 1 if no grade stays within --delta-cd; 2 if there is no result."
 )]
 pub(super) struct Args {
     /// The standard and edition; of the spec's [tolerance] unless given.
     #[arg(long)]
     standard: Option<Standard>,
     /// The grade.
-    #[arg(long, required_unless_present_any = ["obtained", "for_delta_cd"], conflicts_with_all = ["obtained", "for_delta_cd"])]
+    #[arg(long, required_unless_present_any = ["obtained", "delta_cd"], conflicts_with_all = ["obtained", "delta_cd"])]
     grade: Option<u8>,
     /// The grade that the measured values of this spec reach.
-    #[arg(long, value_name = "SPEC", conflicts_with_all = ["spec", "for_delta_cd"])]
+    #[arg(long, value_name = "SPEC", conflicts_with_all = ["spec", "delta_cd"])]
     obtained: Option<String>,
-    /// The coarsest grade whose worst case, and whose RSS, stays within this ΔCD.
-    #[arg(long, value_name = "ΔCD")]
-    for_delta_cd: Option<Length>,
-    /// Take sizes from this spec; `-` reads standard input.
-    #[arg(long)]
+    /// The ΔCD to stay within, to either side.
+    #[arg(long, alias = "for-delta-cd", value_name = "ΔCD", allow_hyphen_values = true)]
+    delta_cd: Option<Length>,
+    /// The gear spec (TOML); `-` reads standard input.
+    #[arg(long, value_name = "SPEC")]
     spec: Option<String>,
-    /// The part that is graded.
+    /// Which part.
     #[arg(long, value_enum, default_value_t)]
     part: PartArg,
     /// Normal module m_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     normal_module: Option<Length>,
     /// Reference diameter d; for a rack a length, `pinion`, or `developed`.
-    #[arg(long, value_parser = rack_diameter)]
+    #[arg(long, value_parser = rack_diameter, allow_hyphen_values = true)]
     diameter: Option<RackDiameter>,
-    /// Face width b.
-    #[arg(long)]
+    /// Face width.
+    #[arg(long, allow_hyphen_values = true)]
     face_width: Option<Length>,
     /// Number of teeth z.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    teeth: Option<u32>,
-    /// Helix angle β.
+    #[arg(long, alias = "teeth", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    tooth_count: Option<u32>,
+    /// Helix angle β, right hand positive.
     #[arg(long, allow_hyphen_values = true)]
     helix_angle: Option<Angle>,
-    /// Normal pressure angle α_n, for ΔCD.
-    #[arg(long)]
+    /// Normal pressure angle α_n.
+    #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Option<Angle>,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
@@ -112,11 +112,11 @@ impl Args {
         };
         match (&spec, &path) {
             (Some(spec), Some((path, true))) => self.run_obtained(standard, spec, path, output),
-            _ => match (self.grade, &self.for_delta_cd) {
+            _ => match (self.grade, &self.delta_cd) {
                 (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), output),
                 (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
                 // clap requires one of them
-                (None, None) => Err(usage("give --grade, --obtained or --for-delta-cd").into()),
+                (None, None) => Err(usage("give --grade, --obtained or --delta-cd").into()),
             },
         }
     }
@@ -124,7 +124,7 @@ impl Args {
     /// The part asked for, by the options and else the spec.
     fn sized(&self, part: Part, spec: Option<&Spec>) -> Result<Sized, Failure> {
         let mut wheel = spec.map(|spec| spec.wheel(part)).unwrap_or_default();
-        let options = (self.normal_module, self.face_width, self.teeth, self.helix_angle);
+        let options = (self.normal_module, self.face_width, self.tooth_count, self.helix_angle);
         wheel.normal_module = options.0.or(wheel.normal_module);
         wheel.face_width = options.1.or(wheel.face_width);
         wheel.teeth = options.2.or(wheel.teeth);

@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{CATALOGUE, FormulaPage as Page};
 use crate::report::{Column, Table, table_text, wrap};
 
-pub(super) const ABOUT: &str = "Print the documentation of a formula, a method or a diagnostic code";
+pub(super) const ABOUT: &str = "Print the page of a formula, a method or a diagnostic code";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:

@@ -21,7 +21,7 @@ use crate::spec::Located;
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation};
 use crate::table::{self, Source, Teeth};
 
-pub(super) const ABOUT: &str = "Solve the exact zero-backlash mesh along the stroke, with every tooth's own deviations";
+pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -36,37 +36,44 @@ pub(super) struct Args {
     spec: String,
     #[command(flatten)]
     range: Range,
-    /// List strokes this far apart, both ends included, instead of where the curve needs them.
-    #[arg(long, conflicts_with = "points", value_name = "LENGTH")]
+    /// List strokes this far apart.
+    #[arg(long, conflicts_with = "points", value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
     /// List this many strokes, both ends included.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
     points: Option<u32>,
-    /// Write the curve as a picture; the name ends in .svg or .png.
+    /// Draw the result to this file (.svg or .png).
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
-/// The stroke, and how closely it is followed.
+/// The stroke.
 #[derive(Debug, clap::Args)]
-pub(super) struct Range {
+pub(super) struct Stroke {
     /// First stroke.
     #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
     pub(super) from: Length,
     /// Last stroke.
     #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
     pub(super) to: Length,
+}
+
+/// The stroke, and how closely it is followed.
+#[derive(Debug, clap::Args)]
+pub(super) struct Range {
+    #[command(flatten)]
+    pub(super) stroke: Stroke,
     /// The promised error of the curve between its points.
-    #[arg(long, default_value = "1e-6", value_name = "LENGTH")]
+    #[arg(long, default_value = "1e-6", value_name = "LENGTH", allow_hyphen_values = true)]
     pub(super) tolerance: Length,
 }
 
 impl Range {
     pub(super) fn curve(&self, mesh: &Mesh) -> Result<Curve, Failure> {
-        mesh.curve(self.from.mm(), self.to.mm(), self.tolerance.mm()).map_err(|error| unsolved(&error))
+        mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), self.tolerance.mm()).map_err(|error| unsolved(&error))
     }
 }
 
@@ -289,7 +296,7 @@ impl Args {
     /// The strokes asked for; `None` for those that the curve needs.
     fn strokes(&self) -> Result<Option<Strokes>, Failure> {
         const MOST: f64 = 1e8;
-        let (from, to) = (self.range.from.mm(), self.range.to.mm());
+        let (from, to) = (self.range.stroke.from.mm(), self.range.stroke.to.mm());
         if from > to {
             let message = format!("--from {from} lies beyond --to {to}");
             return Err(Diagnostic::error(Code::Usage, message).into());

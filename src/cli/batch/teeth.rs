@@ -26,7 +26,7 @@ impl Args {
     ) -> Result<Status, Failure> {
         let rows = self.request(format, spec)?;
         let request = TeethRequest {
-            stroke_mm: (self.range.from.mm(), self.range.to.mm()),
+            stroke_mm: (self.range.stroke.from.mm(), self.range.stroke.to.mm()),
             tolerance_mm: self.range.tolerance.mm(),
             decimals: self.decimals,
             format,
@@ -51,7 +51,7 @@ impl Args {
         let mut targets = self.targets(&inputs, &|| Teeth::column_kinds(self.columns.as_deref()))?;
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
         let mut failed = std::mem::take(&mut found.failed);
-        let mut bar = Bar::new(&files, "parts");
+        let mut bar = Bar::new(&files, "parts", output);
         let adjust = |want: Want| Want { teeth: Some(true), ..want };
         for path in &files {
             let opened = match found.take_first() {
