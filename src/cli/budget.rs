@@ -44,7 +44,7 @@ pub(super) struct Args {
     /// The ΔCD to stay within, to either side.
     #[arg(long, value_name = "ΔCD", allow_hyphen_values = true)]
     delta_cd: Option<Length>,
-    /// How errors add up: the combination that is judged.
+    /// How errors add up.
     #[arg(long, value_enum)]
     stack: Option<StackArg>,
     /// The fraction of random assemblies that must conform; 0.9973 unless given.

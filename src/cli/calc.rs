@@ -36,23 +36,35 @@ pub(super) struct Args {
 #[derive(Debug, Subcommand)]
 enum Formula {
     /// ΔCD from the over-roller error of the rack.
-    #[command(alias = "rack-over-roller", after_help = "Example:
-  rackmesh calc over-roller --measured 25.0131 --nominal 25")]
+    #[command(
+        alias = "rack-over-roller",
+        after_help = "Example:
+  rackmesh calc over-roller --measured 25.0131 --nominal 25"
+    )]
     OverRoller(Signed),
     /// ΔCD from a pitch error of the rack.
-    #[command(alias = "rack-pitch", after_help = "Examples:
+    #[command(
+        alias = "rack-pitch",
+        after_help = "Examples:
   rackmesh calc pitch 20um --pressure-angle 20 --helix-angle 12
-  rackmesh calc pitch --inverse 50um --pressure-angle 20")]
+  rackmesh calc pitch --inverse 50um --pressure-angle 20"
+    )]
     Pitch(Pitch),
     /// ΔCD from a lead angle error of the rack.
-    #[command(alias = "rack-lead", after_help = "Examples:
+    #[command(
+        alias = "rack-lead",
+        after_help = "Examples:
   rackmesh calc lead 0.25deg --face-width 19.7 --pressure-angle 19.9
   rackmesh calc lead --f-h-beta 8um --length 18 --face-width 19.7 --pressure-angle 19.9
-  rackmesh calc lead --inverse 20um --length 18 --face-width 19.7 --pressure-angle 19.9")]
+  rackmesh calc lead --inverse 20um --length 18 --face-width 19.7 --pressure-angle 19.9"
+    )]
     Lead(Lead),
     /// ΔCD from the radial measurement error of the pinion.
-    #[command(alias = "pinion-radial", after_help = "Example:
-  rackmesh calc radial --measured 8.512 --nominal 8.5")]
+    #[command(
+        alias = "pinion-radial",
+        after_help = "Example:
+  rackmesh calc radial --measured 8.512 --nominal 8.5"
+    )]
     Radial(Signed),
     /// ΔCD from a single pitch deviation of the pinion.
     #[command(after_help = "Example:

@@ -13,10 +13,10 @@ use crate::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyErro
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct DecisionArgs {
-    /// Decision rule: simple, iso14253 or guard=VALUE; the spec's unless given.
+    /// Decision rule: simple, iso14253 or guard=VALUE; else the spec's.
     #[arg(long, value_name = "RULE")]
     rule: Option<Rule>,
-    /// Uncertainty of ΔCD by simulation (JCGM 101), N draws or as many as needed.
+    /// Uncertainty of ΔCD by simulation (JCGM 101), with N draws.
     #[arg(long, value_name = "N", num_args = 0..=1)]
     #[expect(clippy::option_option, reason = "not given, given without a number, given with one")]
     monte_carlo: Option<Option<String>>,

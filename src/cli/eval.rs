@@ -29,7 +29,7 @@ pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(required_unless_present = "monte_carlo")]
     spec: Option<String>,
-    /// How errors add up: the combination that is judged.
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.

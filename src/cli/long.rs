@@ -23,7 +23,11 @@ pub(super) struct Bar {
 
 impl Bar {
     pub(super) fn new(output: &Output) -> Self {
-        Self { watched: io::stderr().is_terminal() && !is_dumb() && !output.is_quiet(), begun: Instant::now(), drawn: None }
+        Self {
+            watched: io::stderr().is_terminal() && !is_dumb() && !output.is_quiet(),
+            begun: Instant::now(),
+            drawn: None,
+        }
     }
 
     /// Since the run began, s.

@@ -252,14 +252,11 @@ impl Args {
         notes.extend(spec.suspicions_in_words());
         let mut listed: Vec<ListedPoint> = Vec::new();
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
-            if strokes.count <= MOST_LISTED {
-                let at: Vec<f64> = (0..strokes.count).map(|index| strokes.at(index)).collect();
-                listed = at.iter().copied().zip(input.mesh.sample(&at)).collect();
-                if let Some(error) = Trust::of(&listed).failure {
-                    output.diagnostic(&unsolved_stroke(&error));
+            match listed_in_table(strokes, &input.mesh, output) {
+                Some(points) => listed = points,
+                None => {
+                    notes.push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count))
                 }
-            } else {
-                notes.push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count));
             }
         }
         let report = MeshReport {
@@ -319,6 +316,19 @@ impl Args {
         let divides = (to - (from + f64::from(whole) * step)).abs() <= 1e-9 * step.abs();
         Ok(Some(Strokes { from, to, step, count: u64::from(whole) + if divides { 1 } else { 2 } }))
     }
+}
+
+/// The strokes of a table with their solutions; `None` if they are too many for one.
+fn listed_in_table(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Option<Vec<ListedPoint>> {
+    if strokes.count > MOST_LISTED {
+        return None;
+    }
+    let at: Vec<f64> = (0..strokes.count).map(|index| strokes.at(index)).collect();
+    let listed: Vec<ListedPoint> = at.iter().copied().zip(mesh.sample(&at)).collect();
+    if let Some(error) = Trust::of(&listed).failure {
+        output.diagnostic(&unsolved_stroke(&error));
+    }
+    Some(listed)
 }
 
 /// How a command ends that solved a mesh.

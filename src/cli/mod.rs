@@ -163,7 +163,8 @@ pub fn command() -> Command {
                 .long("color")
                 .global(true)
                 .value_name("WHEN")
-                .help("When to use colours")
+                .help("When to use colours: auto, always or never")
+                .hide_possible_values(true)
                 .default_value("auto")
                 .value_parser(clap::value_parser!(ColorChoice)),
         );

@@ -51,13 +51,13 @@ pub(super) struct Args {
     /// Add the exact mesh of the same parts, along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
-    /// How errors add up: the combination that is judged.
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Judge parts without the errors that the spec asks for and the table lacks.
+    /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
@@ -339,7 +339,8 @@ impl Args {
         let measured = spec.measured(&tables, self.model.into())?;
         let limits = spec.limits();
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
-        let report = SpacesReport { title: spec.title.as_deref(), measured: &measured };
+        let title = self.block_name();
+        let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();
         if limit.is_none() && !self.mesh {
             self.report(&report, read, output)?;

@@ -47,13 +47,13 @@ pub(super) struct Args {
     teeth: bool,
     #[command(flatten)]
     stroke: mesh::Stroke,
-    /// How errors add up: the combination that is judged.
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Judge parts without the errors that the spec asks for and the table lacks.
+    /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]

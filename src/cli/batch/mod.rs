@@ -32,14 +32,11 @@ pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdi
 #[command(after_help = "Examples:
   rackmesh batch rack.toml parts.csv > results.csv
   rackmesh batch rack.toml parts.csv.gz --summary
-  rackmesh batch rack.toml parts.csv --only-failures --columns part_id,verdict
   rackmesh batch rack.toml spaces.csv --teeth --to 30
-  rackmesh batch rack.toml parts.csv --rule iso14253
   rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
 
-Exit status: 0 all parts inside the limits or none given, 1 a part outside,
-2 a row was rejected or something could not be judged, 3 a verdict is
-indeterminate and none worse, 130 or 143 interrupted.")]
+Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row rejected or
+not judged, 3 indeterminate and none worse, 130 or 143 interrupted.")]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
@@ -64,16 +61,16 @@ pub(super) struct Args {
     /// Write the parts that do not pass only.
     #[arg(long)]
     only_failures: bool,
-    /// How errors add up: the combination that is judged.
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Put the errors of each part on the worst teeth found: columns reached_….
+    /// Put each part's errors on the worst teeth found: columns reached_….
     #[arg(long, alias = "mesh", conflicts_with = "teeth")]
     worst_teeth: bool,
-    /// Judge parts without the errors that the spec asks for and the table lacks.
+    /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
@@ -92,8 +89,8 @@ pub(super) struct Args {
     /// Write a JUnit report here.
     #[arg(long, value_name = "FILE")]
     junit: Option<String>,
-    /// Annotate parts that do not pass and rejected rows, on standard error.
-    #[arg(long, value_enum, value_name = "FOR")]
+    /// Annotate parts that do not pass, on standard error, for github.
+    #[arg(long, value_enum, value_name = "FOR", hide_possible_values = true)]
     annotations: Option<Annotations>,
     /// Threads; one per core unless given.
     #[arg(long, short = 'j', alias = "jobs", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

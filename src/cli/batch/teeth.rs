@@ -10,6 +10,7 @@ use crate::cli::output::{Failure, Output, Status};
 use crate::cli::{mesh, tables};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
+use crate::parallel::cores;
 use crate::report::Format;
 use crate::spec::Spec;
 use crate::table::Want;
@@ -43,7 +44,6 @@ impl Args {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
         let measured = mesh::measured_tables(spec, &self.spec)?;
-        let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let workers = self.threads.map_or_else(cores, usize::from);
         let paths = found.paths();
         let files: Vec<&str> = paths.iter().map(String::as_str).collect();
