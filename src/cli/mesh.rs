@@ -255,7 +255,8 @@ impl Args {
             match listed_in_table(strokes, &input.mesh, output) {
                 Some(points) => listed = points,
                 None => {
-                    notes.push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count));
+                    notes
+                        .push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count));
                 }
             }
         }
