@@ -18,7 +18,7 @@ use crate::quantity::Length;
 use crate::report::{BudgetReport, Format, bound_remarks};
 use crate::spec::{Spec, keys};
 
-pub(super) const ABOUT: &str = "Allocate a ΔCD tolerance to the errors: which tolerance each may have";
+pub(super) const ABOUT: &str = "Share a ΔCD tolerance out: which tolerance each error may have";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "The spec's [budget] says which tolerances are fixed and which are sought:
@@ -30,7 +30,7 @@ pub(super) const ABOUT: &str = "Allocate a ΔCD tolerance to the errors: which t
   rack_lead = { weight = 2 }         # free: twice the ΔCD of a weight of 1
   pinion_pitch = \"free\"              # free, weight 1; { cost = 3 } instead makes the sum of costs smallest
 
-Without entries there, the paper's five errors are free.
+Without entries there, the paper's five errors are free. --delta-cd stands in place of limits.center_distance.
 
 Examples:
   rackmesh budget rack.toml
@@ -41,10 +41,10 @@ Exit status: 0 if the limit can be met, 1 if fixed tolerances break it, 2 if the
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     spec: String,
-    /// The ΔCD to distribute, to either side, in place of limits.center_distance.
-    #[arg(long, value_name = "ΔCD")]
+    /// The ΔCD to stay within, to either side.
+    #[arg(long, value_name = "ΔCD", allow_hyphen_values = true)]
     delta_cd: Option<Length>,
-    /// How tolerances add up.
+    /// How errors add up.
     #[arg(long, value_enum)]
     stack: Option<StackArg>,
     /// The fraction of random assemblies that must conform; 0.9973 unless given.
@@ -53,22 +53,22 @@ pub(super) struct Args {
     /// How errors spread within their tolerances; uniform unless given.
     #[arg(long, value_enum)]
     distribution: Option<SpreadArg>,
-    /// The seed of the simulation.
-    #[arg(long, default_value_t = 1)]
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Do not look for the worst teeth to put the tolerances on.
-    #[arg(long)]
-    no_mesh: bool,
-    /// Draw the tornado plot to this file (SVG); the name ends in .svg.
+    /// Do not look for the worst teeth to put the errors on.
+    #[arg(long, alias = "no-mesh")]
+    no_worst_teeth: bool,
+    /// Draw the result to this file (.svg).
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
@@ -119,7 +119,7 @@ impl Args {
             model: request.model,
             classes: &classes,
             grades: &grades,
-            reached: if self.no_mesh { None } else { reached(&budget, &request.basis)? },
+            reached: if self.no_worst_teeth { None } else { reached(&budget, &request.basis)? },
             notes: bound_remarks(&budget.notes, &spec.missing_geometry()),
             screen: output.screen(),
         };

@@ -17,7 +17,7 @@ use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, Quantit
 use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks};
 use crate::spec::GEOMETRY_KEYS;
 
-pub(super) const ABOUT: &str = "Compute one formula: prints just the number and its unit";
+pub(super) const ABOUT: &str = "Compute one formula: just the number and its unit";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Values are in mm or degrees, or take a unit: 20um, 0.5in, 15arcmin, 0.3mrad.
@@ -36,23 +36,35 @@ pub(super) struct Args {
 #[derive(Debug, Subcommand)]
 enum Formula {
     /// ΔCD from the over-roller error of the rack.
-    #[command(after_help = "Example:
-  rackmesh calc over-roller --measured 25.0131 --nominal 25")]
+    #[command(
+        alias = "rack-over-roller",
+        after_help = "Example:
+  rackmesh calc over-roller --measured 25.0131 --nominal 25"
+    )]
     OverRoller(Signed),
     /// ΔCD from a pitch error of the rack.
-    #[command(after_help = "Examples:
+    #[command(
+        alias = "rack-pitch",
+        after_help = "Examples:
   rackmesh calc pitch 20um --pressure-angle 20 --helix-angle 12
-  rackmesh calc pitch --inverse 50um --pressure-angle 20")]
+  rackmesh calc pitch --inverse 50um --pressure-angle 20"
+    )]
     Pitch(Pitch),
     /// ΔCD from a lead angle error of the rack.
-    #[command(after_help = "Examples:
+    #[command(
+        alias = "rack-lead",
+        after_help = "Examples:
   rackmesh calc lead 0.25deg --face-width 19.7 --pressure-angle 19.9
   rackmesh calc lead --f-h-beta 8um --length 18 --face-width 19.7 --pressure-angle 19.9
-  rackmesh calc lead --inverse 20um --length 18 --face-width 19.7 --pressure-angle 19.9")]
+  rackmesh calc lead --inverse 20um --length 18 --face-width 19.7 --pressure-angle 19.9"
+    )]
     Lead(Lead),
     /// ΔCD from the radial measurement error of the pinion.
-    #[command(after_help = "Example:
-  rackmesh calc radial --measured 8.512 --nominal 8.5")]
+    #[command(
+        alias = "pinion-radial",
+        after_help = "Example:
+  rackmesh calc radial --measured 8.512 --nominal 8.5"
+    )]
     Radial(Signed),
     /// ΔCD from a single pitch deviation of the pinion.
     #[command(after_help = "Example:
@@ -72,7 +84,7 @@ enum Formula {
     OverPin(OverPinArgs),
     /// The difference of two over-pin measures made with different rollers.
     #[command(after_help = "Example:
-  rackmesh calc roller-change --from 4 --to 3.5 --pressure-angle 20")]
+  rackmesh calc roller-change --old-roller 4 --new-roller 3.5 --pressure-angle 20")]
     RollerChange(RollerChange),
 }
 
@@ -82,14 +94,14 @@ struct Common {
     /// The unit of the result; mm or deg unless given.
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
-    /// Round the result to this many decimals; all digits, and at least six decimals, unless given.
+    /// Decimals of the lengths in the result.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=100))]
     decimals: Option<u8>,
     /// Show the formula's page too.
     #[arg(long)]
     explain: bool,
-    /// Write the result in this format instead of a single line.
-    #[arg(long, value_enum, conflicts_with = "explain")]
+    /// Output format.
+    #[arg(long, short, value_enum, conflicts_with = "explain")]
     format: Option<Format>,
 }
 
@@ -128,12 +140,12 @@ struct Pitch {
     #[command(flatten)]
     given: Given,
     /// Normal pressure angle α_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Angle,
-    /// Helix angle β of the part that has the error, right hand positive.
+    /// Helix angle β, right hand positive.
     #[arg(long, default_value = "0", allow_hyphen_values = true)]
     helix_angle: Angle,
-    /// Formula exact for rigid teeth, or as the paper prints it.
+    /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
     #[command(flatten)]
@@ -150,18 +162,18 @@ struct Lead {
           allow_hyphen_values = true)]
     f_h_beta: Option<Length>,
     /// Evaluation length of the helix slope deviation; with --inverse, the result is one too, in µm.
-    #[arg(long, requires = "f_h_beta_or_inverse")]
+    #[arg(long, requires = "f_h_beta_or_inverse", allow_hyphen_values = true)]
     length: Option<Length>,
-    /// Face width k of the rack.
-    #[arg(long)]
+    /// Face width.
+    #[arg(long, allow_hyphen_values = true)]
     face_width: Length,
     /// Normal pressure angle α_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Angle,
-    /// Helix angle β_r of the rack, right hand positive.
+    /// Helix angle β, right hand positive.
     #[arg(long, default_value = "0", allow_hyphen_values = true)]
     helix_angle: Angle,
-    /// Formula exact for rigid teeth, or as the paper prints it.
+    /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
     #[command(flatten)]
@@ -171,13 +183,13 @@ struct Lead {
 #[derive(Debug, clap::Args)]
 struct Pin {
     /// Normal module m_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     normal_module: Length,
     /// Normal pressure angle α_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Angle,
     /// Normal tooth thickness s_n; π m_n / 2 unless given.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     tooth_thickness: Option<Length>,
     #[command(flatten)]
     common: Common,
@@ -186,19 +198,19 @@ struct Pin {
 #[derive(Debug, clap::Args)]
 struct OverPinArgs {
     /// Normal module m_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     normal_module: Length,
     /// Normal pressure angle α_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Angle,
-    /// Pin diameter d_p.
-    #[arg(long)]
+    /// Diameter of the pin.
+    #[arg(long, allow_hyphen_values = true)]
     pin: Length,
     /// Distance K from the datum to the reference plane.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     datum: Length,
     /// Normal tooth thickness s_n; π m_n / 2 unless given.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     tooth_thickness: Option<Length>,
     #[command(flatten)]
     common: Common,
@@ -207,13 +219,13 @@ struct OverPinArgs {
 #[derive(Debug, clap::Args)]
 struct RollerChange {
     /// Diameter of the roller that is replaced.
-    #[arg(long)]
-    from: Length,
+    #[arg(long, alias = "from", allow_hyphen_values = true)]
+    old_roller: Length,
     /// Diameter of the roller that replaces it.
-    #[arg(long)]
-    to: Length,
+    #[arg(long, alias = "to", allow_hyphen_values = true)]
+    new_roller: Length,
     /// Normal pressure angle α_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Angle,
     #[command(flatten)]
     common: Common,
@@ -515,7 +527,7 @@ fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> 
 }
 
 fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status, Failure> {
-    let difference = roller_change::difference(args.from, args.to, args.pressure_angle);
+    let difference = roller_change::difference(args.old_roller, args.new_roller, args.pressure_angle);
     let difference = difference.map_err(|error| refused(&error))?;
     let doubt = sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
     let notes = doubt.into_iter().collect();

@@ -15,7 +15,7 @@ use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport,
 use crate::spec::{MeasuredValue, Spec, keys};
 use crate::standard::{Deviation, Permissible, Size, Standard, StandardError, Wheel};
 
-pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and the ΔCD that they allow";
+pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and their ΔCD";
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -23,50 +23,50 @@ pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and
 They grade toothed wheels; for a rack, --diameter says which diameter stands for it.
 
 Examples:
-  rackmesh class --standard iso1328-1:1995 --grade 7 --normal-module 1.9 --diameter 14.675 --face-width 30 --teeth 7
+  rackmesh class --standard iso1328-1:1995 --grade 7 --normal-module 1.9 --diameter 14.675 --face-width 30 --tooth-count 7
   rackmesh class --spec rack.toml --standard iso1328-1:2013 --grade 6
   rackmesh class --spec rack.toml --part rack --diameter developed --standard iso1328-1:1995 --grade 8
   rackmesh class --obtained rack.toml
-  rackmesh class --spec rack.toml --for-delta-cd 0.05
+  rackmesh class --spec rack.toml --delta-cd 0.05
 
-Exit status: 0; 1 if no grade stays within --for-delta-cd; 2 if there is no result."
+Exit status: 0; 1 if no grade stays within --delta-cd; 2 if there is no result."
 )]
 pub(super) struct Args {
     /// The standard and edition; of the spec's [tolerance] unless given.
     #[arg(long)]
     standard: Option<Standard>,
     /// The grade.
-    #[arg(long, required_unless_present_any = ["obtained", "for_delta_cd"], conflicts_with_all = ["obtained", "for_delta_cd"])]
+    #[arg(long, required_unless_present_any = ["obtained", "delta_cd"], conflicts_with_all = ["obtained", "delta_cd"])]
     grade: Option<u8>,
     /// The grade that the measured values of this spec reach.
-    #[arg(long, value_name = "SPEC", conflicts_with_all = ["spec", "for_delta_cd"])]
+    #[arg(long, value_name = "SPEC", conflicts_with_all = ["spec", "delta_cd"])]
     obtained: Option<String>,
-    /// The coarsest grade whose worst case, and whose RSS, stays within this ΔCD.
-    #[arg(long, value_name = "ΔCD")]
-    for_delta_cd: Option<Length>,
-    /// Take sizes from this spec; `-` reads standard input.
-    #[arg(long)]
+    /// The ΔCD to stay within, to either side.
+    #[arg(long, alias = "for-delta-cd", value_name = "ΔCD", allow_hyphen_values = true)]
+    delta_cd: Option<Length>,
+    /// The gear spec (TOML); `-` reads standard input.
+    #[arg(long, value_name = "SPEC")]
     spec: Option<String>,
-    /// The part that is graded.
+    /// Which part.
     #[arg(long, value_enum, default_value_t)]
     part: PartArg,
     /// Normal module m_n.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     normal_module: Option<Length>,
     /// Reference diameter d; for a rack a length, `pinion`, or `developed`.
-    #[arg(long, value_parser = rack_diameter)]
+    #[arg(long, value_parser = rack_diameter, allow_hyphen_values = true)]
     diameter: Option<RackDiameter>,
-    /// Face width b.
-    #[arg(long)]
+    /// Face width.
+    #[arg(long, allow_hyphen_values = true)]
     face_width: Option<Length>,
     /// Number of teeth z.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    teeth: Option<u32>,
-    /// Helix angle β.
+    #[arg(long, alias = "teeth", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    tooth_count: Option<u32>,
+    /// Helix angle β, right hand positive.
     #[arg(long, allow_hyphen_values = true)]
     helix_angle: Option<Angle>,
-    /// Normal pressure angle α_n, for ΔCD.
-    #[arg(long)]
+    /// Normal pressure angle α_n.
+    #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Option<Angle>,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
@@ -74,7 +74,7 @@ pub(super) struct Args {
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
@@ -119,11 +119,11 @@ impl Args {
         };
         match (&spec, &path) {
             (Some(spec), Some((path, true))) => self.run_obtained(standard, spec, path, output),
-            _ => match (self.grade, &self.for_delta_cd) {
+            _ => match (self.grade, &self.delta_cd) {
                 (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), output),
                 (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
                 // clap requires one of them
-                (None, None) => Err(usage("give --grade, --obtained or --for-delta-cd").into()),
+                (None, None) => Err(usage("give --grade, --obtained or --delta-cd").into()),
             },
         }
     }
@@ -131,64 +131,13 @@ impl Args {
     /// The part asked for, by the options and else the spec.
     fn sized(&self, part: Part, spec: Option<&Spec>) -> Result<Sized, Failure> {
         let mut wheel = spec.map(|spec| spec.wheel(part)).unwrap_or_default();
-        let options = (self.normal_module, self.face_width, self.teeth, self.helix_angle);
-        wheel.normal_module = options.0.or(wheel.normal_module);
-        wheel.face_width = options.1.or(wheel.face_width);
-        wheel.teeth = options.2.or(wheel.teeth);
-        wheel.helix_angle = options.3.or(wheel.helix_angle);
+        wheel.normal_module = self.normal_module.or(wheel.normal_module);
+        wheel.face_width = self.face_width.or(wheel.face_width);
+        wheel.teeth = self.tooth_count.or(wheel.teeth);
+        wheel.helix_angle = self.helix_angle.or(wheel.helix_angle);
         positive(Size::NormalModule, wheel.normal_module)?;
         positive(Size::FaceWidth, wheel.face_width)?;
-        let written = spec.and_then(|spec| spec.get(keys::TOLERANCE_DIAMETER));
-        let pinion = || -> Result<Option<Length>, Failure> {
-            // of the spec's pinion for a rack, else of this wheel
-            let (module, teeth, helix_angle) = match (part, spec) {
-                (Part::Rack, Some(spec)) => {
-                    let pinion = spec.wheel(Part::Pinion);
-                    (wheel.normal_module.or(pinion.normal_module), pinion.teeth, pinion.helix_angle)
-                }
-                _ => (wheel.normal_module, wheel.teeth, wheel.helix_angle),
-            };
-            let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
-            let diameter = class::reference_diameter(module, teeth, helix_angle.unwrap_or(Angle::ZERO));
-            Ok(Some(diameter.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?))
-        };
-        // where both parts are graded, --diameter is the rack's unless the pinion's own is not known
-        let is_own = part == Part::Pinion && self.grade.is_none() && pinion()?.is_some();
-        let choice = match part {
-            Part::Rack => self.diameter.clone().or(written),
-            Part::Pinion if is_own => None,
-            Part::Pinion => self.diameter.clone(),
-        };
-        let (diameter, source) = match (part, choice) {
-            (_, Some(RackDiameter::Given(diameter))) => {
-                positive(Size::Diameter, Some(diameter))?;
-                (Some(diameter), DiameterSource::Given)
-            }
-            (Part::Rack, Some(RackDiameter::Developed)) => {
-                let length = spec.and_then(|spec| spec.get(keys::RACK_TOOTHED_LENGTH));
-                let length = length.ok_or_else(|| {
-                    usage("a developed diameter needs the toothed length of the rack")
-                        .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
-                })?;
-                let diameter = class::developed_diameter(length)
-                    .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
-                (Some(diameter), DiameterSource::Developed)
-            }
-            (Part::Rack, Some(RackDiameter::Pinion)) => {
-                let diameter = pinion()?;
-                if diameter.is_none() {
-                    let message = "the diameter of the mating pinion needs its normal module and number of teeth";
-                    return Err(usage(message).help("give --spec SPEC with them, or the diameter itself").into());
-                }
-                (diameter, DiameterSource::MatingPinion)
-            }
-            (Part::Rack, None) => {
-                let message = "which diameter stands for the rack is not said, and there is no default";
-                let help = "give --diameter pinion, developed or a length, or [tolerance] diameter in the spec";
-                return Err(usage(message).help(help).into());
-            }
-            (Part::Pinion, _) => (pinion()?, DiameterSource::Own),
-        };
+        let (diameter, source) = self.diameter(part, &wheel, spec)?;
         wheel.diameter = diameter;
         let diameter_source = wheel.diameter.as_ref().map(|_| source);
         let written = spec.and_then(|spec| spec.get(keys::PAIR_NORMAL_PRESSURE_ANGLE));
@@ -204,6 +153,53 @@ impl Args {
             checked.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
         }
         Ok(Sized { part, wheel, diameter_source, meshing })
+    }
+
+    /// The reference diameter by which a part is graded, as far as it is known, and where it is from.
+    fn diameter(
+        &self,
+        part: Part,
+        wheel: &Wheel,
+        spec: Option<&Spec>,
+    ) -> Result<(Option<Length>, DiameterSource), Failure> {
+        let written = spec.and_then(|spec| spec.get(keys::TOLERANCE_DIAMETER));
+        // where both parts are graded, --diameter is the rack's unless the pinion's own is not known
+        let is_own = part == Part::Pinion && self.grade.is_none() && pinion_diameter(part, wheel, spec)?.is_some();
+        let choice = match part {
+            Part::Rack => self.diameter.clone().or(written),
+            Part::Pinion if is_own => None,
+            Part::Pinion => self.diameter.clone(),
+        };
+        match (part, choice) {
+            (_, Some(RackDiameter::Given(diameter))) => {
+                positive(Size::Diameter, Some(diameter))?;
+                Ok((Some(diameter), DiameterSource::Given))
+            }
+            (Part::Rack, Some(RackDiameter::Developed)) => {
+                let length = spec.and_then(|spec| spec.get(keys::RACK_TOOTHED_LENGTH));
+                let length = length.ok_or_else(|| {
+                    usage("a developed diameter needs the toothed length of the rack")
+                        .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
+                })?;
+                let diameter = class::developed_diameter(length)
+                    .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+                Ok((Some(diameter), DiameterSource::Developed))
+            }
+            (Part::Rack, Some(RackDiameter::Pinion)) => {
+                let diameter = pinion_diameter(part, wheel, spec)?;
+                if diameter.is_none() {
+                    let message = "the diameter of the mating pinion needs its normal module and number of teeth";
+                    return Err(usage(message).help("give --spec SPEC with them, or the diameter itself").into());
+                }
+                Ok((diameter, DiameterSource::MatingPinion))
+            }
+            (Part::Rack, None) => {
+                let message = "which diameter stands for the rack is not said, and there is no default";
+                let help = "give --diameter pinion, developed or a length, or [tolerance] diameter in the spec";
+                Err(usage(message).help(help).into())
+            }
+            (Part::Pinion, _) => Ok((pinion_diameter(part, wheel, spec)?, DiameterSource::Own)),
+        }
     }
 
     fn part(&self) -> Part {
@@ -260,19 +256,7 @@ impl Args {
         }
         let not_given = not_given.into_iter().map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
         rows.sort_by_key(|row| row.permissible.deviation);
-        if rows.iter().any(|row| row.permissible.deviation == Deviation::Runout) {
-            notes.push(
-                "ΔCD of F_r and of the composite deviations is their own peak-to-peak value; of an eccentric part it moves \
-                 by ± F_r / 2 about its mean, which is what { class = … } of the radial error takes"
-                    .to_owned(),
-            );
-        }
-        if rows.iter().any(|row| row.delta_cd.as_ref().is_err_and(|reason| reason.contains("pressure angle"))) {
-            notes.push("give --pressure-angle for the ΔCD of pitch and helix deviations".to_owned());
-        }
-        if rows.iter().any(|row| row.mesh.is_some()) {
-            notes.push("exact mesh: each deviation alone, on an otherwise perfect pair".to_owned());
-        }
+        notes.extend(remarks(&rows, &sized.meshing));
         let head = head(standard, spec, sized);
         output.report(&ClassReport { head, grade, rows, not_given, notes }, self.format)?;
         Ok(Status::Pass)
@@ -322,6 +306,18 @@ impl Args {
         Ok(if report.obtained.is_empty() { Status::Undecided } else { Status::Pass })
     }
 
+    /// With a spec the errors that it gives, or the paper's; without one what acts on the part's teeth independently.
+    fn kinds_searched(&self, spec: Option<&Spec>) -> Vec<DeviationKind> {
+        match spec {
+            Some(spec) if !spec.errors.is_empty() => spec.errors.iter().map(|(kind, _)| *kind).collect(),
+            Some(_) => DeviationKind::OF_PAPER.to_vec(),
+            None => match self.part() {
+                Part::Rack => vec![DeviationKind::RackOverRoller, DeviationKind::RackPitch, DeviationKind::RackLead],
+                Part::Pinion => vec![DeviationKind::PinionRadial, DeviationKind::PinionPitch],
+            },
+        }
+    }
+
     /// The coarsest grade within a ΔCD.
     fn run_search(
         &self,
@@ -330,15 +326,7 @@ impl Args {
         spec: Option<&Spec>,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        // with a spec: the errors that it gives, or the paper's; without: what acts on the part's teeth independently
-        let kinds: Vec<DeviationKind> = match spec {
-            Some(spec) if !spec.errors.is_empty() => spec.errors.iter().map(|(kind, _)| *kind).collect(),
-            Some(_) => DeviationKind::OF_PAPER.to_vec(),
-            None => match self.part() {
-                Part::Rack => vec![DeviationKind::RackOverRoller, DeviationKind::RackPitch, DeviationKind::RackLead],
-                Part::Pinion => vec![DeviationKind::PinionRadial, DeviationKind::PinionPitch],
-            },
-        };
+        let kinds = self.kinds_searched(spec);
         let (kinds, left_out): (Vec<_>, Vec<_>) =
             kinds.into_iter().partition(|kind| class::deviation_of(*kind).is_some());
         if kinds.is_empty() {
@@ -376,28 +364,68 @@ impl Args {
         if let Some(error) = fatal {
             return Err(error.diagnostic().into());
         }
-        let terms = kinds.iter().filter_map(|kind| {
-            let deviation = class::deviation_of(*kind)?;
-            let (limiting, sized) = standard.that_limits(deviation).zip(of(*kind))?;
-            let diameter = sized.wheel.diameter.as_ref().zip(sized.diameter_source);
-            let diameter = diameter.map_or_else(String::new, |(diameter, source)| {
-                format!(", d = {:.4} mm ({})", diameter.mm(), source.in_words())
-            });
-            let cap = match deviation {
-                Deviation::SinglePitch if limiting.deviations().contains(&Deviation::TotalPitch) => {
-                    format!(", capped by {}", limiting.symbol(Deviation::TotalPitch))
-                }
-                Deviation::Runout => " / 2, an eccentricity,".to_owned(),
-                _ => String::new(),
-            };
-            Some(format!("{kind} by {}{cap} of {limiting}{diameter}", limiting.symbol(deviation)))
-        });
+        let terms = kinds.iter().filter_map(|kind| term(standard, *kind, of(*kind)?));
         let left_out = left_out.iter().map(|kind| format!("{kind}: {}", class::NO_OVER_ROLLER_CLASS)).collect();
         let title = spec.and_then(|spec| spec.title.clone());
         let report = GradeSearchReport { title, standard, terms: terms.collect(), left_out, search };
         output.report(&report, self.format)?;
         Ok(if report.search.by_rss().is_some() { Status::Pass } else { Status::Fail })
     }
+}
+
+/// By which deviation of a standard an error is graded, in words.
+fn term(standard: Standard, kind: DeviationKind, sized: &Sized) -> Option<String> {
+    let deviation = class::deviation_of(kind)?;
+    let limiting = standard.that_limits(deviation)?;
+    let diameter = sized.wheel.diameter.as_ref().zip(sized.diameter_source);
+    let diameter = diameter.map_or_else(String::new, |(diameter, source)| {
+        format!(", d = {:.4} mm ({})", diameter.mm(), source.in_words())
+    });
+    let cap = match deviation {
+        Deviation::SinglePitch if limiting.deviations().contains(&Deviation::TotalPitch) => {
+            format!(", capped by {}", limiting.symbol(Deviation::TotalPitch))
+        }
+        Deviation::Runout => " / 2, an eccentricity,".to_owned(),
+        _ => String::new(),
+    };
+    Some(format!("{kind} by {}{cap} of {limiting}{diameter}", limiting.symbol(deviation)))
+}
+
+/// The reference diameter of the spec's pinion for a rack, else of this wheel; `None` if it is not known.
+fn pinion_diameter(part: Part, wheel: &Wheel, spec: Option<&Spec>) -> Result<Option<Length>, Failure> {
+    let (module, teeth, helix_angle) = match (part, spec) {
+        (Part::Rack, Some(spec)) => {
+            let pinion = spec.wheel(Part::Pinion);
+            (wheel.normal_module.or(pinion.normal_module), pinion.teeth, pinion.helix_angle)
+        }
+        _ => (wheel.normal_module, wheel.teeth, wheel.helix_angle),
+    };
+    let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
+    let diameter = class::reference_diameter(module, teeth, helix_angle.unwrap_or(Angle::ZERO));
+    Ok(Some(diameter.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?))
+}
+
+/// What there is to say of the ΔCD of permissible deviations.
+fn remarks(rows: &[ClassRow], meshing: &Meshing) -> Vec<String> {
+    use Deviation::{HelixSlope, Runout, SectorPitch, SinglePitch, TotalHelix, TotalPitch};
+    let mut notes = Vec::new();
+    if rows.iter().any(|row| row.permissible.deviation == Runout) {
+        notes.push(
+            "ΔCD of F_r and of the composite deviations is their own peak-to-peak value; of an eccentric part it moves \
+             by ± F_r / 2 about its mean, which is what { class = … } of the radial error takes"
+                .to_owned(),
+        );
+    }
+    let by_angle = |row: &ClassRow| {
+        matches!(row.permissible.deviation, SinglePitch | SectorPitch | TotalPitch | HelixSlope | TotalHelix)
+    };
+    if meshing.pressure_angle.is_none() && rows.iter().any(by_angle) {
+        notes.push("give --pressure-angle for the ΔCD of pitch and helix deviations".to_owned());
+    }
+    if rows.iter().any(|row| row.mesh.is_some()) {
+        notes.push("exact mesh: each deviation alone, on an otherwise perfect pair".to_owned());
+    }
+    notes
 }
 
 /// Why a grade has no ΔCD.
@@ -453,11 +481,17 @@ fn head(standard: Standard, spec: Option<&Spec>, sized: Sized) -> ClassHead {
     }
 }
 
+/// The option that gives a size.
+fn option_of(size: Size) -> String {
+    // `--teeth` is another option of other commands
+    if size == Size::Teeth { "tooth-count".to_owned() } else { size.key().replace('_', "-") }
+}
+
 /// Why a value is missing, with the option that gives it.
 fn reason(error: &StandardError) -> String {
     match error {
         StandardError::Missing { size, .. } => {
-            format!("the {} is not given (--{})", size.name(), size.key().replace('_', "-"))
+            format!("the {} is not given (--{})", size.name(), option_of(*size))
         }
         _ => error.to_string(),
     }
@@ -467,7 +501,7 @@ fn no_class(error: &StandardError) -> Diagnostic {
     let diagnostic = Diagnostic::error(Code::NoClass, error.to_string());
     match error {
         StandardError::Missing { size, .. } => {
-            diagnostic.help(format!("give --{}, or --spec SPEC with it", size.key().replace('_', "-")))
+            diagnostic.help(format!("give --{}, or --spec SPEC with it", option_of(*size)))
         }
         _ => diagnostic,
     }

@@ -13,17 +13,17 @@ use crate::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyErro
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct DecisionArgs {
-    /// Decision rule: simple, iso14253 or guard=VALUE; default the spec's, or simple.
+    /// Decision rule: simple, iso14253 or guard=VALUE; else the spec's.
     #[arg(long, value_name = "RULE")]
     rule: Option<Rule>,
-    /// Simulate the distribution of ΔCD (JCGM 101), with N draws or as many as the digits need.
+    /// Uncertainty of ΔCD by simulation (JCGM 101), with N draws.
     #[arg(long, value_name = "N", num_args = 0..=1)]
     #[expect(clippy::option_option, reason = "not given, given without a number, given with one")]
     monte_carlo: Option<Option<String>>,
-    /// Seed of the simulation.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "SEED", default_value_t = DEFAULT_SEED, requires = "monte_carlo")]
     seed: u64,
-    /// Digits of the standard uncertainty that the simulation shall reach.
+    /// Digits of the uncertainty that the simulation shall reach.
     #[arg(long, value_name = "DIGITS", default_value_t = DEFAULT_DIGITS, requires = "monte_carlo")]
     digits: u32,
 }

@@ -15,7 +15,7 @@ use crate::judge::{LimitTarget, Stack, Verdict};
 use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
 use crate::spec::Spec;
 
-pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged against the limits";
+pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -30,7 +30,7 @@ pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(required_unless_present = "monte_carlo")]
     spec: Option<String>,
-    /// The combination that the verdict judges.
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.
@@ -40,14 +40,14 @@ pub(super) struct Args {
     #[arg(long)]
     mesh: bool,
     /// Do not look for the worst teeth to put the errors on.
-    #[arg(long, conflicts_with = "mesh")]
-    no_mesh: bool,
+    #[arg(long, alias = "no-mesh", conflicts_with = "mesh")]
+    no_worst_teeth: bool,
     #[command(flatten)]
     decision: DecisionArgs,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
@@ -100,7 +100,7 @@ impl Args {
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) =
             judged(&spec, &spec.part_deviations()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
-        if !self.no_mesh {
+        if !self.no_worst_teeth {
             evaluation.reached = teeth::reached(&spec, &basis)?;
         }
         for target in evaluation.not_given() {

@@ -8,7 +8,7 @@ use crate::formula::{CATALOGUE, FormulaPage as Page};
 use crate::report::{Column, Table, table_text, wrap};
 use crate::spec::{self, KeyEntry};
 
-pub(super) const ABOUT: &str = "Print the documentation of a formula, a method or a diagnostic code";
+pub(super) const ABOUT: &str = "Print the page of a formula, a method or a diagnostic code";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:

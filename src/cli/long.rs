@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use super::output::{Status, is_dumb};
+use super::output::{Output, Status, is_dumb};
 
 /// How far a run is, on one line of standard error that is drawn over and cleared at the end; nothing at all unless
 /// that is a terminal that can.
@@ -22,8 +22,12 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    pub(super) fn new() -> Self {
-        Self { watched: io::stderr().is_terminal() && !is_dumb(), begun: Instant::now(), drawn: None }
+    pub(super) fn new(output: &Output) -> Self {
+        Self {
+            watched: io::stderr().is_terminal() && !is_dumb() && !output.is_quiet(),
+            begun: Instant::now(),
+            drawn: None,
+        }
     }
 
     /// Since the run began, s.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::output::{Failure, Output, Status};
 use crate::diagnostic::{Code, Diagnostic};
 
-pub(super) const ABOUT: &str = "Print the manual page, or write the pages of all subcommands to a folder";
+pub(super) const ABOUT: &str = "Print the manual page, or write those of all subcommands";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:

@@ -10,12 +10,14 @@ use crate::quantity::Length;
 use crate::report::{Format, MeasureReport};
 use crate::spec::keys;
 
-pub(super) const ABOUT: &str = "Roll a pin through the spaces of the rack (or pinion) of a spec, deviations included";
+pub(super) const ABOUT: &str = "Measure virtually: roll a pin through the spaces of a spec's part";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "What it prints can be measured data of another spec:
   rackmesh measure examples/mesh.toml --format csv > rack.csv
   (then `measured = \"rack.csv\"` below [rack])
+
+Without --pin it is the spec's rack.pin, or a pin that touches near the reference line.
 
 Examples:
   rackmesh measure examples/mesh.toml --pin 3.5 --first 0 --last 12
@@ -26,8 +28,8 @@ pub(super) struct Args {
     /// Which part.
     #[arg(long, value_enum, default_value_t)]
     part: Part,
-    /// Diameter of the pin; `rack.pin`, or one that touches near the reference line, unless given.
-    #[arg(long)]
+    /// Diameter of the pin.
+    #[arg(long, allow_hyphen_values = true)]
     pin: Option<Length>,
     /// First space of the rack; space j lies between the teeth j and j + 1.
     #[arg(long, default_value_t = -4, allow_negative_numbers = true)]
@@ -38,7 +40,7 @@ pub(super) struct Args {
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 

@@ -21,7 +21,7 @@ use crate::report::{Format, MeshReport};
 use crate::spec::{Located, MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation, keys};
 use crate::table::{self, Source, Teeth};
 
-pub(super) const ABOUT: &str = "Solve the exact zero-backlash mesh along the stroke, with every tooth's own deviations";
+pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -36,39 +36,46 @@ pub(super) struct Args {
     spec: String,
     #[command(flatten)]
     range: Range,
-    /// List strokes this far apart, both ends included, instead of where the curve needs them.
-    #[arg(long, conflicts_with = "points", value_name = "LENGTH")]
+    /// List strokes this far apart.
+    #[arg(long, conflicts_with = "points", value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
     /// List this many strokes, both ends included.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
     points: Option<u32>,
-    /// Write the curve as a picture (SVG); the name ends in .svg.
+    /// Draw the result to this file (.svg).
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
-/// The stroke, and how closely it is followed.
+/// The stroke.
 #[derive(Debug, clap::Args)]
-pub(super) struct Range {
+pub(super) struct Stroke {
     /// First stroke.
     #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
     pub(super) from: Length,
     /// Last stroke.
     #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
     pub(super) to: Length,
+}
+
+/// The stroke, and how closely it is followed.
+#[derive(Debug, clap::Args)]
+pub(super) struct Range {
+    #[command(flatten)]
+    pub(super) stroke: Stroke,
     /// The promised error of the curve between its points.
-    #[arg(long, default_value = "1e-6", value_name = "LENGTH")]
+    #[arg(long, default_value = "1e-6", value_name = "LENGTH", allow_hyphen_values = true)]
     pub(super) tolerance: Length,
 }
 
 impl Range {
     pub(super) fn curve(&self, mesh: &Mesh) -> Result<Curve, Failure> {
-        mesh.curve(self.from.mm(), self.to.mm(), self.tolerance.mm()).map_err(|error| unsolved(&error))
+        mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), self.tolerance.mm()).map_err(|error| unsolved(&error))
     }
 }
 
@@ -252,14 +259,12 @@ impl Args {
         notes.extend(spec.suspicions_in_words());
         let mut listed: Vec<ListedPoint> = Vec::new();
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
-            if strokes.count <= MOST_LISTED {
-                let at: Vec<f64> = (0..strokes.count).map(|index| strokes.at(index)).collect();
-                listed = at.iter().copied().zip(input.mesh.sample(&at)).collect();
-                if let Some(error) = Trust::of(&listed).failure {
-                    output.diagnostic(&unsolved_stroke(&error));
+            match listed_in_table(strokes, &input.mesh, output) {
+                Some(points) => listed = points,
+                None => {
+                    notes
+                        .push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count));
                 }
-            } else {
-                notes.push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count));
             }
         }
         let report = MeshReport {
@@ -295,7 +300,7 @@ impl Args {
     /// The strokes asked for; `None` for those that the curve needs.
     fn strokes(&self) -> Result<Option<Strokes>, Failure> {
         const MOST: f64 = 1e8;
-        let (from, to) = (self.range.from.mm(), self.range.to.mm());
+        let (from, to) = (self.range.stroke.from.mm(), self.range.stroke.to.mm());
         if from > to {
             let message = format!("--from {from} lies beyond --to {to}");
             return Err(Diagnostic::error(Code::Usage, message).into());
@@ -318,6 +323,19 @@ impl Args {
         let divides = (to - (from + f64::from(whole) * step)).abs() <= 1e-9 * step.abs();
         Ok(Some(Strokes { from, to, step, count: u64::from(whole) + if divides { 1 } else { 2 } }))
     }
+}
+
+/// The strokes of a table with their solutions; `None` if they are too many for one.
+fn listed_in_table(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Option<Vec<ListedPoint>> {
+    if strokes.count > MOST_LISTED {
+        return None;
+    }
+    let at: Vec<f64> = (0..strokes.count).map(|index| strokes.at(index)).collect();
+    let listed: Vec<ListedPoint> = at.iter().copied().zip(mesh.sample(&at)).collect();
+    if let Some(error) = Trust::of(&listed).failure {
+        output.diagnostic(&unsolved_stroke(&error));
+    }
+    Some(listed)
 }
 
 /// How a command ends that solved a mesh.

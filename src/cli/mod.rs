@@ -35,17 +35,18 @@ mod terminal;
 
 use std::process::ExitCode;
 
-use clap::{Arg, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
+use clap::{Arg, ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
 use output::{Failure, Output, Status};
 
 const EXAMPLES: &str = "Examples:
-  rackmesh init > rack.toml      write a commented spec to start from
-  rackmesh eval rack.toml        ΔCD of every error in it, combined and judged
-  rackmesh mesh rack.toml        ΔCD along the stroke, by the exact mesh
-  rackmesh simulate rack.toml    the same with elastic teeth and forces
+  rackmesh init > rack.toml         write a commented spec to start from
+  rackmesh eval rack.toml           ΔCD of every error in it, combined and judged
+  rackmesh mesh rack.toml           ΔCD along the stroke, by the exact mesh
+  rackmesh simulate rack.toml       the same with elastic teeth and forces
+  rackmesh monte-carlo rack.toml    the same of random racks
   rackmesh calc pitch 20um --pressure-angle 20
-  rackmesh explain rack-pitch    the formula behind a number
+  rackmesh explain rack-pitch       the formula behind a number
 
 Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate.";
 
@@ -71,47 +72,101 @@ macro_rules! subcommand {
     };
 }
 
+/// What belongs together in the help.
+struct Group {
+    heading: &'static str,
+    subcommands: &'static [Subcommand],
+}
+
 /// Every subcommand, in the order of the help.
-const SUBCOMMANDS: &[Subcommand] = &[
-    subcommand!("eval", eval),
-    subcommand!("calc", calc),
-    subcommand!("mesh", mesh),
-    subcommand!("monte-carlo", monte_carlo),
-    subcommand!("measure", measure),
-    subcommand!("batch", batch),
-    subcommand!("paste", paste),
-    subcommand!("read", read),
-    subcommand!("report", report),
-    subcommand!("class", class),
-    subcommand!("simulate", simulate),
-    subcommand!("budget", budget),
-    subcommand!("reproduce", reproduce),
-    subcommand!("init", init),
-    subcommand!("explain", explain),
-    subcommand!("schema", schema),
-    subcommand!("completions", completions),
-    subcommand!("man", man),
+const GROUPS: &[Group] = &[
+    Group {
+        heading: "Judge parts",
+        subcommands: &[
+            subcommand!("eval", eval),
+            subcommand!("batch", batch),
+            subcommand!("paste", paste),
+            subcommand!("read", read),
+            subcommand!("report", report),
+        ],
+    },
+    Group {
+        heading: "Follow the teeth",
+        subcommands: &[
+            subcommand!("mesh", mesh),
+            subcommand!("simulate", simulate),
+            subcommand!("monte-carlo", monte_carlo),
+            subcommand!("measure", measure),
+        ],
+    },
+    Group {
+        heading: "Set tolerances",
+        subcommands: &[subcommand!("calc", calc), subcommand!("class", class), subcommand!("budget", budget)],
+    },
+    Group {
+        heading: "Start, and set up",
+        subcommands: &[
+            subcommand!("init", init),
+            subcommand!("schema", schema),
+            subcommand!("completions", completions),
+            subcommand!("man", man),
+        ],
+    },
+    Group {
+        heading: "About the method",
+        subcommands: &[subcommand!("explain", explain), subcommand!("reproduce", reproduce)],
+    },
 ];
+
+fn subcommands() -> impl Iterator<Item = &'static Subcommand> {
+    GROUPS.iter().flat_map(|group| group.subcommands)
+}
+
+/// The help of the program, with its subcommands by what they are for.
+fn help_template() -> String {
+    let mut template = "{about}\n\n{usage-heading} {usage}\n".to_owned();
+    for group in GROUPS {
+        template.push_str(&format!("\n{}:\n", group.heading));
+        for Subcommand { name, about, .. } in group.subcommands {
+            template.push_str(&format!("  {name:<11}  {about}\n"));
+        }
+    }
+    template + "\nOptions:\n{options}{after-help}"
+}
 
 /// The program's arguments. Those of a subcommand are built only when it is the one that is called (or
 /// when its help, completions or manual page is made), which is a third of the start-up time.
-fn command() -> Command {
+#[must_use]
+pub fn command() -> Command {
     let mut command = Command::new("rackmesh")
         .about("How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion")
         .version(env!("CARGO_PKG_VERSION"))
+        .help_template(help_template())
         .after_help(EXAMPLES)
         .subcommand_required(true)
         .arg_required_else_help(true)
+        // one page for -h and --help; what each value means is in docs/flags.md
+        .disable_help_flag(true)
+        .arg(Arg::new("help").long("help").short('h').global(true).action(ArgAction::HelpShort).help("Print help"))
+        .arg(
+            Arg::new("quiet")
+                .long("quiet")
+                .short('q')
+                .global(true)
+                .action(ArgAction::SetTrue)
+                .help("Leave out remarks, warnings and progress; errors stay"),
+        )
         .arg(
             Arg::new("color")
                 .long("color")
                 .global(true)
                 .value_name("WHEN")
-                .help("When to use colours")
+                .help("When to use colours: auto, always or never")
+                .hide_possible_values(true)
                 .default_value("auto")
                 .value_parser(clap::value_parser!(ColorChoice)),
         );
-    for subcommand in SUBCOMMANDS {
+    for subcommand in subcommands() {
         let arguments = Command::new(subcommand.name).about(subcommand.about).defer(subcommand.arguments);
         command = command.subcommand(arguments);
     }
@@ -129,9 +184,10 @@ pub fn run() -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
-    let mut output = Output::new(matches.get_one("color").copied().unwrap_or(ColorChoice::Auto));
+    let color = matches.get_one("color").copied().unwrap_or(ColorChoice::Auto);
+    let mut output = Output::new(color, matches.get_flag("quiet"));
     let called = matches.subcommand().and_then(|(name, matches)| {
-        let subcommand = SUBCOMMANDS.iter().find(|subcommand| subcommand.name == name)?;
+        let subcommand = subcommands().find(|subcommand| subcommand.name == name)?;
         Some((subcommand.run)(matches, &mut output))
     });
     // a subcommand is required, so there always is one
@@ -144,7 +200,7 @@ mod tests {
 
     #[test]
     fn the_help_of_each_subcommand_begins_with_what_it_does() {
-        for subcommand in SUBCOMMANDS {
+        for subcommand in subcommands() {
             let mut command = (subcommand.arguments)(Command::new(subcommand.name));
             for help in [command.render_help(), command.render_long_help()] {
                 let help = help.to_string();

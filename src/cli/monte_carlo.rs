@@ -7,15 +7,17 @@ use crate::chance::DEFAULT_SEED;
 use crate::chance::racks::{RackSettings, RacksError, simulate_racks};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Verdict};
-use crate::quantity::Length;
 use crate::report::{Format, RacksReport};
 
-pub(super) const ABOUT: &str = "Draw racks whose teeth deviate at random, and solve each by the exact mesh";
+pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact mesh";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh monte-carlo examples/scatter.toml
   rackmesh monte-carlo examples/scatter.toml --racks 20000 --format json
+
+CSV lists every rack. The same seed gives the same racks with any number of threads.
+For the uncertainty of one part: rackmesh eval --monte-carlo.
 
 Ctrl-C ends the run and prints what was computed.
 
@@ -27,22 +29,18 @@ pub(super) struct Args {
     /// How many racks.
     #[arg(long, default_value_t = 2000, value_name = "N")]
     racks: usize,
-    /// Seed of the random deviations; the same one gives the same racks at any number of threads.
+    /// Seed of the random numbers.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "SEED")]
     seed: u64,
-    /// First stroke.
-    #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
-    from: Length,
-    /// Last stroke.
-    #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
-    to: Length,
-    /// Threads; default one per core.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[command(flatten)]
+    stroke: mesh::Stroke,
+    /// Threads; one per core unless given.
+    #[arg(long, short = 'j', alias = "jobs", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     #[command(flatten)]
     set: SetArgs,
-    /// Output format; CSV lists every rack.
-    #[arg(long, value_enum, default_value_t)]
+    /// Output format.
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
@@ -54,8 +52,8 @@ impl Args {
         let settings = RackSettings {
             seed: self.seed,
             racks: self.racks,
-            from_mm: self.from.mm(),
-            to_mm: self.to.mm(),
+            from_mm: self.stroke.from.mm(),
+            to_mm: self.stroke.to.mm(),
             threads: self.threads.map(usize::from),
         };
         let interruption = long::interrupted();

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anstream::AutoStream;
 use clap::ColorChoice;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, render};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity, render};
 use crate::report::{self, Format, Report, Screen};
 
 /// How a command ended.
@@ -90,10 +90,11 @@ pub(super) struct Output {
     stderr: io::Stderr,
     screen: Screen,
     color_messages: bool,
+    is_quiet: bool,
 }
 
 impl Output {
-    pub(super) fn new(color: ColorChoice) -> Self {
+    pub(super) fn new(color: ColorChoice, is_quiet: bool) -> Self {
         let choice = match color {
             ColorChoice::Auto => anstream::ColorChoice::Auto,
             ColorChoice::Always => anstream::ColorChoice::Always,
@@ -114,6 +115,7 @@ impl Output {
                 is_dumb: is_dumb(),
             },
             color_messages: AutoStream::choice(&stderr) != anstream::ColorChoice::Never,
+            is_quiet,
             stdout,
             stderr,
         }
@@ -138,15 +140,29 @@ impl Output {
         Ok(())
     }
 
+    /// Whether only errors are wanted on standard error.
+    pub(super) fn is_quiet(&self) -> bool {
+        self.is_quiet
+    }
+
     /// Writes a remark on the result to standard error, so that standard output holds just the result.
     pub(super) fn remark(&mut self, text: &str) {
+        if !self.is_quiet {
+            self.message(text);
+        }
+    }
+
+    /// Writes what is to be known even by who wants no remarks to standard error.
+    pub(super) fn message(&mut self, text: &str) {
         // there is nowhere left to report a failure of standard error itself
         let _ = writeln!(self.stderr.lock(), "{text}");
     }
 
     /// Shows a diagnostic on standard error.
     pub(super) fn diagnostic(&mut self, diagnostic: &Diagnostic) {
-        self.remark(&render(diagnostic, self.color_messages));
+        if !self.is_quiet || diagnostic.severity == Severity::Error {
+            self.message(&render(diagnostic, self.color_messages));
+        }
     }
 
     /// Shows why a command has no result, if it has none.
@@ -166,7 +182,7 @@ impl Output {
             // the reader of the output has seen enough
             Err(Failure::Write(error)) if error.kind() == io::ErrorKind::BrokenPipe => Status::Pass,
             Err(Failure::Write(error)) => {
-                self.remark(&format!("error: cannot write the output: {error}"));
+                self.message(&format!("error: cannot write the output: {error}"));
                 Status::Undecided
             }
         }

@@ -1,5 +1,6 @@
 //! `rackmesh paste`: measured values from the clipboard, a mail, a terminal.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::decision::DecisionArgs;
@@ -24,12 +25,12 @@ use crate::spec::{MeasuredTables, Spec};
 use crate::table::{Container, Gatherer, Reading, Source, Table, Teeth, Want, gather, refusal};
 use crate::uncertainty::Source as Uncertain;
 
-pub(super) const ABOUT: &str =
-    "Evaluate a pasted block of measured values: cells of a spreadsheet, a CMM report, a mail";
+pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Typed or pasted into a terminal, the block ends with Ctrl-D; blank lines belong to it.
 How it was understood is said in one line; what could mean two things is refused.
+--output writes .html, .xlsx, .dfq, .csv, .json, .md or .txt beside what is printed.
 
 Examples:
   rackmesh paste examples/steering.toml examples/cmm-report.txt
@@ -41,23 +42,23 @@ Examples:
 Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate by the
 rule, 130 or 143 interrupted.")]
 pub(super) struct Args {
-    /// The gear spec (TOML).
+    /// The gear spec (TOML); `-` reads standard input.
     spec: String,
     /// A file with the block, or any table that `rackmesh batch` reads; standard input unless given.
     file: Option<String>,
-    /// Write the results to this file as well: .html, .xlsx, .dfq, .csv, .json, .md or .txt.
+    /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
     output: Option<String>,
-    /// Solve the exact mesh of measured spaces or teeth along a stroke of 50 mm.
+    /// Add the exact mesh of the same parts, along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
-    /// The combination that the verdict judges.
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Judge parts without the errors that the spec asks for and the block lacks.
+    /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
@@ -65,7 +66,7 @@ pub(super) struct Args {
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
     #[command(flatten)]
     reading: ReadArgs,
@@ -100,6 +101,12 @@ impl Args {
         let mut read = Read { spec, reading: table.reading.clone(), notes };
         read.notes.extend(read.spec.suspicions_in_words());
         if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
+    }
+
+    /// What a part without a name of its own is called: the spec's title is of the pair, not of this part.
+    fn block_name(&self) -> String {
+        let file = self.file.as_deref().filter(|path| *path != "-").map(Path::new).and_then(Path::file_name);
+        file.map_or_else(|| "pasted part".to_owned(), |name| name.to_string_lossy().into_owned())
     }
 
     /// The files that are read.
@@ -203,8 +210,8 @@ impl Args {
             [PartRow { evaluation: Some(evaluation), name, uncertainty, .. }] => {
                 let title =
                     read.reading.columns.iter().any(|column| column.role == "part_id").then(|| format!("part {name}"));
-                let title = title.as_deref().or(read.spec.title.as_deref());
-                let mut report = EvaluationReport::new(title, evaluation, &missing);
+                let title = title.unwrap_or_else(|| self.block_name());
+                let mut report = EvaluationReport::new(Some(&title), evaluation, &missing);
                 report.rule = self.decision.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
                 report.without.clone_from(&without);
@@ -335,7 +342,8 @@ impl Args {
         let measured = spec.measured(&tables, self.model.into())?;
         let limits = spec.limits();
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
-        let report = SpacesReport { title: spec.title.as_deref(), measured: &measured };
+        let title = self.block_name();
+        let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();
         if limit.is_none() && !self.mesh {
             self.report(&report, read, output)?;

@@ -11,7 +11,7 @@ use crate::formula::Model;
 use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};
 use crate::table::{Reading, Stranger, Want, refusal};
 
-pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping to paste into a spec";
+pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping for a spec";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -25,13 +25,13 @@ pub(super) struct Args {
     /// spec.
     #[arg(required = true)]
     files: Vec<String>,
-    /// The gear spec (TOML) whose columns are looked for.
+    /// The gear spec (TOML); `-` reads standard input.
     #[arg(long, value_name = "SPEC")]
     spec: Option<String>,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
     #[command(flatten)]
     reading: ReadArgs,

@@ -23,8 +23,7 @@ use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Rep
 use crate::spec::{Spec, keys};
 use crate::table::Want;
 
-pub(super) const ABOUT: &str =
-    "Write one self-contained page: spec, deviations, ΔCD, mesh curve, batch, hashes of the inputs";
+pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -38,29 +37,25 @@ Examples:
 Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something could not be judged or\nread, 3 indeterminate, 130 or 143 interrupted."
 )]
 pub(super) struct Args {
-    /// The gear spec (TOML).
+    /// The gear spec (TOML); `-` reads standard input.
     spec: String,
     /// Tables: what `rackmesh batch` and `rackmesh paste` read.
     files: Vec<String>,
-    /// The page to write; standard output unless given.
+    /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
     output: Option<String>,
-    /// Many rows per part, one per tooth or space: each part through the exact mesh.
+    /// One row per tooth or space: each part through the exact mesh.
     #[arg(long)]
     teeth: bool,
-    /// First stroke of the mesh curve.
-    #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
-    from: Length,
-    /// Last stroke of the mesh curve.
-    #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
-    to: Length,
-    /// The combination that the verdict judges.
+    #[command(flatten)]
+    stroke: mesh::Stroke,
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Judge parts without the errors that the spec asks for and the table lacks.
+    /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
@@ -158,7 +153,7 @@ impl Args {
             let folder = std::path::Path::new(&self.spec).parent().unwrap_or(std::path::Path::new(""));
             page.inputs.push(hashed(&folder.join(&file).display().to_string())?);
         }
-        let curve = match input.mesh.curve(self.from.mm(), self.to.mm(), TOLERANCE_MM) {
+        let curve = match input.mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), TOLERANCE_MM) {
             Ok(curve) => curve,
             Err(error) => {
                 output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
@@ -290,7 +285,7 @@ impl Args {
     fn toothed(&self, spec: &Arc<Spec>, found: &mut Files, interruption: &Interruption) -> Result<Lot, Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
         let request = TeethRequest {
-            stroke_mm: (self.from.mm(), self.to.mm()),
+            stroke_mm: (self.stroke.from.mm(), self.stroke.to.mm()),
             tolerance_mm: TOLERANCE_MM,
             rule: self.decision.rule(spec),
             statistics: true,

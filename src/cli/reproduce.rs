@@ -9,7 +9,7 @@ use crate::report::chart::{Chart, Layer, Shape};
 use crate::report::{Format, Reproduction};
 use crate::reproduction::PaperTable;
 
-pub(super) const ABOUT: &str = "Recompute the paper's Tables 1 to 3: formulas, multibody simulation and exact mesh";
+pub(super) const ABOUT: &str = "Recompute the paper's Tables 1 to 3 beside what it prints";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -22,7 +22,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 

@@ -3,7 +3,7 @@
 use super::output::{Failure, Output, Status};
 use crate::spec::json_schema;
 
-pub(super) const ABOUT: &str = "Print the JSON Schema of the spec, from which editors complete it";
+pub(super) const ABOUT: &str = "Print the spec's JSON Schema, from which editors complete it";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:

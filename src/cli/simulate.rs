@@ -15,8 +15,7 @@ use crate::quantity::Length;
 use crate::report::chart::{Chart, Layer, Shape};
 use crate::report::{Format, SimulationReport};
 
-pub(super) const ABOUT: &str =
-    "Simulate the mesh as elastic bodies in contact, in time or as an equilibrium at each stroke";
+pub(super) const ABOUT: &str = "Simulate forces: elastic bodies in contact along the stroke";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -24,7 +23,7 @@ pub(super) const ABOUT: &str =
   rackmesh simulate examples/mesh.toml --quasi-static --format csv
   rackmesh simulate examples/mesh.toml --plot run.svg
 
-Ctrl-C ends the run and prints what was computed.
+--step overrides simulation.spacing. Ctrl-C ends the run and prints what was computed.
 
 Exit status: 0 if the whole stroke was computed, 2 if not, 130 or 143 if Ctrl-C or SIGTERM ended the run.")]
 pub(super) struct Args {
@@ -33,23 +32,23 @@ pub(super) struct Args {
     /// Solve the equilibrium at each stroke, without inertia and damping.
     #[arg(long)]
     quasi_static: bool,
-    /// Travel from one printed position to the next; overrides `simulation.spacing`.
-    #[arg(long, value_name = "LENGTH")]
-    spacing: Option<Length>,
-    /// Write ΔCD over the stroke as a picture (SVG), the exact mesh beside it; the name ends in .svg.
+    /// List strokes this far apart.
+    #[arg(long, alias = "spacing", value_name = "LENGTH", allow_hyphen_values = true)]
+    step: Option<Length>,
+    /// Draw the result to this file (.svg).
     #[arg(long, value_name = "FILE")]
     plot: Option<String>,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
 impl Args {
     /// Runs the scene with a bar where somebody watches, until the end or Ctrl-C.
-    fn watched(&self, scene: &Scene, interruption: &Interruption) -> Outcome {
-        let mut bar = super::long::Bar::new();
+    fn watched(&self, scene: &Scene, interruption: &Interruption, output: &Output) -> Outcome {
+        let mut bar = super::long::Bar::new(output);
         let parameters = scene.parameters();
         let mut watch = |sample: &Sample| {
             let share = (sample.stroke_mm - parameters.start_mm) / parameters.stroke_mm;
@@ -63,15 +62,15 @@ impl Args {
 
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let mut spec = self.set.read_spec(&self.spec, output)?;
-        if let Some(spacing) = &self.spacing {
-            spec.simulation.parameters.spacing_mm = spacing.mm();
+        if let Some(step) = &self.step {
+            spec.simulation.parameters.spacing_mm = step.mm();
         }
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();
         let interruption = super::long::interrupted();
-        let outcome = self.watched(&scene, &interruption);
+        let outcome = self.watched(&scene, &interruption, output);
         let exact = |steady: Option<Steady>| exact_mean_mm(&input.mesh, &steady?);
         let report = SimulationReport {
             title: spec.title.as_deref(),

@@ -20,33 +20,33 @@ use crate::table::{
 /// How files are to be read.
 #[derive(Debug, Clone, Default, clap::Args)]
 // stands last in the arguments of a subcommand: what follows would stand under its heading, too
-#[command(next_help_heading = "Reading tables")]
+#[command(next_help_heading = "Reading tables, where it is not to be found from the table")]
 pub(super) struct ReadArgs {
-    /// What stands before decimals; found from the numbers unless given.
+    /// What stands before decimals.
     #[arg(long, value_enum, value_name = "MARK")]
     decimal: Option<DecimalMark>,
-    /// The separator, a character or `tab`; found from the text unless given.
+    /// The separator: a character or `tab`.
     #[arg(long, value_parser = separator, value_name = "CHAR")]
     separator: Option<u8>,
-    /// The encoding of a text, such as utf-16le or shift_jis; found from its bytes unless given.
+    /// The encoding of a text, such as utf-16le.
     #[arg(long, value_parser = encoding, value_name = "NAME")]
     encoding: Option<Encoding>,
-    /// Leave out columns, lines and characteristics of this name, `*` standing for any characters; may be repeated.
+    /// Leave out columns and lines of this name, `*` for any characters.
     #[arg(long, value_name = "PATTERN")]
     ignore: Vec<String>,
-    /// The column that names the part; found by its heading unless given.
+    /// The column that names the part.
     #[arg(long, value_name = "NAME")]
     id: Option<String>,
-    /// What the columns hold, in their order, such as `part_id,rack_pitch`; for numbers without names.
+    /// What columns without names hold, such as `part_id,rack_pitch`.
     #[arg(long = "as", value_delimiter = ',', value_name = "NAME,…")]
     fields: Vec<Field>,
-    /// Whether each part is a row or a column; for numbers without names.
+    /// Whether each part is a row or a column.
     #[arg(long, value_enum, value_name = "WHERE")]
     parts: Option<Orientation>,
-    /// The sheet of an Excel workbook; the first one that has the columns unless given.
+    /// The sheet of an Excel workbook.
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
-    /// The cells of the sheet that are the table, header included.
+    /// The cells of the sheet that are the table.
     #[arg(long, value_name = "A1:F200")]
     range: Option<String>,
 }

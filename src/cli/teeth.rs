@@ -100,7 +100,7 @@ fn worst_placements(errors: &[PartDeviation], basis: &Basis) -> Result<Option<Re
     match reached::reached(&errors, pairs.given()) {
         Ok(reached) => Ok(reached),
         Err(error) => Err(Diagnostic::error(Code::NoMesh, error.to_string())
-            .help("`--no-mesh` judges without looking for the worst teeth")
+            .help("`--no-worst-teeth` judges without looking for the worst teeth")
             .into()),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::batch::{Packing, Progress};
 use crate::cli::long;
+use crate::cli::output::Output;
 
 /// How far the run is, where somebody watches.
 pub(super) struct Bar {
@@ -15,13 +16,13 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    pub(super) fn new(files: &[&str], unit: &'static str) -> Self {
+    pub(super) fn new(files: &[&str], unit: &'static str, output: &Output) -> Self {
         let sizes = files.iter().map(|path| {
             let (packing, _) = Packing::of_name(path);
             let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
             (packing == Packing::None).then_some(metadata.len())
         });
-        Self { shown: long::Bar::new(), sizes: sizes.collect(), file: 0, done: 0, unit }
+        Self { shown: long::Bar::new(output), sizes: sizes.collect(), file: 0, done: 0, unit }
     }
 
     pub(super) fn show(&mut self, progress: &Progress) {

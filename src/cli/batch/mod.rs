@@ -27,63 +27,58 @@ use crate::spec::{Spec, WrittenError};
 use crate::table::{Contradiction, Want};
 use bar::Bar;
 
-pub(super) const ABOUT: &str = "Check tables of measured parts: ΔCD, combinations and a verdict for every part";
+pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdict for every part";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh batch rack.toml parts.csv > results.csv
   rackmesh batch rack.toml parts.csv.gz --summary
-  rackmesh batch rack.toml parts.csv --only-failures --columns part_id,verdict
   rackmesh batch rack.toml spaces.csv --teeth --to 30
-  rackmesh batch rack.toml parts.csv --rule iso14253
   rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
 
-Exit status: 0 all parts inside the limits or none given, 1 a part outside,
-2 a row was rejected or something could not be judged, 3 a verdict is
-indeterminate and none worse, 130 or 143 interrupted.")]
+Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row rejected or
+not judged, 3 indeterminate and none worse, 130 or 143 interrupted.")]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Args {
-    /// The gear spec (TOML).
+    /// The gear spec (TOML); `-` reads standard input.
     spec: String,
-    /// Tables: text of any kind, gzip and zstd included, Excel workbooks (.xlsx), Q-DAS files (.dfq, .dfd with .dfx),
-    /// Parquet; `-` or none reads standard input.
+    /// Tables: text, gzip, zstd, .xlsx, .dfq, Parquet; `-` or none reads standard input.
     files: Vec<String>,
-    /// Write the rows (or the summary) here; `.tsv`, `.jsonl`, `.parquet`, `.xlsx` and `.dfq` name a format, `.gz` and
-    /// `.zst` pack.
+    /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
     output: Option<String>,
-    /// The format of rows (csv, tsv, jsonl, parquet) or of a summary (table, markdown, json, csv).
-    #[arg(long, value_enum)]
+    /// Output format.
+    #[arg(long, short, value_enum)]
     format: Option<BatchFormat>,
-    /// Decimals of the lengths, mm; `full` writes what `eval` writes.
+    /// Decimals of the lengths in the result.
     #[arg(long, default_value = "6", value_name = "N|full")]
     decimals: Decimals,
-    /// The columns to write: results, or columns of the table as they are.
+    /// The columns to write: results, or columns of the table.
     #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
     columns: Option<Vec<String>>,
-    /// Print counts, statistics, quantiles, Pp, Ppk and the ten worst parts instead of rows.
+    /// Print counts, statistics, Ppk and the worst parts instead of rows.
     #[arg(long, conflicts_with = "only_failures")]
     summary: bool,
     /// Write the parts that do not pass only.
     #[arg(long)]
     only_failures: bool,
-    /// The combination that the verdict judges.
+    /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
     stack: StackArg,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: ModelArg,
-    /// Put the errors of each part on the worst teeth that a search finds: columns `reached_…`.
-    #[arg(long, conflicts_with = "teeth")]
-    mesh: bool,
-    /// Judge parts without the errors that the spec asks for and the table lacks.
+    /// Put each part's errors on the worst teeth found: columns reached_….
+    #[arg(long, alias = "mesh", conflicts_with = "teeth")]
+    worst_teeth: bool,
+    /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
     set: SetArgs,
     #[command(flatten)]
     decision: DecisionArgs,
-    /// Many rows per part, one per tooth or space: each part through the exact mesh.
+    /// One row per tooth or space: each part through the exact mesh.
     #[arg(long, conflicts_with_all = ["stack", "model", "monte_carlo"])]
     teeth: bool,
     #[command(flatten)]
@@ -97,11 +92,11 @@ pub(super) struct Args {
     /// Write a JUnit report here.
     #[arg(long, value_name = "FILE")]
     junit: Option<String>,
-    /// Annotate parts that do not pass and rejected rows, on standard error.
-    #[arg(long, value_enum, value_name = "FOR")]
+    /// Annotate parts that do not pass, on standard error, for github.
+    #[arg(long, value_enum, value_name = "FOR", hide_possible_values = true)]
     annotations: Option<Annotations>,
-    /// Threads; as many as there are cores unless given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads; one per core unless given.
+    #[arg(long, short = 'j', alias = "jobs", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     #[command(flatten)]
     reading: ReadArgs,
@@ -186,7 +181,7 @@ impl Args {
         let mut targets = self.targets(&inputs, &|| plan.column_kinds())?;
         let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
         let mut failed = std::mem::take(&mut found.failed);
-        let mut bar = Bar::new(&files, "rows");
+        let mut bar = Bar::new(&files, "rows", output);
         for path in found.paths() {
             let opened = match found.take_first() {
                 Some(opened) => Ok(opened),
@@ -327,7 +322,7 @@ impl Args {
             decimals: self.decimals,
             format,
             columns: self.columns.clone(),
-            mesh: self.mesh,
+            mesh: self.worst_teeth,
             partial: self.partial,
             rows: match (self.summary, self.only_failures) {
                 (true, _) => Rows::None,
@@ -400,17 +395,17 @@ impl Args {
     /// What is wrong with which row, and annotations.
     fn problems(&self, basis: &Basis, outcome: &Outcome, output: &mut Output) {
         for problem in outcome.problems.iter().take(PROBLEMS_SHOWN) {
-            output.remark(&problem.to_string());
+            output.message(&problem.to_string());
         }
         let more = outcome.counts.rejected.saturating_sub(PROBLEMS_SHOWN as u64);
         if more > 0 {
-            output.remark(&format!("… and {} more rejected", long::counted(more)));
+            output.message(&format!("… and {} more rejected", long::counted(more)));
         }
         if self.annotations == Some(Annotations::Github) {
-            output.remark(report::github_annotations(basis, outcome).trim_end());
+            output.message(report::github_annotations(basis, outcome).trim_end());
         }
         if outcome.interrupted {
-            output.remark("interrupted: this is of the rows up to here, and not of all parts");
+            output.message("interrupted: this is of the rows up to here, and not of all parts");
         }
     }
 }

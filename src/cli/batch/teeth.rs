@@ -10,6 +10,7 @@ use crate::cli::output::{Failure, Output, Status};
 use crate::cli::{mesh, tables};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
+use crate::parallel::cores;
 use crate::report::Format;
 use crate::spec::Spec;
 use crate::table::Want;
@@ -26,7 +27,7 @@ impl Args {
     ) -> Result<Status, Failure> {
         let rows = self.request(format, spec)?;
         let request = TeethRequest {
-            stroke_mm: (self.range.from.mm(), self.range.to.mm()),
+            stroke_mm: (self.range.stroke.from.mm(), self.range.stroke.to.mm()),
             tolerance_mm: self.range.tolerance.mm(),
             decimals: self.decimals,
             format,
@@ -43,7 +44,6 @@ impl Args {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
         let measured = mesh::measured_tables(spec, &self.spec)?;
-        let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let workers = self.threads.map_or_else(cores, usize::from);
         let paths = found.paths();
         let files: Vec<&str> = paths.iter().map(String::as_str).collect();
@@ -51,7 +51,7 @@ impl Args {
         let mut targets = self.targets(&inputs, &|| Teeth::column_kinds(self.columns.as_deref()))?;
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
         let mut failed = std::mem::take(&mut found.failed);
-        let mut bar = Bar::new(&files, "parts");
+        let mut bar = Bar::new(&files, "parts", output);
         let adjust = |want: Want| Want { teeth: Some(true), ..want };
         for path in &files {
             let opened = match found.take_first() {

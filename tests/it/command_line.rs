@@ -1,0 +1,257 @@
+//! The command line's vocabulary: what a flag means, which values it takes, how long a help is, and that the commands of
+//! the help run one after the other.
+
+use std::any::TypeId;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use clap::{Arg, Command};
+use rackmesh::quantity::{Angle, Length};
+
+use crate::process::{Folder, run};
+
+/// A subcommand of any depth with its name, `calc` standing for the formulas below it.
+struct Named {
+    name: String,
+    command: Command,
+}
+
+/// Every subcommand but clap's own `help`.
+fn commands() -> Vec<Named> {
+    let mut root = rackmesh::cli::command();
+    root.build();
+    let mut found = Vec::new();
+    for top in root.get_subcommands().filter(|command| command.get_name() != "help") {
+        let below = top.get_subcommands().filter(|command| command.get_name() != "help");
+        let name = top.get_name().to_owned();
+        found.extend(below.map(|command| Named { name: name.clone(), command: command.clone() }));
+        found.push(Named { name, command: top.clone() });
+    }
+    found
+}
+
+fn meaning(arg: &Arg) -> String {
+    let help = arg.get_help().unwrap_or_else(|| panic!("--{} says nothing", arg.get_id()));
+    help.to_string()
+}
+
+/// What the commands together say of one flag.
+#[derive(Default)]
+struct Flag {
+    shorts: BTreeSet<char>,
+    meanings: BTreeSet<String>,
+    old_names: BTreeSet<String>,
+    commands: BTreeSet<String>,
+    /// Each value with what it means.
+    values: BTreeMap<String, String>,
+}
+
+fn flags() -> BTreeMap<String, Flag> {
+    let mut flags: BTreeMap<String, Flag> = BTreeMap::new();
+    for Named { name, command } in commands() {
+        for arg in command.get_arguments().filter(|arg| !arg.is_positional()) {
+            let long = arg.get_long().unwrap_or_else(|| panic!("{name}: {} has no long name", arg.get_id()));
+            let flag = flags.entry(long.to_owned()).or_default();
+            flag.shorts.extend(arg.get_short());
+            flag.meanings.insert(meaning(arg));
+            flag.commands.insert(name.clone());
+            let shown = arg.get_visible_aliases().unwrap_or_default();
+            let old = arg.get_all_aliases().unwrap_or_default().into_iter().filter(|alias| !shown.contains(alias));
+            flag.old_names.extend(old.map(str::to_owned));
+            for value in arg.get_possible_values().iter().filter(|_| arg.get_action().takes_values()) {
+                if let Some(help) = value.get_help() {
+                    flag.values.insert(value.get_name().to_owned(), help.to_string());
+                }
+            }
+        }
+    }
+    flags
+}
+
+/// `docs/flags.md` as the arguments give it.
+fn page() -> String {
+    let top: BTreeSet<_> = commands().into_iter().map(|named| named.name).collect();
+    let mut page = "# Flags\n\nA flag means the same in every command that has it. `rackmesh COMMAND --help` \
+        shows a command's own, with their defaults.\n\nA spec or a table that a command needs stands without a flag; \
+        a spec that it can do without follows `--spec`. Lengths are in mm and angles in degrees unless they have a \
+        unit: `20um`, `0.5in`, `15arcmin`. They may be negative.\n\n\
+        | flag | short | meaning | commands |\n|---|---|---|---|\n"
+        .to_owned();
+    let flags = flags();
+    for (long, flag) in &flags {
+        let short: Vec<_> = flag.shorts.iter().map(|short| format!("`-{short}`")).collect();
+        let meaning: Vec<_> = flag.meanings.iter().map(|meaning| meaning.replace('|', "\\|")).collect();
+        let commands = if flag.commands == top {
+            "all".to_owned()
+        } else {
+            flag.commands.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
+        };
+        let _ = writeln!(page, "| `--{long}` | {} | {} | {commands} |", short.join(" "), meaning.join(" / "));
+    }
+    page.push_str("\n## Values\n\n| flag | value | meaning |\n|---|---|---|\n");
+    for (long, flag) in &flags {
+        for (value, meaning) in &flag.values {
+            let _ = writeln!(page, "| `--{long}` | `{value}` | {} |", meaning.replace('|', "\\|"));
+        }
+    }
+    page.push_str("\n## Other names\n\nThey are read and mean the same; the help does not show them.\n\n");
+    page.push_str("| name | flag |\n|---|---|\n");
+    for (long, flag) in &flags {
+        for old in &flag.old_names {
+            let _ = writeln!(page, "| `--{old}` | `--{long}` |");
+        }
+    }
+    page
+}
+
+/// `TRYCMD=overwrite` writes the page anew, as it does with the transcripts.
+#[test]
+fn the_page_of_flags_is_what_the_commands_have() {
+    const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/flags.md");
+    if std::env::var_os("TRYCMD").is_some_and(|mode| mode == "overwrite") {
+        std::fs::write(PATH, page()).expect("the page can be written");
+    }
+    let written = std::fs::read_to_string(PATH).expect("there is a page of flags").replace("\r\n", "\n");
+    assert_eq!(written, page(), "write it anew with TRYCMD=overwrite cargo test --test it command_line");
+}
+
+#[test]
+fn a_flag_means_one_thing_and_has_one_short_letter() {
+    let mut of_short: BTreeMap<char, String> = BTreeMap::new();
+    for (long, flag) in flags() {
+        assert_eq!(flag.meanings.len(), 1, "--{long}: {:?}", flag.meanings);
+        assert!(flag.shorts.len() <= 1, "--{long}: {:?}", flag.shorts);
+        for short in flag.shorts {
+            let other = of_short.insert(short, long.clone());
+            assert_eq!(other, None, "-{short}");
+        }
+    }
+    for (short, long) in [('o', "output"), ('f', "format"), ('q', "quiet"), ('j', "threads")] {
+        assert_eq!(of_short.get(&short).map(String::as_str), Some(long));
+    }
+}
+
+#[test]
+fn a_flag_with_a_short_letter_has_it_in_every_command() {
+    let flags = flags();
+    for Named { name, command } in commands() {
+        for arg in command.get_arguments().filter(|arg| !arg.is_positional()) {
+            let short = arg.get_long().and_then(|long| flags[long].shorts.first().copied());
+            assert_eq!(arg.get_short(), short, "{name}: {}", arg.get_id());
+        }
+    }
+}
+
+#[test]
+fn every_option_that_takes_a_quantity_takes_a_negative_one() {
+    // written as text, because their unit depends on what is asked
+    const TEXT: [&str; 3] = ["value", "measured", "nominal"];
+    let mut quantities = 0;
+    for Named { name, command } in commands() {
+        for arg in command.get_arguments() {
+            let parsed = arg.get_value_parser().type_id();
+            let is_quantity = parsed == TypeId::of::<Length>()
+                || parsed == TypeId::of::<Angle>()
+                || matches!(arg.get_value_names(), Some([only]) if *only == "LENGTH" || *only == "ANGLE")
+                || name == "calc" && TEXT.contains(&arg.get_id().as_str());
+            if is_quantity {
+                quantities += 1;
+                assert!(arg.is_allow_hyphen_values_set(), "{name} {}", arg.get_id());
+            }
+        }
+    }
+    assert!(quantities > 30, "only {quantities} are found");
+}
+
+#[test]
+fn negative_quantities_are_values_and_no_flags() {
+    for (arguments, shown) in [
+        (&["calc", "rack-pitch", "-12um", "--pressure-angle", "20"][..], "0.01648"),
+        (&["calc", "pitch", "12um", "--pressure-angle", "20", "--helix-angle", "-20"], "mm"),
+        (&["calc", "radial", "--measured", "-8.5", "--nominal", "-8.4"], "-0.1"),
+    ] {
+        let ended = run(arguments, "");
+        assert_eq!(ended.code, Some(0), "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stdout.contains(shown), "{arguments:?}: {}", ended.stdout);
+    }
+    // refused for what it is
+    let ended = run(&["calc", "pin", "--normal-module", "-2", "--pressure-angle", "20"], "");
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("error[out-of-domain]"), "{}", ended.stderr);
+}
+
+/// At the 100 columns that clap takes where there is no terminal.
+#[test]
+fn a_help_is_one_page() {
+    for name in commands().into_iter().map(|named| named.name).collect::<BTreeSet<_>>() {
+        let help = run(&[&name, "--help"], "").stdout;
+        assert!(help.lines().count() <= 60, "{name}: {} lines", help.lines().count());
+        assert_eq!(run(&[&name, "-h"], "").stdout, help);
+    }
+}
+
+#[test]
+fn commands_that_sound_alike_are_told_apart_in_their_first_line() {
+    let help = run(&["--help"], "").stdout;
+    for (command, word) in
+        [("simulate", "forces"), ("mesh", "no forces"), ("monte-carlo", "random racks"), ("measure", "virtually")]
+    {
+        assert!(help.lines().any(|line| line.trim_start().starts_with(command) && line.contains(word)), "{command}");
+        let first = run(&[command, "--help"], "").stdout.lines().next().unwrap_or_default().to_owned();
+        assert!(first.contains(word), "{command}: {first}");
+    }
+    assert!(run(&["eval", "--help"], "").stdout.contains("Uncertainty of ΔCD by simulation"));
+    let about = help.split_once("About the method:").expect("there is such a part of the help").1;
+    assert!(about.contains("  reproduce  "));
+    for Named { name, .. } in commands() {
+        assert!(help.contains(&format!("  {name}")), "{name}");
+    }
+}
+
+#[test]
+fn the_commands_of_the_help_run_one_after_the_other() {
+    let folder = Folder::new("first-steps");
+    let spec = folder.path("rack.toml");
+    let help = run(&["--help"], "").stdout;
+    let examples = help.split_once("Examples:").expect("the help has examples").1;
+    let mut seen = BTreeSet::new();
+    for line in examples.lines().filter_map(|line| line.trim().strip_prefix("rackmesh ")) {
+        // what a command does stands behind it
+        let line = line.split("   ").next().unwrap_or_default();
+        let (line, written) = line.split_once(" > ").map_or((line, None), |(line, file)| (line, Some(file)));
+        let path = |word: &str| if word == "rack.toml" { spec.clone() } else { word.to_owned() };
+        let arguments: Vec<String> = line.split_whitespace().map(path).collect();
+        let ended = run(&arguments.iter().map(String::as_str).collect::<Vec<_>>(), "");
+        assert!(matches!(ended.code, Some(0 | 1)), "{line}: {}", ended.stderr);
+        assert!(!ended.stderr.contains("error"), "{line}: {}", ended.stderr);
+        if let Some(file) = written {
+            std::fs::write(path(file), ended.stdout).expect("the file can be written");
+        }
+        seen.extend(arguments.into_iter().next());
+    }
+    for command in ["init", "eval", "mesh", "simulate", "monte-carlo", "calc", "explain"] {
+        assert!(seen.contains(command), "the help does not begin with {command}");
+    }
+}
+
+#[test]
+fn a_quiet_command_says_errors_only() {
+    let spec = "[errors]\nrack_over_roller = 0.01\n[limits]\nrack_pitch = \"±0.02\"\n";
+    let (told, quiet) = (run(&["eval", "-"], spec), run(&["eval", "-", "-q"], spec));
+    assert_eq!((told.code, &told.stdout), (quiet.code, &quiet.stdout));
+    assert!(told.stderr.contains("warning") && quiet.stderr.is_empty(), "{}", quiet.stderr);
+    let failed = run(&["eval", "no-such-file.toml", "--quiet"], "");
+    assert!(failed.code == Some(2) && failed.stderr.contains("error"), "{}", failed.stderr);
+}
+
+#[test]
+fn a_pasted_part_is_not_called_as_the_spec_is() {
+    let folder = Folder::new("pasted-name");
+    let (spec, values) = (folder.path("spec.toml"), folder.path("values.txt"));
+    std::fs::write(&spec, "title = \"steering rack\"\n[limits]\ncenter_distance = \"±0.05\"\n").unwrap();
+    std::fs::write(&values, "rack_over_roller\t0.01\n").unwrap();
+    let by_file = run(&["paste", &spec, &values, "-f", "json"], "").json();
+    assert_eq!(by_file["title"], "values.txt", "{by_file}");
+    let from_input = run(&["paste", &spec, "-f", "json"], "rack_over_roller\t0.01\n").json();
+    assert_eq!(from_input["title"], "pasted part", "{from_input}");
+}
