@@ -318,12 +318,12 @@ impl Report for BudgetReport<'_> {
         if let Rule::Simulation(settings) = &self.rule
             && (1.0 - settings.conforming) * f64::from(settings.draws) < FEWEST_SEEN
         {
-            blocks.push(Block::Note(format!(
-                "note: fewer than {FEWEST_SEEN} of {} assemblies may fail, which is too few to know their share well; --stack worst leaves none",
+            blocks.push(Block::Remark(format!(
+                "fewer than {FEWEST_SEEN} of {} assemblies may fail, which is too few to know their share well; --stack worst leaves none",
                 settings.draws
             )));
         }
-        blocks.extend(self.notes.iter().cloned().map(Block::Note));
+        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
             Block::Verdict(crate::judge::Verdict::Pass, self.sentence())

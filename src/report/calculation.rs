@@ -212,7 +212,7 @@ impl Report for Calculation {
                 columns: vec![Column::number("worst case"), Column::text("on")],
             })
         }));
-        blocks.extend(self.notes.iter().cloned().map(Block::Note));
+        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks
     }
 }

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::evaluation::{interval_json, interval_text};
 use super::number::{millimetres, plain};
-use super::{Block, Column, Report, Table};
+use super::{Block, Column, Report, Table, fact};
 use crate::deviation::Part;
 use crate::judge::class::{DiameterSource, Effect};
 use crate::judge::grade::{GradeSearch, Obtained, overall};
@@ -168,7 +168,7 @@ impl Report for ClassReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        const HEADER: [&str; 10] = [
+        const NAMES: [&str; 10] = [
             "symbol",
             "value_um",
             "unrounded_um",
@@ -180,24 +180,7 @@ impl Report for ClassReport {
             "mesh_delta_cd_mm",
             "formula",
         ];
-        let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
-        let diameter = self.head.wheel.diameter.as_ref().map(|diameter| plain(diameter.mm())).unwrap_or_default();
-        for ClassRow { permissible, delta_cd, mesh } in &self.rows {
-            let by = delta_cd.as_ref().map(|_| Effect::of(permissible.deviation).name()).unwrap_or_default();
-            rows.push(vec![
-                permissible.symbol().to_owned(),
-                plain(permissible.value_um()),
-                plain(permissible.unrounded_um()),
-                permissible.standard.id().to_owned(),
-                permissible.grade.to_string(),
-                diameter.clone(),
-                delta_cd.as_ref().map(|delta_cd| plain(delta_cd.mm())).unwrap_or_default(),
-                by.to_owned(),
-                mesh.map(|(mm, _)| plain(super::number::tidy(mm))).unwrap_or_default(),
-                permissible.formula.clone(),
-            ]);
-        }
-        rows
+        fact::rows(&self.json(), "values", &NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -235,18 +218,18 @@ impl Report for ClassReport {
         blocks.push(Block::Title(format!("{}, grade {}", self.head.standards(), self.grade)));
         blocks.push(Block::Note(self.head.size()));
         blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
-        let mut notes: Vec<String> = Vec::new();
-        for (standard, deviation, reason) in &self.not_given {
-            notes.push(format!("not given: {}: {reason}", standard.symbol(*deviation)));
-        }
+        let not_given = self.not_given.iter().map(|(standard, deviation, reason)| {
+            Block::Note(format!("not given: {}: {reason}", standard.symbol(*deviation)))
+        });
+        let mut notes: Vec<_> = not_given.collect();
         for row in &self.rows {
             for remark in &row.permissible.remarks {
-                notes.push(format!("note: {}: {remark}", row.permissible.symbol()));
+                notes.push(Block::Remark(format!("{}: {remark}", row.permissible.symbol())));
             }
         }
-        notes.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        notes.extend(self.notes.iter().cloned().map(Block::Remark));
         notes.dedup();
-        blocks.extend(notes.into_iter().map(Block::Note));
+        blocks.extend(notes);
         blocks
     }
 }
@@ -307,21 +290,8 @@ impl Report for ObtainedReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header = ["part", "symbol", "measured_um", "grade", "permissible_um", "standard", "origin"];
-        let mut rows = vec![header.map(str::to_owned).to_vec()];
-        for one in &self.obtained {
-            let shown = one.reached.as_ref().unwrap_or(&one.coarsest);
-            rows.push(vec![
-                one.part.name().to_owned(),
-                shown.symbol().to_owned(),
-                plain(one.measured.in_unit(LengthUnit::Micrometre)),
-                one.reached.as_ref().map(|permissible| permissible.grade.to_string()).unwrap_or_default(),
-                plain(shown.value_um()),
-                shown.standard.id().to_owned(),
-                one.origin.clone(),
-            ]);
-        }
-        rows
+        const NAMES: [&str; 7] = ["part", "symbol", "measured_um", "grade", "permissible_um", "standard", "origin"];
+        fact::rows(&self.json(), "values", &NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -369,7 +339,7 @@ impl Report for ObtainedReport {
             ),
             None => format!("Overall: beyond the grades of {}{companion}", self.standard),
         }));
-        blocks.extend(self.diameters.iter().map(|text| Block::Note(format!("note: {text}"))));
+        blocks.extend(self.diameters.iter().cloned().map(Block::Remark));
         blocks.extend(self.not_graded.iter().map(|text| Block::Note(format!("not graded: {text}"))));
         blocks
     }
@@ -489,7 +459,7 @@ impl Report for GradeSearchReport {
         let mut reasons: Vec<String> = self.search.steps.iter().filter_map(|step| why_none(&step.combined)).collect();
         reasons.dedup();
         if let Some(reason) = reasons.first() {
-            blocks.push(Block::Note(format!("note: grades without a value: {reason}")));
+            blocks.push(Block::Remark(format!("grades without a value: {reason}")));
         }
         blocks
     }

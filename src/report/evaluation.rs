@@ -23,7 +23,9 @@ pub struct EvaluationReport<'a> {
     pub title: Option<&'a str>,
     /// What was computed.
     pub evaluation: &'a Evaluation,
-    /// Remarks on the results' validity.
+    /// What the bound rests on.
+    pub rests_on: Vec<String>,
+    /// Remarks on the results' validity besides.
     pub notes: Vec<String>,
     /// The exact mesh over a stroke, where it was asked for.
     pub mesh: Option<MeshPart>,
@@ -70,6 +72,15 @@ struct ContributionRow {
 impl EvaluationReport<'_> {
     fn class(&self, kind: DeviationKind) -> Option<&ErrorClass> {
         self.classes.iter().find(|class| class.kind == kind)
+    }
+
+    /// What errors given as classes came to, in words.
+    fn class_notes(&self) -> impl Iterator<Item = String> + '_ {
+        self.classes.iter().map(|class| format!("class: {}", class.in_words()))
+    }
+
+    fn all_notes(&self) -> Vec<String> {
+        self.rests_on.iter().cloned().chain(self.class_notes()).chain(self.notes.iter().cloned()).collect()
     }
 
     fn contributions(&self) -> impl Iterator<Item = ContributionRow> + '_ {
@@ -261,7 +272,7 @@ pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth t
 /// What a bound rests on, a remark each.
 #[must_use]
 pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
-    notes.iter().map(|note| format!("note: {}", bound_note(note, missing))).collect()
+    notes.iter().map(|note| bound_note(note, missing)).collect()
 }
 
 /// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
@@ -403,7 +414,7 @@ impl Report for EvaluationReport<'_> {
                 "mean_mm": tidy(mesh.summary.mean_mm),
                 "notes": mesh.notes,
             })),
-            "notes": self.notes,
+            "notes": self.all_notes(),
         })
     }
 
@@ -509,8 +520,10 @@ impl Report for EvaluationReport<'_> {
         }
         blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
         blocks.extend(UncertaintyPart::decision_blocks(&self.rule, &self.evaluation.limits));
-        let mesh_notes = self.mesh.iter().flat_map(|mesh| mesh.notes.iter().map(|note| format!("note: {note}")));
-        blocks.extend(self.notes.iter().cloned().chain(mesh_notes).map(Block::Note));
+        blocks.extend(self.rests_on.iter().cloned().map(Block::Remark));
+        blocks.extend(self.class_notes().map(Block::Note));
+        let mesh_notes = self.mesh.iter().flat_map(|mesh| &mesh.notes);
+        blocks.extend(self.notes.iter().chain(mesh_notes).cloned().map(Block::Remark));
         blocks.extend(self.verdict_block());
         blocks
     }
@@ -546,7 +559,8 @@ impl<'a> EvaluationReport<'a> {
         Self {
             title,
             evaluation,
-            notes: bound_remarks(&evaluation.notes, missing),
+            rests_on: bound_remarks(&evaluation.notes, missing),
+            notes: Vec::new(),
             mesh: None,
             classes: Vec::new(),
             rule: Rule::Simple,
@@ -558,7 +572,6 @@ impl<'a> EvaluationReport<'a> {
     /// Adds what errors given as classes came to.
     #[must_use]
     pub fn with_classes(mut self, classes: Vec<ErrorClass>) -> Self {
-        self.notes.extend(classes.iter().map(|class| format!("class: {}", class.in_words())));
         self.classes = classes;
         self
     }

@@ -16,6 +16,7 @@ mod calculation;
 mod ci;
 mod class;
 mod evaluation;
+mod fact;
 mod geometry;
 #[cfg(feature = "html")]
 pub mod html;
@@ -46,9 +47,9 @@ pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
 pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 
+pub use fact::FORMAT_VERSION;
+use fact::document;
 pub use mesh::{MeasureReport, MeshReport};
-#[cfg(feature = "batch")]
-pub(crate) use number::plain;
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 #[cfg(feature = "table")]
 pub use qdas::qdas;
@@ -57,7 +58,7 @@ pub use racks::RacksReport;
 pub use reading::{WithReading, reading_blocks, remarks};
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
-pub use table::{Align, Block, Column, Table};
+pub use table::{Align, Block, Column, Table, noted};
 #[cfg(feature = "cli")]
 pub(crate) use table::{table_text, wrap};
 pub use uncertainty::UncertaintyPart;
@@ -127,7 +128,7 @@ pub fn write(report: &dyn Report, format: Format, screen: Screen) -> Result<Stri
     match format {
         Format::Table => Ok(table::text(&report.blocks(), screen)),
         Format::Markdown => Ok(table::markdown(&report.blocks())),
-        Format::Json => Ok(format!("{:#}\n", report.json())),
+        Format::Json => Ok(document(report.json())),
         Format::Csv => {
             let mut writer = csv::Writer::from_writer(Vec::new());
             for row in report.rows() {

@@ -84,7 +84,7 @@ impl UncertaintyPart {
         if self.simulation.is_some() {
             blocks.push(Block::Table(self.simulation_table()));
         }
-        blocks.extend(self.notes().into_iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks.extend(self.notes().into_iter().map(Block::Remark));
         blocks
     }
 
@@ -257,7 +257,7 @@ impl UncertaintyPart {
         }
         columns.push(Column::text(format!("by {}", rule_name(rule))));
         let mut blocks = vec![Block::Table(Table { columns, rows })];
-        blocks.extend(rule_notes(rule, &decided).into_iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks.extend(rule_notes(rule, &decided).into_iter().map(Block::Remark));
         blocks
     }
 
