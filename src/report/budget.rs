@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{ON_WORST_TEETH, class_json, interval_json, interval_text};
+use super::evaluation::{ClassFact, IntervalFact, ON_WORST_TEETH, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table};
 use crate::budget::{Budget, Line, Rule};
@@ -182,11 +182,11 @@ impl Report for BudgetReport<'_> {
                     key: value,
                     "delta_cd_mm": value.map(|_| line.delta_cd.mm()),
                     "extent": line.error.extent().name(),
-                    "range_mm": value.map(|_| interval_json(line.range)),
+                    "range_mm": value.map(|_| IntervalFact::from(line.range)),
                     "share": line.share,
                     "at_own_limit": line.at_own_limit,
-                    "class": class.map(class_json),
-                    "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(class_json),
+                    "class": class.map(ClassFact::from),
+                    "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(ClassFact::from),
                     "sensitivities": of_line.collect::<Vec<_>>(),
                 })
             })
@@ -213,9 +213,9 @@ impl Report for BudgetReport<'_> {
             "feasible": feasible,
             "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
             "tolerances": tolerances,
-            "worst_case_mm": budget.combined.range.ok().map(interval_json),
-            "rss_mm": budget.combined.rss.ok().map(interval_json),
-            "reached_mm": self.reached.map(interval_json),
+            "worst_case_mm": budget.combined.range.ok().map(IntervalFact::from),
+            "rss_mm": budget.combined.rss.ok().map(IntervalFact::from),
+            "reached_mm": self.reached.map(IntervalFact::from),
             "simulation": simulated,
             "sensitivities": sensitivities,
             "notes": self.notes,

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{interval_json, interval_text};
+use super::evaluation::{IntervalFact, interval_text};
 use super::number::{millimetres, plain};
 use super::{Block, Column, Report, Table, fact};
 use crate::deviation::Part;
@@ -372,7 +372,7 @@ impl Report for GradeSearchReport {
     fn json(&self) -> Value {
         let ends = |combined: &Result<Combined, String>, stack| {
             let interval = combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
-            interval.map(interval_json)
+            interval.map(IntervalFact::from)
         };
         let grades: Vec<_> = self
             .search

@@ -1,6 +1,7 @@
 //! Facts as programs read them: what serialises becomes a document of JSON, and rows of CSV are columns of its records.
 
-use serde_json::{Map, Value};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
 
 use crate::quantity::plain;
 
@@ -27,6 +28,14 @@ pub(super) fn rows(result: &Value, records: &str, names: &[impl AsRef<str>]) -> 
         found.map(|value| value.map(cell).unwrap_or_default()).collect()
     };
     std::iter::once(header).chain(records.map(row)).collect()
+}
+
+/// The cells of CSV, header first, of records that have the same names; at least one is needed.
+pub(super) fn rows_of(records: &[impl Serialize]) -> Vec<Vec<String>> {
+    let records = json!(records);
+    let first = records.get(0).and_then(Value::as_object).into_iter().flat_map(Map::keys);
+    let names: Vec<_> = first.cloned().collect();
+    rows(&json!({ "records": records }), "records", &names)
 }
 
 /// A value as the text of a cell: nothing where it is null.

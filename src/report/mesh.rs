@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{interval_json, interval_text};
+use super::evaluation::{IntervalFact, interval_text};
 use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
@@ -164,7 +164,7 @@ impl MeshReport<'_> {
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
-            "judged_mm": self.judged.ok().map(interval_json),
+            "judged_mm": self.judged.ok().map(IntervalFact::from),
             "judged_by": self.judged_by.name(),
             "verdict": self.verdict.map(Verdict::name),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
