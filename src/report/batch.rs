@@ -3,9 +3,9 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::number::{millimetres, plain};
+use super::number::{ends, millimetres, plain};
 use super::uncertainty::{micrometres, rule_name};
-use super::{Block, Column, Report, Table, judged_without};
+use super::{Block, Column, Report, Table, judged_without, titled};
 use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Statistics};
 use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
@@ -116,22 +116,14 @@ impl<'a> BatchReport<'a> {
         Self { title, basis, outcome, quantities: quantities.collect() }
     }
 
-    fn counts(&self) -> [(&'static str, u64); 6] {
-        let counts = &self.outcome.counts;
-        [
-            ("rows", counts.rows),
-            ("pass", counts.pass),
-            ("fail", counts.fail),
-            ("indeterminate", counts.indeterminate),
-            ("unjudged", counts.unjudged),
-            ("rejected", counts.rejected),
-        ]
-    }
-
     fn counts_table(&self) -> Table {
         let rows = self.outcome.counts.rows;
-        let shown =
-            self.counts().into_iter().filter(|(name, count)| *count > 0 || matches!(*name, "rows" | "pass" | "fail"));
+        let shown = self
+            .outcome
+            .counts
+            .named()
+            .into_iter()
+            .filter(|(name, count)| *count > 0 || matches!(*name, "rows" | "pass" | "fail"));
         let shown = shown.map(|(name, count)| {
             let share = if rows == 0 { 0.0 } else { 100.0 * count as f64 / rows as f64 };
             let name = if name == "unjudged" { "without a verdict" } else { name };
@@ -218,17 +210,11 @@ impl<'a> BatchReport<'a> {
 
     fn worst_table(&self) -> Table {
         let rows = self.outcome.worst.iter().map(|part| {
-            let (lower, upper) = part.result_mm;
-            let result = if lower == upper {
-                millimetres(upper)
-            } else {
-                format!("{} … {}", millimetres(lower), millimetres(upper))
-            };
             vec![
                 part.id.clone(),
                 whereabouts(part),
                 part.on.map_or_else(|| "-".to_owned(), |on| on.to_string()),
-                result,
+                ends(part.result_mm.0, part.result_mm.1),
                 if part.on.is_some() { millimetres(part.margin_mm) } else { "-".to_owned() },
                 part.verdict.map_or("-", Verdict::name).to_owned(),
             ]
@@ -504,7 +490,13 @@ impl Report for BatchReport<'_> {
             stack: self.basis.stack.map(Stack::name),
             judged_by: judged_by.name(),
             rule: self.basis.rule.to_string(),
-            counts: self.counts().into_iter().map(|(name, count)| (name.to_owned(), count.into())).collect(),
+            counts: self
+                .outcome
+                .counts
+                .named()
+                .into_iter()
+                .map(|(name, count)| (name.to_owned(), count.into()))
+                .collect(),
             results: self.quantities.iter().map(ResultFact::from).collect(),
             worst: self.outcome.worst.iter().map(PartFact::from).collect(),
             unjudged_limits: self.basis.unjudged.iter().map(|on| on.key()).collect(),
@@ -520,7 +512,7 @@ impl Report for BatchReport<'_> {
             ["name", "count", "mean_mm", "standard_deviation_mm", "min_mm", "max_mm"].map(str::to_owned).to_vec();
         header.extend(QUANTILES.iter().map(|q| format!("q{q}_mm")));
         header.extend(["limit_lower_mm", "limit_upper_mm", "pp", "ppk"].map(str::to_owned));
-        header.extend(self.counts().map(|(name, _)| name.to_owned()));
+        header.extend(self.outcome.counts.named().map(|(name, _)| name.to_owned()));
         header.extend(["cp", "cpk", "normality_p", "gauge_variance_share"].map(str::to_owned));
         let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
         let mut rows = vec![header];
@@ -539,7 +531,7 @@ impl Report for BatchReport<'_> {
             row.extend(
                 [quantity.capability.pp, quantity.capability.ppk].map(|index| number(index.map(|index| index.value))),
             );
-            row.extend(self.counts().map(|(_, count)| count.to_string()));
+            row.extend(self.outcome.counts.named().map(|(_, count)| count.to_string()));
             row.extend(
                 [quantity.capability.cp, quantity.capability.cpk].map(|index| number(index.map(|index| index.value))),
             );
@@ -551,8 +543,7 @@ impl Report for BatchReport<'_> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.map(|title| Block::Title(title.to_owned())));
+        let mut blocks = titled(self.title);
         blocks.push(Block::Table(self.counts_table()));
         if self.outcome.counts.rows > self.outcome.counts.rejected {
             blocks.push(Block::Table(self.statistics_table()));

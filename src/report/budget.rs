@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::evaluation::{ClassFact, IntervalFact, ON_WORST_TEETH, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
-use super::{Block, Column, Report, Screen, Table};
+use super::{Block, Column, Report, Screen, Table, titled};
 use crate::budget::{Budget, Line, Rule};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::formula::{Input, Model};
@@ -299,8 +299,7 @@ impl Report for BudgetReport<'_> {
             }
             row
         });
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.map(|title| Block::Title(title.to_owned())));
+        let mut blocks = titled(self.title);
         blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
         if let Some(tornado) = self.tornado() {
             blocks.push(Block::Drawing(tornado));

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::evaluation::{IntervalFact, interval_text};
 use super::number::{millimetres, plain};
-use super::{Block, Column, Report, Table, fact};
+use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
 use crate::judge::class::{DiameterSource, Effect};
 use crate::judge::grade::{GradeSearch, Obtained, overall};
@@ -28,13 +28,6 @@ pub struct ClassHead {
 }
 
 impl ClassHead {
-    fn standards(&self) -> String {
-        match self.standard.companion() {
-            Some(companion) => format!("{} with {companion}", self.standard),
-            None => self.standard.to_string(),
-        }
-    }
-
     /// The part and its size: `pinion: m_n = 1.9 mm, d = 14.675 mm (given), b = 30 mm, z = 7`.
     fn size(&self) -> String {
         let wheel = &self.wheel;
@@ -57,13 +50,21 @@ impl ClassHead {
     fn add_to(&self, json: &mut Value) {
         let mm = |length: &Option<Length>| length.map(Length::mm);
         json["title"] = self.title.clone().into();
-        json["standard_name"] = self.standards().into();
+        json["standard_name"] = standards(self.standard).into();
         json["part"] = self.part.name().into();
         json["normal_module_mm"] = mm(&self.wheel.normal_module).into();
         json["diameter_mm"] = mm(&self.wheel.diameter).into();
         json["diameter_source"] = self.diameter_source.map(DiameterSource::in_words).into();
         json["face_width_mm"] = mm(&self.wheel.face_width).into();
         json["teeth"] = self.wheel.teeth.into();
+    }
+}
+
+/// A standard with the one that has the other deviations.
+fn standards(standard: Standard) -> String {
+    match standard.companion() {
+        Some(companion) => format!("{standard} with {companion}"),
+        None => standard.to_string(),
     }
 }
 
@@ -213,9 +214,8 @@ impl Report for ClassReport {
             }
             cells
         });
-        let mut blocks = Vec::new();
-        blocks.extend(self.head.title.clone().map(Block::Title));
-        blocks.push(Block::Title(format!("{}, grade {}", self.head.standards(), self.grade)));
+        let mut blocks = titled(self.head.title.as_deref());
+        blocks.push(Block::Title(format!("{}, grade {}", standards(self.head.standard), self.grade)));
         blocks.push(Block::Note(self.head.size()));
         blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
         let not_given = self.not_given.iter().map(|(standard, deviation, reason)| {
@@ -326,18 +326,16 @@ impl Report for ObtainedReport {
             Column::number("permissible\n[µm]"),
             Column::text("measured as"),
         ];
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.clone().map(Block::Title));
+        let mut blocks = titled(self.title.as_deref());
         blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
-        let companion = self.standard.companion().map(|other| format!(" with {other}")).unwrap_or_default();
         blocks.push(Block::Note(match overall(&self.obtained) {
-            Some(grade) => format!("Overall: grade {grade} of {}{companion}", self.standard),
+            Some(grade) => format!("Overall: grade {grade} of {}", standards(self.standard)),
             None if self.obtained.is_empty() => "Overall: nothing could be graded".to_owned(),
             None if self.obtained.iter().any(Obtained::is_beyond_what_is_known) => format!(
-                "Overall: not known: this program has not all values of {}{companion}, and a deviation is beyond those it has",
-                self.standard
+                "Overall: not known: this program has not all values of {}, and a deviation is beyond those it has",
+                standards(self.standard)
             ),
-            None => format!("Overall: beyond the grades of {}{companion}", self.standard),
+            None => format!("Overall: beyond the grades of {}", standards(self.standard)),
         }));
         blocks.extend(self.diameters.iter().cloned().map(Block::Remark));
         blocks.extend(self.not_graded.iter().map(|text| Block::Note(format!("not graded: {text}"))));
@@ -442,10 +440,8 @@ impl Report for GradeSearchReport {
             Column::number("RSS\n[mm]"),
             Column::text(""),
         ];
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.clone().map(Block::Title));
-        let companion = self.standard.companion().map(|other| format!(" with {other}")).unwrap_or_default();
-        blocks.push(Block::Title(format!("ΔCD within {} mm by {}{companion}", plain(limit.mm()), self.standard)));
+        let mut blocks = titled(self.title.as_deref());
+        blocks.push(Block::Title(format!("ΔCD within {} mm by {}", plain(limit.mm()), standards(self.standard))));
         blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
         let grade = |grade: Option<u8>| grade.map_or_else(|| "none".to_owned(), |grade| format!("grade {grade}"));
         blocks.push(Block::Note(format!(

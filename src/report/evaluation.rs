@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, signed, tidy};
 use super::uncertainty::{DecisionFact, UncertaintyCells, UncertaintyPart, indeterminate_sentence, rule_name};
-use super::{Block, Column, Report, Table, fact, judged_without};
+use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, Unjudged};
 use crate::formula::Model;
@@ -411,9 +411,12 @@ struct EvaluationFact<'a> {
 
 #[derive(Serialize)]
 struct CombinedFact {
-    range_mm: Option<IntervalFact>,
-    worst_case_mm: Option<IntervalFact>,
-    rss_mm: Option<IntervalFact>,
+    #[serde(rename = "range_mm")]
+    range: Option<IntervalFact>,
+    #[serde(rename = "worst_case_mm")]
+    worst_case: Option<IntervalFact>,
+    #[serde(rename = "rss_mm")]
+    rss: Option<IntervalFact>,
 }
 
 #[derive(Serialize)]
@@ -524,9 +527,9 @@ impl Report for EvaluationReport<'_> {
             model: evaluation.model.name(),
             contributions: self.contributions().collect(),
             combined: CombinedFact {
-                range_mm: combined.range.ok().map(IntervalFact::from),
-                worst_case_mm: combined.range.ok().map(IntervalFact::from),
-                rss_mm: combined.rss.ok().map(IntervalFact::from),
+                range: combined.range.ok().map(IntervalFact::from),
+                worst_case: combined.range.ok().map(IntervalFact::from),
+                rss: combined.rss.ok().map(IntervalFact::from),
             },
             stack: evaluation.stack.name(),
             judged_by: evaluation.judged_by.name(),
@@ -568,7 +571,9 @@ impl Report for EvaluationReport<'_> {
             ..ends("limit", check.on.key(), check.result.ok())
         }));
         if let Some(part) = &self.uncertainty {
-            rows.iter_mut().for_each(|row| row.uncertainty = Some(UncertaintyCells::default()));
+            for row in &mut rows {
+                row.uncertainty = Some(UncertaintyCells::default());
+            }
             rows.extend(part.rows().map(|(name, value_mm, cells)| EvaluationRow {
                 kind: "uncertainty",
                 name,
@@ -581,10 +586,7 @@ impl Report for EvaluationReport<'_> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        if let Some(title) = self.title {
-            blocks.push(Block::Title(title.to_owned()));
-        }
+        let mut blocks = titled(self.title);
         if !self.evaluation.contributions.is_empty() {
             blocks.push(Block::Table(self.contribution_table()));
         }

@@ -6,7 +6,7 @@ use super::evaluation::{IntervalFact, interval_text};
 use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
-use super::{Block, Column, Report, Screen, Table, document, fact, sketch};
+use super::{Block, Column, Report, Screen, Table, document, fact, sketch, titled};
 use crate::evaluation::{JudgedBy, LimitCheck, Unjudged};
 use crate::judge::bound::Open;
 use crate::judge::{Interval, Limit, LimitTarget, Prediction, Rule, Verdict};
@@ -194,10 +194,7 @@ impl Report for MeshReport<'_> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        if let Some(title) = self.title {
-            blocks.push(Block::Title(title.to_owned()));
-        }
+        let mut blocks = titled(self.title);
         blocks.push(Block::Table(self.geometry().table()));
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(Block::Table(summary_table(&summary)));

@@ -114,6 +114,11 @@ pub trait Report {
     fn blocks(&self) -> Vec<Block>;
 }
 
+/// The first blocks of a report: the spec's title, if there is one.
+fn titled(title: Option<&str>) -> Vec<Block> {
+    title.map(|title| Block::Title(title.to_owned())).into_iter().collect()
+}
+
 /// The end of a verdict's sentence: what the parts were judged without, as the user asked for.
 fn judged_without(kinds: &[DeviationKind]) -> String {
     let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();

@@ -8,6 +8,12 @@ pub(super) fn millimetres(mm: f64) -> String {
     signed(mm, 4)
 }
 
+/// From one length to another, in mm for people; one where they are the same.
+pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
+    let upper = millimetres(upper_mm);
+    if lower_mm == upper_mm { upper } else { format!("{} … {upper}", millimetres(lower_mm)) }
+}
+
 /// A signed number with that many decimals, or in powers of ten where they would show nothing or too
 /// much.
 pub(super) fn signed(value: f64, decimals: usize) -> String {

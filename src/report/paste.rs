@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::number::{millimetres, plain, signed};
 use super::uncertainty::micrometres;
-use super::{Block, Column, Report, Table, UncertaintyPart, fact, judged_without};
+use super::{Block, Column, Report, Table, UncertaintyPart, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
@@ -159,7 +159,7 @@ impl Report for PartsReport<'_> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let mut blocks = titled(self.title);
         let kinds = self.kinds();
         let judged = self.rows.iter().filter_map(|row| row.evaluation.as_ref()).any(|e| !e.limits.is_empty());
         let mut columns = vec![Column::text("part")];
@@ -302,7 +302,7 @@ impl Report for SpacesReport<'_> {
 
     fn blocks(&self) -> Vec<Block> {
         let measured = self.measured;
-        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let mut blocks = titled(self.title);
         let mut columns = vec![Column::number(self.place())];
         for feature in &measured.features {
             let unit = if feature.error() == DeviationKind::RackLead { "°" } else { "µm" };

@@ -4,9 +4,9 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, tidy};
-use super::{Block, Column, Report, Table};
+use super::{Block, Column, Report, Table, titled};
 use crate::chance::racks::{
-    Bin, CONFIDENCE, Inside, Quantile, RackResult, RackSettings, RackStatistics, RacksSummary, STEPS_PER_PITCH, Scatter,
+    Bin, CONFIDENCE, Inside, RackResult, RackSettings, RackStatistics, RacksSummary, STEPS_PER_PITCH, Scatter,
 };
 use crate::judge::Verdict;
 use crate::judge::class::ErrorClass;
@@ -42,7 +42,7 @@ struct RacksFact<'a> {
     to_mm: f64,
     confidence: f64,
     scatter: Vec<SpreadFact>,
-    delta_cd: DeltaCdFact,
+    delta_cd: DeltaCdFact<'a>,
     inside_limits: Option<Inside>,
     verdict: Option<&'static str>,
     notes: Vec<String>,
@@ -58,52 +58,11 @@ struct SpreadFact {
 }
 
 #[derive(Serialize)]
-struct DeltaCdFact {
-    mean: StatisticsFact,
-    peak_to_peak: StatisticsFact,
-    smallest: StatisticsFact,
-    largest: StatisticsFact,
-}
-
-#[derive(Serialize)]
-struct StatisticsFact {
-    mean_mm: f64,
-    standard_deviation_mm: f64,
-    quantiles: Vec<QuantileFact>,
-    histogram: Vec<BinFact>,
-}
-
-#[derive(Serialize)]
-struct QuantileFact {
-    share: f64,
-    value_mm: f64,
-    lower_mm: Option<f64>,
-    upper_mm: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct BinFact {
-    from_mm: f64,
-    to_mm: f64,
-    racks: usize,
-}
-
-impl From<&RackStatistics> for StatisticsFact {
-    fn from(of: &RackStatistics) -> Self {
-        let quantile = |quantile: &Quantile| QuantileFact {
-            share: quantile.share,
-            value_mm: tidy(quantile.value),
-            lower_mm: quantile.lower.map(tidy),
-            upper_mm: quantile.upper.map(tidy),
-        };
-        let bin = |bin: &Bin| BinFact { from_mm: tidy(bin.from_mm), to_mm: tidy(bin.to_mm), racks: bin.racks };
-        Self {
-            mean_mm: of.mean_mm,
-            standard_deviation_mm: of.standard_deviation_mm,
-            quantiles: of.quantiles.iter().map(quantile).collect(),
-            histogram: of.histogram.iter().map(bin).collect(),
-        }
-    }
+struct DeltaCdFact<'a> {
+    mean: &'a RackStatistics,
+    peak_to_peak: &'a RackStatistics,
+    smallest: &'a RackStatistics,
+    largest: &'a RackStatistics,
 }
 
 /// What is drawn of one kind of deviation.
@@ -165,9 +124,9 @@ impl RacksReport<'_> {
                 let end = |end: Option<f64>| end.map_or_else(|| "?".to_owned(), millimetres);
                 vec![
                     format!("  {:.0} %", 100.0 * quantile.share),
-                    millimetres(quantile.value),
-                    end(quantile.lower),
-                    end(quantile.upper),
+                    millimetres(quantile.value_mm),
+                    end(quantile.lower_mm),
+                    end(quantile.upper_mm),
                 ]
             }));
             rows
@@ -243,12 +202,7 @@ impl Report for RacksReport<'_> {
             to_mm: self.settings.to_mm,
             confidence: CONFIDENCE,
             scatter: scatter.collect(),
-            delta_cd: DeltaCdFact {
-                mean: mean.into(),
-                peak_to_peak: peak_to_peak.into(),
-                smallest: smallest.into(),
-                largest: largest.into(),
-            },
+            delta_cd: DeltaCdFact { mean, peak_to_peak, smallest, largest },
             inside_limits: *inside,
             verdict: verdict.map(Verdict::name),
             notes: self.all_notes(),
@@ -267,10 +221,7 @@ impl Report for RacksReport<'_> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        if let Some(title) = self.title {
-            blocks.push(Block::Title(title.to_owned()));
-        }
+        let mut blocks = titled(self.title);
         blocks.push(Block::Table(self.scatter_table()));
         blocks.push(Block::Table(self.quantile_table()));
         blocks.extend(self.histograms());

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::number::{plain, signed, tidy};
-use super::{Block, Column, Report, Screen, Table, fact, sketch};
+use super::{Block, Column, Report, Screen, Table, fact, sketch, titled};
 use crate::multibody::{
     ContactModel, Energy, Integrator, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support,
 };
@@ -339,7 +339,7 @@ impl Report for SimulationReport<'_> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let mut blocks = titled(self.title);
         let table = self.steady_table();
         if !table.rows.is_empty() {
             blocks.push(Block::Table(table));

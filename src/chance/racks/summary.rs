@@ -31,6 +31,7 @@ pub struct RacksSummary {
 
 /// How one quantity is distributed over the racks.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct RackStatistics {
     /// The mean, mm.
     pub mean_mm: f64,
@@ -44,6 +45,7 @@ pub struct RackStatistics {
 
 /// A bin of a histogram.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct Bin {
     /// Where it starts, mm.
     pub from_mm: f64,
@@ -121,9 +123,9 @@ fn histogram(values: &[f64]) -> Vec<Bin> {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let width = (high - low) / BINS as f64;
     if width.is_nan() || width <= 0.0 {
-        return vec![Bin { from_mm: low, to_mm: high, racks: values.len() }];
+        return vec![Bin { from_mm: tidy(low), to_mm: tidy(high), racks: values.len() }];
     }
-    let edge = |bin: usize| low + width * bin as f64;
+    let edge = |bin: usize| tidy(low + width * bin as f64);
     let mut bins: Vec<_> = (0..BINS).map(|bin| Bin { from_mm: edge(bin), to_mm: edge(bin + 1), racks: 0 }).collect();
     for value in values {
         bins[(((value - low) / width) as usize).min(BINS - 1)].racks += 1;
