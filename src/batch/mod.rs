@@ -14,7 +14,7 @@
 //! | `run`, `pack` | pieces through all cores, in order |
 //! | `parquet` | rows as Parquet |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
-//! | `outcome`, `statistics` | counts, problems, the worst parts, statistics in one pass |
+//! | `outcome`, `statistics`, `capability` | counts, problems, the worst parts, statistics in one pass |
 //!
 //! # Right to the last digit
 //! A cell such as `25.0131` becomes a [`Length`](crate::quantity::Length), from which the nominal value is taken:
@@ -48,6 +48,7 @@
 //! ```
 
 mod buffer;
+mod capability;
 mod evaluate;
 mod layout;
 mod number;
@@ -65,6 +66,7 @@ mod teeth;
 mod uncertain;
 mod write;
 
+pub use capability::Capability;
 pub use layout::Layout;
 pub use number::Decimals;
 pub use outcome::{Counts, Duplicates, Outcome, Part, Problem};

@@ -22,7 +22,7 @@ impl Decimals {
     pub(super) fn text(self, value: f64) -> String {
         match (self, Length::from_mm(value)) {
             (Self::Places(places), Ok(length)) => length.to_decimal_text(places.into()),
-            _ => crate::report::plain(value),
+            _ => crate::quantity::plain(value),
         }
     }
 }

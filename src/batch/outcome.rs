@@ -33,6 +33,19 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// The counts of rows with their names.
+    #[must_use]
+    pub const fn named(&self) -> [(&'static str, u64); 6] {
+        [
+            ("rows", self.rows),
+            ("pass", self.pass),
+            ("fail", self.fail),
+            ("indeterminate", self.indeterminate),
+            ("unjudged", self.unjudged),
+            ("rejected", self.rejected),
+        ]
+    }
+
     fn add(&mut self, other: &Self) {
         self.rows += other.rows;
         self.pass += other.pass;

@@ -32,7 +32,7 @@ impl Evaluator<'_> {
                 output => match (results.of(output), plan.decimals) {
                     (Some(result), Decimals::Places(places)) => Places::new(places).write(&mut self.out, result),
                     (Some(result), Decimals::Full) => {
-                        self.out.extend(crate::report::plain(result.mm()).as_bytes());
+                        self.out.extend(crate::quantity::plain(result.mm()).as_bytes());
                     }
                     (None, _) if plan.format == RowFormat::JsonLines => self.out.extend(b"null"),
                     (None, _) => {}

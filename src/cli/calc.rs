@@ -14,7 +14,7 @@ use crate::formula::{CATALOGUE, FormulaPage, Law, Model, PartDeviation, ideal_pi
 use crate::judge::Interval;
 use crate::judge::bound::{Basis, ErrorInputError};
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
-use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks};
+use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks, noted};
 use crate::spec::GEOMETRY_KEYS;
 
 pub(super) const ABOUT: &str = "Compute one formula: just the number and its unit";
@@ -343,8 +343,8 @@ impl Common {
             return Ok(Status::Pass);
         }
         if self.format.is_none() {
-            for remark in printed.worst_case_remark().iter().chain(&printed.notes) {
-                output.remark(remark);
+            for remark in printed.worst_case_remark().into_iter().chain(printed.notes.iter().map(|note| noted(note))) {
+                output.remark(&remark);
             }
         }
         let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());

@@ -17,7 +17,7 @@ use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::chart::{Chart, Layer, Mark, Shape, Span};
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::{Format, MeshReport};
+use crate::report::{Format, MeshReport, noted};
 use crate::spec::{Located, MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation, keys};
 use crate::table::{self, Source, Teeth};
 
@@ -395,7 +395,7 @@ fn remark_on(trust: Trust, output: &mut Output) {
     if let Some(error) = trust.failure {
         output.diagnostic(&unsolved_stroke(&error));
     }
-    trust.notes().iter().for_each(|note| output.remark(note));
+    trust.notes().iter().for_each(|note| output.remark(&noted(note)));
 }
 
 /// What came of a list of strokes.

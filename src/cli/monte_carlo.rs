@@ -4,7 +4,7 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::{long, mesh};
 use crate::chance::DEFAULT_SEED;
-use crate::chance::racks::{RackSettings, RacksError, simulate_racks};
+use crate::chance::racks::{RackSettings, RacksError, RacksSummary, simulate_racks};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Verdict};
 use crate::report::{Format, RacksReport};
@@ -64,17 +64,19 @@ impl Args {
             return Ok(interruption.status().unwrap_or(Status::Undecided));
         }
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
+        let limit = limit.map(|(_, limit)| &limit.value);
+        let summary = RacksSummary::of(&results, settings.racks, limit);
         let report = RacksReport {
             title: spec.title.as_deref(),
             scatter: &scatter,
             classes: &classes,
             settings: &settings,
             results: &results,
-            limit: limit.map(|(_, limit)| &limit.value),
+            summary: &summary,
             notes: mesh::notes(&input),
         };
         output.report(&report, self.format)?;
-        if report.is_interrupted() {
+        if summary.is_interrupted {
             if self.format == Format::Csv {
                 // the other formats say so themselves
                 let message = format!("interrupted: these are the first {} of {} racks", results.len(), self.racks);
@@ -82,7 +84,7 @@ impl Args {
             }
             return Ok(interruption.status().unwrap_or(Status::Undecided));
         }
-        Ok(match report.verdict() {
+        Ok(match summary.verdict {
             Some(Verdict::Fail) => Status::Fail,
             _ => Status::Pass,
         })

@@ -105,23 +105,9 @@ impl ReadReport {
 
 impl Report for ReadReport {
     fn json(&self) -> serde_json::Value {
-        let strangers: Vec<_> = self
-            .strangers
-            .iter()
-            .map(|stranger| {
-                serde_json::json!({
-                    "file": stranger.file,
-                    "place": stranger.place,
-                    "title": stranger.title,
-                    "values": stranger.values,
-                    "unit": stranger.unit,
-                    "near": stranger.near,
-                })
-            })
-            .collect();
         serde_json::json!({
             "reading": self.readings,
-            "not_understood": strangers,
+            "not_understood": self.strangers,
             "mapping": self.mapping,
             "notes": remarks(&self.readings, &self.notes),
         })

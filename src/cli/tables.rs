@@ -260,7 +260,7 @@ pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
         }
     }
     for remark in remarks {
-        output.remark(&format!("note: {remark}"));
+        output.remark(&report::noted(&remark));
     }
 }
 

@@ -22,6 +22,7 @@ mod domain;
 mod error;
 mod length;
 mod number;
+mod plain;
 mod rounded;
 mod unit;
 
@@ -37,6 +38,9 @@ pub use number::NumberError;
 pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
 pub(crate) use number::split_number;
+#[cfg(feature = "report")]
+pub(crate) use plain::plain_padded;
+pub(crate) use plain::{plain, tidy};
 pub(crate) use rounded::{Degrees, Rounded};
 pub use unit::Unit;
 

@@ -1,17 +1,16 @@
 //! The summary of a batch: counts, statistics of each result, the worst parts.
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
 
-use super::number::{millimetres, plain};
+use super::number::{ends, millimetres, plain};
 use super::uncertainty::{micrometres, rule_name};
-use super::{Block, Column, Report, Table, judged_without};
-use crate::batch::{Counts, Outcome, Part, Plan, QUANTILES, Statistics};
+use super::{Block, Column, Report, Table, judged_without, titled};
+use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Statistics};
 use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
 use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
-use crate::statistics::capability::{
-    FEWEST_PARTS, Gauge, Index, Normality, PRELIMINARY_PARTS, performance, short_term,
-};
+use crate::statistics::capability::{FEWEST_PARTS, Index, PRELIMINARY_PARTS};
 
 /// What the parts of a batch were evaluated by and held against.
 #[derive(Debug)]
@@ -85,34 +84,10 @@ struct Quantity<'a> {
     name: &'a str,
     statistics: &'a Statistics,
     limits: (Option<f64>, Option<f64>),
-    cp: Option<Index>,
-    cpk: Option<Index>,
-    pp: Option<Index>,
-    ppk: Option<Index>,
-    normality: Option<Normality>,
-    gauge: Option<Gauge>,
+    capability: Capability,
 }
 
-impl<'a> Quantity<'a> {
-    fn new(name: &'a str, statistics: &'a Statistics, limits: (Option<f64>, Option<f64>)) -> Self {
-        let is_limited = limits != (None, None);
-        let (mean, deviation) = (statistics.mean_mm(), statistics.standard_deviation_mm());
-        let count = statistics.count();
-        let indices = |spread: Option<f64>, of: &dyn Fn(u64, f64, f64, Option<f64>, Option<f64>) -> (_, _)| {
-            mean.zip(spread).map_or((None, None), |(mean, spread)| of(count, mean, spread, limits.0, limits.1))
-        };
-        let (pp, ppk) = indices(deviation, &performance);
-        let (cp, cpk) = indices(statistics.moving_range_mm(), &short_term);
-        let gauge = mean.zip(deviation).zip(statistics.gauge_mm()).filter(|((_, s), _)| *s > 0.0);
-        let gauge = gauge.map(|((mean, deviation), uncertainty)| {
-            let margins = [limits.0.map(|lower| mean - lower), limits.1.map(|upper| upper - mean)];
-            let margin = margins.into_iter().flatten().fold(f64::INFINITY, f64::min);
-            Gauge::of(uncertainty, deviation, margin, limits.0.zip(limits.1).map(|(lower, upper)| upper - lower))
-        });
-        let normality = if is_limited { statistics.normality() } else { None };
-        Self { name, statistics, limits, cp, cpk, pp, ppk, normality, gauge }
-    }
-
+impl Quantity<'_> {
     fn is_limited(&self) -> bool {
         self.limits != (None, None)
     }
@@ -123,7 +98,8 @@ impl<'a> Quantity<'a> {
     }
 
     fn indices(&self) -> [(&'static str, Option<Index>); 4] {
-        [("Cp", self.cp), ("Cpk", self.cpk), ("Pp", self.pp), ("Ppk", self.ppk)]
+        let Capability { cp, cpk, pp, ppk, .. } = self.capability;
+        [("Cp", cp), ("Cpk", cpk), ("Pp", pp), ("Ppk", ppk)]
     }
 }
 
@@ -133,26 +109,21 @@ impl<'a> BatchReport<'a> {
     pub fn new(title: Option<&'a str>, basis: &'a Basis, outcome: &'a Outcome) -> Self {
         let limits = basis.quantity_limits.iter().copied();
         let quantities = outcome.quantities.iter().zip(&outcome.statistics).zip(limits);
-        let quantities = quantities.map(|((name, statistics), limits)| Quantity::new(name, statistics, limits));
+        let quantities = quantities.map(|((name, statistics), limits)| {
+            let capability = Capability::of(statistics, limits);
+            Quantity { name, statistics, limits, capability }
+        });
         Self { title, basis, outcome, quantities: quantities.collect() }
-    }
-
-    fn counts(&self) -> [(&'static str, u64); 6] {
-        let counts = &self.outcome.counts;
-        [
-            ("rows", counts.rows),
-            ("pass", counts.pass),
-            ("fail", counts.fail),
-            ("indeterminate", counts.indeterminate),
-            ("unjudged", counts.unjudged),
-            ("rejected", counts.rejected),
-        ]
     }
 
     fn counts_table(&self) -> Table {
         let rows = self.outcome.counts.rows;
-        let shown =
-            self.counts().into_iter().filter(|(name, count)| *count > 0 || matches!(*name, "rows" | "pass" | "fail"));
+        let shown = self
+            .outcome
+            .counts
+            .named()
+            .into_iter()
+            .filter(|(name, count)| *count > 0 || matches!(*name, "rows" | "pass" | "fail"));
         let shown = shown.map(|(name, count)| {
             let share = if rows == 0 { 0.0 } else { 100.0 * count as f64 / rows as f64 };
             let name = if name == "unjudged" { "without a verdict" } else { name };
@@ -217,10 +188,10 @@ impl<'a> BatchReport<'a> {
     fn gauge_table(&self) -> Option<Table> {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
         let rows = self.quantities.iter().filter_map(|quantity| {
-            let (gauge, u) = (quantity.gauge?, quantity.statistics.gauge_mm()?);
+            let gauge = quantity.capability.gauge?;
             Some(vec![
                 quantity.shown(),
-                micrometres(u),
+                micrometres(gauge.uncertainty_mm),
                 percent(gauge.variance_share),
                 gauge.tolerance_share.map_or_else(|| "-".to_owned(), percent),
                 gauge.part_ppk.map_or_else(|| "-".to_owned(), |ppk| format!("{ppk:.2}")),
@@ -239,17 +210,11 @@ impl<'a> BatchReport<'a> {
 
     fn worst_table(&self) -> Table {
         let rows = self.outcome.worst.iter().map(|part| {
-            let (lower, upper) = part.result_mm;
-            let result = if lower == upper {
-                millimetres(upper)
-            } else {
-                format!("{} … {}", millimetres(lower), millimetres(upper))
-            };
             vec![
                 part.id.clone(),
                 whereabouts(part),
                 part.on.map_or_else(|| "-".to_owned(), |on| on.to_string()),
-                result,
+                ends(part.result_mm.0, part.result_mm.1),
                 if part.on.is_some() { millimetres(part.margin_mm) } else { "-".to_owned() },
                 part.verdict.map_or("-", Verdict::name).to_owned(),
             ]
@@ -289,10 +254,10 @@ impl<'a> BatchReport<'a> {
             ));
         }
         for quantity in limited {
-            if quantity.ppk.is_none() && quantity.statistics.standard_deviation_mm().is_some() {
+            if quantity.capability.ppk.is_none() && quantity.statistics.standard_deviation_mm().is_some() {
                 notes.push(format!("{}: no indices, because all values are the same.", quantity.shown()));
             }
-            match quantity.normality {
+            match quantity.capability.normality {
                 Some(normality) if normality.rejected() => notes.push(format!(
                     "{}: not normally distributed (Anderson-Darling A*² {:.2}, p {}; skewness {:+.2}, excess kurtosis {:+.2}), so the indices do not give the share outside: see the quantiles.",
                     quantity.shown(),
@@ -307,7 +272,7 @@ impl<'a> BatchReport<'a> {
                     normality.anderson_darling,
                     normality.p_value
                 )),
-                None if quantity.ppk.is_some() => notes.push(format!(
+                None if quantity.capability.ppk.is_some() => notes.push(format!(
                     "{}: its mean is too far from 0 for its spread to tell whether it is normally distributed.",
                     quantity.shown()
                 )),
@@ -374,13 +339,16 @@ impl<'a> BatchReport<'a> {
             self.basis.model
         )];
         notes.extend(self.capability_notes());
-        if self.quantities.iter().any(|quantity| quantity.gauge.is_some()) {
+        if self.quantities.iter().any(|quantity| quantity.capability.gauge.is_some()) {
             notes.push(
                 "Gauge share: of the uncertainties of the measured errors alone; what is uncertain about the gear is the same for all parts."
                     .to_owned(),
             );
         }
-        if self.quantities.iter().any(|quantity| quantity.gauge.is_some_and(|gauge| gauge.part_deviation_mm.is_none()))
+        if self
+            .quantities
+            .iter()
+            .any(|quantity| quantity.capability.gauge.is_some_and(|gauge| gauge.part_deviation_mm.is_none()))
         {
             notes.push("The given uncertainty exceeds the spread of some values: it is overstated there.".to_owned());
         }
@@ -421,88 +389,120 @@ pub(super) fn grouped(count: u64) -> String {
     text
 }
 
-fn index_json(index: Option<Index>) -> Value {
-    index.map_or(Value::Null, |index| json!({ "value": index.value, "lower_95": index.lower, "upper_95": index.upper }))
+/// What programs read of a batch.
+#[derive(Serialize)]
+struct BatchFact<'a> {
+    title: Option<&'a str>,
+    model: &'static str,
+    stack: Option<&'static str>,
+    judged_by: &'static str,
+    rule: String,
+    counts: Map<String, Value>,
+    results: Vec<ResultFact<'a>>,
+    worst: Vec<PartFact<'a>>,
+    unjudged_limits: Vec<&'static str>,
+    interrupted: bool,
+    complete: bool,
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ResultFact<'a> {
+    name: &'a str,
+    count: u64,
+    mean_mm: Option<f64>,
+    standard_deviation_mm: Option<f64>,
+    min_mm: Option<f64>,
+    max_mm: Option<f64>,
+    quantiles: Vec<QuantileFact>,
+    limit_lower_mm: Option<f64>,
+    limit_upper_mm: Option<f64>,
+    #[serde(flatten)]
+    capability: Capability,
+}
+
+#[derive(Serialize)]
+struct QuantileFact {
+    share: f64,
+    value_mm: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct PartFact<'a> {
+    part_id: &'a str,
+    file: &'a str,
+    line: u64,
+    record: u64,
+    place: Option<&'a str>,
+    limit_on: Option<&'static str>,
+    result_lower_mm: f64,
+    result_upper_mm: f64,
+    margin_mm: Option<f64>,
+    verdict: Option<&'static str>,
+}
+
+impl<'a> From<&Quantity<'a>> for ResultFact<'a> {
+    fn from(quantity: &Quantity<'a>) -> Self {
+        let statistics = quantity.statistics;
+        let quantile = |share| QuantileFact { share, value_mm: statistics.quantile_mm(share) };
+        Self {
+            name: quantity.name,
+            count: statistics.count(),
+            mean_mm: statistics.mean_mm(),
+            standard_deviation_mm: statistics.standard_deviation_mm(),
+            min_mm: statistics.min_mm(),
+            max_mm: statistics.max_mm(),
+            quantiles: QUANTILES.map(quantile).into(),
+            limit_lower_mm: quantity.limits.0,
+            limit_upper_mm: quantity.limits.1,
+            capability: quantity.capability,
+        }
+    }
+}
+
+impl<'a> From<&'a Part> for PartFact<'a> {
+    fn from(part: &'a Part) -> Self {
+        Self {
+            part_id: &part.id,
+            file: &part.file,
+            line: part.line,
+            record: part.record,
+            place: part.place.as_deref(),
+            limit_on: part.on.map(LimitTarget::key),
+            result_lower_mm: part.result_mm.0,
+            result_upper_mm: part.result_mm.1,
+            margin_mm: part.on.map(|_| part.margin_mm),
+            verdict: part.verdict.map(Verdict::name),
+        }
+    }
 }
 
 impl Report for BatchReport<'_> {
     fn json(&self) -> Value {
-        let counts: serde_json::Map<_, _> =
-            self.counts().into_iter().map(|(name, count)| (name.to_owned(), count.into())).collect();
-        let results: Vec<_> = self
-            .quantities
-            .iter()
-            .map(|quantity| {
-                let statistics = quantity.statistics;
-                let quantiles: Vec<_> =
-                    QUANTILES.iter().map(|q| json!({ "share": q, "value_mm": statistics.quantile_mm(*q) })).collect();
-                json!({
-                    "name": quantity.name,
-                    "count": statistics.count(),
-                    "mean_mm": statistics.mean_mm(),
-                    "standard_deviation_mm": statistics.standard_deviation_mm(),
-                    "min_mm": statistics.min_mm(),
-                    "max_mm": statistics.max_mm(),
-                    "quantiles": quantiles,
-                    "limit_lower_mm": quantity.limits.0,
-                    "limit_upper_mm": quantity.limits.1,
-                    "cp": index_json(quantity.cp),
-                    "cpk": index_json(quantity.cpk),
-                    "pp": index_json(quantity.pp),
-                    "ppk": index_json(quantity.ppk),
-                    "normality": quantity.normality.map(|normality| json!({
-                        "anderson_darling": normality.anderson_darling,
-                        "p_value": normality.p_value,
-                        "skewness": normality.skewness,
-                        "excess_kurtosis": normality.excess_kurtosis,
-                    })),
-                    "gauge": quantity.gauge.map(|gauge| json!({
-                        "standard_uncertainty_mm": statistics.gauge_mm(),
-                        "variance_share": gauge.variance_share,
-                        "tolerance_share": gauge.tolerance_share,
-                        "part_standard_deviation_mm": gauge.part_deviation_mm,
-                        "part_ppk": gauge.part_ppk,
-                    })),
-                })
-            })
-            .collect();
-        let worst: Vec<_> = self
-            .outcome
-            .worst
-            .iter()
-            .map(|part| {
-                json!({
-                    "part_id": part.id,
-                    "file": &*part.file,
-                    "line": part.line,
-                    "record": part.record,
-                    "place": part.place,
-                    "limit_on": part.on.map(crate::judge::LimitTarget::key),
-                    "result_lower_mm": part.result_mm.0,
-                    "result_upper_mm": part.result_mm.1,
-                    "margin_mm": part.on.map(|_| part.margin_mm),
-                    "verdict": part.verdict.map(Verdict::name),
-                })
-            })
-            .collect();
-        json!({
-            "title": self.title,
-            "model": self.basis.model,
-            "stack": self.basis.stack.map(Stack::name),
-            "judged_by": match self.basis.stack {
-                None => JudgedBy::Mesh,
-                Some(Stack::Rss) => JudgedBy::Statistical,
-                Some(_) => JudgedBy::Bound,
-            }
-            .name(),
-            "rule": self.basis.rule.to_string(),
-            "counts": counts,
-            "results": results,
-            "worst": worst,
-            "unjudged_limits": self.basis.unjudged.iter().map(|on| on.key()).collect::<Vec<_>>(),
-            "interrupted": self.outcome.interrupted,
-            "complete": !self.outcome.interrupted && !self.outcome.is_cut,
-            "notes": self.notes(),
+        let judged_by = match self.basis.stack {
+            None => JudgedBy::Mesh,
+            Some(Stack::Rss) => JudgedBy::Statistical,
+            Some(_) => JudgedBy::Bound,
+        };
+        json!(BatchFact {
+            title: self.title,
+            model: self.basis.model,
+            stack: self.basis.stack.map(Stack::name),
+            judged_by: judged_by.name(),
+            rule: self.basis.rule.to_string(),
+            counts: self
+                .outcome
+                .counts
+                .named()
+                .into_iter()
+                .map(|(name, count)| (name.to_owned(), count.into()))
+                .collect(),
+            results: self.quantities.iter().map(ResultFact::from).collect(),
+            worst: self.outcome.worst.iter().map(PartFact::from).collect(),
+            unjudged_limits: self.basis.unjudged.iter().map(|on| on.key()).collect(),
+            interrupted: self.outcome.interrupted,
+            complete: !self.outcome.interrupted && !self.outcome.is_cut,
+            notes: self.notes(),
         })
     }
 
@@ -512,7 +512,7 @@ impl Report for BatchReport<'_> {
             ["name", "count", "mean_mm", "standard_deviation_mm", "min_mm", "max_mm"].map(str::to_owned).to_vec();
         header.extend(QUANTILES.iter().map(|q| format!("q{q}_mm")));
         header.extend(["limit_lower_mm", "limit_upper_mm", "pp", "ppk"].map(str::to_owned));
-        header.extend(self.counts().map(|(name, _)| name.to_owned()));
+        header.extend(self.outcome.counts.named().map(|(name, _)| name.to_owned()));
         header.extend(["cp", "cpk", "normality_p", "gauge_variance_share"].map(str::to_owned));
         let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
         let mut rows = vec![header];
@@ -528,19 +528,22 @@ impl Report for BatchReport<'_> {
             ];
             row.extend(QUANTILES.iter().map(|q| number(statistics.quantile_mm(*q))));
             row.extend([number(quantity.limits.0), number(quantity.limits.1)]);
-            row.extend([quantity.pp, quantity.ppk].map(|index| number(index.map(|index| index.value))));
-            row.extend(self.counts().map(|(_, count)| count.to_string()));
-            row.extend([quantity.cp, quantity.cpk].map(|index| number(index.map(|index| index.value))));
-            row.push(number(quantity.normality.map(|normality| normality.p_value)));
-            row.push(number(quantity.gauge.map(|gauge| gauge.variance_share)));
+            row.extend(
+                [quantity.capability.pp, quantity.capability.ppk].map(|index| number(index.map(|index| index.value))),
+            );
+            row.extend(self.outcome.counts.named().map(|(_, count)| count.to_string()));
+            row.extend(
+                [quantity.capability.cp, quantity.capability.cpk].map(|index| number(index.map(|index| index.value))),
+            );
+            row.push(number(quantity.capability.normality.map(|normality| normality.p_value)));
+            row.push(number(quantity.capability.gauge.map(|gauge| gauge.variance_share)));
             rows.push(row);
         }
         rows
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.map(|title| Block::Title(title.to_owned())));
+        let mut blocks = titled(self.title);
         blocks.push(Block::Table(self.counts_table()));
         if self.outcome.counts.rows > self.outcome.counts.rejected {
             blocks.push(Block::Table(self.statistics_table()));

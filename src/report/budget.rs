@@ -3,9 +3,9 @@
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::evaluation::{ON_WORST_TEETH, class_json, interval_json, interval_text};
+use super::evaluation::{ClassFact, IntervalFact, ON_WORST_TEETH, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
-use super::{Block, Column, Report, Screen, Table};
+use super::{Block, Column, Report, Screen, Table, titled};
 use crate::budget::{Budget, Line, Rule};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::formula::{Input, Model};
@@ -226,11 +226,11 @@ impl Report for BudgetReport<'_> {
                     key: value,
                     "delta_cd_mm": value.map(|_| line.delta_cd.mm()),
                     "extent": line.error.extent().name(),
-                    "range_mm": value.map(|_| interval_json(line.range)),
+                    "range_mm": value.map(|_| IntervalFact::from(line.range)),
                     "share": line.share,
                     "at_own_limit": line.at_own_limit,
-                    "class": class.map(class_json),
-                    "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(class_json),
+                    "class": class.map(ClassFact::from),
+                    "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(ClassFact::from),
                     "sensitivities": of_line.collect::<Vec<_>>(),
                 })
             })
@@ -257,9 +257,9 @@ impl Report for BudgetReport<'_> {
             "feasible": feasible,
             "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
             "tolerances": tolerances,
-            "worst_case_mm": budget.combined.range.ok().map(interval_json),
-            "rss_mm": budget.combined.rss.ok().map(interval_json),
-            "reached_mm": self.reached.map(interval_json),
+            "worst_case_mm": budget.combined.range.ok().map(IntervalFact::from),
+            "rss_mm": budget.combined.rss.ok().map(IntervalFact::from),
+            "reached_mm": self.reached.map(IntervalFact::from),
             "simulation": simulated,
             "sensitivities": sensitivities,
             "notes": self.notes,
@@ -343,8 +343,7 @@ impl Report for BudgetReport<'_> {
             }
             row
         });
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.map(|title| Block::Title(title.to_owned())));
+        let mut blocks = titled(self.title);
         blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
         if let Some(tornado) = self.tornado() {
             blocks.push(Block::Drawing(tornado));
@@ -362,12 +361,12 @@ impl Report for BudgetReport<'_> {
         if let Rule::Simulation(settings) = &self.rule
             && (1.0 - settings.conforming) * f64::from(settings.draws) < FEWEST_SEEN
         {
-            blocks.push(Block::Note(format!(
-                "note: fewer than {FEWEST_SEEN} of {} assemblies may fail, which is too few to know their share well; --stack worst leaves none",
+            blocks.push(Block::Remark(format!(
+                "fewer than {FEWEST_SEEN} of {} assemblies may fail, which is too few to know their share well; --stack worst leaves none",
                 settings.draws
             )));
         }
-        blocks.extend(self.notes.iter().cloned().map(Block::Note));
+        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
             Block::Verdict(crate::judge::Verdict::Pass, self.sentence())

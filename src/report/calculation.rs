@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::interval_json;
+use super::evaluation::IntervalFact;
 use super::number::{plain, plain_padded, truncated};
 use super::{Block, Column, Report, Table};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
@@ -169,7 +169,7 @@ impl Report for Calculation {
         }
         if let Some(worst_case) = self.worst_case {
             json["extent"] = worst_case.extent.name().into();
-            json["range_mm"] = worst_case.range.ok().map(interval_json).into();
+            json["range_mm"] = json!(worst_case.range.ok().map(IntervalFact::from));
         }
         json["notes"] = self.notes.clone().into();
         json
@@ -212,7 +212,7 @@ impl Report for Calculation {
                 columns: vec![Column::number("worst case"), Column::text("on")],
             })
         }));
-        blocks.extend(self.notes.iter().cloned().map(Block::Note));
+        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::batch::{Basis, grouped, whereabouts};
 use super::escape;
-use super::number::millimetres;
+use super::number::{ends, millimetres};
 use super::reading::remarks;
 use crate::batch::{Outcome, Part};
 use crate::judge::Verdict;
@@ -14,9 +14,7 @@ pub const ANNOTATIONS_SHOWN: usize = 10;
 
 /// What is wrong with a part, in a sentence.
 fn sentence(part: &Part) -> String {
-    let (lower, upper) = part.result_mm;
-    let result =
-        if lower == upper { millimetres(upper) } else { format!("{} … {}", millimetres(lower), millimetres(upper)) };
+    let result = ends(part.result_mm.0, part.result_mm.1);
     let on = part.on.map(|on| on.to_string()).unwrap_or_default();
     if part.verdict == Some(Verdict::Indeterminate) {
         return format!("ΔCD ({on}) {result} mm is too near its limit to be judged");
@@ -48,18 +46,10 @@ pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
          <testsuite name=\"{name}\" tests=\"{cases}\" failures=\"{failed}\" errors=\"{errors}\" skipped=\"0\">\n\
          <properties>\n"
     );
-    let values = [
-        ("rows", counts.rows),
-        ("pass", counts.pass),
-        ("fail", counts.fail),
-        ("indeterminate", counts.indeterminate),
-        ("unjudged", counts.unjudged),
-        ("rejected", counts.rejected),
-    ];
     let property = |xml: &mut String, name: &str, value: &str| {
         let _ = writeln!(xml, "<property name=\"{name}\" value=\"{}\"/>", escaped(value));
     };
-    for (name, count) in values {
+    for (name, count) in counts.named() {
         property(&mut xml, name, &count.to_string());
     }
     property(&mut xml, "judged by", &basis.judged_by());

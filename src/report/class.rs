@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{interval_json, interval_text};
+use super::evaluation::{IntervalFact, interval_text};
 use super::number::{millimetres, plain};
-use super::{Block, Column, Report, Table};
+use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
 use crate::judge::class::{DiameterSource, Effect};
 use crate::judge::grade::{GradeSearch, Obtained, overall};
@@ -28,13 +28,6 @@ pub struct ClassHead {
 }
 
 impl ClassHead {
-    fn standards(&self) -> String {
-        match self.standard.companion() {
-            Some(companion) => format!("{} with {companion}", self.standard),
-            None => self.standard.to_string(),
-        }
-    }
-
     /// The part and its size: `pinion: m_n = 1.9 mm, d = 14.675 mm (given), b = 30 mm, z = 7`.
     fn size(&self) -> String {
         let wheel = &self.wheel;
@@ -57,13 +50,21 @@ impl ClassHead {
     fn add_to(&self, json: &mut Value) {
         let mm = |length: &Option<Length>| length.map(Length::mm);
         json["title"] = self.title.clone().into();
-        json["standard_name"] = self.standards().into();
+        json["standard_name"] = standards(self.standard).into();
         json["part"] = self.part.name().into();
         json["normal_module_mm"] = mm(&self.wheel.normal_module).into();
         json["diameter_mm"] = mm(&self.wheel.diameter).into();
         json["diameter_source"] = self.diameter_source.map(DiameterSource::in_words).into();
         json["face_width_mm"] = mm(&self.wheel.face_width).into();
         json["teeth"] = self.wheel.teeth.into();
+    }
+}
+
+/// A standard with the one that has the other deviations.
+fn standards(standard: Standard) -> String {
+    match standard.companion() {
+        Some(companion) => format!("{standard} with {companion}"),
+        None => standard.to_string(),
     }
 }
 
@@ -168,7 +169,7 @@ impl Report for ClassReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        const HEADER: [&str; 10] = [
+        const NAMES: [&str; 10] = [
             "symbol",
             "value_um",
             "unrounded_um",
@@ -180,24 +181,7 @@ impl Report for ClassReport {
             "mesh_delta_cd_mm",
             "formula",
         ];
-        let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
-        let diameter = self.head.wheel.diameter.as_ref().map(|diameter| plain(diameter.mm())).unwrap_or_default();
-        for ClassRow { permissible, delta_cd, mesh } in &self.rows {
-            let by = delta_cd.as_ref().map(|_| Effect::of(permissible.deviation).name()).unwrap_or_default();
-            rows.push(vec![
-                permissible.symbol().to_owned(),
-                plain(permissible.value_um()),
-                plain(permissible.unrounded_um()),
-                permissible.standard.id().to_owned(),
-                permissible.grade.to_string(),
-                diameter.clone(),
-                delta_cd.as_ref().map(|delta_cd| plain(delta_cd.mm())).unwrap_or_default(),
-                by.to_owned(),
-                mesh.map(|(mm, _)| plain(super::number::tidy(mm))).unwrap_or_default(),
-                permissible.formula.clone(),
-            ]);
-        }
-        rows
+        fact::rows(&self.json(), "values", &NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -230,23 +214,22 @@ impl Report for ClassReport {
             }
             cells
         });
-        let mut blocks = Vec::new();
-        blocks.extend(self.head.title.clone().map(Block::Title));
-        blocks.push(Block::Title(format!("{}, grade {}", self.head.standards(), self.grade)));
+        let mut blocks = titled(self.head.title.as_deref());
+        blocks.push(Block::Title(format!("{}, grade {}", standards(self.head.standard), self.grade)));
         blocks.push(Block::Note(self.head.size()));
         blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
-        let mut notes: Vec<String> = Vec::new();
-        for (standard, deviation, reason) in &self.not_given {
-            notes.push(format!("not given: {}: {reason}", standard.symbol(*deviation)));
-        }
+        let not_given = self.not_given.iter().map(|(standard, deviation, reason)| {
+            Block::Note(format!("not given: {}: {reason}", standard.symbol(*deviation)))
+        });
+        let mut notes: Vec<_> = not_given.collect();
         for row in &self.rows {
             for remark in &row.permissible.remarks {
-                notes.push(format!("note: {}: {remark}", row.permissible.symbol()));
+                notes.push(Block::Remark(format!("{}: {remark}", row.permissible.symbol())));
             }
         }
-        notes.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        notes.extend(self.notes.iter().cloned().map(Block::Remark));
         notes.dedup();
-        blocks.extend(notes.into_iter().map(Block::Note));
+        blocks.extend(notes);
         blocks
     }
 }
@@ -307,21 +290,8 @@ impl Report for ObtainedReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header = ["part", "symbol", "measured_um", "grade", "permissible_um", "standard", "origin"];
-        let mut rows = vec![header.map(str::to_owned).to_vec()];
-        for one in &self.obtained {
-            let shown = one.reached.as_ref().unwrap_or(&one.coarsest);
-            rows.push(vec![
-                one.part.name().to_owned(),
-                shown.symbol().to_owned(),
-                plain(one.measured.in_unit(LengthUnit::Micrometre)),
-                one.reached.as_ref().map(|permissible| permissible.grade.to_string()).unwrap_or_default(),
-                plain(shown.value_um()),
-                shown.standard.id().to_owned(),
-                one.origin.clone(),
-            ]);
-        }
-        rows
+        const NAMES: [&str; 7] = ["part", "symbol", "measured_um", "grade", "permissible_um", "standard", "origin"];
+        fact::rows(&self.json(), "values", &NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -356,20 +326,18 @@ impl Report for ObtainedReport {
             Column::number("permissible\n[µm]"),
             Column::text("measured as"),
         ];
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.clone().map(Block::Title));
+        let mut blocks = titled(self.title.as_deref());
         blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
-        let companion = self.standard.companion().map(|other| format!(" with {other}")).unwrap_or_default();
         blocks.push(Block::Note(match overall(&self.obtained) {
-            Some(grade) => format!("Overall: grade {grade} of {}{companion}", self.standard),
+            Some(grade) => format!("Overall: grade {grade} of {}", standards(self.standard)),
             None if self.obtained.is_empty() => "Overall: nothing could be graded".to_owned(),
             None if self.obtained.iter().any(Obtained::is_beyond_what_is_known) => format!(
-                "Overall: not known: this program has not all values of {}{companion}, and a deviation is beyond those it has",
-                self.standard
+                "Overall: not known: this program has not all values of {}, and a deviation is beyond those it has",
+                standards(self.standard)
             ),
-            None => format!("Overall: beyond the grades of {}{companion}", self.standard),
+            None => format!("Overall: beyond the grades of {}", standards(self.standard)),
         }));
-        blocks.extend(self.diameters.iter().map(|text| Block::Note(format!("note: {text}"))));
+        blocks.extend(self.diameters.iter().cloned().map(Block::Remark));
         blocks.extend(self.not_graded.iter().map(|text| Block::Note(format!("not graded: {text}"))));
         blocks
     }
@@ -402,7 +370,7 @@ impl Report for GradeSearchReport {
     fn json(&self) -> Value {
         let ends = |combined: &Result<Combined, String>, stack| {
             let interval = combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
-            interval.map(interval_json)
+            interval.map(IntervalFact::from)
         };
         let grades: Vec<_> = self
             .search
@@ -472,10 +440,8 @@ impl Report for GradeSearchReport {
             Column::number("RSS\n[mm]"),
             Column::text(""),
         ];
-        let mut blocks = Vec::new();
-        blocks.extend(self.title.clone().map(Block::Title));
-        let companion = self.standard.companion().map(|other| format!(" with {other}")).unwrap_or_default();
-        blocks.push(Block::Title(format!("ΔCD within {} mm by {}{companion}", plain(limit.mm()), self.standard)));
+        let mut blocks = titled(self.title.as_deref());
+        blocks.push(Block::Title(format!("ΔCD within {} mm by {}", plain(limit.mm()), standards(self.standard))));
         blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
         let grade = |grade: Option<u8>| grade.map_or_else(|| "none".to_owned(), |grade| format!("grade {grade}"));
         blocks.push(Block::Note(format!(
@@ -489,7 +455,7 @@ impl Report for GradeSearchReport {
         let mut reasons: Vec<String> = self.search.steps.iter().filter_map(|step| why_none(&step.combined)).collect();
         reasons.dedup();
         if let Some(reason) = reasons.first() {
-            blocks.push(Block::Note(format!("note: grades without a value: {reason}")));
+            blocks.push(Block::Remark(format!("grades without a value: {reason}")));
         }
         blocks
     }

@@ -4,8 +4,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, signed, tidy};
-use super::uncertainty::{UncertaintyPart, decision_json, indeterminate_sentence, rule_name};
-use super::{Block, Column, Report, Table, judged_without};
+use super::uncertainty::{DecisionFact, UncertaintyCells, UncertaintyPart, indeterminate_sentence, rule_name};
+use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, Unjudged};
 use crate::formula::Model;
@@ -23,7 +23,9 @@ pub struct EvaluationReport<'a> {
     pub title: Option<&'a str>,
     /// What was computed.
     pub evaluation: &'a Evaluation,
-    /// Remarks on the results' validity.
+    /// What the bound rests on.
+    pub rests_on: Vec<String>,
+    /// Remarks on the results' validity besides.
     pub notes: Vec<String>,
     /// The exact mesh over a stroke, where it was asked for.
     pub mesh: Option<MeshPart>,
@@ -56,7 +58,7 @@ struct ContributionRow {
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_deg: Option<f64>,
     extent: &'static str,
-    range_mm: Option<Value>,
+    range_mm: Option<IntervalFact>,
     delta_cd_mm: f64,
     delta_cd_exact_mm: f64,
     delta_cd_paper_mm: f64,
@@ -64,12 +66,21 @@ struct ContributionRow {
     formula: &'static str,
     share: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    class: Option<Value>,
+    class: Option<ClassFact>,
 }
 
 impl EvaluationReport<'_> {
     fn class(&self, kind: DeviationKind) -> Option<&ErrorClass> {
         self.classes.iter().find(|class| class.kind == kind)
+    }
+
+    /// What errors given as classes came to, in words.
+    fn class_notes(&self) -> impl Iterator<Item = String> + '_ {
+        self.classes.iter().map(|class| format!("class: {}", class.in_words()))
+    }
+
+    fn all_notes(&self) -> Vec<String> {
+        self.rests_on.iter().cloned().chain(self.class_notes()).chain(self.notes.iter().cloned()).collect()
     }
 
     fn contributions(&self) -> impl Iterator<Item = ContributionRow> + '_ {
@@ -84,14 +95,14 @@ impl EvaluationReport<'_> {
                 deviation_mm,
                 deviation_deg,
                 extent: contribution.extent.name(),
-                range_mm: contribution.range.ok().map(interval_json),
+                range_mm: contribution.range.ok().map(IntervalFact::from),
                 delta_cd_mm: contribution.delta_cd(model).mm(),
                 delta_cd_exact_mm: contribution.exact.mm(),
                 delta_cd_paper_mm: contribution.paper.mm(),
                 model: model.name(),
                 formula: equation(contribution.kind, model),
                 share: contribution.share,
-                class: self.class(contribution.kind).map(class_json),
+                class: self.class(contribution.kind).map(ClassFact::from),
             }
         })
     }
@@ -261,7 +272,7 @@ pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth t
 /// What a bound rests on, a remark each.
 #[must_use]
 pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
-    notes.iter().map(|note| format!("note: {}", bound_note(note, missing))).collect()
+    notes.iter().map(|note| bound_note(note, missing)).collect()
 }
 
 /// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
@@ -300,17 +311,29 @@ fn listed(keys: &[&str]) -> String {
 }
 
 /// What a class came to, for programs.
-pub(super) fn class_json(class: &ErrorClass) -> Value {
-    let permissible = &class.permissible;
-    json!({
-        "standard": permissible.standard.id(),
-        "grade": permissible.grade,
-        "symbol": permissible.symbol(),
-        "value_um": permissible.value_um(),
-        "unrounded_um": permissible.unrounded_um(),
-        "diameter_mm": class.diameter.as_ref().map(|(diameter, _)| diameter.mm()),
-        "diameter_source": class.diameter.as_ref().map(|(_, source)| source.in_words()),
-    })
+#[derive(Serialize)]
+pub(super) struct ClassFact {
+    standard: &'static str,
+    grade: u8,
+    symbol: &'static str,
+    value_um: f64,
+    unrounded_um: f64,
+    diameter_mm: Option<f64>,
+    diameter_source: Option<&'static str>,
+}
+
+impl From<&ErrorClass> for ClassFact {
+    fn from(ErrorClass { permissible, diameter, .. }: &ErrorClass) -> Self {
+        Self {
+            standard: permissible.standard.id(),
+            grade: permissible.grade,
+            symbol: permissible.symbol(),
+            value_um: permissible.value_um(),
+            unrounded_um: permissible.unrounded_um(),
+            diameter_mm: diameter.map(|(diameter, _)| diameter.mm()),
+            diameter_source: diameter.map(|(_, source)| source.in_words()),
+        }
+    }
 }
 
 fn verdict_name(verdict: Option<Verdict>) -> Option<&'static str> {
@@ -325,9 +348,17 @@ fn unjudged_text(unjudged: Unjudged) -> &'static str {
     }
 }
 
-/// Both ends, for programs.
-pub(super) fn interval_json(interval: Interval) -> Value {
-    json!({ "lower": interval.lower.mm(), "upper": interval.upper.mm() })
+/// Both ends in mm, for programs.
+#[derive(Serialize)]
+pub(super) struct IntervalFact {
+    lower: f64,
+    upper: f64,
+}
+
+impl From<Interval> for IntervalFact {
+    fn from(Interval { lower, upper }: Interval) -> Self {
+        Self { lower: lower.mm(), upper: upper.mm() }
+    }
 }
 
 pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
@@ -360,146 +391,202 @@ fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     format!("{what}: {}", parts.join(", and "))
 }
 
+/// What programs read of an evaluation.
+#[derive(Serialize)]
+struct EvaluationFact<'a> {
+    title: Option<&'a str>,
+    model: &'static str,
+    contributions: Vec<ContributionRow>,
+    combined: CombinedFact,
+    stack: &'static str,
+    judged_by: &'static str,
+    reached_mm: Option<IntervalFact>,
+    rule: String,
+    limits: Vec<LimitFact>,
+    verdict: Option<&'static str>,
+    uncertainty: Option<Value>,
+    mesh: Option<MeshFact<'a>>,
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct CombinedFact {
+    #[serde(rename = "range_mm")]
+    range: Option<IntervalFact>,
+    #[serde(rename = "worst_case_mm")]
+    worst_case: Option<IntervalFact>,
+    #[serde(rename = "rss_mm")]
+    rss: Option<IntervalFact>,
+}
+
+#[derive(Serialize)]
+struct LimitFact {
+    on: &'static str,
+    lower_mm: Option<f64>,
+    upper_mm: Option<f64>,
+    result_lower_mm: Option<f64>,
+    result_upper_mm: Option<f64>,
+    verdict: Option<&'static str>,
+    decision: Option<DecisionFact>,
+}
+
+impl From<&LimitCheck> for LimitFact {
+    fn from(check: &LimitCheck) -> Self {
+        let result = check.result.ok();
+        Self {
+            on: check.on.key(),
+            lower_mm: check.limit.lower.map(Length::mm),
+            upper_mm: check.limit.upper.map(Length::mm),
+            result_lower_mm: result.map(|result| result.lower.mm()),
+            result_upper_mm: result.map(|result| result.upper.mm()),
+            verdict: verdict_name(check.verdict),
+            decision: check.decision.as_ref().map(DecisionFact::from),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct MeshFact<'a> {
+    from_mm: f64,
+    to_mm: f64,
+    min_mm: f64,
+    max_mm: f64,
+    mean_mm: f64,
+    notes: &'a [String],
+}
+
+impl<'a> From<&'a MeshPart> for MeshFact<'a> {
+    fn from(MeshPart { stroke_mm, summary, notes }: &'a MeshPart) -> Self {
+        Self {
+            from_mm: stroke_mm.0,
+            to_mm: stroke_mm.1,
+            min_mm: tidy(summary.min_mm),
+            max_mm: tidy(summary.max_mm),
+            mean_mm: tidy(summary.mean_mm),
+            notes,
+        }
+    }
+}
+
+/// A row of CSV: an error, a combination, a limit or an uncertainty; what it has no value for is empty.
+#[derive(Serialize, Default)]
+struct EvaluationRow {
+    kind: &'static str,
+    name: &'static str,
+    extent: Option<&'static str>,
+    deviation_mm: Option<f64>,
+    deviation_deg: Option<f64>,
+    delta_cd_mm: Option<f64>,
+    delta_cd_exact_mm: Option<f64>,
+    delta_cd_paper_mm: Option<f64>,
+    model: Option<&'static str>,
+    formula: Option<&'static str>,
+    share: Option<f64>,
+    lower_mm: Option<f64>,
+    upper_mm: Option<f64>,
+    limit_lower_mm: Option<f64>,
+    limit_upper_mm: Option<f64>,
+    verdict: Option<&'static str>,
+    standard: Option<&'static str>,
+    grade: Option<u8>,
+    diameter_mm: Option<f64>,
+    #[serde(flatten)]
+    uncertainty: Option<UncertaintyCells>,
+}
+
+impl From<ContributionRow> for EvaluationRow {
+    fn from(row: ContributionRow) -> Self {
+        Self {
+            kind: "error",
+            name: row.error,
+            extent: Some(row.extent),
+            deviation_mm: row.deviation_mm,
+            deviation_deg: row.deviation_deg,
+            delta_cd_mm: Some(row.delta_cd_mm),
+            delta_cd_exact_mm: Some(row.delta_cd_exact_mm),
+            delta_cd_paper_mm: Some(row.delta_cd_paper_mm),
+            model: Some(row.model),
+            formula: Some(row.formula),
+            share: row.share,
+            lower_mm: row.range_mm.as_ref().map(|range| range.lower),
+            upper_mm: row.range_mm.as_ref().map(|range| range.upper),
+            standard: row.class.as_ref().map(|class| class.standard),
+            grade: row.class.as_ref().map(|class| class.grade),
+            diameter_mm: row.class.as_ref().and_then(|class| class.diameter_mm),
+            ..Self::default()
+        }
+    }
+}
+
 impl Report for EvaluationReport<'_> {
     fn json(&self) -> Value {
         let evaluation = self.evaluation;
         let combined = &evaluation.combined;
-        let limits: Vec<_> = evaluation
-            .limits
-            .iter()
-            .map(|check| {
-                json!({
-                    "on": check.on.key(),
-                    "lower_mm": check.limit.lower.map(Length::mm),
-                    "upper_mm": check.limit.upper.map(Length::mm),
-                    "result_lower_mm": check.result.ok().map(|result| result.lower.mm()),
-                    "result_upper_mm": check.result.ok().map(|result| result.upper.mm()),
-                    "verdict": verdict_name(check.verdict),
-                    "decision": decision_json(check.decision.as_ref()),
-                })
-            })
-            .collect();
-        json!({
-            "title": self.title,
-            "model": evaluation.model.name(),
-            "contributions": self.contributions().collect::<Vec<_>>(),
-            "combined": {
-                "range_mm": combined.range.ok().map(interval_json),
-                "worst_case_mm": combined.range.ok().map(interval_json),
-                "rss_mm": combined.rss.ok().map(interval_json),
+        json!(EvaluationFact {
+            title: self.title,
+            model: evaluation.model.name(),
+            contributions: self.contributions().collect(),
+            combined: CombinedFact {
+                range: combined.range.ok().map(IntervalFact::from),
+                worst_case: combined.range.ok().map(IntervalFact::from),
+                rss: combined.rss.ok().map(IntervalFact::from),
             },
-            "stack": evaluation.stack.name(),
-            "judged_by": evaluation.judged_by.name(),
-            "reached_mm": evaluation.reached.map(interval_json),
-            "rule": self.rule.to_string(),
-            "limits": limits,
-            "verdict": verdict_name(evaluation.verdict),
-            "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
-            "mesh": self.mesh.as_ref().map(|mesh| json!({
-                "from_mm": mesh.stroke_mm.0,
-                "to_mm": mesh.stroke_mm.1,
-                "min_mm": tidy(mesh.summary.min_mm),
-                "max_mm": tidy(mesh.summary.max_mm),
-                "mean_mm": tidy(mesh.summary.mean_mm),
-                "notes": mesh.notes,
-            })),
-            "notes": self.notes,
+            stack: evaluation.stack.name(),
+            judged_by: evaluation.judged_by.name(),
+            reached_mm: evaluation.reached.map(IntervalFact::from),
+            rule: self.rule.to_string(),
+            limits: evaluation.limits.iter().map(LimitFact::from).collect(),
+            verdict: verdict_name(evaluation.verdict),
+            uncertainty: self.uncertainty.as_ref().map(UncertaintyPart::json),
+            mesh: self.mesh.as_ref().map(MeshFact::from),
+            notes: self.all_notes(),
         })
     }
 
-    /// One row per error, then one per combination, then one per limit; columns that a row has no value
-    /// for are empty.
+    /// One row per error, then one per combination, then one per limit, then one per uncertainty.
     fn rows(&self) -> Vec<Vec<String>> {
-        const HEADER: [&str; 16] = [
-            "kind",
-            "name",
-            "extent",
-            "deviation_mm",
-            "deviation_deg",
-            "delta_cd_mm",
-            "delta_cd_exact_mm",
-            "delta_cd_paper_mm",
-            "model",
-            "formula",
-            "share",
-            "lower_mm",
-            "upper_mm",
-            "limit_lower_mm",
-            "limit_upper_mm",
-            "verdict",
-        ];
-        const CLASS_HEADER: [&str; 3] = ["standard", "grade", "diameter_mm"];
-        let header: Vec<String> = HEADER.iter().chain(&CLASS_HEADER).map(|name| (*name).to_owned()).collect();
-        let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
-        let mm = |length: Option<Length>| number(length.map(Length::mm));
-        let empty = String::new;
-        let mut rows = vec![header];
-        for (row, contribution) in self.contributions().zip(&self.evaluation.contributions) {
-            let class = self.class(contribution.kind);
-            rows.push(vec![
-                "error".to_owned(),
-                row.error.to_owned(),
-                row.extent.to_owned(),
-                number(row.deviation_mm),
-                number(row.deviation_deg),
-                plain(row.delta_cd_mm),
-                plain(row.delta_cd_exact_mm),
-                plain(row.delta_cd_paper_mm),
-                row.model.to_owned(),
-                row.formula.to_owned(),
-                number(row.share),
-                mm(contribution.range.ok().map(|range| range.lower)),
-                mm(contribution.range.ok().map(|range| range.upper)),
-                empty(),
-                empty(),
-                empty(),
-                class.map_or_else(empty, |class| class.permissible.standard.id().to_owned()),
-                class.map_or_else(empty, |class| class.permissible.grade.to_string()),
-                mm(class.and_then(|class| class.diameter).map(|(diameter, _)| diameter)),
-            ]);
-        }
-        let mut interval_row = |kind: &str, name: &str, ends: [String; 4], verdict: String| {
-            let mut row = vec![kind.to_owned(), name.to_owned()];
-            row.extend(std::iter::repeat_with(empty).take(6));
-            row.push(self.evaluation.model.name().to_owned());
-            row.extend([empty(), empty()]);
-            row.extend(ends);
-            row.push(verdict);
-            row.extend(CLASS_HEADER.map(|_| empty()));
-            rows.push(row);
+        let evaluation = self.evaluation;
+        let model = Some(evaluation.model.name());
+        let ends = |kind, name, ends: Option<Interval>| EvaluationRow {
+            kind,
+            name,
+            model,
+            lower_mm: ends.map(|ends| ends.lower.mm()),
+            upper_mm: ends.map(|ends| ends.upper.mm()),
+            ..EvaluationRow::default()
         };
-        for stack in Stack::ALL {
-            let interval = self.evaluation.combined.interval(stack).ok();
-            let ends = [mm(interval.map(|ends| ends.lower)), mm(interval.map(|ends| ends.upper)), empty(), empty()];
-            interval_row("combined", stack.name(), ends, empty());
+        let mut rows: Vec<EvaluationRow> = self.contributions().map(EvaluationRow::from).collect();
+        let combined = Stack::ALL.map(|stack| ends("combined", stack.name(), evaluation.combined.interval(stack).ok()));
+        rows.extend(combined);
+        rows.extend(evaluation.reached.map(|reached| ends("combined", "reached", Some(reached))));
+        rows.extend(self.mesh.as_ref().map(|MeshPart { summary, .. }| EvaluationRow {
+            lower_mm: Some(tidy(summary.min_mm)),
+            upper_mm: Some(tidy(summary.max_mm)),
+            ..ends("mesh", "mesh", None)
+        }));
+        rows.extend(evaluation.limits.iter().map(|check| EvaluationRow {
+            limit_lower_mm: check.limit.lower.map(Length::mm),
+            limit_upper_mm: check.limit.upper.map(Length::mm),
+            verdict: verdict_name(check.verdict),
+            ..ends("limit", check.on.key(), check.result.ok())
+        }));
+        if let Some(part) = &self.uncertainty {
+            for row in &mut rows {
+                row.uncertainty = Some(UncertaintyCells::default());
+            }
+            rows.extend(part.rows().map(|(name, value_mm, cells)| EvaluationRow {
+                kind: "uncertainty",
+                name,
+                delta_cd_mm: Some(value_mm),
+                uncertainty: Some(cells),
+                ..EvaluationRow::default()
+            }));
         }
-        if let Some(reached) = self.evaluation.reached {
-            let ends = [plain(reached.lower.mm()), plain(reached.upper.mm()), empty(), empty()];
-            interval_row("combined", "reached", ends, empty());
-        }
-        if let Some(MeshPart { summary, .. }) = &self.mesh {
-            let ends = [plain(tidy(summary.min_mm)), plain(tidy(summary.max_mm)), empty(), empty()];
-            interval_row("mesh", "mesh", ends, empty());
-        }
-        for check in &self.evaluation.limits {
-            let ends = [
-                mm(check.result.ok().map(|result| result.lower)),
-                mm(check.result.ok().map(|result| result.upper)),
-                mm(check.limit.lower),
-                mm(check.limit.upper),
-            ];
-            let verdict = verdict_name(check.verdict).unwrap_or_default().to_owned();
-            interval_row("limit", check.on.key(), ends, verdict);
-        }
-        self.add_uncertainty(&mut rows);
-        rows
+        fact::rows_of(&rows)
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        if let Some(title) = self.title {
-            blocks.push(Block::Title(title.to_owned()));
-        }
+        let mut blocks = titled(self.title);
         if !self.evaluation.contributions.is_empty() {
             blocks.push(Block::Table(self.contribution_table()));
         }
@@ -509,32 +596,12 @@ impl Report for EvaluationReport<'_> {
         }
         blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
         blocks.extend(UncertaintyPart::decision_blocks(&self.rule, &self.evaluation.limits));
-        let mesh_notes = self.mesh.iter().flat_map(|mesh| mesh.notes.iter().map(|note| format!("note: {note}")));
-        blocks.extend(self.notes.iter().cloned().chain(mesh_notes).map(Block::Note));
+        blocks.extend(self.rests_on.iter().cloned().map(Block::Remark));
+        blocks.extend(self.class_notes().map(Block::Note));
+        let mesh_notes = self.mesh.iter().flat_map(|mesh| &mesh.notes);
+        blocks.extend(self.notes.iter().chain(mesh_notes).cloned().map(Block::Remark));
         blocks.extend(self.verdict_block());
         blocks
-    }
-}
-
-impl EvaluationReport<'_> {
-    /// Appends the columns of the uncertainties, and their rows.
-    fn add_uncertainty(&self, rows: &mut Vec<Vec<String>>) {
-        let Some(part) = &self.uncertainty else { return };
-        for (index, row) in rows.iter_mut().enumerate() {
-            let cells = UncertaintyPart::COLUMNS.map(|name| if index == 0 { name.to_owned() } else { String::new() });
-            row.extend(cells);
-        }
-        let width = rows.first().map_or(0, Vec::len) - UncertaintyPart::COLUMNS.len();
-        let delta_cd = rows.first().and_then(|header| header.iter().position(|name| name == "delta_cd_mm"));
-        for (key, value_mm, cells) in part.rows() {
-            let mut row = vec!["uncertainty".to_owned(), key.to_owned()];
-            row.resize(width, String::new());
-            if let Some(column) = delta_cd {
-                row[column] = plain(value_mm);
-            }
-            row.extend(cells);
-            rows.push(row);
-        }
     }
 }
 
@@ -546,7 +613,8 @@ impl<'a> EvaluationReport<'a> {
         Self {
             title,
             evaluation,
-            notes: bound_remarks(&evaluation.notes, missing),
+            rests_on: bound_remarks(&evaluation.notes, missing),
+            notes: Vec::new(),
             mesh: None,
             classes: Vec::new(),
             rule: Rule::Simple,
@@ -558,7 +626,6 @@ impl<'a> EvaluationReport<'a> {
     /// Adds what errors given as classes came to.
     #[must_use]
     pub fn with_classes(mut self, classes: Vec<ErrorClass>) -> Self {
-        self.notes.extend(classes.iter().map(|class| format!("class: {}", class.in_words())));
         self.classes = classes;
         self
     }

@@ -2,11 +2,11 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{interval_json, interval_text};
+use super::evaluation::{IntervalFact, interval_text};
 use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy};
-use super::{Block, Column, Report, Screen, Table, sketch};
+use super::{Block, Column, Report, Screen, Table, document, fact, sketch, titled};
 use crate::evaluation::{JudgedBy, LimitCheck, Unjudged};
 use crate::judge::bound::Open;
 use crate::judge::{Interval, Limit, LimitTarget, Prediction, Rule, Verdict};
@@ -93,7 +93,7 @@ impl MeshReport<'_> {
     /// The text before does not depend on `trust`.
     #[must_use]
     pub fn json_around(&self, trust: Trust) -> (String, String) {
-        let text = format!("{:#}\n", self.json_with(&Value::Null, trust));
+        let text = document(self.json_with(&Value::Null, trust));
         // a line break within a JSON string is escaped, so this is the key itself
         let (before, after) = text.split_once("\n  \"points\": null").unwrap_or((&text, ""));
         (format!("{before}\n  \"points\": ["), format!("\n  ]{after}"))
@@ -164,7 +164,7 @@ impl MeshReport<'_> {
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
-            "judged_mm": self.judged.ok().map(interval_json),
+            "judged_mm": self.judged.ok().map(IntervalFact::from),
             "judged_by": self.judged_by.name(),
             "verdict": self.verdict.map(Verdict::name),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
@@ -190,14 +190,11 @@ impl Report for MeshReport<'_> {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        mesh_points::rows(&self.curve.points)
+        fact::rows(&self.json(), "points", &mesh_points::HEADER)
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        if let Some(title) = self.title {
-            blocks.push(Block::Title(title.to_owned()));
-        }
+        let mut blocks = titled(self.title);
         blocks.push(Block::Table(self.geometry().table()));
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(Block::Table(summary_table(&summary)));
@@ -210,11 +207,11 @@ impl Report for MeshReport<'_> {
         if !self.listed.is_empty() {
             blocks.push(Block::Table(mesh_points::table(self.listed)));
         }
-        blocks.extend(self.notes.iter().map(|note| Block::Note(format!("note: {note}"))));
-        blocks.extend(self.trust().and(Trust::of(self.listed)).notes().into_iter().map(Block::Note));
+        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
+        blocks.extend(self.trust().and(Trust::of(self.listed)).notes().into_iter().map(Block::Remark));
         if !self.curve.resolved {
-            blocks.push(Block::Note(format!(
-                "note: the curve bends too often to be resolved to {} mm everywhere; choose a shorter stroke or a larger \
+            blocks.push(Block::Remark(format!(
+                "the curve bends too often to be resolved to {} mm everywhere; choose a shorter stroke or a larger \
                  --tolerance",
                 plain(self.curve.tolerance_mm)
             )));

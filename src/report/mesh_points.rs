@@ -12,7 +12,7 @@ use crate::mesh::{Ending, LARGEST_ROLL_RAD, MeshError, MeshPoint};
 /// A stroke with its solution, or why there is none.
 pub type ListedPoint = (f64, Result<MeshPoint, MeshError>);
 
-const HEADER: [&str; 8] = [
+pub(super) const HEADER: [&str; 8] = [
     "stroke_mm",
     "delta_cd_mm",
     "center_distance_mm",
@@ -66,18 +66,18 @@ impl Trust {
         let apart = self.unconverged - self.roll_not_found;
         let mut notes = Vec::new();
         if self.interrupted {
-            notes.push("note: interrupted: the strokes listed are the first of those asked for".to_owned());
+            notes.push("interrupted: the strokes listed are the first of those asked for".to_owned());
         }
         if apart > 0 {
             notes.push(format!(
-                "note: {} did not converge; the largest residual is {:.1e} mm",
+                "{} did not converge; the largest residual is {:.1e} mm",
                 strokes(apart),
                 self.largest_residual_mm
             ));
         }
         if self.roll_not_found > 0 {
             notes.push(format!(
-                "note: at {} the rack's roll is not known to be the one with the smallest centre distance, which may be \
+                "at {} the rack's roll is not known to be the one with the smallest centre distance, which may be \
                  smaller than given; rolls up to {:.1}° are searched",
                 strokes(self.roll_not_found),
                 LARGEST_ROLL_RAD * DEGREES_PER_RADIAN
@@ -138,17 +138,6 @@ fn numbers(point: Option<&MeshPoint>) -> [f64; 3] {
     point.map_or([f64::NAN; 3], |point| {
         [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad * DEGREES_PER_RADIAN].map(tidy)
     })
-}
-
-/// The cells of CSV, header first.
-pub(super) fn rows<'a>(points: impl IntoIterator<Item = &'a MeshPoint>) -> Vec<Vec<String>> {
-    let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
-    rows.extend(points.into_iter().map(|point| {
-        let mut line = String::new();
-        push_csv_line(&mut line, point.stroke_mm, Some(point));
-        line.trim_end().split(',').map(str::to_owned).collect()
-    }));
-    rows
 }
 
 pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>) -> Value {
@@ -221,8 +210,8 @@ mod tests {
             let trust = Trust { unconverged, roll_not_found, largest_residual_mm: 2.5e-7, ..Trust::default() };
             trust.and(Trust::default()).notes().join("\n")
         };
-        let apart = "note: 1 stroke did not converge; the largest residual is 2.5e-7 mm";
-        let rolled = "note: at 3 strokes the rack's roll is not known to be the one with the smallest centre distance, which \
+        let apart = "1 stroke did not converge; the largest residual is 2.5e-7 mm";
+        let rolled = "at 3 strokes the rack's roll is not known to be the one with the smallest centre distance, which \
                       may be smaller than given; rolls up to 4.3° are searched";
         assert_eq!(notes(0, 0), "");
         assert_eq!(notes(1, 0), apart);

@@ -17,6 +17,7 @@ pub mod chart;
 mod ci;
 mod class;
 mod evaluation;
+mod fact;
 mod geometry;
 #[cfg(feature = "html")]
 pub mod html;
@@ -45,9 +46,9 @@ pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
 pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 
+pub use fact::FORMAT_VERSION;
+use fact::document;
 pub use mesh::{MeasureReport, MeshReport};
-#[cfg(feature = "batch")]
-pub(crate) use number::plain;
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 #[cfg(feature = "table")]
 pub use qdas::qdas;
@@ -56,7 +57,7 @@ pub use racks::RacksReport;
 pub use reading::{WithReading, reading_blocks, remarks};
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
-pub use table::{Align, Block, Column, Table};
+pub use table::{Align, Block, Column, Table, noted};
 #[cfg(feature = "cli")]
 pub(crate) use table::{table_text, wrap};
 pub use uncertainty::UncertaintyPart;
@@ -130,6 +131,11 @@ fn escape(text: &str) -> String {
     out
 }
 
+/// The first blocks of a report: the spec's title, if there is one.
+fn titled(title: Option<&str>) -> Vec<Block> {
+    title.map(|title| Block::Title(title.to_owned())).into_iter().collect()
+}
+
 /// The end of a verdict's sentence: what the parts were judged without, as the user asked for.
 fn judged_without(kinds: &[DeviationKind]) -> String {
     let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
@@ -144,7 +150,7 @@ pub fn write(report: &dyn Report, format: Format, screen: Screen) -> Result<Stri
     match format {
         Format::Table => Ok(table::text(&report.blocks(), screen)),
         Format::Markdown => Ok(table::markdown(&report.blocks())),
-        Format::Json => Ok(format!("{:#}\n", report.json())),
+        Format::Json => Ok(document(report.json())),
         Format::Csv => {
             let mut writer = csv::Writer::from_writer(Vec::new());
             for row in report.rows() {

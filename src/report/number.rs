@@ -1,9 +1,17 @@
 //! Numbers as text. Called by all reports: how many digits a column has is decided here.
 
+pub(super) use crate::quantity::{plain, plain_padded, tidy};
+
 /// A length in mm for people: signed, to 0.1 µm; a value too small for that in powers of ten, so that
 /// nothing but zero is printed as zero.
 pub(super) fn millimetres(mm: f64) -> String {
     signed(mm, 4)
+}
+
+/// From one length to another, in mm for people; one where they are the same.
+pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
+    let upper = millimetres(upper_mm);
+    if lower_mm == upper_mm { upper } else { format!("{} … {upper}", millimetres(lower_mm)) }
 }
 
 /// A signed number with that many decimals, or in powers of ten where they would show nothing or too
@@ -19,31 +27,6 @@ pub(super) fn signed(value: f64, decimals: usize) -> String {
     } else {
         fixed
     }
-}
-
-/// The shortest text that reads back as the same double, in powers of ten only where the plain form
-/// would be long.
-pub(crate) fn plain(value: f64) -> String {
-    plain_padded(value, 0)
-}
-
-/// As [`plain`], with at least that many decimals.
-pub(super) fn plain_padded(value: f64, decimals: usize) -> String {
-    // Rust's shortest form never uses an exponent; outside this range it is all zeros
-    if value != 0.0 && !(1e-7..1e15).contains(&value.abs()) {
-        return format!("{value:e}");
-    }
-    let text = format!("{value}");
-    let has = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-    if has >= decimals { text } else { format!("{value:.decimals$}") }
-}
-
-/// A value without the digits that are rounding of the solution (1e-15 of the centre distance) only.
-pub(super) fn tidy(value: f64) -> f64 {
-    const PICO: f64 = 1e12;
-    let rounded = (value * PICO).round() / PICO;
-    // -0 says nothing
-    if rounded == 0.0 || !rounded.is_finite() { rounded.abs() } else { rounded }
 }
 
 /// The number with that many decimals, the rest cut off.
@@ -83,21 +66,6 @@ mod tests {
             [(6.317, 2, "6.31"), (-6.317, 2, "-6.31"), (6.25, 2, "6.25"), (0.9999, 0, "0"), (12.0, 3, "12.000")]
         {
             assert_eq!(truncated(value, decimals), text);
-        }
-    }
-
-    #[test]
-    fn plain_numbers_lose_nothing() {
-        for (value, text) in [
-            (0.0131, "0.013100"),
-            (0.1 + 0.2, "0.30000000000000004"),
-            (-25.0, "-25.000000"),
-            (1e-9, "1e-9"),
-            (1e300, "1e300"),
-            (0.0, "0.000000"),
-        ] {
-            assert_eq!(plain_padded(value, 6), text);
-            assert_eq!(plain(value).parse::<f64>().unwrap(), value);
         }
     }
 }

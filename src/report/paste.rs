@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::number::{millimetres, plain, signed};
 use super::uncertainty::micrometres;
-use super::{Block, Column, Report, Table, UncertaintyPart, judged_without};
+use super::{Block, Column, Report, Table, UncertaintyPart, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
@@ -159,7 +159,7 @@ impl Report for PartsReport<'_> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let mut blocks = titled(self.title);
         let kinds = self.kinds();
         let judged = self.rows.iter().filter_map(|row| row.evaluation.as_ref()).any(|e| !e.limits.is_empty());
         let mut columns = vec![Column::text("part")];
@@ -297,26 +297,12 @@ impl Report for SpacesReport<'_> {
             header.push(format!("{}_deviation_{unit}", feature.key()));
             header.push(format!("delta_cd_{}_mm", feature.key()));
         }
-        let mut rows = vec![header];
-        rows.extend(self.measured.rows.iter().map(|row| {
-            let mut cells = vec![row.number.to_string()];
-            for effect in &row.effects {
-                match effect {
-                    Some(effect) => {
-                        cells.push(plain(effect.deviation.base()));
-                        cells.push(plain(effect.delta_cd.mm()));
-                    }
-                    None => cells.extend([String::new(), String::new()]),
-                }
-            }
-            cells
-        }));
-        rows
+        fact::rows(&self.json(), "rows", &header)
     }
 
     fn blocks(&self) -> Vec<Block> {
         let measured = self.measured;
-        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let mut blocks = titled(self.title);
         let mut columns = vec![Column::number(self.place())];
         for feature in &measured.features {
             let unit = if feature.error() == DeviationKind::RackLead { "°" } else { "µm" };

@@ -36,7 +36,7 @@ pub fn reading_blocks(readings: &[Reading], notes: &[String]) -> Vec<Block> {
         blocks.push(Block::Table(form(reading)));
         blocks.push(Block::Table(columns(reading)));
     }
-    blocks.extend(remarks(readings, notes).into_iter().map(|remark| Block::Note(format!("note: {remark}"))));
+    blocks.extend(remarks(readings, notes).into_iter().map(Block::Remark));
     blocks
 }
 
@@ -105,7 +105,7 @@ impl Report for WithReading<'_> {
         // the verdict stays last
         let is_verdict = |block: &Block| matches!(block, Block::Verdict(..) | Block::Open(_));
         let end = blocks.iter().position(is_verdict).unwrap_or(blocks.len());
-        let notes = remarks(self.readings, self.notes).into_iter().map(|remark| Block::Note(format!("note: {remark}")));
+        let notes = remarks(self.readings, self.notes).into_iter().map(Block::Remark);
         blocks.splice(end..end, notes);
         blocks
     }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::number::{plain, signed, tidy};
-use super::{Block, Column, Report, Screen, Table, sketch};
+use super::{Block, Column, Report, Screen, Table, fact, sketch, titled};
 use crate::multibody::{
     ContactModel, Energy, Integrator, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support,
 };
@@ -334,17 +334,12 @@ impl Report for SimulationReport<'_> {
     fn rows(&self) -> Vec<Vec<String>> {
         let has_yoke = self.outcome.samples.iter().any(|sample| sample.yoke.is_some());
         let yoke_header = has_yoke.then_some(YOKE_COLUMNS).into_iter().flatten();
-        let header = COLUMNS.iter().map(|(name, _)| *name).chain(yoke_header);
-        let mut rows = vec![header.map(str::to_owned).collect::<Vec<_>>()];
-        rows.extend(self.outcome.samples.iter().map(|sample| {
-            let cells = COLUMNS.iter().map(|(_, value)| value(sample));
-            cells.chain(yoke_cells(sample).into_iter().flatten()).map(|value| plain(tidy(value))).collect()
-        }));
-        rows
+        let names: Vec<_> = COLUMNS.iter().map(|(name, _)| *name).chain(yoke_header).collect();
+        fact::rows(&self.json(), "points", &names)
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks: Vec<_> = self.title.map(|title| Block::Title(title.to_owned())).into_iter().collect();
+        let mut blocks = titled(self.title);
         let table = self.steady_table();
         if !table.rows.is_empty() {
             blocks.push(Block::Table(table));
@@ -365,7 +360,7 @@ impl Report for SimulationReport<'_> {
         if let Some(energy) = self.outcome.energy.filter(|_| self.outcome.samples.len() > 1) {
             blocks.push(Block::Note(self.energy(&energy)));
         }
-        blocks.extend(self.notes.iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks.extend(self.ending().1.map(Block::Note));
         blocks
     }

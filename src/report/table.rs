@@ -11,7 +11,7 @@ use super::Screen;
 use crate::judge::Verdict;
 
 /// A piece of a report.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Block {
     /// The report's title.
@@ -20,8 +20,10 @@ pub enum Block {
     Table(Table),
     /// Lines drawn with characters; for screens.
     Drawing(String),
-    /// A remark: the model, an assumption, how values differ.
+    /// A line that says by itself what it is: the model, an overall grade, how values differ.
     Note(String),
+    /// A remark on what the result rests on; the writer says that it is a note.
+    Remark(String),
     /// The verdict and its sentence.
     Verdict(Verdict, String),
     /// Why there is no verdict.
@@ -29,7 +31,7 @@ pub enum Block {
 }
 
 /// A table.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
     /// The columns.
     pub columns: Vec<Column>,
@@ -38,7 +40,7 @@ pub struct Table {
 }
 
 /// A column of a table.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
     /// The heading, with the unit; a line break where a narrow column may break it.
     pub heading: String,
@@ -67,6 +69,12 @@ impl Column {
     }
 }
 
+/// A remark for people, marked as what it is.
+#[must_use]
+pub fn noted(remark: &str) -> String {
+    format!("note: {remark}")
+}
+
 /// A header, a line, rows.
 const PLAIN: TableStyle = TableStyle::new()
     .header_lines(ContentLineStyle::none())
@@ -93,7 +101,7 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
     let mut out = String::new();
     let mut previous_is_note = false;
     for block in blocks {
-        let is_note = matches!(block, Block::Note(_));
+        let is_note = matches!(block, Block::Note(_) | Block::Remark(_));
         // a blank line between blocks, but none between remarks
         let continues = is_note && previous_is_note;
         if !out.is_empty() && !continues {
@@ -104,6 +112,7 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
             Block::Title(title) => out.push_str(&paint(title, Style::new().bold())),
             Block::Drawing(lines) => out.push_str(lines),
             Block::Note(note) => out.push_str(&wrap(note, screen.width)),
+            Block::Remark(remark) => out.push_str(&wrap(&noted(remark), screen.width)),
             Block::Verdict(verdict, sentence) => {
                 let color = match verdict {
                     Verdict::Pass => AnsiColor::Green,
@@ -183,6 +192,7 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
             Block::Title(title) => out.push_str(&format!("## {title}\n")),
             Block::Drawing(lines) => out.push_str(&format!("```text\n{lines}\n```\n")),
             Block::Note(note) => out.push_str(&format!("{note}\n")),
+            Block::Remark(remark) => out.push_str(&format!("{}\n", noted(remark))),
             Block::Verdict(verdict, sentence) => {
                 out.push_str(&format!("**{}**: {sentence}\n", verdict.name().to_uppercase()));
             }

@@ -1,5 +1,6 @@
 //! What a result's uncertainty says, as a part of another report: tables, JSON and rows of `eval`.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain};
@@ -84,7 +85,7 @@ impl UncertaintyPart {
         if self.simulation.is_some() {
             blocks.push(Block::Table(self.simulation_table()));
         }
-        blocks.extend(self.notes().into_iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks.extend(self.notes().into_iter().map(Block::Remark));
         blocks
     }
 
@@ -257,7 +258,7 @@ impl UncertaintyPart {
         }
         columns.push(Column::text(format!("by {}", rule_name(rule))));
         let mut blocks = vec![Block::Table(Table { columns, rows })];
-        blocks.extend(rule_notes(rule, &decided).into_iter().map(|note| Block::Note(format!("note: {note}"))));
+        blocks.extend(rule_notes(rule, &decided).into_iter().map(Block::Remark));
         blocks
     }
 
@@ -317,39 +318,35 @@ impl UncertaintyPart {
         })
     }
 
-    /// The header of [`rows`](Self::rows).
-    pub(super) const COLUMNS: [&'static str; 8] = [
-        "standard_uncertainty_mm",
-        "expanded_uncertainty_mm",
-        "coverage_factor",
-        "monte_carlo_mean_mm",
-        "monte_carlo_standard_mm",
-        "monte_carlo_lower_mm",
-        "monte_carlo_upper_mm",
-        "linear_validated",
-    ];
-
-    /// One row per result: its key, and a cell for each of [`COLUMNS`](Self::COLUMNS).
-    pub(super) fn rows(&self) -> Vec<(&'static str, f64, Vec<String>)> {
-        let results = self.results().into_iter();
-        results
-            .map(|(key, _, linear, simulated)| {
-                let mut cells =
-                    vec![plain(linear.standard_mm), plain(linear.expanded_mm()), plain(linear.coverage_factor)];
-                match simulated {
-                    Some(simulated) => cells.extend([
-                        plain(simulated.mean),
-                        plain(simulated.standard),
-                        plain(simulated.symmetric.0),
-                        plain(simulated.symmetric.1),
-                        validate(linear, simulated, self.digits()).validated.to_string(),
-                    ]),
-                    None => cells.extend(std::iter::repeat_n(String::new(), 5)),
-                }
-                (key, linear.value_mm, cells)
-            })
-            .collect()
+    /// Each result with its key and ΔCD, mm.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&'static str, f64, UncertaintyCells)> + '_ {
+        self.results().into_iter().map(|(key, _, linear, simulated)| {
+            let cells = UncertaintyCells {
+                standard_uncertainty_mm: Some(linear.standard_mm),
+                expanded_uncertainty_mm: Some(linear.expanded_mm()),
+                coverage_factor: Some(linear.coverage_factor),
+                monte_carlo_mean_mm: simulated.map(|simulated| simulated.mean),
+                monte_carlo_standard_mm: simulated.map(|simulated| simulated.standard),
+                monte_carlo_lower_mm: simulated.map(|simulated| simulated.symmetric.0),
+                monte_carlo_upper_mm: simulated.map(|simulated| simulated.symmetric.1),
+                linear_validated: simulated.map(|simulated| validate(linear, simulated, self.digits()).validated),
+            };
+            (key, linear.value_mm, cells)
+        })
     }
+}
+
+/// The uncertainty of a result as cells of CSV.
+#[derive(Serialize, Default)]
+pub(super) struct UncertaintyCells {
+    standard_uncertainty_mm: Option<f64>,
+    expanded_uncertainty_mm: Option<f64>,
+    coverage_factor: Option<f64>,
+    monte_carlo_mean_mm: Option<f64>,
+    monte_carlo_standard_mm: Option<f64>,
+    monte_carlo_lower_mm: Option<f64>,
+    monte_carlo_upper_mm: Option<f64>,
+    linear_validated: Option<bool>,
 }
 
 fn upper_error(simulation: &PartSimulation) -> f64 {
@@ -377,18 +374,29 @@ fn simulation_json(simulated: &Simulation, validation: &Validation) -> Value {
     })
 }
 
-/// A decision as JSON; null where there is none.
-pub(super) fn decision_json(decision: Option<&Decision>) -> Value {
-    decision.map_or(Value::Null, |decision| {
-        json!({
-            "guard_lower_mm": decision.guard_mm.map(|(lower, _)| lower),
-            "guard_upper_mm": decision.guard_mm.map(|(_, upper)| upper),
-            "conformance_probability": decision.conformance.map(|c| c.probability),
-            "consumer_risk_if_accepted": decision.conformance.map(|c| c.consumer_risk()),
-            "producer_risk_if_rejected": decision.conformance.map(|c| c.producer_risk()),
-            "method": decision.conformance.map(|c| if c.simulated { "monte carlo" } else { "linear, normal" }),
-        })
-    })
+/// A decision, for programs.
+#[derive(Serialize)]
+pub(super) struct DecisionFact {
+    guard_lower_mm: Option<f64>,
+    guard_upper_mm: Option<f64>,
+    conformance_probability: Option<f64>,
+    consumer_risk_if_accepted: Option<f64>,
+    producer_risk_if_rejected: Option<f64>,
+    method: Option<&'static str>,
+}
+
+impl From<&Decision> for DecisionFact {
+    fn from(decision: &Decision) -> Self {
+        let conformance = decision.conformance;
+        Self {
+            guard_lower_mm: decision.guard_mm.map(|(lower, _)| lower),
+            guard_upper_mm: decision.guard_mm.map(|(_, upper)| upper),
+            conformance_probability: conformance.map(|c| c.probability),
+            consumer_risk_if_accepted: conformance.map(|c| c.consumer_risk()),
+            producer_risk_if_rejected: conformance.map(|c| c.producer_risk()),
+            method: conformance.map(|c| if c.simulated { "monte carlo" } else { "linear, normal" }),
+        }
+    }
 }
 
 pub(super) fn rule_name(rule: &Rule) -> String {

@@ -1,6 +1,8 @@
 //! Columns, lines and characteristics that name nothing known: which of them are no measurement, and which could be one, so
 //! that nothing is judged before somebody says what they are. Called once per table.
 
+use serde::Serialize;
+
 use super::cell::Cell;
 use super::grid::{Separator, records};
 use super::names::{Field, Role, is_context, is_evaluation_length, near, role, split_unit};
@@ -12,7 +14,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Unit, shown};
 
 /// A column, line or characteristic that may be a measurement and is not understood.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Stranger {
     /// The file.
     pub file: String,

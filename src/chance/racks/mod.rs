@@ -15,8 +15,10 @@
 //! Rack number i is drawn from a generator of its own: the result does not depend on the number of threads.
 
 mod quantiles;
+mod summary;
 
 pub use quantiles::{CONFIDENCE, Quantile, quantiles, share};
+pub use summary::{Bin, Inside, RackStatistics, RacksSummary};
 
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};

@@ -1,6 +1,7 @@
 //! What a sample of racks says of all of them: quantiles and shares with intervals that hold for any distribution.
 //! Called with the results; it draws and solves nothing.
 
+use crate::quantity::tidy;
 use crate::statistics::{beta_cdf, beta_quantile};
 
 /// Confidence of intervals of quantiles and shares.
@@ -8,15 +9,16 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// A quantile with its distribution-free confidence interval from order statistics.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct Quantile {
     /// The share of racks at or below.
     pub share: f64,
-    /// The estimate.
-    pub value: f64,
-    /// Lower end of the 95 % confidence interval; `None` if there are too few racks for one.
-    pub lower: Option<f64>,
-    /// Upper end.
-    pub upper: Option<f64>,
+    /// The estimate, mm.
+    pub value_mm: f64,
+    /// Lower end of the 95 % confidence interval, mm; `None` if there are too few racks for one.
+    pub lower_mm: Option<f64>,
+    /// Upper end, mm.
+    pub upper_mm: Option<f64>,
 }
 
 /// Quantiles of values; at least one is needed.
@@ -55,8 +57,8 @@ pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
             let upper = first(&|k| 1.0 - cdf(k - 1.0, p) <= tail);
             let lower = first(&|k| cdf(k - 1.0, p) > tail).saturating_sub(1);
             let rank = ((n * p).ceil().max(1.0) as usize).min(sorted.len());
-            let at = |rank: usize| rank.checked_sub(1).and_then(|index| sorted.get(index)).copied();
-            Quantile { share: p, value: sorted[rank - 1], lower: at(lower), upper: at(upper) }
+            let at = |rank: usize| rank.checked_sub(1).and_then(|index| sorted.get(index)).copied().map(tidy);
+            Quantile { share: p, value_mm: tidy(sorted[rank - 1]), lower_mm: at(lower), upper_mm: at(upper) }
         })
         .collect()
 }
@@ -80,15 +82,15 @@ mod tests {
         // n = 10, median: X_(2) to X_(9), with 97.9 % confidence
         let values: Vec<f64> = (1..=10).map(f64::from).collect();
         let [median, high]: [Quantile; 2] = quantiles(&values, &[0.5, 0.99]).try_into().unwrap();
-        assert_eq!((median.value, median.lower, median.upper), (5.0, Some(2.0), Some(9.0)));
-        assert_eq!((high.value, high.upper), (10.0, None));
+        assert_eq!((median.value_mm, median.lower_mm, median.upper_mm), (5.0, Some(2.0), Some(9.0)));
+        assert_eq!((high.value_mm, high.upper_mm), (10.0, None));
         // one of 97.5 %: the tail beyond it is 2.5 % to the last digit
         let one = quantiles(&[7.0], &[0.975])[0];
-        assert_eq!((one.value, one.lower, one.upper), (7.0, Some(7.0), None));
+        assert_eq!((one.value_mm, one.lower_mm, one.upper_mm), (7.0, Some(7.0), None));
         // n = 100, median: X_(40) to X_(61)
         let values: Vec<f64> = (1..=100).map(f64::from).collect();
         let median = quantiles(&values, &[0.5])[0];
-        assert_eq!((median.lower, median.upper), (Some(40.0), Some(61.0)));
+        assert_eq!((median.lower_mm, median.upper_mm), (Some(40.0), Some(61.0)));
     }
 
     #[test]

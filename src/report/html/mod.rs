@@ -6,7 +6,7 @@
 use sha2::{Digest as _, Sha256};
 
 use super::chart::{self, Chart};
-use super::{Align, Block, Table, escape};
+use super::{Align, Block, Table, escape, noted};
 use crate::judge::Verdict;
 
 /// A part of a page.
@@ -160,6 +160,7 @@ fn block_html(block: &Block) -> String {
         Block::Title(_) => String::new(),
         Block::Table(table) => table_html(table),
         Block::Drawing(lines) => format!("<pre>{}</pre>\n", escape(lines)),
+        Block::Remark(remark) => format!("<p class=\"note\">{}</p>\n", escape(&noted(remark))),
         Block::Note(note) => format!("<p class=\"note\">{}</p>\n", escape(note)),
         Block::Verdict(verdict, sentence) => verdict_html(Some(*verdict), sentence),
         Block::Open(why) => verdict_html(None, why),

@@ -19,23 +19,31 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// An index with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct Index {
     /// The estimate.
     pub value: f64,
     /// Lower end of its 95 % confidence interval.
+    #[cfg_attr(feature = "report", serde(rename = "lower_95"))]
     pub lower: f64,
     /// Upper end.
+    #[cfg_attr(feature = "report", serde(rename = "upper_95"))]
     pub upper: f64,
 }
 
 /// What the measuring uncertainty does to the indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct Gauge {
+    /// The standard uncertainty u of a value from measuring, mm.
+    #[cfg_attr(feature = "report", serde(rename = "standard_uncertainty_mm"))]
+    pub uncertainty_mm: f64,
     /// Its share of the observed variance, u² / s².
     pub variance_share: f64,
     /// 6 u / (U − L); `None` unless both limits are given.
     pub tolerance_share: Option<f64>,
     /// Standard deviation of the parts alone, √(s² − u²), mm; `None` if u exceeds s.
+    #[cfg_attr(feature = "report", serde(rename = "part_standard_deviation_mm"))]
     pub part_deviation_mm: Option<f64>,
     /// Ppk of the parts alone; `None` without a part deviation above 0, or without limits.
     pub part_ppk: Option<f64>,
@@ -50,6 +58,7 @@ impl Gauge {
         let part_deviation_mm = (parts_alone >= 0.0).then(|| parts_alone.sqrt());
         let spreads = part_deviation_mm.filter(|deviation| *deviation > 0.0);
         Self {
+            uncertainty_mm,
             variance_share: (uncertainty_mm / deviation_mm) * (uncertainty_mm / deviation_mm),
             tolerance_share: width_mm.map(|width| 6.0 * uncertainty_mm / width),
             part_deviation_mm,

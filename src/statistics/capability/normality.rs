@@ -6,15 +6,16 @@ use crate::statistics::{normal_cdf, normal_density};
 
 /// Whether values look normally distributed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct Normality {
-    /// Skewness, 0 for a normal distribution.
-    pub skewness: f64,
-    /// Kurtosis less 3, 0 for a normal distribution.
-    pub excess_kurtosis: f64,
     /// The Anderson-Darling statistic A*² (mean and deviation estimated from the values).
     pub anderson_darling: f64,
     /// The probability of a statistic at least as large if the values are normal.
     pub p_value: f64,
+    /// Skewness, 0 for a normal distribution.
+    pub skewness: f64,
+    /// Kurtosis less 3, 0 for a normal distribution.
+    pub excess_kurtosis: f64,
 }
 
 impl Normality {

@@ -1,0 +1,46 @@
+//! Numbers as programs read them. Used by what writes results.
+
+/// The shortest text that reads back as the same double, in powers of ten only where the plain form
+/// would be long.
+pub(crate) fn plain(value: f64) -> String {
+    plain_padded(value, 0)
+}
+
+/// As [`plain`], with at least that many decimals.
+pub(crate) fn plain_padded(value: f64, decimals: usize) -> String {
+    // Rust's shortest form never uses an exponent; outside this range it is all zeros
+    if value != 0.0 && !(1e-7..1e15).contains(&value.abs()) {
+        return format!("{value:e}");
+    }
+    let text = format!("{value}");
+    let has = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    if has >= decimals { text } else { format!("{value:.decimals$}") }
+}
+
+/// A value without the digits that are rounding of the solution (1e-15 of the centre distance) only.
+pub(crate) fn tidy(value: f64) -> f64 {
+    const PICO: f64 = 1e12;
+    let rounded = (value * PICO).round() / PICO;
+    // -0 says nothing
+    if rounded == 0.0 || !rounded.is_finite() { rounded.abs() } else { rounded }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_numbers_lose_nothing() {
+        for (value, text) in [
+            (0.0131, "0.013100"),
+            (0.1 + 0.2, "0.30000000000000004"),
+            (-25.0, "-25.000000"),
+            (1e-9, "1e-9"),
+            (1e300, "1e300"),
+            (0.0, "0.000000"),
+        ] {
+            assert_eq!(plain_padded(value, 6), text);
+            assert_eq!(plain(value).parse::<f64>().unwrap(), value);
+        }
+    }
+}
