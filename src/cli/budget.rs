@@ -76,7 +76,7 @@ pub(super) struct Args {
 enum StackArg {
     /// The bound of all tolerances.
     Worst,
-    /// The statistical sum.
+    /// Mean ± 3 standard deviations; no bound.
     Rss,
     /// A fraction of random assemblies.
     Simulation,

@@ -154,7 +154,7 @@ pub fn command() -> Command {
                 .short('q')
                 .global(true)
                 .action(ArgAction::SetTrue)
-                .help("Leave out remarks, warnings and progress; errors stay"),
+                .help("Leave out remarks and progress; warnings and errors stay"),
         )
         .arg(
             Arg::new("color")

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anstream::AutoStream;
 use clap::ColorChoice;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Severity, render};
+use crate::diagnostic::{Diagnostic, Diagnostics, render};
 use crate::report::{self, Format, Report, Screen};
 
 /// How a command ended.
@@ -140,7 +140,7 @@ impl Output {
         Ok(())
     }
 
-    /// Whether only errors are wanted on standard error.
+    /// Whether only warnings and errors are wanted on standard error.
     pub(super) fn is_quiet(&self) -> bool {
         self.is_quiet
     }
@@ -160,9 +160,7 @@ impl Output {
 
     /// Shows a diagnostic on standard error.
     pub(super) fn diagnostic(&mut self, diagnostic: &Diagnostic) {
-        if !self.is_quiet || diagnostic.severity == Severity::Error {
-            self.message(&render(diagnostic, self.color_messages));
-        }
+        self.message(&render(diagnostic, self.color_messages));
     }
 
     /// Shows why a command has no result, if it has none.

@@ -71,8 +71,8 @@ fn flags() -> BTreeMap<String, Flag> {
 /// `docs/flags.md` as the arguments give it.
 fn page() -> String {
     let top: BTreeSet<_> = commands().into_iter().map(|named| named.name).collect();
-    let mut page = "# Flags\n\nA flag means the same in every command that has it. `rackmesh COMMAND --help` \
-        shows a command's own, with their defaults.\n\nA spec or a table that a command needs stands without a flag; \
+    let mut page = "# Flags\n\nA flag means the same in every command that has it. `--help` behind a command \
+        shows its own, with their defaults.\n\nA spec or a table that a command needs stands without a flag; \
         a spec that it can do without follows `--spec`. Lengths are in mm and angles in degrees unless they have a \
         unit: `20um`, `0.5in`, `15arcmin`. They may be negative.\n\n\
         | flag | short | meaning | commands |\n|---|---|---|---|\n"
@@ -90,7 +90,8 @@ fn page() -> String {
     }
     page.push_str("\n## Values\n\n| flag | value | meaning |\n|---|---|---|\n");
     for (long, flag) in &flags {
-        for (value, meaning) in &flag.values {
+        // the keys of a spec are listed by `explain keys`
+        for (value, meaning) in flag.values.iter().filter(|_| long != "set") {
             let _ = writeln!(page, "| `--{long}` | `{value}` | {} |", meaning.replace('|', "\\|"));
         }
     }
@@ -235,11 +236,14 @@ fn the_commands_of_the_help_run_one_after_the_other() {
 }
 
 #[test]
-fn a_quiet_command_says_errors_only() {
-    let spec = "[errors]\nrack_over_roller = 0.01\n[limits]\nrack_pitch = \"±0.02\"\n";
-    let (told, quiet) = (run(&["eval", "-"], spec), run(&["eval", "-", "-q"], spec));
+fn a_quiet_command_leaves_out_remarks_and_no_warning() {
+    let calc = ["calc", "pitch", "20um", "--pressure-angle", "20"];
+    let (told, quiet) = (run(&calc, ""), run(&[&calc[..], &["-q"]].concat(), ""));
     assert_eq!((told.code, &told.stdout), (quiet.code, &quiet.stdout));
-    assert!(told.stderr.contains("warning") && quiet.stderr.is_empty(), "{}", quiet.stderr);
+    assert!(told.stderr.contains("model: exact") && quiet.stderr.is_empty(), "{}", quiet.stderr);
+    let spec = "[errors]\nrack_over_roller = 0.01\n[limits]\nrack_pitch = \"±0.02\"\n";
+    let warned = run(&["eval", "-", "-q"], spec);
+    assert!(warned.code == Some(2) && warned.stderr.contains("warning"), "{}", warned.stderr);
     let failed = run(&["eval", "no-such-file.toml", "--quiet"], "");
     assert!(failed.code == Some(2) && failed.stderr.contains("error"), "{}", failed.stderr);
 }
