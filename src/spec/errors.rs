@@ -208,12 +208,13 @@ pub(super) fn is_of_a_part(form: &[&str]) -> bool {
 /// The coarsest grade of any standard.
 pub(super) const LARGEST_CLASS: u8 = 12;
 
-fn read_error_table(
+/// The form that the keys of an entry make, if they make one.
+fn error_form(
     reader: &mut SectionReader<'_>,
     kind: DeviationKind,
     entry: &DeTable<'_>,
     span: Range<usize>,
-) -> Option<WrittenError> {
+) -> Option<&'static [&'static str]> {
     let forms = error_table_forms(kind);
     let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART, keys::EXTENT]);
     let known = forms.iter().flat_map(|form| form.iter().copied()).chain(beside);
@@ -236,22 +237,32 @@ fn read_error_table(
         reader.report(diagnostic, span, "");
         return None;
     }
-    let noted = uncertain::Source::Error(kind);
     if *form == ["class"] && entry.contains_key(keys::EXTENT) {
         let message = format!("`{}` is a class: what is permitted is that of each tooth", kind.key());
         let help = "leave `extent` out, or give the largest deviation as `value`";
         reader.report(Diagnostic::error(Code::BadErrorEntry, message).help(help), span, "");
         return None;
     }
-    if *form == ["class"] {
-        if uncertain > 0 {
+    Some(form)
+}
+
+fn read_error_table(
+    reader: &mut SectionReader<'_>,
+    kind: DeviationKind,
+    entry: &DeTable<'_>,
+    span: Range<usize>,
+) -> Option<WrittenError> {
+    let form = error_form(reader, kind, entry, span.clone())?;
+    let noted = uncertain::Source::Error(kind);
+    if form == ["class"] {
+        if keys::UNCERTAINTY_KEYS.iter().any(|key| entry.contains_key(*key)) {
             let message = format!("`{}` is a class: what is permitted has no measuring uncertainty", kind.key());
             reader.report(Diagnostic::error(Code::BadUncertainty, message), span, "");
             return None;
         }
         return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class);
     }
-    if *form != ["f_h_beta", "length"] {
+    if form != ["f_h_beta", "length"] {
         reader.note_uncertainty(kind.key(), entry, span.clone(), noted, noted.is_angle(), 1.0);
     }
     let mut length = |name: &str| reader.length_value(name, entry.get(name)?);

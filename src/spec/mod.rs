@@ -1,6 +1,7 @@
 //! The gear spec: TOML as written ([`Spec`]), and what it means ([`Spec::part_deviations`],
 //! [`Spec::limits`]).
 //!
+//! Every key is declared once, in [`keys`], with the type of its value, and [`Spec::get`] has the value of a key.
 //! The command line reads a file and calls [`Spec::parse`]. Parsing checks what stands in the file,
 //! each value by itself and those that say the same twice against each other, and reports every problem at once, with
 //! its place. Resolution asks for what a
@@ -147,13 +148,25 @@ impl Spec {
         }
         let mut table = table.into_inner();
         let mut diagnostics = set::set_all(&mut table, &settings, &source);
-        let mut uncertainties = Vec::new();
-        let mut sections =
-            Sections { source: &source, top: &table, diagnostics: &mut diagnostics, uncertainties: &mut uncertainties };
+        let mut spec = Self::read(&table, &source, &mut diagnostics);
+        pair::complete(&mut spec.values, &source, &mut diagnostics);
+        if diagnostics.is_empty() {
+            let impossible = spec.impossibilities();
+            if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }
+        } else {
+            let place = |place: &Place| (!Arc::ptr_eq(&place.source, &source), place.span.start);
+            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(place));
+            Err(Diagnostics(diagnostics))
+        }
+    }
+
+    /// Reads every section as far as it can be read.
+    fn read(top: &DeTable<'_>, source: &Arc<Source>, diagnostics: &mut Vec<Diagnostic>) -> Self {
+        let (mut values, mut uncertainties) = (Values::default(), Vec::new());
+        let mut sections = Sections { source, top, diagnostics, uncertainties: &mut uncertainties };
         sections.refuse_unknown();
         let (title, correlations) =
             sections.read(&keys::TOP, |reader| (reader.get(keys::TITLE), uncertainty::correlations(reader)));
-        let mut values = Values::default();
         sections.read(&keys::PAIR, |reader| reader.values(&mut values));
         let (rack_deviations, tip_relief) = sections.read(&keys::RACK, |reader| {
             reader.values(&mut values);
@@ -166,46 +179,32 @@ impl Spec {
         for section in [&keys::SUPPORT, &keys::TOLERANCE, &keys::DECISION] {
             sections.read(section, |reader| reader.values(&mut values));
         }
-        let budget = sections.read(&keys::BUDGET, budget::read);
         let errors = sections.read(&keys::ERRORS, errors::read);
-        let limits = sections.read(&keys::LIMITS, limits::read);
         let batch = sections.read(&keys::BATCH, batch::read);
-        let simulation = sections.read(&keys::SIMULATION, simulation::read);
-        let scatter = sections.read(&keys::SCATTER, scatter::read);
-        diagnostics.extend(batch.other_extents(&errors, &source));
-        let errors::Errors { values: errors, nominals, unmeasured, every_part, extents, evaluation_length } = errors;
-        pair::complete(&mut values, &source, &mut diagnostics);
-        if diagnostics.is_empty() {
-            let spec = Self {
-                source,
-                title: title.map(|title| title.value),
-                values,
-                rack_deviations,
-                pinion_deviations,
-                tip_relief,
-                budget,
-                errors,
-                nominals,
-                unmeasured,
-                every_part,
-                extents,
-                evaluation_length,
-                limits,
-                batch,
-                simulation,
-                scatter,
-                uncertainties,
-                correlations,
-                known_teeth: None,
-                teeth_sensitivities: Vec::new(),
-                teeth_taken_as_exact: Vec::new(),
-            };
-            let impossible = spec.impossibilities();
-            if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }
-        } else {
-            let place = |place: &Place| (!Arc::ptr_eq(&place.source, &source), place.span.start);
-            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(place));
-            Err(Diagnostics(diagnostics))
+        sections.diagnostics.extend(batch.other_extents(&errors, source));
+        Self {
+            source: Arc::clone(source),
+            title: title.map(|title| title.value),
+            values,
+            rack_deviations,
+            pinion_deviations,
+            tip_relief,
+            budget: sections.read(&keys::BUDGET, budget::read),
+            errors: errors.values,
+            nominals: errors.nominals,
+            unmeasured: errors.unmeasured,
+            every_part: errors.every_part,
+            extents: errors.extents,
+            evaluation_length: errors.evaluation_length,
+            limits: sections.read(&keys::LIMITS, limits::read),
+            batch,
+            simulation: sections.read(&keys::SIMULATION, simulation::read),
+            scatter: sections.read(&keys::SCATTER, scatter::read),
+            uncertainties,
+            correlations,
+            known_teeth: None,
+            teeth_sensitivities: Vec::new(),
+            teeth_taken_as_exact: Vec::new(),
         }
     }
 }

@@ -23,24 +23,7 @@ impl Spec {
     /// A diagnostic for each key that an error's formula needs and the spec does not have, for gear data
     /// that contradict each other, or because there are no errors at all.
     pub fn part_deviations(&self) -> Result<Vec<PartDeviation>, Diagnostics> {
-        let unmeasured = |nominal: &&(DeviationKind, _)| self.errors.iter().all(|(kind, _)| *kind != nominal.0);
-        if let Some((kind, nominal)) = self.nominals.iter().find(unmeasured) {
-            let message = format!("`{}` has a nominal value, but no measured one", kind.key());
-            return Err(Diagnostic::error(Code::BadErrorEntry, message)
-                .at(&self.source, nominal.span.clone(), "")
-                .help("add `measured = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
-                .into());
-        }
-        let has_value =
-            |kind: DeviationKind| self.knows_teeth(kind.part()) || self.errors.iter().any(|(other, _)| *other == kind);
-        let without_value = self.unmeasured.iter().find(|(kind, _)| !has_value(*kind));
-        if let Some((kind, place)) = without_value {
-            let message = format!("`{}` has no value", kind.key());
-            return Err(Diagnostic::error(Code::BadErrorEntry, message)
-                .at(&self.source, place.clone(), "")
-                .help("add `value = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`")
-                .into());
-        }
+        self.refuse_without_value()?;
         let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
         self.refuse_both_ways(&kinds)?;
         if self.errors.is_empty() && self.has_deviations() {
@@ -83,6 +66,26 @@ impl Spec {
         }
         diagnostics.extend(missing.diagnostics(&self.source));
         if diagnostics.is_empty() { Ok(errors) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// Refuses errors of which a nominal value or an uncertainty is given, and no value.
+    fn refuse_without_value(&self) -> Result<(), Diagnostic> {
+        let refused = |kind: &DeviationKind, has: &str, place: &Range<usize>, key: &str| {
+            let help =
+                format!("add `{key} = …` beside it, or evaluate measured values with `rackmesh paste` or `batch`");
+            Err(Diagnostic::error(Code::BadErrorEntry, format!("`{}` has {has}", kind.key()))
+                .at(&self.source, place.clone(), "")
+                .help(help))
+        };
+        let is_given = |kind: &DeviationKind| self.errors.iter().any(|(other, _)| other == kind);
+        if let Some((kind, nominal)) = self.nominals.iter().find(|(kind, _)| !is_given(kind)) {
+            return refused(kind, "a nominal value, but no measured one", &nominal.span, "measured");
+        }
+        let has_value = |kind: &DeviationKind| self.knows_teeth(kind.part()) || is_given(kind);
+        if let Some((kind, place)) = self.unmeasured.iter().find(|(kind, _)| !has_value(kind)) {
+            return refused(kind, "no value", place, "value");
+        }
+        Ok(())
     }
 
     /// The same, or none if there are none: a pair without errors.

@@ -55,30 +55,7 @@ fn property(key: &AnyKey) -> Value {
             json!({ "anyOf": forms(vec![typed("number", &domain), json!({ "type": "string" })], source) })
         }
         Kind::Rule => json!({ "type": "string", "pattern": r"^\s*(simple|iso14253|guard=.+)\s*$" }),
-        Kind::Spread { is_angle, class } => {
-            let text = if is_angle { json!({ "type": "string" }) } else { length_text() };
-            let amount = json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, text] });
-            let half_width = json!({
-                "type": "object",
-                "additionalProperties": false,
-                "required": ["half_width", "distribution"],
-                "properties": {
-                    "half_width": amount,
-                    "distribution": uncertainty_properties()["distribution"],
-                },
-            });
-            let mut forms = vec![amount, half_width];
-            if class.is_some() {
-                let grade = json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS });
-                forms.push(json!({
-                    "type": "object",
-                    "additionalProperties": false,
-                    "required": ["class"],
-                    "properties": { "class": grade },
-                }));
-            }
-            json!({ "anyOf": forms })
-        }
+        Kind::Spread { is_angle, class } => spread(is_angle, class.is_some()),
         Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Kind::ColumnUnit { of_lead } => {
             let lengths = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);
@@ -89,18 +66,7 @@ fn property(key: &AnyKey) -> Value {
         Kind::Error(kind) => error(kind),
         Kind::Extent(unit) => extent(unit),
         Kind::Word(words) => json!({ "enum": words }),
-        Kind::Tolerance(kind) => {
-            let number = json!({ "type": "number", "exclusiveMinimum": 0 });
-            let free = |name: &str| {
-                json!({
-                    "type": "object",
-                    "additionalProperties": false,
-                    "required": [name],
-                    "properties": { name: number, EXTENT: extent(kind.unit()) },
-                })
-            };
-            json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
-        }
+        Kind::Tolerance(kind) => tolerance(kind),
         Kind::Standard => json!({ "anyOf": [
             { "enum": Standard::ALL.map(Standard::id) },
             { "type": "string" },
@@ -130,6 +96,46 @@ fn property(key: &AnyKey) -> Value {
         schema.insert("description".to_owned(), key.doc.into());
     }
     schema
+}
+
+/// A spread: of an angle or a length, as a class too where there is one.
+fn spread(is_angle: bool, has_class: bool) -> Value {
+    let text = if is_angle { json!({ "type": "string" }) } else { length_text() };
+    let amount = json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, text] });
+    let half_width = json!({
+        "type": "object",
+        "additionalProperties": false,
+        "required": ["half_width", "distribution"],
+        "properties": {
+            "half_width": amount,
+            "distribution": uncertainty_properties()["distribution"],
+        },
+    });
+    let mut forms = vec![amount, half_width];
+    if has_class {
+        let grade = json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS });
+        forms.push(json!({
+            "type": "object",
+            "additionalProperties": false,
+            "required": ["class"],
+            "properties": { "class": grade },
+        }));
+    }
+    json!({ "anyOf": forms })
+}
+
+/// An entry of `[budget]`.
+fn tolerance(kind: DeviationKind) -> Value {
+    let number = json!({ "type": "number", "exclusiveMinimum": 0 });
+    let free = |name: &str| {
+        json!({
+            "type": "object",
+            "additionalProperties": false,
+            "required": [name],
+            "properties": { name: number, EXTENT: extent(kind.unit()) },
+        })
+    };
+    json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
 }
 
 /// The forms of a value, with one that carries an uncertainty where that means anything.

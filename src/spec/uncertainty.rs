@@ -88,23 +88,7 @@ impl SectionReader<'_> {
         }
         let has = |key: &str| table.contains_key(key);
         let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
-        let ways = [has("u"), has("U"), has("half_width")];
-        let problem = match ways.iter().filter(|way| **way).count() {
-            0 => Some(format!("`{name}` has {} but no uncertainty that it is of", first_of(table))),
-            1 if has("U") != has("k") => Some(format!(
-                "`{name}`: an expanded uncertainty U and its coverage factor k belong together: {} is missing",
-                if has("U") { "k" } else { "U" }
-            )),
-            1 if has("half_width") && !has("distribution") => {
-                Some(format!("`{name}`: a half-width says nothing without its distribution"))
-            }
-            1 if has("half_width") && has("dof") => {
-                Some(format!("`{name}`: a half-width has no degrees of freedom: its distribution is known"))
-            }
-            1 => None,
-            _ => Some(format!("`{name}` has more than one uncertainty")),
-        };
-        if let Some(problem) = problem {
+        if let Some(problem) = contradiction(name, table) {
             self.report(bad(problem), span, "");
             return;
         }
@@ -173,6 +157,27 @@ impl SectionReader<'_> {
         let message = format!("`{name}` is {number}; it must be above 0");
         self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
         None
+    }
+}
+
+/// Why the keys of a table make no uncertainty, if they do not.
+fn contradiction(name: &str, table: &DeTable<'_>) -> Option<String> {
+    let has = |key: &str| table.contains_key(key);
+    let ways = [has("u"), has("U"), has("half_width")];
+    match ways.iter().filter(|way| **way).count() {
+        0 => Some(format!("`{name}` has {} but no uncertainty that it is of", first_of(table))),
+        1 if has("U") != has("k") => Some(format!(
+            "`{name}`: an expanded uncertainty U and its coverage factor k belong together: {} is missing",
+            if has("U") { "k" } else { "U" }
+        )),
+        1 if has("half_width") && !has("distribution") => {
+            Some(format!("`{name}`: a half-width says nothing without its distribution"))
+        }
+        1 if has("half_width") && has("dof") => {
+            Some(format!("`{name}`: a half-width has no degrees of freedom: its distribution is known"))
+        }
+        1 => None,
+        _ => Some(format!("`{name}` has more than one uncertainty")),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The exact mesh of a spec in which one uncertain value is off: what the uncertainty of known teeth follows from.
 //! Solves nothing.
 
-use super::value::Value as KeyValue;
+use super::value::Value;
 use super::{MeasuredTables, Spec, WrittenPinionDeviation};
 use crate::deviation::{DeviationKind, Part, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -24,14 +24,14 @@ struct Whole {
 }
 
 /// One value of a spec or of its tables.
-enum Value<'a> {
+enum Variable<'a> {
     Length(&'a mut Length),
     Angle(&'a mut Angle),
     Mm(&'a mut f64),
     Rad(&'a mut f64),
 }
 
-impl Value<'_> {
+impl Variable<'_> {
     /// Adds mm or degrees; a value that leaves its domain that way stays.
     fn add(self, by: f64) {
         match self {
@@ -122,7 +122,7 @@ impl Spec {
 
 impl Whole {
     /// The values of this kind.
-    fn values(&mut self, source: Source) -> Vec<Value<'_>> {
+    fn values(&mut self, source: Source) -> Vec<Variable<'_>> {
         let (spec, tables) = (&mut self.spec, &mut self.tables);
         match source {
             // of errors that are given as one value
@@ -142,50 +142,50 @@ impl Whole {
                 written.chain(rows.flat_map(|row| of_tooth(kind, row))).collect()
             }
             size => match spec.values.at_mut(size.key()) {
-                Some(KeyValue::Length(length)) => vec![Value::Length(length)],
-                Some(KeyValue::Angle(angle)) => vec![Value::Angle(angle)],
+                Some(Value::Length(length)) => vec![Variable::Length(length)],
+                Some(Value::Angle(angle)) => vec![Variable::Angle(angle)],
                 _ => Vec::new(),
             },
         }
     }
 }
 
-fn of_rack(kind: DeviationKind, deviation: &mut RackDeviationKind) -> Option<Value<'_>> {
+fn of_rack(kind: DeviationKind, deviation: &mut RackDeviationKind) -> Option<Variable<'_>> {
     use RackDeviationKind::{Lead, OverRoller, Pitch, Shift};
     match (kind, deviation) {
         (DeviationKind::RackOverRoller, OverRoller(mm)) | (DeviationKind::RackPitch, Pitch(mm) | Shift(mm)) => {
-            Some(Value::Mm(mm))
+            Some(Variable::Mm(mm))
         }
-        (DeviationKind::RackLead, Lead(rad)) => Some(Value::Rad(rad)),
+        (DeviationKind::RackLead, Lead(rad)) => Some(Variable::Rad(rad)),
         _ => None,
     }
 }
 
-fn of_pinion(kind: DeviationKind, deviation: &mut PinionDeviationKind) -> Option<Value<'_>> {
+fn of_pinion(kind: DeviationKind, deviation: &mut PinionDeviationKind) -> Option<Variable<'_>> {
     use PinionDeviationKind::{Lead, Radial, Shift};
     match (kind, deviation) {
-        (DeviationKind::PinionRadial, Radial(mm)) | (DeviationKind::PinionPitch, Shift(mm)) => Some(Value::Mm(mm)),
-        (DeviationKind::PinionLead, Lead(rad)) => Some(Value::Rad(rad)),
+        (DeviationKind::PinionRadial, Radial(mm)) | (DeviationKind::PinionPitch, Shift(mm)) => Some(Variable::Mm(mm)),
+        (DeviationKind::PinionLead, Lead(rad)) => Some(Variable::Rad(rad)),
         _ => None,
     }
 }
 
-fn of_space(kind: DeviationKind, row: &mut RackSpace) -> Option<Value<'_>> {
+fn of_space(kind: DeviationKind, row: &mut RackSpace) -> Option<Variable<'_>> {
     let measured = match kind {
         DeviationKind::RackOverRoller => row.over_pin.as_mut(),
         DeviationKind::RackPitch => row.position.as_mut(),
-        DeviationKind::RackLead => return row.lead.as_mut().map(Value::Angle),
+        DeviationKind::RackLead => return row.lead.as_mut().map(Variable::Angle),
         _ => None,
     };
-    measured.map(|(Measured::Absolute(length) | Measured::Deviation(length))| Value::Length(length))
+    measured.map(|(Measured::Absolute(length) | Measured::Deviation(length))| Variable::Length(length))
 }
 
-fn of_tooth(kind: DeviationKind, row: &mut PinionTooth) -> Vec<Value<'_>> {
+fn of_tooth(kind: DeviationKind, row: &mut PinionTooth) -> Vec<Variable<'_>> {
     let lengths = match kind {
         DeviationKind::PinionRadial => [row.radial.as_mut(), None, None],
         DeviationKind::PinionPitch => [row.position.as_mut(), row.left_pitch.as_mut(), row.right_pitch.as_mut()],
-        DeviationKind::PinionLead => return row.lead.iter_mut().map(Value::Angle).collect(),
+        DeviationKind::PinionLead => return row.lead.iter_mut().map(Variable::Angle).collect(),
         _ => [None, None, None],
     };
-    lengths.into_iter().flatten().map(Value::Length).collect()
+    lengths.into_iter().flatten().map(Variable::Length).collect()
 }
