@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 /// Attributes that allow or expect a lint, outside the crate's root.
 const MOST_ATTRIBUTES: usize = 30;
 /// Functions of more than 60 lines of code.
-const MOST_LONG_FUNCTIONS: usize = 39;
+const MOST_LONG_FUNCTIONS: usize = 10;
 /// Functions of more than 6 arguments, `self` included.
-const MOST_WIDE_FUNCTIONS: usize = 10;
+const MOST_WIDE_FUNCTIONS: usize = 0;
 /// Rooms that use each other, directly or through others.
-const MOST_ROOMS_IN_CYCLES: usize = 2;
+const MOST_ROOMS_IN_CYCLES: usize = 0;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
