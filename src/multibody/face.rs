@@ -5,7 +5,7 @@
 //! the generalised forces and tangents is made of the sums of f, f', ∂f/∂δ' times products of at most two of the
 //! derivatives by ψ and φ. They are formed once per flank pair: see [`Load::add`] for what they stand for.
 
-use super::load::{Load, Sliding, Touching};
+use super::load::{Load, NormalForce, Sliding, Touching};
 
 /// An element's gap on a plane face, with its derivatives by ψ and φ; those by φ are not looked at where nothing rolls.
 #[derive(Debug, Clone, Copy, Default)]
@@ -145,7 +145,7 @@ impl Face {
                 by_depth * self.by_height + height,
                 if ROLLS { by_depth * on.by_roll + by_rate * by_roll() } else { 0.0 },
             ];
-            load.rub(&sliding(), mu, fade, f, by_rate, &by_q);
+            load.rub(&sliding(), mu, fade, &NormalForce { value: f, by_rate, by_q });
         }
     }
 

@@ -20,6 +20,17 @@ pub(super) struct Element {
     pub(super) fading: Option<[f64; 4]>,
 }
 
+/// The force between two surfaces along their normal, and what it changes with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NormalForce {
+    /// Its value, N.
+    pub(super) value: f64,
+    /// Its derivative by the rate of penetration.
+    pub(super) by_rate: f64,
+    /// Its derivatives by the coordinates.
+    pub(super) by_q: [f64; 3],
+}
+
 /// What friction needs: the normal and the motion of the pinion's material point against the rack by each coordinate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sliding {
@@ -187,14 +198,15 @@ impl Load<'_> {
         self.work.touching.0[usize::from(!right)].push(touching);
         if let Some((mu, fade)) = self.law.friction {
             self.work.counters.friction_evaluations += 1;
-            self.rub(&sliding(), mu, fade, f, by_rate, &by_q);
+            self.rub(&sliding(), mu, fade, &NormalForce { value: f, by_rate, by_q });
         }
     }
 
     /// Friction −μ f v_t / √(v_t² + v_0²) on the pinion's point. The tangent leaves out how the direction of sliding
     /// turns with the coordinates: its share is the displacement of a step over the radius of curvature, below 1e-4.
-    pub(super) fn rub(&mut self, sliding: &Sliding, mu: f64, fade: f64, f: f64, by_rate: f64, by_q: &[f64; 3]) {
+    pub(super) fn rub(&mut self, sliding: &Sliding, mu: f64, fade: f64, force: &NormalForce) {
         let Sliding { normal, motion } = sliding;
+        let NormalForce { value: f, by_rate, by_q } = *force;
         let v = &self.rates;
         let mut velocity = [0.0; 3];
         for (axis, out) in velocity.iter_mut().enumerate() {

@@ -169,7 +169,7 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<L
     } else {
         // the uncertainty of the measured values to come
         let source = uncertain::Source::Error(kind);
-        reader.note_uncertainty(kind.key(), entry, value.span(), source, source.is_angle(), 1.0);
+        reader.note_uncertainty(kind.key(), entry, value.span(), source, None);
     }
     Some(Located { value: nominal?, span: value.span() })
 }
@@ -183,7 +183,7 @@ fn read_unmeasured(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Optio
         return None;
     }
     let source = uncertain::Source::Error(kind);
-    reader.note_uncertainty(kind.key(), entry, written.span(), source, source.is_angle(), 1.0);
+    reader.note_uncertainty(kind.key(), entry, written.span(), source, None);
     Some(written.span())
 }
 
@@ -263,7 +263,7 @@ fn read_error_table(
         return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class);
     }
     if form != ["f_h_beta", "length"] {
-        reader.note_uncertainty(kind.key(), entry, span.clone(), noted, noted.is_angle(), 1.0);
+        reader.note_uncertainty(kind.key(), entry, span.clone(), noted, None);
     }
     let mut length = |name: &str| reader.length_value(name, entry.get(name)?);
     match form {
@@ -274,7 +274,7 @@ fn read_error_table(
                     // d(atan(f/L))/df = L/(L² + f²)
                     let (f, l) = (slope.mm(), over.mm());
                     let degrees_per_mm = (180.0 / std::f64::consts::PI) * l / (l * l + f * f);
-                    reader.note_uncertainty(kind.key(), entry, span, noted, false, degrees_per_mm);
+                    reader.note_uncertainty(kind.key(), entry, span, noted, Some(degrees_per_mm));
                     Some(WrittenError::Value(tangent))
                 }
                 Err(error) => {

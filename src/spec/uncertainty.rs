@@ -69,20 +69,21 @@ impl SectionReader<'_> {
             self.report(diagnostic, value.span(), "");
             return None;
         };
-        self.note_uncertainty(name, table, value.span(), source, source.is_angle(), 1.0);
+        self.note_uncertainty(name, table, value.span(), source, None);
         Some(inner)
     }
 
-    /// Reads the uncertainty in a table, if it has one; `scale` takes it from the unit written to that of the source.
+    /// Reads the uncertainty in a table, if it has one; of an angle that is written as a length, `degrees_per_mm` takes it
+    /// to the angle's unit.
     pub(super) fn note_uncertainty(
         &mut self,
         name: &str,
         table: &DeTable<'_>,
         span: Range<usize>,
         source: Source,
-        is_angle: bool,
-        scale: f64,
+        degrees_per_mm: Option<f64>,
     ) {
+        let (is_angle, scale) = (source.is_angle() && degrees_per_mm.is_none(), degrees_per_mm.unwrap_or(1.0));
         if !UNCERTAINTY_KEYS.iter().any(|key| table.contains_key(*key)) {
             return;
         }

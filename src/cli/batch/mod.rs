@@ -22,7 +22,7 @@ use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::judge::{LimitTarget, Rule};
-use crate::report::{self, Basis, BatchReport, Format, WithReading};
+use crate::report::{self, Basis, BatchReport, Format, Report, WithReading};
 use crate::spec::{Spec, WrittenError};
 use crate::table::{Contradiction, Want};
 use bar::Bar;
@@ -250,7 +250,16 @@ impl Args {
         } else {
             tables::say(&outcome.readings, &outcome.notes, output);
         }
-        self.report(spec, &basis, &outcome, format, inputs, output)?;
+        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+        self.problems(&basis, &outcome, output);
+        self.write_junit(spec, &basis, &outcome, &inputs)?;
+        if self.summary {
+            let report = BatchReport::new(spec.title.as_deref(), &basis, &outcome);
+            let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
+            self.write_summary(&report, format, &inputs, output)?;
+        } else {
+            output.remark(&in_words(&outcome.counts, if self.teeth { "part" } else { "row" }));
+        }
         if let Some(status) = interruption.status().filter(|_| outcome.interrupted) {
             return Ok(status);
         }
@@ -360,36 +369,26 @@ impl Args {
         }
     }
 
-    /// What is said after the last row.
-    fn report(
-        &self,
-        spec: &Spec,
-        basis: &Basis,
-        outcome: &Outcome,
-        format: Format,
-        inputs: &[String],
-        output: &mut Output,
-    ) -> Result<(), Failure> {
-        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
-        self.problems(basis, outcome, output);
+    /// Writes the JUnit report, if one is asked for.
+    fn write_junit(&self, spec: &Spec, basis: &Basis, outcome: &Outcome, inputs: &[&str]) -> Result<(), Failure> {
         if let Some(path) = &self.junit {
             let report = report::junit(spec.title.as_deref(), basis, outcome);
-            target::write(path, &inputs, report.as_bytes())?;
-        }
-        if self.summary {
-            let report = BatchReport::new(spec.title.as_deref(), basis, outcome);
-            let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
-            match &self.output {
-                Some(path) => {
-                    let text = report::write(&report, format, crate::report::Screen::default())?;
-                    target::write(path, &inputs, text.as_bytes())?;
-                }
-                None => output.report(&report, format)?,
-            }
-        } else {
-            output.remark(&in_words(&outcome.counts, if self.teeth { "part" } else { "row" }));
+            target::write(path, inputs, report.as_bytes())?;
         }
         Ok(())
+    }
+
+    /// Writes the summary to its file, or shows it.
+    fn write_summary(
+        &self,
+        summary: &dyn Report,
+        format: Format,
+        inputs: &[&str],
+        output: &mut Output,
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.output else { return output.report(summary, format) };
+        let text = report::write(summary, format, report::Screen::default())?;
+        target::write(path, inputs, text.as_bytes())
     }
 
     /// What is wrong with which row, and annotations.
