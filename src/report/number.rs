@@ -9,6 +9,7 @@ pub(super) fn millimetres(mm: f64) -> String {
 }
 
 /// From one length to another, in mm for people; one where they are the same.
+#[cfg(feature = "batch")]
 pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
     let upper = millimetres(upper_mm);
     if lower_mm == upper_mm { upper } else { format!("{} … {upper}", millimetres(lower_mm)) }
