@@ -2,7 +2,7 @@
 //!
 //! `budget` calls [`allocate`] with errors whose tolerances are fixed and errors whose tolerances are free; each free
 //! one gets a share of what the fixed ones leave. It evaluates with the formulas and combinations that
-//! [`evaluate`](super::evaluate) uses, and must not round a tolerance up. By simulation: random assemblies.
+//! [`evaluate`](crate::evaluation::evaluate) uses, and must not round a tolerance up. By simulation: random assemblies.
 
 mod request;
 mod simulation;

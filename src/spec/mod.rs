@@ -1,7 +1,7 @@
 //! The gear spec: TOML as written ([`Spec`]), and what it means ([`Spec::part_deviations`],
 //! [`Spec::limits`]).
 //!
-//! Every key is declared once, in [`keys`], with the type of its value, and [`Spec::get`] has the value of a key.
+//! Every key is declared once, in [`mod@keys`], with the type of its value, and [`Spec::get`] has the value of a key.
 //! The command line reads a file and calls [`Spec::parse`]. Parsing checks what stands in the file,
 //! each value by itself and those that say the same twice against each other, and reports every problem at once, with
 //! its place. Resolution asks for what a

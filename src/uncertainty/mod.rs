@@ -1,7 +1,7 @@
 #![doc = include_str!("method.md")]
 //!
 //! Called by the command line and the batch engine with the errors of a part and what is known of their uncertainty; it
-//! draws nothing at random ([`monte_carlo`](super::monte_carlo) does) and judges nothing ([`rule`](super::rule) does).
+//! draws nothing at random ([`chance`](crate::chance) does) and judges nothing ([`rule`](crate::judge::rule) does).
 //! Where a result is folded at zero, [`Linear::folded`] says so.
 
 mod coverage;
