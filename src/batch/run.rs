@@ -16,7 +16,7 @@ use super::pack::Packing;
 use super::plan::Plan;
 use super::statistics::{Moving, Statistics};
 use super::write;
-use crate::table::{Contradiction, Encoding, Piece, Queue, Rows, Table};
+use crate::table::{Block, Contradiction, Encoding, Piece, Queue, Rows, Table};
 
 /// Where results go.
 #[derive(Default)]
@@ -125,7 +125,7 @@ impl<'a> Batch<'a> {
             rows_packing: self.sinks.rows.as_ref().map_or(Packing::None, |sink| sink.packing),
             rejects_packing: self.sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
             queue: Mutex::new(Waiting { queue, next: 0, ended: false, error: None }),
-            order: Mutex::new(Order { next: 0, total, sinks: &mut self.sinks, error: None, workers: 0 }),
+            order: Mutex::new(Order { next: 0, total, sinks: &mut self.sinks, error: None, unread: None, workers: 0 }),
             turn: Condvar::new(),
             done: Condvar::new(),
             stop,
@@ -153,6 +153,7 @@ impl<'a> Batch<'a> {
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
         let (error, contradiction) = (order.error, order.total.contradiction);
+        let unread = order.unread.or(waiting.error);
         let (asides, doubted) = (order.total.asides, order.total.doubted);
         self.worst = order.total.worst;
         self.outcome.bytes = bytes_before + waiting.queue.bytes_read();
@@ -166,8 +167,8 @@ impl<'a> Batch<'a> {
         reading.asides.extend(asides);
         reading.notes.extend(layout.doubts(plan, &name, &doubted));
         self.outcome.readings.push(reading);
-        self.outcome.is_cut |= contradiction.is_some() || waiting.error.is_some();
-        match (error, contradiction, waiting.error) {
+        self.outcome.is_cut |= contradiction.is_some() || unread.is_some();
+        match (error, contradiction, unread) {
             (Some(error), ..) => Err(RunError::Write(error)),
             (None, Some(contradiction), _) => Err(RunError::Contradiction(contradiction)),
             (None, None, Some(error)) => Err(RunError::Read(error)),
@@ -252,7 +253,9 @@ struct Order<'a, 'b> {
     next: u64,
     total: Total<'a>,
     sinks: &'a mut Sinks<'b>,
+    /// Why nothing can be written any more, or be read.
     error: Option<io::Error>,
+    unread: Option<io::Error>,
     workers: usize,
 }
 
@@ -286,7 +289,10 @@ impl Shared<'_, '_> {
     fn work(&self, evaluator: &mut Evaluator<'_>) {
         let mut piece = Piece::default();
         while let Some(number) = self.take(&mut piece) {
-            piece.read(self.rows);
+            let read = piece.read(self.rows);
+            if read.is_err() {
+                piece.block = Block::default();
+            }
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
             let rows = self.rows_packing.pack_slice(evaluator.out.written());
             let rejects = self.encoding.original(&evaluator.rejects);
@@ -301,7 +307,7 @@ impl Shared<'_, '_> {
                 order.total.add(&mut evaluator.tally);
                 let written = write_to(order.sinks.rows.as_mut(), rows)
                     .and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
-                self.settle(order, written);
+                self.settle(order, read, written);
             }
             drop(order);
             self.turn.notify_all();
@@ -309,14 +315,16 @@ impl Shared<'_, '_> {
     }
 
     /// What follows from a piece for those after it.
-    fn settle(&self, order: &mut Order<'_, '_>, written: io::Result<()>) {
+    fn settle(&self, order: &mut Order<'_, '_>, read: io::Result<()>, written: io::Result<()>) {
         let outcome = &order.total.outcome;
         let is_over = written.is_err()
+            || read.is_err()
             || order.total.contradiction.is_some()
             || (self.plan.request.strict && outcome.counts.rejected > 0);
         self.ended.fetch_or(is_over, Ordering::Relaxed);
         self.keeps_names.fetch_and(outcome.duplicates.is_open(), Ordering::Relaxed);
         order.error = written.err();
+        order.unread = read.err();
     }
 
     /// The next piece, and its number.

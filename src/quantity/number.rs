@@ -147,6 +147,13 @@ impl Decimal {
     /// The shortest decimal that reads as this double; `None` if it is not finite.
     #[cfg(feature = "table")]
     pub(crate) fn of_f64(value: f64) -> Option<Self> {
+        Self::of_double(value).map(Self::without_zeros)
+    }
+
+    /// [`of_f64`](Self::of_f64), which may end in zeros.
+    #[cfg(feature = "table")]
+    #[inline]
+    pub(crate) fn of_double(value: f64) -> Option<Self> {
         const PLACES: i32 = 6;
         const MILLION: f64 = 1e6;
         // no two decimals of 15 digits are the same double, so that one that reads as this double is the shortest
@@ -154,7 +161,7 @@ impl Decimal {
         let millionths = (value * MILLION).round();
         if millionths.abs() < OF_15_DIGITS && millionths / MILLION == value {
             let digits = millionths.abs() as u64;
-            return Some(Self { negative: millionths < 0.0, digits, exponent: -PLACES }.without_zeros());
+            return Some(Self { negative: millionths < 0.0, digits, exponent: -PLACES });
         }
         Self::of_display(format_args!("{value:e}"))
     }
@@ -163,6 +170,12 @@ impl Decimal {
     #[cfg(feature = "table")]
     pub(crate) fn of_f32(value: f32) -> Option<Self> {
         Self::of_display(format_args!("{value:e}"))
+    }
+
+    /// `unscaled · 10^-scale`.
+    #[cfg(feature = "table")]
+    pub(crate) fn of_i64(unscaled: i64, scale: i32) -> Self {
+        Self { negative: unscaled < 0, digits: unscaled.unsigned_abs(), exponent: -scale }
     }
 
     /// `unscaled · 10^-scale`; of more digits than fit the rest is cut off.

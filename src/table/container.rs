@@ -7,7 +7,7 @@ use bytes::Bytes;
 
 use super::Table;
 use super::encoding::{decode, peek, unpacked};
-use super::parquet::ParquetTable;
+use super::parquet::{ParquetTable, SharedFile};
 use super::qdas::Qdas;
 use super::text::Text;
 use super::typed::{parquet_table, qdas_table, workbook_table};
@@ -71,6 +71,7 @@ impl Container {
                     let count = file.read(&mut mark).map_err(|error| failed(&error))?;
                     file.rewind().map_err(|error| failed(&error))?;
                     if mark[..count] == *PARQUET {
+                        let file = SharedFile::new(file).map_err(|error| failed(&error))?;
                         return Ok(Self::Parquet(ParquetContainer(ParquetTable::open(name, file)?)));
                     }
                 }
@@ -148,7 +149,7 @@ impl Container {
             Self::Text(text) => text.0.table(want),
             Self::Workbook(book) => workbook_table(*book, want),
             Self::Qdas(qdas) => qdas_table(name, *qdas, want),
-            Self::Parquet(table) => parquet_table(name, &table.0, want),
+            Self::Parquet(table) => parquet_table(name, table.0, want),
         }
     }
 }

@@ -59,6 +59,7 @@ mod reading;
 mod rows;
 mod shape;
 mod split;
+mod stored;
 mod strangers;
 mod teeth;
 mod text;
@@ -73,6 +74,7 @@ pub use encoding::{Encoding, decode};
 pub use grid::Separator;
 pub use names::{Field, ValueKind};
 pub use number::DecimalMark;
+pub use stored::Stored;
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use strangers::{Stranger, refusal};
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, Teeth, of_one_part};
@@ -208,7 +210,9 @@ impl Table {
             Ok(false) => None,
             Err(error) => Some(Err(error)),
             Ok(true) => {
-                piece.read(rows.as_ref());
+                if let Err(error) = piece.read(rows.as_ref()) {
+                    return Some(Err(error));
+                }
                 let mut block = std::mem::take(&mut piece.block);
                 if queue.is_relative() {
                     block.lines.iter_mut().for_each(|line| *line += lines);

@@ -2,11 +2,14 @@
 //! of files; asked by the run of a batch.
 
 use std::io;
+use std::sync::Arc;
 
 use super::block::Block;
 use super::chunk::{ChunkContent, Chunker};
+use super::parquet::{OpenGroup, ParquetTable, RowRange};
 use super::rows::{Rows, Setup, Wanted};
 use super::split::next_record;
+use super::text::as_io;
 
 /// What the number of a row's place counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -40,18 +43,40 @@ pub(crate) enum Pieces {
     Stream { setup: Setup, chunks: Chunker, lines: u64 },
     /// Rows that are made when it is known what is wanted of them.
     Later { setup: Setup, make: MakeBlocks },
+    /// The rows of a Parquet file, which workers read side by side.
+    Parquet { setup: Setup, file: ParquetTable },
     /// Rows that are there.
     Blocks(Vec<Block>),
 }
 
-/// What a worker takes: bytes to be read, or a block.
+/// What a worker takes: bytes or rows of a file to be read, or a block.
 #[derive(Default)]
 pub(crate) struct Piece {
-    pub(crate) bytes: Vec<u8>,
-    pub(crate) holds: Option<ChunkContent>,
+    bytes: Vec<u8>,
+    holds: Holds,
+    /// The group of rows that the worker has open.
+    open: Option<OpenGroup>,
     pub(crate) block: Block,
     /// Records before it.
     pub(crate) records_before: u64,
+}
+
+/// What of a piece is to be read.
+#[derive(Default)]
+enum Holds {
+    /// Nothing: its block is there.
+    #[default]
+    Block,
+    /// Its bytes.
+    Bytes(ChunkContent),
+    /// Rows of a Parquet file.
+    Rows(Arc<StoredRows>, RowRange),
+}
+
+/// A Parquet file, and what of it is looked at.
+struct StoredRows {
+    file: ParquetTable,
+    places: Vec<bool>,
 }
 
 /// The rows of a table, ready to be read.
@@ -67,6 +92,7 @@ pub(crate) struct Queue {
 enum Source {
     Chunks(Chunker),
     Blocks(Blocks),
+    Parquet(Arc<StoredRows>, std::vec::IntoIter<RowRange>),
 }
 
 impl Pieces {
@@ -93,6 +119,12 @@ impl Pieces {
                 let blocks = make(rows.clone());
                 (Some(rows), queue(Source::Blocks(blocks), None, 0))
             }
+            Self::Parquet { setup, file } => {
+                let rows = Rows::new(setup, wanted);
+                let places = rows.places(file.columns().iter().filter(|column| column.is_read()).count());
+                let ranges = file.ranges().into_iter();
+                (Some(rows), queue(Source::Parquet(Arc::new(StoredRows { file, places }), ranges), None, 0))
+            }
             Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), None, 0)),
         }
     }
@@ -103,7 +135,7 @@ impl Queue {
     pub(crate) fn bytes_read(&self) -> u64 {
         match &self.source {
             Source::Chunks(chunks) => chunks.bytes_read(),
-            Source::Blocks(_) => 0,
+            Source::Blocks(_) | Source::Parquet(..) => 0,
         }
     }
 
@@ -117,8 +149,8 @@ impl Queue {
         piece.records_before = self.records;
         match &mut self.source {
             Source::Chunks(chunks) => {
-                piece.holds = chunks.next(&mut piece.bytes)?;
-                let Some(holds) = piece.holds else { return Ok(false) };
+                let Some(holds) = chunks.next(&mut piece.bytes)? else { return Ok(false) };
+                piece.holds = Holds::Bytes(holds);
                 if let (true, Some(rows)) = (self.counts_records, rows) {
                     self.records += records_in(&piece.bytes, holds, rows.separator());
                 }
@@ -127,22 +159,35 @@ impl Queue {
             Source::Blocks(blocks) => match blocks.next() {
                 Some(block) => {
                     piece.block = block?;
-                    piece.holds = None;
+                    piece.holds = Holds::Block;
                     self.records += piece.block.record_count;
                     Ok(true)
                 }
                 None => Ok(false),
             },
+            Source::Parquet(stored, ranges) => {
+                let Some(range) = ranges.next() else { return Ok(false) };
+                piece.records_before = range.before;
+                piece.holds = Holds::Rows(Arc::clone(stored), range);
+                Ok(true)
+            }
         }
     }
 }
 
 impl Piece {
     /// Reads the piece, if that is not done yet.
-    pub(crate) fn read(&mut self, rows: Option<&Rows>) {
-        if let (Some(holds), Some(rows)) = (self.holds, rows) {
-            rows.chunk(&mut self.bytes, holds, &mut self.block);
+    pub(crate) fn read(&mut self, rows: Option<&Rows>) -> io::Result<()> {
+        match (&self.holds, rows) {
+            (Holds::Bytes(holds), Some(rows)) => rows.chunk(&mut self.bytes, *holds, &mut self.block),
+            (Holds::Rows(stored, range), Some(rows)) => {
+                let StoredRows { file, places } = stored.as_ref();
+                let fields = file.read(&mut self.open, *range, places).map_err(|problem| as_io(&problem))?;
+                rows.stored(&fields, range.before, &mut self.block);
+            }
+            _ => {}
         }
+        Ok(())
     }
 }
 

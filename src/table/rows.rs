@@ -2,6 +2,10 @@
 //! plain numbers is read in one pass over its bytes; every other record is cut into cells first. Made once per table;
 //! workers share it.
 
+mod stored;
+
+pub(crate) use stored::stored_record;
+
 use super::block::{Block, Contradiction, Span, as_line, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
@@ -255,6 +259,11 @@ impl Rows {
         if let Some(message) = self.misfit(record) {
             return self.refuse(record.line, raw, block, &record.in_words(), message);
         }
+        self.values_of(record, raw, block, added, base);
+    }
+
+    /// A record that is a part: its name and its values.
+    fn values_of(&self, record: &Record, raw: Span, block: &mut Block, added: &mut Vec<u8>, base: usize) {
         start(record.line, raw, block);
         let mut text_of = |place: usize| {
             let text = record.cells.get(place).map(Cell::text).unwrap_or_default();

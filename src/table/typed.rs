@@ -11,7 +11,8 @@ use super::parquet::ParquetTable;
 use super::pieces::{Blocks, Pieces, Place};
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
-use super::rows::Rows;
+use super::rows::{Rows, Setup, stored_record};
+use super::stored::Stored;
 use super::text::{as_io, setup};
 use super::understand::{Understood, in_words, understand_records};
 use super::want::{Given, Want};
@@ -229,23 +230,45 @@ fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want)
     quantity(number, unit?).ok()
 }
 
-pub(crate) fn parquet_table(name: &str, file: &ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
+pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
     let (read, not_read): (Vec<_>, Vec<_>) = file.columns().iter().partition(|column| column.is_read());
-    let titles = read.iter().map(|column| Cell::from(Content::of_text(&column.name)));
-    let mut head = vec![Record::new(titles.collect(), 0)];
-    if let Some(first) = file.batches()?.next() {
-        head.extend(first?.into_iter().take(HEAD));
-    }
-    let understood = understand_records(name, &head, want)?;
-    let records = file.batches()?.flat_map(|batch| match batch {
-        Ok(records) => records.into_iter().map(Ok).collect::<Vec<_>>(),
-        Err(problem) => vec![Err(problem)],
-    });
-    let mut table = of_records(name, "Parquet", understood, want, records);
+    let titles: Vec<_> = read.iter().map(|column| column.name.clone()).collect();
+    let not_used: Vec<_> = not_read.iter().map(|column| column.name.clone()).collect();
+    let all = vec![true; titles.len()];
+    file.check(&all)?;
+    let head = match file.ranges().first() {
+        Some(range) => file.read(&mut None, range.first(HEAD), &all)?,
+        None => Vec::new(),
+    };
+    let StoredTable { mut table, setup } = stored_table(name, "Parquet", &titles, &head, want)?;
+    table.pieces = Pieces::Parquet { setup, file };
+    let not_used = not_used.into_iter().map(|title| NotUsed { title, why: "its type is no number" });
+    table.reading.not_used.extend(not_used);
+    Ok(table)
+}
+
+/// A table of stored columns, whose rows are not given yet.
+pub(crate) struct StoredTable {
+    pub(crate) table: Table,
+    pub(crate) setup: Setup,
+}
+
+/// A table of stored columns, of which these are the first rows.
+pub(crate) fn stored_table(
+    name: &str,
+    format: &'static str,
+    titles: &[String],
+    head: &[Option<Stored<'_>>],
+    want: &Want,
+) -> Result<StoredTable, Diagnostics> {
+    let titles = titles.iter().map(|title| Cell::from(Content::of_text(title)));
+    let mut records = vec![Record::new(titles.collect(), 0)];
+    let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(HEAD);
+    records.extend((0..rows).map(|row| stored_record(head, row, 0)));
+    let understood = understand_records(name, &records, want)?;
+    let mut table = Table::new(name, format, &understood, want);
+    table.header_raw = line_of(table.titles.iter().map(String::as_str));
     table.reading.header_line = None;
     table.place = Place::Record;
-    for column in not_read {
-        table.reading.not_used.push(NotUsed { title: column.name.clone(), why: "its type is no number" });
-    }
-    Ok(table)
+    Ok(StoredTable { table, setup: setup(understood, b',', false, want) })
 }

@@ -1,28 +1,33 @@
-//! Parquet files as records of typed cells.
+//! Parquet files as stored columns.
 //!
-//! A file is opened with [`ParquetTable::open`], and [`batches`](ParquetTable::batches) reads the columns that can be
-//! read, some rows at a time. Nothing becomes text on the way: a double is its shortest decimal, a `DECIMAL` and an
-//! integer are what they are. Nothing here knows what a column means.
+//! A file is opened with [`ParquetTable::open`]; [`ranges`](ParquetTable::ranges) are its rows, some at a time, which
+//! workers [`read`](ParquetTable::read) side by side, each with the columns that are looked at. Nothing becomes text on the
+//! way: a double is its shortest decimal, a `DECIMAL` and an integer are what they are. Nothing here knows what a column
+//! means.
 
 mod column;
 mod pages;
+mod shared;
+
+pub(crate) use shared::SharedFile;
 
 use std::sync::Arc;
 
 use ::parquet::basic::Compression;
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
-use ::parquet::data_type::DataType;
+use ::parquet::data_type::{ByteArray, DataType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 
-use super::cell::{Cell, Content, Record};
+use super::cell::Content;
+use super::stored::{Stored, number};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Decimal;
-use column::{Leaf, Moment, StoredColumn, Values};
+use column::{Moment, StoredColumn, Values};
 use pages::CheckedPages;
 
-/// Rows of a batch at most.
-const BATCH_ROWS: usize = 8192;
+/// Rows that are read together.
+const RANGE_ROWS: usize = 1 << 15;
 
 /// A Parquet file that was opened.
 pub(crate) struct ParquetTable {
@@ -51,27 +56,81 @@ impl ParquetTable {
         &self.columns
     }
 
-    /// Reads the columns that can be read, from the first row on.
+    /// Whether the columns at these places can be read, of those that can be read at all.
     ///
     /// # Errors
     /// If one of them lies beyond the file's end, or is compressed in a way that is not read.
-    pub(crate) fn batches(&self) -> Result<Batches, Diagnostic> {
-        let mut columns = Vec::new();
-        for column in &self.columns {
-            if let Some(leaf) = column.leaf {
-                self.check_chunks(&column.name, leaf.index)?;
-                columns.push(leaf);
+    pub(crate) fn check(&self, places: &[bool]) -> Result<(), Diagnostic> {
+        let read = self.columns.iter().filter_map(|column| Some((column, column.leaf?)));
+        for ((column, leaf), _) in read.zip(places).filter(|(_, is_wanted)| **is_wanted) {
+            self.check_chunks(&column.name, leaf.index)?;
+        }
+        Ok(())
+    }
+
+    /// All of its rows, some at a time.
+    pub(crate) fn ranges(&self) -> Vec<RowRange> {
+        let mut ranges = Vec::new();
+        let mut before = 0;
+        for (group, metadata) in self.reader.metadata().row_groups().iter().enumerate() {
+            let rows = usize::try_from(metadata.num_rows()).unwrap_or(0);
+            for start in (0..rows).step_by(RANGE_ROWS) {
+                ranges.push(RowRange { group, start, rows: RANGE_ROWS.min(rows - start), before });
+                before += RANGE_ROWS.min(rows - start) as u64;
             }
         }
-        Ok(Batches {
-            name: self.name.clone(),
-            reader: Arc::clone(&self.reader),
-            columns,
-            open: Vec::new(),
-            next_group: 0,
-            left: 0,
-            next_row: 1,
-        })
+        ranges
+    }
+
+    /// Some rows of the columns at these places, of those that can be read at all.
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    pub(crate) fn read(
+        &self,
+        open: &mut Option<OpenGroup>,
+        range: RowRange,
+        places: &[bool],
+    ) -> Result<Vec<Option<Stored<'static>>>, Diagnostic> {
+        self.read_range(open, range, places).map_err(|error| Diagnostic::unreadable(&self.name, &error))
+    }
+
+    fn read_range(
+        &self,
+        open: &mut Option<OpenGroup>,
+        range: RowRange,
+        places: &[bool],
+    ) -> Result<Vec<Option<Stored<'static>>>, ParquetError> {
+        let group = match open {
+            Some(group) if group.number == range.group && group.next <= range.start => group,
+            _ => open.insert(self.open_group(range.group, places)?),
+        };
+        let skipped = range.start - group.next;
+        group.next = range.start + range.rows;
+        let mut columns = Vec::with_capacity(group.columns.len());
+        for column in &mut group.columns {
+            let stored = column.as_mut().map(|(reader, values)| {
+                skip(reader, skipped)?;
+                stored(reader, *values, range.rows)
+            });
+            columns.push(stored.transpose()?);
+        }
+        Ok(columns)
+    }
+
+    fn open_group(&self, number: usize, places: &[bool]) -> Result<OpenGroup, ParquetError> {
+        let group = self.reader.get_row_group(number)?;
+        let mut columns = Vec::new();
+        for (leaf, is_wanted) in self.columns.iter().filter_map(|column| column.leaf).zip(places) {
+            if !is_wanted {
+                columns.push(None);
+                continue;
+            }
+            let column = group.metadata().column(leaf.index).column_descr_ptr();
+            let pages = CheckedPages::new(group.get_column_page_reader(leaf.index)?, &column);
+            columns.push(Some((get_column_reader(column, Box::new(pages)), leaf.values)));
+        }
+        Ok(OpenGroup { number, columns, next: 0 })
     }
 
     /// Whether a column's values lie in the file, and are compressed as they may be.
@@ -122,112 +181,128 @@ fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic>
     }
 }
 
-/// The rows of a file, a batch at a time.
-pub(crate) struct Batches {
-    name: String,
-    reader: Arc<dyn FileReader>,
-    columns: Vec<Leaf>,
-    /// The columns of the group of rows that is read.
-    open: Vec<ColumnReader>,
-    next_group: usize,
-    /// Rows of the group that are not read yet.
-    left: usize,
-    next_row: u64,
+/// Some rows of a group.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RowRange {
+    group: usize,
+    /// The first row, from the start of the group.
+    start: usize,
+    rows: usize,
+    /// Rows of the file before them.
+    pub(crate) before: u64,
 }
 
-impl Iterator for Batches {
-    type Item = Result<Vec<Record>, Diagnostic>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let batch = self.batch().transpose()?;
-        Some(batch.map_err(|error| {
-            // nothing is read behind what cannot be read
-            (self.left, self.next_group) = (0, self.reader.num_row_groups());
-            Diagnostic::unreadable(&self.name, &error)
-        }))
+impl RowRange {
+    /// Its first rows.
+    pub(crate) fn first(self, rows: usize) -> Self {
+        Self { rows: self.rows.min(rows), ..self }
     }
 }
 
-impl Batches {
-    fn batch(&mut self) -> Result<Option<Vec<Record>>, ParquetError> {
-        while self.left == 0 {
-            if self.next_group == self.reader.num_row_groups() {
-                return Ok(None);
-            }
-            let group = self.reader.get_row_group(self.next_group)?;
-            let open = |leaf: &Leaf| {
-                let column = group.metadata().column(leaf.index).column_descr_ptr();
-                let pages = CheckedPages::new(group.get_column_page_reader(leaf.index)?, &column);
-                Ok::<_, ParquetError>(get_column_reader(column, Box::new(pages)))
-            };
-            self.open = self.columns.iter().map(open).collect::<Result<_, _>>()?;
-            self.left = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-            self.next_group += 1;
+/// A group of rows that is being read.
+pub(crate) struct OpenGroup {
+    number: usize,
+    /// By place; `None` of a column that is not wanted.
+    columns: Vec<Option<(ColumnReader, Values)>>,
+    /// The next row.
+    next: usize,
+}
+
+/// Calls a reader's typed reader.
+macro_rules! with_reader {
+    ($reader:expr, $typed:ident => $call:expr) => {
+        match $reader {
+            ColumnReader::BoolColumnReader($typed) => $call,
+            ColumnReader::Int32ColumnReader($typed) => $call,
+            ColumnReader::Int64ColumnReader($typed) => $call,
+            ColumnReader::Int96ColumnReader($typed) => $call,
+            ColumnReader::FloatColumnReader($typed) => $call,
+            ColumnReader::DoubleColumnReader($typed) => $call,
+            ColumnReader::ByteArrayColumnReader($typed) => $call,
+            ColumnReader::FixedLenByteArrayColumnReader($typed) => $call,
         }
-        let rows = self.left.min(BATCH_ROWS);
-        let count = self.columns.len();
-        let record = |row| Record::new(Vec::with_capacity(count), row);
-        let mut records: Vec<Record> = (self.next_row..).take(rows).map(record).collect();
-        for (reader, leaf) in self.open.iter_mut().zip(&self.columns) {
-            for (record, content) in records.iter_mut().zip(contents(reader, leaf.values, rows)?) {
-                record.cells.push(Cell::from(content));
-            }
-        }
-        self.left -= rows;
-        self.next_row += rows as u64;
-        Ok(Some(records))
-    }
+    };
+}
+
+/// Leaves out the next rows; pages that lie among them are not unpacked.
+fn skip(reader: &mut ColumnReader, rows: usize) -> Result<(), ParquetError> {
+    let skipped = with_reader!(reader, reader => reader.skip_records(rows))?;
+    if skipped == rows { Ok(()) } else { Err(ended_early(rows - skipped)) }
+}
+
+fn ended_early(rows: usize) -> ParquetError {
+    ParquetError::EOF(format!("a column ends {rows} rows before the others"))
 }
 
 /// The next values of a column.
-fn contents(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Vec<Content>, ParquetError> {
-    match reader {
-        ColumnReader::DoubleColumnReader(reader) => read(reader, rows, |value| number(Decimal::of_f64(*value))),
-        ColumnReader::FloatColumnReader(reader) => read(reader, rows, |value| number(Decimal::of_f32(*value))),
-        ColumnReader::Int32ColumnReader(reader) => {
-            read(reader, rows, |value| values.content(i64::from(*value), u64::from(value.cast_unsigned())))
+fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stored<'static>, ParquetError> {
+    match (reader, values) {
+        (ColumnReader::DoubleColumnReader(reader), _) => read(reader, rows, Stored::doubles),
+        (ColumnReader::FloatColumnReader(reader), _) => read(reader, rows, |values| Stored::singles(&values)),
+        (ColumnReader::Int64ColumnReader(reader), Values::Plain | Values::Decimal { .. }) => {
+            read(reader, rows, |unscaled| Stored::integers(unscaled, values.scale()))
         }
-        ColumnReader::Int64ColumnReader(reader) => {
-            read(reader, rows, |value| values.content(*value, value.cast_unsigned()))
+        (ColumnReader::Int32ColumnReader(reader), Values::Plain | Values::Decimal { .. }) => {
+            let long = |unscaled: Vec<i32>| unscaled.into_iter().map(i64::from).collect::<Vec<_>>();
+            read(reader, rows, |unscaled| Stored::integers(long(unscaled), values.scale()))
         }
-        ColumnReader::ByteArrayColumnReader(reader) => read(reader, rows, |value| match values {
-            Values::Decimal { scale } => of_bytes(value.data(), scale),
-            _ => Content::of_text(&String::from_utf8_lossy(value.data())),
+        (ColumnReader::Int64ColumnReader(reader), _) => {
+            read_each(reader, rows, |value| values.content(*value, value.cast_unsigned()))
+        }
+        (ColumnReader::Int32ColumnReader(reader), _) => {
+            read_each(reader, rows, |value| values.content(i64::from(*value), u64::from(value.cast_unsigned())))
+        }
+        (ColumnReader::ByteArrayColumnReader(reader), Values::Decimal { scale }) => {
+            read_each(reader, rows, |value| of_bytes(value.data(), scale))
+        }
+        (ColumnReader::ByteArrayColumnReader(reader), _) => read(reader, rows, |texts| {
+            let mut bytes = Vec::with_capacity(texts.iter().map(ByteArray::len).sum());
+            let mut ends = Vec::with_capacity(texts.len() + 1);
+            ends.push(0);
+            for text in texts {
+                bytes.extend_from_slice(text.data());
+                ends.push(bytes.len());
+            }
+            Stored::texts(bytes, ends)
         }),
-        ColumnReader::FixedLenByteArrayColumnReader(reader) => {
-            read(reader, rows, |value| of_bytes(value.data(), values.scale()))
+        (ColumnReader::FixedLenByteArrayColumnReader(reader), _) => {
+            read_each(reader, rows, |value| of_bytes(value.data(), values.scale()))
         }
-        ColumnReader::Int96ColumnReader(reader) => {
+        (ColumnReader::Int96ColumnReader(reader), _) => {
             let moment = Moment::Timestamp { per_second: 1000 };
-            read(reader, rows, |value| Content::Other(moment.shown(value.to_millis())))
+            read_each(reader, rows, |value| Content::Other(moment.shown(value.to_millis())))
         }
-        ColumnReader::BoolColumnReader(reader) => read(reader, rows, |value| Content::Other(value.to_string())),
+        (ColumnReader::BoolColumnReader(reader), _) => {
+            read_each(reader, rows, |value| Content::Other(value.to_string()))
+        }
     }
 }
 
-/// The next `rows` values; an empty cell where there is none.
-fn read<T: DataType>(
+/// The next `rows` values, each by itself.
+fn read_each<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
     rows: usize,
     content: impl Fn(&T::T) -> Content,
-) -> Result<Vec<Content>, ParquetError> {
+) -> Result<Stored<'static>, ParquetError> {
+    read(reader, rows, |values| Stored::contents(values.iter().map(content).collect()))
+}
+
+/// The next `rows` values.
+fn read<T: DataType>(
+    reader: &mut ColumnReaderImpl<T>,
+    rows: usize,
+    stored: impl FnOnce(Vec<T::T>) -> Stored<'static>,
+) -> Result<Stored<'static>, ParquetError> {
     let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(rows));
     let (found, ..) = reader.read_records(rows, Some(&mut levels), None, &mut values)?;
     if found != rows {
-        return Err(ParquetError::EOF(format!("a column ends {} rows before the others", rows - found)));
+        return Err(ended_early(rows - found));
     }
-    let mut values = values.iter().map(content);
     // a column that has a value in each row has no levels
-    if levels.is_empty() {
-        return Ok(values.collect());
+    if levels.iter().all(|level| *level > 0) {
+        return Ok(stored(values));
     }
-    let value = |level| if level == 0 { None } else { values.next() };
-    Ok(levels.into_iter().map(value).map(Option::unwrap_or_default).collect())
-}
-
-/// A number; NaN, an infinity and a `DECIMAL` beyond its type are no measured values.
-fn number(number: Option<Decimal>) -> Content {
-    number.map_or_else(|| Content::Other("no finite number".to_owned()), Content::Number)
+    Ok(stored(values).spread(levels.into_iter().map(|level| level > 0).collect()))
 }
 
 /// A `DECIMAL` from its two's complement, the highest byte first.

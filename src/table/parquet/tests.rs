@@ -87,11 +87,13 @@ fn opened(bytes: &[u8]) -> Result<ParquetTable, Diagnostic> {
 fn read_all(bytes: &[u8]) -> Result<Vec<Vec<Content>>, String> {
     let table = opened(bytes).map_err(|error| error.to_string())?;
     let mut all = vec![Vec::new(); table.columns().iter().filter(|column| column.is_read()).count()];
-    for batch in table.batches().map_err(|error| error.to_string())? {
-        for record in batch.map_err(|error| error.to_string())? {
-            for (all, cell) in all.iter_mut().zip(record.cells) {
-                all.push(cell.content);
-            }
+    let places = vec![true; all.len()];
+    table.check(&places).map_err(|error| error.to_string())?;
+    let mut open = None;
+    for range in table.ranges() {
+        let columns = table.read(&mut open, range, &places).map_err(|error| error.to_string())?;
+        for (all, stored) in all.iter_mut().zip(columns.into_iter().flatten()) {
+            all.extend((0..stored.rows()).map(|row| stored.cell(row).content));
         }
     }
     Ok(all)
@@ -200,11 +202,11 @@ fn texts_dates_and_what_is_no_measurement() {
 }
 
 #[test]
-fn rows_come_in_batches_whatever_their_groups() {
+fn rows_come_in_ranges_whatever_their_groups() {
     let schema =
         message("message parts { required binary id (STRING); required int32 skipped; optional double value; }");
-    let counts = [1, BATCH_ROWS, 0, 2 * BATCH_ROWS + 5];
-    let values: Vec<f64> = (0..3 * BATCH_ROWS + 6).map(|row| f64::from(u32::try_from(row).unwrap()) / 8.0).collect();
+    let counts = [1, RANGE_ROWS, 0, 2 * RANGE_ROWS + 5];
+    let values: Vec<f64> = (0..3 * RANGE_ROWS + 6).map(|row| f64::from(u32::try_from(row).unwrap()) / 8.0).collect();
     let ids = ["a", "b", "c"];
     for compression in
         [Compression::UNCOMPRESSED, Compression::SNAPPY, Compression::LZ4_RAW, Compression::GZIP(GzipLevel::default())]
@@ -223,14 +225,25 @@ fn rows_come_in_batches_whatever_their_groups() {
             start += count;
         }
         let bytes = file(schema.clone(), compression, &groups);
-        let batches = opened(&bytes).unwrap().batches().unwrap();
-        let sizes: Vec<_> = batches.map(Result::unwrap).map(|records| (records[0].line, records.len())).collect();
-        let full = BATCH_ROWS as u64;
-        let expected = [(1, 1), (2, BATCH_ROWS), (full + 2, BATCH_ROWS), (2 * full + 2, BATCH_ROWS), (3 * full + 2, 5)];
+        let table = opened(&bytes).unwrap();
+        let sizes: Vec<_> = table.ranges().iter().map(|range| (range.before, range.rows)).collect();
+        let full = RANGE_ROWS as u64;
+        let expected = [(0, 1), (1, RANGE_ROWS), (full + 1, RANGE_ROWS), (2 * full + 1, RANGE_ROWS), (3 * full + 1, 5)];
         assert_eq!(sizes, expected);
         let numbers: Vec<_> = values.iter().map(|value| Content::of_f64(*value)).collect();
         let texts: Vec<_> = texts.iter().map(|text| Content::of_text(text)).collect();
         let ints = vec![decimal("7"); numbers.len()];
+        // two readers that take turns, each with what the other left out
+        let (mut one, mut other) = (None, None);
+        for (index, range) in table.ranges().into_iter().enumerate() {
+            let open = if index % 2 == 0 { &mut one } else { &mut other };
+            let columns = table.read(open, range, &[true, false, true]).unwrap();
+            let at = usize::try_from(range.before).unwrap();
+            for (column, all) in columns.iter().zip([Some(&texts), None, Some(&numbers)]) {
+                let found = column.as_ref().map(|column| column.cell(range.rows - 1).content);
+                assert_eq!(found.as_ref(), all.map(|all| &all[at + range.rows - 1]));
+            }
+        }
         assert_eq!(read_all(&bytes).unwrap(), [texts, ints, numbers], "{compression}");
     }
 }
@@ -253,11 +266,12 @@ fn a_file_on_disk_is_read_like_one_in_memory() {
     let bytes = file(schema, Compression::SNAPPY, &[group]);
     let path = std::env::temp_dir().join(format!("rackmesh-table-{}.parquet", std::process::id()));
     std::fs::write(&path, &bytes).unwrap();
-    let table = ParquetTable::open("lot.parquet", std::fs::File::open(&path).unwrap()).unwrap();
-    let batches: Vec<Vec<Record>> = table.batches().unwrap().map(Result::unwrap).collect();
+    let file = SharedFile::new(std::fs::File::open(&path).unwrap()).unwrap();
+    let table = ParquetTable::open("lot.parquet", file).unwrap();
+    let columns = table.read(&mut None, table.ranges()[0], &[true, true]).unwrap();
     std::fs::remove_file(&path).unwrap();
-    let record = |texts: [&str; 2], row| Record::new(texts.map(|text| decimal(text).into()).to_vec(), row);
-    assert_eq!(batches, [[record(["1", "3"], 1), record(["2", "4"], 2)]]);
+    let cells = columns.iter().flatten().map(|column| [0, 1].map(|row| column.cell(row).content));
+    assert_eq!(cells.collect::<Vec<_>>(), [["1", "2"].map(decimal), ["3", "4"].map(decimal)]);
 }
 
 #[test]

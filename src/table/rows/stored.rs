@@ -1,0 +1,115 @@
+//! Stored columns to a block, without cells where each row is made of plain numbers.
+
+use super::super::block::{Block, Span};
+use super::super::cell::{Cell, Record};
+use super::super::column::Plain;
+use super::super::stored::Stored;
+use super::{Rows, may_be_statistic};
+use crate::deviation::DeviationValue;
+use crate::quantity::Length;
+
+/// A column whose plain numbers are all that a row says.
+struct PlainColumn {
+    number: usize,
+    place: usize,
+    plain: Plain,
+}
+
+impl Rows {
+    /// The columns of plain numbers; `None` if rows have more to say.
+    fn plain_columns(&self) -> Option<Vec<PlainColumn>> {
+        let is_all = self.setup.index.is_none()
+            && self.setup.watched.is_empty()
+            && self.wanted.copied.is_empty()
+            && !self.wanted.keeps_raw;
+        let column = |(number, column): (usize, &super::Column)| {
+            Some(PlainColumn { number, place: column.place, plain: column.plain()? })
+        };
+        self.needed().map(column).collect::<Option<Vec<_>>>().filter(|_| is_all)
+    }
+
+    /// The fields that are looked at, of so many.
+    pub(crate) fn places(&self, fields: usize) -> Vec<bool> {
+        match self.plain_columns() {
+            Some(columns) => (0..fields)
+                .map(|place| self.setup.id == Some(place) || columns.iter().any(|column| column.place == place))
+                .collect(),
+            None => vec![true; fields],
+        }
+    }
+
+    /// The rows of stored columns, by field; of those that are not looked at there is nothing. `before` rows of the table
+    /// come first.
+    pub(crate) fn stored(&self, fields: &[Option<Stored<'_>>], before: u64, block: &mut Block) {
+        let rows = fields.iter().flatten().map(Stored::rows).max().unwrap_or(0);
+        block.clear(self.setup.columns.len());
+        let plain = self.plain_columns();
+        let Some(columns) = plain.filter(|columns| columns.iter().all(|column| fields[column.place].is_some())) else {
+            for row in 0..rows {
+                self.record(&stored_record(fields, row, before), None, block);
+            }
+            return;
+        };
+        // what cannot be told from the numbers alone is looked at as a record
+        let mut is_odd = vec![false; rows];
+        let values: Vec<_> = columns.iter().map(|column| deviations(column, fields, &mut is_odd)).collect();
+        let names = self.setup.id.and_then(|place| fields[place].as_ref());
+        if let Some(names) = names {
+            for (row, is_odd) in is_odd.iter_mut().enumerate() {
+                *is_odd |= names.text(row).is_none_or(may_be_statistic);
+            }
+        }
+        let mut row = 0;
+        while row < rows && block.contradiction.is_none() {
+            if is_odd[row] {
+                self.odd(&stored_record(fields, row, before), block);
+                row += 1;
+                continue;
+            }
+            let end = (row..rows).find(|row| is_odd[*row]).unwrap_or(rows);
+            for (column, values) in columns.iter().zip(&values) {
+                block.values[column.number].extend_from_slice(&values[row..end]);
+            }
+            for row in row..end {
+                block.record_count += 1;
+                block.records.push(block.record_count);
+                block.lines.push(before + row as u64 + 1);
+                let name = names.and_then(|names| names.text(row)).map(|name| block.append(name));
+                block.names.extend(name);
+            }
+            row = end;
+        }
+    }
+
+    /// A row of which only the cells that are looked at are known: without any of them it is a part without values.
+    fn odd(&self, record: &Record, block: &mut Block) {
+        block.record_count += 1;
+        let base = block.text.len();
+        let mut added = Vec::new();
+        if record.cells.iter().all(Cell::is_empty) {
+            self.values_of(record, Span::default(), block, &mut added, base);
+        } else {
+            self.row(record, Span::default(), block, &mut added, base);
+        }
+        block.text.append(&mut added);
+    }
+}
+
+/// The deviations of a column's numbers; a row without one is odd.
+fn deviations(column: &PlainColumn, fields: &[Option<Stored<'_>>], is_odd: &mut [bool]) -> Vec<DeviationValue> {
+    let mut values = Vec::with_capacity(is_odd.len());
+    if let Some(stored) = &fields[column.place] {
+        stored.numbers(|row, number| {
+            let deviation = number.and_then(|number| column.plain.deviation(number));
+            is_odd[row] |= deviation.is_none();
+            values.push(deviation.unwrap_or(DeviationValue::Length(Length::ZERO)));
+        });
+    }
+    values
+}
+
+/// A row of stored columns as a record; `before` rows of the table come before these.
+pub(crate) fn stored_record(fields: &[Option<Stored<'_>>], row: usize, before: u64) -> Record {
+    let cell = |field: &Option<Stored<'_>>| field.as_ref().map(|stored| stored.cell(row)).unwrap_or_default();
+    Record::new(fields.iter().map(cell).collect(), before + row as u64 + 1)
+}
