@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use rackmesh::batch::{Batch, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
+use rackmesh::batch::{Batch, Layout, Outcome, Packing, Plan, Request, RowSink, Sink, Sinks};
 use rackmesh::spec::Spec;
 use rackmesh::table::{Container, Source, Table, Want};
 
@@ -63,7 +63,7 @@ fn run(spec: &Arc<Spec>, data: &[u8], workers: usize) -> Option<(Vec<u8>, Vec<u8
     let layout = Layout::new(&plan, &table).ok()?;
     let (mut rows, mut rejects) = (Vec::new(), Vec::new());
     let sinks = Sinks {
-        rows: Some(Sink { writer: &mut rows, packing: Packing::None }),
+        rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })),
         rejects: Some(Sink { writer: &mut rejects, packing: Packing::None }),
     };
     let mut batch = Batch::new(&plan, sinks, Some(workers));

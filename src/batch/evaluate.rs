@@ -5,10 +5,13 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::buffer::Buffer;
+use super::columns::ResultColumns;
 use super::layout::Layout;
 use super::outcome::{Kept, Part, Problem, Tally, WORST, keep_worst};
 use super::plan::Plan;
+use super::request::{RowFormat, Rows};
 use super::results::{KINDS, Margin, Refusal, Results, spread_of};
+use super::rows::Written;
 use super::statistics::Statistics;
 use super::uncertain::RowUncertainty;
 use crate::deviation::plausible::Reach;
@@ -49,8 +52,9 @@ pub(super) struct Evaluator<'a> {
     pub(super) plan: &'a Plan,
     layout: &'a Layout,
     file: Arc<str>,
-    /// The rows to write.
+    /// The rows to write, as text or in columns.
     pub(super) out: Buffer,
+    pub(super) columns: ResultColumns,
     /// The rejected rows as they are.
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
@@ -74,6 +78,7 @@ impl<'a> Evaluator<'a> {
             layout,
             file: Arc::clone(file),
             out: Buffer::default(),
+            columns: ResultColumns::default(),
             rejects: Vec::new(),
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
@@ -86,6 +91,9 @@ impl<'a> Evaluator<'a> {
     /// Evaluates a block; what came out of the last one is forgotten. `keeps_names` asks for the names of its parts.
     pub(super) fn block(&mut self, block: &Block, records_before: u64, keeps_names: bool) {
         self.out.truncate(0);
+        if self.plan.format == RowFormat::Columns {
+            self.columns = ResultColumns::new(self.plan.column_kinds());
+        }
         self.rejects.clear();
         self.tally.clear(self.plan.followed.len());
         self.tally.lines = block.line_count;
@@ -107,6 +115,7 @@ impl<'a> Evaluator<'a> {
                 return;
             }
             let row = Row { block, index, records_before };
+            self.write_no_parts(block, row.record() - 1);
             self.tally.counts.rows += 1;
             if let Some(fault) = faults.next_if(|fault| fault.row == index) {
                 while faults.next_if(|fault| fault.row == index).is_some() {}
@@ -122,10 +131,28 @@ impl<'a> Evaluator<'a> {
                 self.reject(row, refusal);
             }
         }
+        self.write_no_parts(block, block.record_count);
         if keeps_names {
             for name in (0..block.rows()).filter_map(|row| block.name_bytes(row)) {
                 self.tally.names.push(name);
             }
+        }
+    }
+
+    /// Where every row is written: those that are no parts, up to this record of the block.
+    fn write_no_parts(&mut self, block: &Block, record: u64) {
+        if self.plan.request.rows != Rows::Every {
+            return;
+        }
+        let (first, rows) = (block.lines.first().zip(block.records.first()), self.columns.rows as u64);
+        let line_before = first.map_or(0, |(line, record)| line - record);
+        for record in rows + 1..=record {
+            let aside = block.asides.iter().find(|aside| aside.line == line_before + record);
+            let reason = match aside {
+                Some(aside) => format!("no part: {}", shown(&aside.text)),
+                None => "no part: there is nothing in the row".to_owned(),
+            };
+            self.write_row(None, &Written::None { reason: &reason });
         }
     }
 
@@ -143,7 +170,8 @@ impl<'a> Evaluator<'a> {
         };
         let verdict = results.judge(plan, uncertainty.as_ref()).map_err(|error| refused(error.to_string()))?;
         if plan.request.rows.has(verdict) {
-            self.write_row(row, &results, uncertainty.as_ref(), verdict);
+            let uncertainty = uncertainty.as_ref();
+            self.write_row(Some(row), &Written::Part { results: &results, uncertainty, verdict });
         }
         self.tally.counts.judge(verdict);
         if plan.request.statistics {
@@ -207,7 +235,7 @@ impl<'a> Evaluator<'a> {
     /// A row with a cell that is no value, or that is no row at all.
     fn refuse(&mut self, row: Row<'_>, fault: &Fault) {
         let column = fault.column.and_then(|column| self.layout.titles.get(column)).cloned();
-        self.count_rejected(row);
+        self.count_rejected(row, &fault.message);
         self.problem(row, column, fault.text.clone(), fault.message.clone());
     }
 
@@ -215,12 +243,15 @@ impl<'a> Evaluator<'a> {
     fn reject(&mut self, row: Row<'_>, refusal: Refusal) {
         let column = refusal.source.and_then(|source| self.layout.columns[source]);
         let title = column.and_then(|column| self.layout.titles.get(column)).cloned();
-        self.count_rejected(row);
+        self.count_rejected(row, &refusal.message);
         self.problem(row, title, String::new(), refusal.message);
     }
 
-    fn count_rejected(&mut self, row: Row<'_>) {
+    fn count_rejected(&mut self, row: Row<'_>, reason: &str) {
         self.tally.counts.rejected += 1;
+        if self.plan.request.rows == Rows::Every {
+            self.write_row(Some(row), &Written::None { reason });
+        }
         self.keep_raw(row.block, row.index);
     }
 

@@ -12,7 +12,8 @@
 //! | `number`, `buffer`, `write`, `rows` | results as text |
 //! | `evaluate`, `results` | one row: its deviations, what follows from them, the verdict |
 //! | `run`, `pack` | pieces through all cores, in order |
-//! | `parquet` | rows as Parquet |
+//! | `columns`, `parquet` | results in columns, and those as Parquet |
+//! | `in_memory` | columns that a program has, in place of files |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
 //! | `outcome`, `statistics`, `capability` | counts, problems, the worst parts, statistics in one pass |
 //!
@@ -25,7 +26,7 @@
 //! ```
 //! use std::sync::Arc;
 //! use std::sync::atomic::AtomicBool;
-//! use rackmesh::batch::{Batch, Layout, Packing, Plan, Request, Sink, Sinks};
+//! use rackmesh::batch::{Batch, Layout, Packing, Plan, Request, RowSink, Sink, Sinks};
 //! use rackmesh::spec::Spec;
 //! use rackmesh::table::{Container, Source};
 //!
@@ -37,7 +38,7 @@
 //! let plan = Plan::new(&spec, &table, Request::default())?;
 //! let layout = Layout::new(&plan, &table)?;
 //! let mut rows = Vec::new();
-//! let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
+//! let sinks = Sinks { rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })), rejects: None };
 //! let mut batch = Batch::new(&plan, sinks, None);
 //! batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {})?;
 //! let (outcome, _) = batch.finish();
@@ -49,7 +50,9 @@
 
 mod buffer;
 mod capability;
+mod columns;
 mod evaluate;
+mod in_memory;
 mod layout;
 mod number;
 mod outcome;
@@ -67,13 +70,15 @@ mod uncertain;
 mod write;
 
 pub use capability::Capability;
+pub use in_memory::{ColumnEvaluator, ColumnPiece, EvaluatedColumns};
 pub use layout::Layout;
 pub use number::Decimals;
 pub use outcome::{Counts, Duplicates, Outcome, Part, Problem};
 pub use pack::Packing;
-pub use parquet::{ColumnKind, GROUP, ParquetRows};
+pub use columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
+pub use parquet::ParquetRows;
 pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};
-pub use run::{Batch, Progress, RunError, Sink, Sinks};
+pub use run::{Batch, ColumnSink, Progress, RowSink, RunError, Sink, Sinks};
 pub use statistics::{QUANTILES, Statistics};
 pub use teeth::{JudgedTeeth, Teeth, TeethJudge, TeethRequest};

@@ -18,6 +18,18 @@ impl Decimals {
 }
 
 impl Decimals {
+    /// The double that a length reads as when it is written.
+    pub(super) fn value(self, length: Length) -> f64 {
+        match self {
+            Self::Places(places) if places < 12 => {
+                let cut = 10i64.pow(12 - u32::from(places));
+                let rounded = (length.fm().abs() + cut / 2) / cut * cut;
+                Length::from_fm(if length.is_negative() { -rounded } else { rounded }).mm()
+            }
+            _ => length.mm(),
+        }
+    }
+
     /// A number that is no length of the grid: an uncertainty in mm, a probability.
     pub(super) fn text(self, value: f64) -> String {
         match (self, Length::from_mm(value)) {

@@ -36,6 +36,8 @@ pub(super) enum Output {
     /// Whether the simulation confirms the linear uncertainties of the combination.
     Validated,
     Verdict,
+    /// Why a row has no results.
+    Reason,
     /// What the parts are judged without.
     Without,
     /// The input's column of that name, as it is.

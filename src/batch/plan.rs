@@ -5,11 +5,12 @@
 
 use std::sync::Arc;
 
+use super::columns::ColumnKind;
 use super::number::Decimals;
 use super::output::{
     Asked, Of, Output, column_name, conformance_name, end_name, expanded_name, own_name, standard_name,
 };
-use super::request::{Request, RowFormat};
+use super::request::{Request, RowFormat, Rows};
 use super::uncertain::Uncertain;
 use crate::chance::MonteCarloError;
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -82,8 +83,11 @@ pub struct Plan {
     pub(super) uncertain: Option<Box<Uncertain>>,
     /// What stands before each value of a JSON line.
     pub(super) json_names: Vec<Vec<u8>>,
-    pub(super) names_length: usize,
     pub(super) spec: Arc<Spec>,
+    /// The errors that the first table has, in its order.
+    of_table: Vec<DeviationKind>,
+    /// Why a part has no verdict, where that is written.
+    pub(super) without_verdict: String,
 }
 
 impl Plan {
@@ -138,6 +142,9 @@ impl Plan {
         if !without.is_empty() {
             outputs.push(Output::Without);
         }
+        if request.rows == Rows::Every {
+            outputs.push(Output::Reason);
+        }
         let basis = spec.basis()?;
         let uncertain = is_uncertain
             && (request.statistics
@@ -163,7 +170,6 @@ impl Plan {
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
-            names_length: 0,
             model: request.model,
             stack,
             limits: judged,
@@ -178,7 +184,12 @@ impl Plan {
             outputs,
             request,
             spec: Arc::clone(spec),
+            of_table: table.kinds().collect(),
+            without_verdict: String::new(),
         };
+        if plan.request.rows == Rows::Every {
+            plan.without_verdict = plan.no_verdict();
+        }
         if plan.request.statistics {
             let limited = plan.quantity_limits().into_iter().map(|limit| limit != (None, None));
             let quantities = plan.quantities().cloned().enumerate().zip(limited);
@@ -187,7 +198,6 @@ impl Plan {
         for (index, name) in plan.column_names().into_iter().enumerate() {
             let start = if index == 0 { '{' } else { ',' };
             let start = format!("{start}{}:", serde_json::Value::from(name));
-            plan.names_length += start.len();
             plan.json_names.push(start.into_bytes());
         }
         Ok(plan)
@@ -300,12 +310,16 @@ impl Plan {
         self.outputs.iter().map(|output| self.output_name(output)).collect()
     }
 
-    /// What each column written holds.
+    /// The columns written, in order: their names, and what they hold.
     #[must_use]
-    pub fn column_kinds(&self) -> Vec<super::parquet::ColumnKind> {
-        use super::parquet::ColumnKind;
+    pub fn columns_written(&self) -> Vec<(String, ColumnKind)> {
+        self.column_names().into_iter().zip(self.column_kinds()).collect()
+    }
+
+    /// What each column written holds.
+    pub(super) fn column_kinds(&self) -> Vec<ColumnKind> {
         let kind = |output: &Output| match output {
-            Output::Id | Output::Verdict | Output::Without | Output::Copied(_) => ColumnKind::Text,
+            Output::Id | Output::Verdict | Output::Reason | Output::Without | Output::Copied(_) => ColumnKind::Text,
             Output::Linear | Output::Validated => ColumnKind::Flag,
             _ => ColumnKind::Number,
         };
@@ -329,6 +343,7 @@ impl Plan {
             Output::Validated => "linear_validated".to_owned(),
             Output::Conformance(limit) => conformance_name(self.limits[*limit].0),
             Output::Verdict => "verdict".to_owned(),
+            Output::Reason => "reason".to_owned(),
             Output::Without => "judged_without".to_owned(),
             Output::Copied(name) => name.clone(),
         }
@@ -411,6 +426,27 @@ impl Plan {
     /// Errors whose value in the spec is that of every part.
     pub fn of_every_part(&self) -> impl Iterator<Item = DeviationKind> + '_ {
         self.sources.iter().filter(|source| source.of_every_part.is_some()).map(|source| source.law.kind())
+    }
+
+    /// Whether a table has the errors that this was planned for, and names for its parts if the others had.
+    pub(super) fn is_for(&self, table: &Table) -> bool {
+        self.has_id == table.has_id && table.kinds().eq(self.of_table.iter().copied())
+    }
+
+    /// Why a part has no verdict.
+    fn no_verdict(&self) -> String {
+        let lacking: Vec<_> = self.lacking.iter().map(|kind| kind.key()).collect();
+        match self.open() {
+            _ if self.limits.is_empty() && self.unjudged.is_empty() => "there are no limits".to_owned(),
+            _ if !lacking.is_empty() && !self.is_partial() => {
+                format!("not judged: the spec asks for {}, and the table has none", lacking.join(", "))
+            }
+            Some(open) => format!("not judged: {open}"),
+            None if !self.taken_as_exact().is_empty() && self.request.rule.needs_uncertainty() => {
+                format!("not judged: the rule {} needs an uncertainty of every value", self.request.rule)
+            }
+            None => "not judged: a limit is on what the table does not have, or no bound is known".to_owned(),
+        }
     }
 
     /// Whether parts have a name of their own, or are called by the number of their row.

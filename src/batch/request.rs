@@ -49,6 +49,8 @@ pub enum Rows {
     All,
     /// One per part that does not pass.
     NotPassed,
+    /// One per row of the table, with a column `reason` that says why a row has no results.
+    Every,
 }
 
 impl Rows {
@@ -57,7 +59,7 @@ impl Rows {
     pub(super) fn has(self, verdict: Option<Verdict>) -> bool {
         match self {
             Self::None => false,
-            Self::All => true,
+            Self::All | Self::Every => true,
             Self::NotPassed => verdict != Some(Verdict::Pass),
         }
     }
@@ -74,4 +76,6 @@ pub enum RowFormat {
     Tsv,
     /// One JSON object per line.
     JsonLines,
+    /// No text, but columns.
+    Columns,
 }

@@ -1,7 +1,7 @@
-//! The row that is written for a part. Called by the row evaluator; computes nothing.
+//! The row that is written for a part, as text or in columns. Called by the row evaluator; computes nothing.
 
+use super::columns::ResultCell;
 use super::evaluate::{Evaluator, Row};
-use super::number::{Decimals, Places};
 use super::output::Output;
 use super::request::RowFormat;
 use super::results::{Results, spread_of};
@@ -9,105 +9,84 @@ use super::uncertain::RowUncertainty;
 use super::write;
 use crate::judge::Verdict;
 
+/// What came of a row.
+pub(super) enum Written<'a> {
+    /// A part with its results.
+    Part { results: &'a Results, uncertainty: Option<&'a RowUncertainty>, verdict: Option<Verdict> },
+    /// No results, and why.
+    None { reason: &'a str },
+}
+
 impl Evaluator<'_> {
     /// Writes the row.
     #[inline]
-    pub(super) fn write_row(
-        &mut self,
-        row: Row<'_>,
-        results: &Results,
-        uncertainty: Option<&RowUncertainty>,
-        verdict: Option<Verdict>,
-    ) {
+    pub(super) fn write_row(&mut self, row: Option<Row<'_>>, written: &Written<'_>) {
         let plan = self.plan;
-        self.out.room(40 * plan.outputs.len() + plan.names_length);
-        for (index, output) in plan.outputs.iter().enumerate() {
-            self.write_start(index);
-            match output {
-                Output::Id | Output::Copied(_) | Output::Verdict | Output::Without => {
-                    self.write_text(row, index, verdict);
-                    self.out.room(40 * plan.outputs.len() + plan.names_length);
-                }
-                output if output.is_uncertain() => self.write_uncertain(output, results, uncertainty),
-                output => match (results.of(output), plan.decimals) {
-                    (Some(result), Decimals::Places(places)) => Places::new(places).write(&mut self.out, result),
-                    (Some(result), Decimals::Full) => {
-                        self.out.extend(crate::quantity::plain(result.mm()).as_bytes());
-                    }
-                    (None, _) if plan.format == RowFormat::JsonLines => self.out.extend(b"null"),
-                    (None, _) => {}
-                },
-            }
+        if plan.format == RowFormat::Columns {
+            let cells = (0..plan.outputs.len()).map(|index| cell(plan, index, row, written));
+            return self.columns.push(cells, plan.decimals);
         }
-        self.write_end();
+        self.out.room(1);
+        for (index, start) in plan.json_names.iter().enumerate() {
+            write::start(&mut self.out, index, start, plan.format);
+            write::cell(&mut self.out, &cell(plan, index, row, written), plan.format, plan.decimals);
+        }
+        write::end(&mut self.out, plan.format);
     }
+}
 
-    /// Writes an output that takes the uncertainties; nothing, or null, where there is none.
-    #[inline(never)]
-    fn write_uncertain(&mut self, output: &Output, results: &Results, uncertainty: Option<&RowUncertainty>) {
-        let number = |value: f64| self.plan.decimals.text(value);
-        let written = uncertainty.and_then(|known| {
-            Some(match output {
-                Output::Standard(of) => number(spread_of(&known.spreads, *of).standard_mm),
-                Output::Expanded(of) => {
-                    let spread = spread_of(&known.spreads, *of);
-                    number(spread.coverage_factor * spread.standard_mm)
-                }
-                Output::Conformance(limit) => {
-                    number(known.inside(*limit).or_else(|| results.conformance(self.plan, &known.spreads, *limit))?)
-                }
-                Output::Simulated(of, statistic) => number(statistic.of(known.simulation_of(*of)?)),
-                Output::Validated => known.validated?.to_string(),
-                _ => (!known.spreads.upper.folded).to_string(),
+/// What stands in the output with that index; without a row, only the reason.
+#[inline]
+fn cell<'a>(plan: &'a super::Plan, index: usize, row: Option<Row<'a>>, written: &Written<'a>) -> ResultCell<'a> {
+    let text = |text: &'a str| ResultCell::Text(text.as_bytes().into());
+    match (&plan.outputs[index], written) {
+        (Output::Id, _) => row.map_or(ResultCell::Nothing, |row| {
+            ResultCell::Text(match row.block.name_bytes(row.index) {
+                Some(name) => name.into(),
+                None => row.id().into_owned().into_bytes().into(),
             })
-        });
-        let none = if self.plan.format == RowFormat::JsonLines { "null" } else { "" };
-        self.out.extend(written.as_deref().unwrap_or(none).as_bytes());
-        self.out.room(40 * self.plan.outputs.len() + self.plan.names_length);
-    }
-
-    /// What stands before the value of the column with that index.
-    #[inline]
-    fn write_start(&mut self, index: usize) {
-        match self.plan.format {
-            RowFormat::Csv if index > 0 => self.out.byte(b','),
-            RowFormat::Tsv if index > 0 => self.out.byte(b'\t'),
-            RowFormat::Csv | RowFormat::Tsv => {}
-            RowFormat::JsonLines => self.out.extend(&self.plan.json_names[index]),
+        }),
+        (Output::Copied(_), _) => {
+            let Some(row) = row else { return ResultCell::Nothing };
+            let is_copied = |output: &&Output| matches!(output, Output::Copied(_));
+            let number = plan.outputs[..index].iter().filter(is_copied).count();
+            ResultCell::Text(row.block.copied(row.index, number).unwrap_or_default().into())
+        }
+        (Output::Reason, Written::None { reason }) => text(reason),
+        (Output::Reason, Written::Part { verdict: None, .. }) => text(&plan.without_verdict),
+        (_, Written::None { .. }) | (Output::Reason, _) => ResultCell::Nothing,
+        (Output::Without, _) => text(&plan.without),
+        (Output::Verdict, Written::Part { verdict, .. }) => {
+            verdict.map_or(ResultCell::Nothing, |verdict| text(verdict.name()))
+        }
+        (output, Written::Part { results, uncertainty, .. }) if output.is_uncertain() => {
+            uncertainty.and_then(|known| uncertain(plan, output, results, known)).unwrap_or(ResultCell::Nothing)
+        }
+        (output, Written::Part { results, .. }) => {
+            results.of(output).map_or(ResultCell::Nothing, ResultCell::Length)
         }
     }
+}
 
-    #[inline]
-    fn write_end(&mut self) {
-        if self.plan.format == RowFormat::JsonLines {
-            self.out.byte(b'}');
+/// What stands in an output that takes the uncertainties; `None` where there is none.
+#[inline(never)]
+fn uncertain(
+    plan: &super::Plan,
+    output: &Output,
+    results: &Results,
+    known: &RowUncertainty,
+) -> Option<ResultCell<'static>> {
+    Some(match output {
+        Output::Standard(of) => ResultCell::Number(spread_of(&known.spreads, *of).standard_mm),
+        Output::Expanded(of) => {
+            let spread = spread_of(&known.spreads, *of);
+            ResultCell::Number(spread.coverage_factor * spread.standard_mm)
         }
-        self.out.byte(b'\n');
-    }
-
-    /// The part's name, a copied cell, the verdict, or what it is judged without.
-    fn write_text(&mut self, row: Row<'_>, index: usize, verdict: Option<Verdict>) {
-        let plan = self.plan;
-        match &plan.outputs[index] {
-            Output::Id => match row.block.name_bytes(row.index) {
-                Some(name) => write::text(&mut self.out, name, plan.format),
-                None => write::text(&mut self.out, row.id().as_bytes(), plan.format),
-            },
-            Output::Copied(_) => {
-                let is_copied = |output: &&Output| matches!(output, Output::Copied(_));
-                let number = plan.outputs[..index].iter().filter(is_copied).count();
-                write::text(&mut self.out, row.block.copied(row.index, number).unwrap_or_default(), plan.format);
-            }
-            Output::Without => write::text(&mut self.out, plan.without.as_bytes(), plan.format),
-            _ => match (plan.format, verdict.map(Verdict::name)) {
-                (RowFormat::JsonLines, None) => self.out.extend(b"null"),
-                (RowFormat::JsonLines, Some(name)) => {
-                    self.out.extend(b"\"");
-                    self.out.extend(name.as_bytes());
-                    self.out.extend(b"\"");
-                }
-                (_, name) => self.out.extend(name.unwrap_or("").as_bytes()),
-            },
-        }
-    }
+        Output::Conformance(limit) => ResultCell::Number(
+            known.inside(*limit).or_else(|| results.conformance(plan, &known.spreads, *limit))?,
+        ),
+        Output::Simulated(of, statistic) => ResultCell::Number(statistic.of(known.simulation_of(*of)?)),
+        Output::Validated => ResultCell::Flag(known.validated?),
+        _ => ResultCell::Flag(!known.spreads.upper.folded),
+    })
 }

@@ -13,6 +13,7 @@ use super::evaluate::Evaluator;
 use super::layout::Layout;
 use super::outcome::{Kept, Outcome, Total};
 use super::pack::Packing;
+use super::columns::ResultColumns;
 use super::plan::Plan;
 use super::statistics::{Moving, Statistics};
 use super::write;
@@ -22,9 +23,38 @@ use crate::table::{Block, Contradiction, Encoding, Piece, Queue, Rows, Table};
 #[derive(Default)]
 pub struct Sinks<'a> {
     /// The rows.
-    pub rows: Option<Sink<'a>>,
+    pub rows: Option<RowSink<'a>>,
     /// The rejected rows.
     pub rejects: Option<Sink<'a>>,
+}
+
+/// Where rows go.
+pub enum RowSink<'a> {
+    /// Text.
+    Text(Sink<'a>),
+    /// Columns, for a plan whose rows are [`RowFormat::Columns`](super::RowFormat::Columns).
+    Columns(&'a mut dyn ColumnSink),
+}
+
+/// Takes rows in columns.
+pub trait ColumnSink: Send {
+    /// Takes the next rows.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    fn take(&mut self, rows: ResultColumns) -> io::Result<()>;
+}
+
+impl Sinks<'_> {
+    /// Writes what waits in the writers.
+    pub(super) fn flush(self) -> io::Result<()> {
+        let rows = match self.rows {
+            Some(RowSink::Text(sink)) => Some(sink),
+            Some(RowSink::Columns(_)) | None => None,
+        };
+        let sinks = [rows, self.rejects].into_iter().flatten();
+        sinks.fold(Ok(()), |flushed, sink| flushed.and(sink.writer.flush()))
+    }
 }
 
 /// A writer, and how what goes there is packed.
@@ -122,7 +152,10 @@ impl<'a> Batch<'a> {
             plan,
             rows: rows.as_ref(),
             encoding,
-            rows_packing: self.sinks.rows.as_ref().map_or(Packing::None, |sink| sink.packing),
+            rows_packing: match &self.sinks.rows {
+                Some(RowSink::Text(sink)) => sink.packing,
+                Some(RowSink::Columns(_)) | None => Packing::None,
+            },
             rejects_packing: self.sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
             queue: Mutex::new(Waiting { queue, next: 0, ended: false, error: None }),
             order: Mutex::new(Order { next: 0, total, sinks: &mut self.sinks, error: None, unread: None, workers: 0 }),
@@ -178,7 +211,7 @@ impl<'a> Batch<'a> {
 
     /// Writes what stands before the first row, or before the first rejected row of another header.
     fn start(&mut self, encoding: Encoding, header: &[u8]) -> io::Result<()> {
-        if let Some(rows) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
+        if let Some(RowSink::Text(rows)) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
             let names = write::header(&self.plan.column_names(), self.plan.format);
             rows.writer.write_all(&rows.packing.pack(names)?)?;
             self.wrote_header = true;
@@ -215,11 +248,7 @@ impl<'a> Batch<'a> {
             }
         }
         self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
-        let mut flushed = Ok(());
-        for sink in [self.sinks.rows, self.sinks.rejects].into_iter().flatten() {
-            flushed = flushed.and(sink.writer.flush());
-        }
-        (self.outcome, flushed)
+        (self.outcome, self.sinks.flush())
     }
 }
 
@@ -305,8 +334,12 @@ impl Shared<'_, '_> {
             if !self.ended.load(Ordering::Relaxed) {
                 let order = &mut *order;
                 order.total.add(&mut evaluator.tally);
-                let written = write_to(order.sinks.rows.as_mut(), rows)
-                    .and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
+                let written = match order.sinks.rows.as_mut() {
+                    Some(RowSink::Text(sink)) => write_to(Some(sink), rows),
+                    Some(RowSink::Columns(sink)) => sink.take(std::mem::take(&mut evaluator.columns)),
+                    None => Ok(()),
+                };
+                let written = written.and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
                 self.settle(order, read, written);
             }
             drop(order);

@@ -1,7 +1,10 @@
 //! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
 
 use super::buffer::Buffer;
+use super::columns::ResultCell;
+use super::number::{Decimals, Places};
 use super::request::RowFormat;
+use crate::quantity::plain;
 use crate::table::cell_text;
 
 /// Writes a text with the quotes or escapes that it needs.
@@ -25,7 +28,7 @@ fn escaped(out: &mut Buffer, bytes: &[u8], format: RowFormat) {
     let text = cell_text(bytes);
     let separator = match format {
         RowFormat::JsonLines => return out.extend(serde_json::Value::from(text.as_ref()).to_string().as_bytes()),
-        RowFormat::Csv => ',',
+        RowFormat::Csv | RowFormat::Columns => ',',
         RowFormat::Tsv => '\t',
     };
     if text.contains([separator, '"', '\n', '\r']) {
@@ -37,10 +40,46 @@ fn escaped(out: &mut Buffer, bytes: &[u8], format: RowFormat) {
     }
 }
 
+/// What stands before the value of the column with that index; `json_start` of JSON lines: `{"name":` or `,"name":`.
+#[inline]
+pub(super) fn start(out: &mut Buffer, index: usize, json_start: &[u8], format: RowFormat) {
+    match format {
+        RowFormat::Csv if index > 0 => out.byte(b','),
+        RowFormat::Tsv if index > 0 => out.byte(b'\t'),
+        RowFormat::Csv | RowFormat::Tsv | RowFormat::Columns => {}
+        RowFormat::JsonLines => out.extend(json_start),
+    }
+}
+
+/// The value of a column; makes room for the next one, as long as it is a length.
+#[inline]
+pub(super) fn cell(out: &mut Buffer, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
+    const ROOM: usize = 64;
+    match (cell, decimals) {
+        (ResultCell::Length(length), Decimals::Places(places)) => Places::new(places).write(out, *length),
+        (ResultCell::Length(length), Decimals::Full) => out.extend(plain(length.mm()).as_bytes()),
+        (ResultCell::Text(bytes), _) => text(out, bytes, format),
+        (ResultCell::Number(number), decimals) => out.extend(decimals.text(*number).as_bytes()),
+        (ResultCell::Flag(flag), _) => out.extend(flag.to_string().as_bytes()),
+        (ResultCell::Nothing, _) if format == RowFormat::JsonLines => out.extend(b"null"),
+        (ResultCell::Nothing, _) => {}
+    }
+    out.room(ROOM);
+}
+
+/// The end of a row.
+#[inline]
+pub(super) fn end(out: &mut Buffer, format: RowFormat) {
+    if format == RowFormat::JsonLines {
+        out.byte(b'}');
+    }
+    out.byte(b'\n');
+}
+
 /// The header row of the columns written; JSON lines have none.
 pub(super) fn header(names: &[String], format: RowFormat) -> Vec<u8> {
     let separator = match format {
-        RowFormat::JsonLines => return Vec::new(),
+        RowFormat::JsonLines | RowFormat::Columns => return Vec::new(),
         RowFormat::Csv => b",",
         RowFormat::Tsv => b"\t",
     };

@@ -1,6 +1,6 @@
 //! `rackmesh report`: everything about a spec and its parts on one page.
 
-use std::io::{self, Write};
+use std::io;
 use std::sync::Arc;
 
 use super::decision::DecisionArgs;
@@ -12,7 +12,10 @@ use super::set::SetArgs;
 use super::tables::{self, Files, ReadArgs};
 use super::teeth::{self, Judged, with_known_teeth};
 use super::{batch, mesh, target};
-use crate::batch::{Batch, Layout, Outcome, Packing, Plan, Request, Rows, Sink, Sinks, Teeth, TeethRequest};
+use crate::batch::{
+    Batch, ColumnSink, Layout, Outcome, Plan, Request, ResultColumn, ResultColumns, ResultValues, RowFormat, RowSink, Rows, Sinks, Teeth,
+    TeethRequest,
+};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Stack};
@@ -250,6 +253,7 @@ impl Args {
             rule: self.decision.rule(&spec),
             monte_carlo: self.decision.settings()?,
             rows: Rows::All,
+            format: RowFormat::Columns,
             statistics: true,
             problems_kept: 10,
             partial: self.partial,
@@ -257,8 +261,8 @@ impl Args {
         };
         let plan = Plan::new(&spec, &first.table, request)?;
         let notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
-        let mut run = RunChart::default();
-        let sinks = Sinks { rows: Some(Sink { writer: &mut run, packing: Packing::None }), rejects: None };
+        let mut run = RunChart::of(&plan);
+        let sinks = Sinks { rows: Some(RowSink::Columns(&mut run)), rejects: None };
         let mut lot = Batch::new(&plan, sinks, None);
         for path in found.paths() {
             let opened = match found.take_first() {
@@ -395,38 +399,49 @@ fn histograms(plan: &Plan, outcome: &crate::batch::Outcome) -> (Option<Chart>, V
     (judged, charts)
 }
 
-/// Takes the rows of a batch as they are written and keeps the lowest and highest result of each group of
-/// neighbours; groups grow with the batch, so that memory does not.
+/// Takes the rows of a batch and keeps the lowest and highest result of each group of neighbours; groups grow with the
+/// batch, so that memory does not.
 #[derive(Debug, Default)]
 struct RunChart {
-    partial: Vec<u8>,
-    header: Option<Vec<String>>,
+    /// The columns of the lower and the upper end.
+    ends: Option<(usize, usize)>,
     /// Parts per group.
     size: u64,
     /// In the last group.
     held: u64,
     groups: Vec<(f64, f64)>,
-    stack: Option<(usize, usize)>,
 }
 
 /// Groups at most: more than a picture shows.
 const MOST_GROUPS: usize = 1024;
 
-impl RunChart {
-    fn line(&mut self, line: &[u8]) {
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(line);
-        let Some(Ok(record)) = reader.records().next() else { return };
-        if self.header.is_none() {
-            let header: Vec<String> = record.iter().map(str::to_owned).collect();
-            let find = |name: &str| header.iter().position(|column| column == name);
-            let names = [("range_lower_mm", "range_upper_mm"), ("rss_lower_mm", "rss_upper_mm")];
-            self.stack = names.iter().find_map(|(low, high)| Some((find(low)?, find(high)?)));
-            self.header = Some(header);
-            return;
+impl ColumnSink for RunChart {
+    fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
+        let Some((lower, upper)) = self.ends else { return Ok(()) };
+        let values = |column: usize| match &rows.columns[column] {
+            ResultColumn { has_value, values: ResultValues::Numbers(values) } => {
+                values.iter().zip(has_value).map(|(value, has_value)| has_value.then_some(*value)).collect()
+            }
+            _ => Vec::new(),
+        };
+        for (low, high) in values(lower).into_iter().zip(values(upper)) {
+            if let (Some(low), Some(high)) = (low, high) {
+                self.add(low, high);
+            }
         }
-        let Some((low, high)) = self.stack else { return };
-        let value = |index: usize| record.get(index).and_then(|cell| cell.parse::<f64>().ok());
-        let (Some(low), Some(high)) = (value(low), value(high)) else { return };
+        Ok(())
+    }
+}
+
+impl RunChart {
+    fn of(plan: &Plan) -> Self {
+        let names = plan.column_names();
+        let find = |name: &str| names.iter().position(|column| column == name);
+        let ends = [("range_lower_mm", "range_upper_mm"), ("rss_lower_mm", "rss_upper_mm")];
+        Self { ends: ends.iter().find_map(|(low, high)| Some((find(low)?, find(high)?))), ..Self::default() }
+    }
+
+    fn add(&mut self, low: f64, high: f64) {
         self.size = self.size.max(1);
         if self.groups.is_empty() || self.held == self.size {
             if self.groups.len() == MOST_GROUPS {
@@ -469,29 +484,6 @@ fn joined(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
-impl Write for RunChart {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut rest = bytes;
-        while let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
-            let (line, after) = rest.split_at(end + 1);
-            if self.partial.is_empty() {
-                self.line(line);
-            } else {
-                self.partial.extend_from_slice(line);
-                let line = std::mem::take(&mut self.partial);
-                self.line(&line);
-            }
-            rest = after;
-        }
-        self.partial.extend_from_slice(rest);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -499,14 +491,8 @@ mod tests {
     #[test]
     fn a_run_chart_keeps_every_extreme_in_little_memory() {
         let mut run = RunChart::default();
-        run.write_all(b"part_id,range_lower_mm,range_upper_mm,verdict\n").expect("memory");
         for part in 0..50_000 {
-            let high = if part == 31_415 { 0.9 } else { 0.1 };
-            let line = format!("P{part},-0.1,{high},pass\n");
-            // in pieces, as writers hand them over
-            let (a, b) = line.as_bytes().split_at(5);
-            run.write_all(a).expect("memory");
-            run.write_all(b).expect("memory");
+            run.add(-0.1, if part == 31_415 { 0.9 } else { 0.1 });
         }
         assert!(run.groups.len() <= MOST_GROUPS);
         assert_eq!(run.size, 64);

@@ -84,6 +84,7 @@ pub(crate) use column::{Column, Nominal};
 pub(crate) use encoding::text as cell_text;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use rows::{Rows, Wanted};
+pub(crate) use typed::{StoredTable, stored_table};
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
 pub(crate) use understand::in_words;
 

@@ -116,6 +116,19 @@ impl<'a> Stored<'a> {
         }
     }
 
+    /// Whether a row holds a number, or a text that may be one.
+    pub(crate) fn has_numbers(&self) -> bool {
+        (0..self.rows()).any(|row| self.cell(row).is_number())
+    }
+
+    /// A row as it may be.
+    pub(crate) fn stand_in(&self) -> Stored<'static> {
+        match &self.values {
+            Values::Texts { .. } => Stored::texts(b"x".to_vec(), vec![0, 1]),
+            _ => Stored::doubles(vec![0.0]),
+        }
+    }
+
     fn has_value(&self, row: usize) -> bool {
         self.has_value.as_ref().is_none_or(|has_value| has_value.get(row) == Some(&true))
     }

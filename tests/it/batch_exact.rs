@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
-use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
+use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, RowSink, Sink, Sinks};
 use rackmesh::deviation::Extent;
 use rackmesh::evaluation::evaluate;
 use rackmesh::formula::Model;
@@ -77,7 +77,7 @@ fn run_with_header(spec: &str, table: &str, request: Request) -> (Vec<String>, O
     let plan = Plan::new(&spec, &table, request).expect("the plan fits");
     let layout = Layout::new(&plan, &table).expect("the columns are there");
     let mut rows = Vec::new();
-    let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
+    let sinks = Sinks { rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })), rejects: None };
     let mut batch = Batch::new(&plan, sinks, Some(2));
     batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
     let (outcome, _) = batch.finish();

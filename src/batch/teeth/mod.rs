@@ -18,7 +18,8 @@ pub use judge::{JudgedTeeth, TeethJudge};
 use super::number::Decimals;
 use super::outcome::{Kept, Outcome, Part, Problem, keep_worst};
 use super::request::{RowFormat, Rows};
-use super::run::{Progress, RunError, Sinks};
+use super::columns::{ColumnKind, ResultCell, ResultColumns};
+use super::run::{Progress, RowSink, RunError, Sinks};
 use super::statistics::{Moving, Statistics};
 use super::{buffer::Buffer, write};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -204,19 +205,20 @@ impl<'a> Teeth<'a> {
         })
     }
 
-    /// What each column written holds, of those that `columns` asks for.
+    /// The columns that are written of those that `columns` asks for: their names, and what they hold.
     #[must_use]
-    pub fn column_kinds(columns: Option<&[String]>) -> Vec<super::ColumnKind> {
-        use super::ColumnKind;
-        let kind = |column: &Column| match column {
-            Column::Id | Column::Verdict => ColumnKind::Text,
-            Column::Number(_) => ColumnKind::Number,
+    pub fn columns_written(columns: Option<&[String]>) -> Vec<(String, ColumnKind)> {
+        let written = |(name, column): &(&str, Column)| {
+            let kind = match column {
+                Column::Id | Column::Verdict => ColumnKind::Text,
+                Column::Number(_) => ColumnKind::Number,
+            };
+            ((*name).to_owned(), kind)
         };
         match columns {
-            None => COLUMNS[..WRITTEN].iter().map(|(_, column)| kind(column)).collect(),
+            None => COLUMNS[..WRITTEN].iter().map(written).collect(),
             Some(names) => {
-                let found = names.iter().filter_map(|name| COLUMNS.iter().find(|(known, _)| known == name));
-                found.map(|(_, column)| kind(column)).collect()
+                names.iter().filter_map(|name| COLUMNS.iter().find(|(known, _)| known == name)).map(written).collect()
             }
         }
     }
@@ -348,16 +350,12 @@ impl<'a> Teeth<'a> {
                 self.cut
             ));
         }
-        let mut flushed = Ok(());
-        for sink in [self.sinks.rows, self.sinks.rejects].into_iter().flatten() {
-            flushed = flushed.and(sink.writer.flush());
-        }
-        (self.outcome, flushed)
+        (self.outcome, self.sinks.flush())
     }
 
     /// Writes what stands before the first part, or before the first rejected row of another header.
     fn start(&mut self, encoding: Encoding, header: &[u8]) -> io::Result<()> {
-        if let Some(rows) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
+        if let Some(RowSink::Text(rows)) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
             let names: Vec<_> = self.columns.iter().map(|(name, _)| (*name).to_owned()).collect();
             rows.writer.write_all(&rows.packing.pack(write::header(&names, self.request.format))?)?;
             self.wrote_header = true;
@@ -398,11 +396,7 @@ impl<'a> Teeth<'a> {
             let margin = Length::from_mm(kept.margin_mm).unwrap_or(Length::ZERO);
             keep_worst(&mut self.worst, Kept { part: kept, margin });
         }
-        let line = if self.request.rows.has(verdict) { self.row(part, &solved, verdict) } else { Vec::new() };
-        match &mut self.sinks.rows {
-            Some(rows) if !line.is_empty() => rows.writer.write_all(&rows.packing.pack(line)?),
-            _ => Ok(()),
-        }
+        if self.request.rows.has(verdict) { self.write(part, &solved) } else { Ok(()) }
     }
 
     fn count(&mut self, solved: &Solved) {
@@ -460,33 +454,35 @@ impl<'a> Teeth<'a> {
         }
     }
 
-    fn row(&self, part: &ToothedPart, solved: &Solved, verdict: Option<Verdict>) -> Vec<u8> {
-        let format = self.request.format;
-        let mut out = Buffer::default();
-        for (index, (name, column)) in self.columns.iter().enumerate() {
-            match format {
-                RowFormat::JsonLines => {
-                    let start = if index == 0 { "{" } else { "," };
-                    out.extend(format!("{start}\"{name}\":").as_bytes());
-                }
-                RowFormat::Csv if index > 0 => out.extend(b","),
-                RowFormat::Tsv if index > 0 => out.extend(b"\t"),
-                RowFormat::Csv | RowFormat::Tsv => {}
+    /// Writes the row of a part.
+    fn write(&mut self, part: &ToothedPart, solved: &Solved) -> io::Result<()> {
+        let TeethRequest { format, decimals, .. } = self.request;
+        let cells = self.columns.iter().map(|(_, column)| match column {
+            Column::Id => ResultCell::Text(part.name.as_bytes().into()),
+            Column::Number(of) => of.of(solved).map_or(ResultCell::Nothing, ResultCell::Number),
+            Column::Verdict => match solved.judged.verdict {
+                Some(verdict) => ResultCell::Text(verdict.name().as_bytes().into()),
+                None => ResultCell::Nothing,
+            },
+        });
+        match &mut self.sinks.rows {
+            None => Ok(()),
+            Some(RowSink::Columns(sink)) => {
+                let mut row = ResultColumns::new(Self::columns_written(self.request.columns.as_deref()).iter().map(|(_, kind)| *kind));
+                row.push(cells, decimals);
+                sink.take(row)
             }
-            match (column, verdict) {
-                (Column::Id, _) => write::text(&mut out, part.name.as_bytes(), format),
-                (Column::Number(of), _) => match of.of(solved) {
-                    Some(mm) => out.extend(self.request.decimals.text(mm).as_bytes()),
-                    None if format == RowFormat::JsonLines => out.extend(b"null"),
-                    None => {}
-                },
-                (Column::Verdict, Some(verdict)) => write::text(&mut out, verdict.name().as_bytes(), format),
-                (Column::Verdict, None) if format == RowFormat::JsonLines => out.extend(b"null"),
-                (Column::Verdict, None) => {}
+            Some(RowSink::Text(sink)) => {
+                let mut out = Buffer::default();
+                for (index, (cell, (name, _))) in cells.zip(&self.columns).enumerate() {
+                    let start = format!("{}\"{name}\":", if index == 0 { '{' } else { ',' });
+                    write::start(&mut out, index, start.as_bytes(), format);
+                    write::cell(&mut out, &cell, format, decimals);
+                }
+                write::end(&mut out, format);
+                sink.writer.write_all(&sink.packing.pack(out.written().to_vec())?)
             }
         }
-        out.extend(if format == RowFormat::JsonLines { b"}\n" } else { b"\n" });
-        out.written().to_vec()
     }
 }
 

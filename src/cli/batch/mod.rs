@@ -178,7 +178,7 @@ impl Args {
         self.remarks(&plan, output);
         let notes = [first.notes.clone(), notes(&spec, &plan)].concat();
         let inputs = self.inputs(&spec, &files);
-        let mut targets = self.targets(&inputs, &|| plan.column_kinds())?;
+        let mut targets = self.targets(&inputs, &|| plan.columns_written())?;
         let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
         let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "rows", output);
@@ -274,7 +274,8 @@ impl Args {
     fn formats(&self) -> Result<(RowFormat, Format), Failure> {
         let ending = self.ending()?;
         let rows = match self.format {
-            Some(BatchFormat::Csv | BatchFormat::Parquet) => RowFormat::Csv,
+            _ if self.is_parquet() => RowFormat::Columns,
+            Some(BatchFormat::Csv) => RowFormat::Csv,
             Some(BatchFormat::Tsv) => RowFormat::Tsv,
             Some(BatchFormat::Jsonl) => RowFormat::JsonLines,
             Some(format) if !self.summary => {

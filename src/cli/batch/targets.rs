@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{Args, BatchFormat};
-use crate::batch::{ColumnKind, Packing, ParquetRows, Sink, Sinks};
+use crate::batch::{ColumnKind, Packing, ParquetRows, RowSink, Sink, Sinks};
 use crate::cli::output::{Failure, Output};
 use crate::cli::target::{self, Target};
 use crate::cli::{office, stream};
@@ -43,7 +43,7 @@ pub(super) struct Targets {
     rows: Option<Box<dyn Write + Send>>,
     /// The file of the rows, if they go to one.
     file: Option<Shared>,
-    /// The rows, too, if they become a Parquet file, which has an end of its own.
+    /// The rows, if they become a Parquet file, which has an end of its own.
     parquet: Option<ParquetRows>,
     /// The rows, if their format needs all of them.
     collected: Option<office::Collected>,
@@ -56,7 +56,10 @@ impl Targets {
     pub(super) fn sinks(&mut self) -> Sinks<'_> {
         let (packing, rejects_packing) = (self.packing, self.rejects_packing);
         Sinks {
-            rows: self.rows.as_mut().map(|writer| Sink { writer, packing }),
+            rows: match (&mut self.parquet, &mut self.rows) {
+                (Some(parquet), _) => Some(RowSink::Columns(parquet)),
+                (None, rows) => rows.as_mut().map(|writer| RowSink::Text(Sink { writer, packing })),
+            },
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
         }
     }
@@ -69,7 +72,7 @@ impl Targets {
         spec: &Spec,
         output: &mut Output,
     ) -> Result<(), Failure> {
-        if let Some(parquet) = &self.parquet {
+        if let Some(parquet) = self.parquet {
             parquet.finish()?;
         }
         let file = self.file.and_then(|file| file.take());
@@ -93,7 +96,7 @@ impl Targets {
 
 impl Args {
     /// Where rows and rejected rows go.
-    pub(super) fn targets(&self, inputs: &[String], kinds: &dyn Fn() -> Vec<ColumnKind>) -> Result<Targets, Failure> {
+    pub(super) fn targets(&self, inputs: &[String], columns: &dyn Fn() -> Vec<(String, ColumnKind)>) -> Result<Targets, Failure> {
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         let written: Vec<&str> =
             [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(String::as_str).collect();
@@ -129,18 +132,16 @@ impl Args {
             }
             None => Box::new(stream::Stdout),
         };
-        targets.rows = Some(if self.is_parquet() {
-            let parquet = ParquetRows::new(rows, kinds());
-            targets.parquet = Some(parquet.clone());
-            Box::new(parquet)
+        if self.is_parquet() {
+            targets.parquet = Some(ParquetRows::new(rows, &columns())?);
         } else {
-            rows
-        });
+            targets.rows = Some(rows);
+        }
         Ok(targets)
     }
 
     /// Whether the rows become a Parquet file.
-    fn is_parquet(&self) -> bool {
+    pub(super) fn is_parquet(&self) -> bool {
         let named = || self.output.as_deref().is_some_and(|path| path.to_ascii_lowercase().ends_with(".parquet"));
         !self.summary && (self.format == Some(BatchFormat::Parquet) || (self.format.is_none() && named()))
     }

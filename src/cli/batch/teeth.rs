@@ -48,7 +48,7 @@ impl Args {
         let paths = found.paths();
         let files: Vec<&str> = paths.iter().map(String::as_str).collect();
         let inputs = self.inputs(spec, &files);
-        let mut targets = self.targets(&inputs, &|| Teeth::column_kinds(self.columns.as_deref()))?;
+        let mut targets = self.targets(&inputs, &|| Teeth::columns_written(self.columns.as_deref()))?;
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
         let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "parts", output);

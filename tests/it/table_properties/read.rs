@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, Sink, Sinks};
+use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, RowSink, Sink, Sinks};
 use rackmesh::deviation::{DeviationKind, DeviationValue};
 use rackmesh::spec::Spec;
 use rackmesh::table::{Container, Source, Table, Want};
@@ -91,7 +91,7 @@ pub fn judge(bytes: &[u8], spec: &Arc<Spec>, workers: usize) -> Result<Judged, S
     let plan = Plan::new(spec, &table, request).map_err(|problem| problem.to_string())?;
     let layout = Layout::new(&plan, &table).map_err(|problem| problem.to_string())?;
     let mut rows = Vec::new();
-    let sinks = Sinks { rows: Some(Sink { writer: &mut rows, packing: Packing::None }), rejects: None };
+    let sinks = Sinks { rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })), rejects: None };
     let mut batch = Batch::new(&plan, sinks, Some(workers));
     let run = batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {});
     let (outcome, _) = batch.finish();

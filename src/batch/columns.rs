@@ -1,0 +1,130 @@
+//! Results as columns: for Parquet files, and for programs that have columns. Filled by the row evaluator; knows no
+//! format.
+
+use std::borrow::Cow;
+
+use super::number::Decimals;
+use crate::quantity::Length;
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ColumnKind {
+    /// Text.
+    Text,
+    /// Numbers.
+    Number,
+    /// `true` or `false`.
+    Flag,
+}
+
+/// What stands in one row and column of the results.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum ResultCell<'a> {
+    Nothing,
+    Length(Length),
+    /// What lies on no grid: an uncertainty in mm, a probability.
+    Number(f64),
+    Flag(bool),
+    Text(Cow<'a, [u8]>),
+}
+
+/// The results of some rows, a column for each output of the plan.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ResultColumns {
+    /// The columns.
+    pub columns: Vec<ResultColumn>,
+    /// How many rows there are.
+    pub rows: usize,
+}
+
+/// A column of results.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResultColumn {
+    /// Whether each row has a value.
+    pub has_value: Vec<bool>,
+    /// The values by row, with anything where there is none.
+    pub values: ResultValues,
+}
+
+/// The values of a column of results.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum ResultValues {
+    /// Texts in UTF-8, one behind the other.
+    Texts {
+        /// The texts.
+        bytes: Vec<u8>,
+        /// Where the first begins and where each ends.
+        ends: Vec<usize>,
+    },
+    /// Numbers.
+    Numbers(Vec<f64>),
+    /// Flags.
+    Flags(Vec<bool>),
+}
+
+impl ResultColumns {
+    /// No rows yet of columns of these kinds.
+    pub(super) fn new(kinds: impl IntoIterator<Item = ColumnKind>) -> Self {
+        let values = |kind| match kind {
+            ColumnKind::Text => ResultValues::Texts { bytes: Vec::new(), ends: vec![0] },
+            ColumnKind::Number => ResultValues::Numbers(Vec::new()),
+            ColumnKind::Flag => ResultValues::Flags(Vec::new()),
+        };
+        let column = |kind| ResultColumn { has_value: Vec::new(), values: values(kind) };
+        Self { columns: kinds.into_iter().map(column).collect(), rows: 0 }
+    }
+
+    /// Adds a row.
+    #[inline]
+    pub(super) fn push<'a>(&mut self, cells: impl Iterator<Item = ResultCell<'a>>, decimals: Decimals) {
+        for (column, cell) in self.columns.iter_mut().zip(cells) {
+            column.push(&cell, decimals);
+        }
+        self.rows += 1;
+    }
+
+    /// Appends rows of the same columns.
+    pub(super) fn append(&mut self, more: Self) {
+        self.rows += more.rows;
+        for (column, mut more) in self.columns.iter_mut().zip(more.columns) {
+            column.has_value.append(&mut more.has_value);
+            match (&mut column.values, more.values) {
+                (ResultValues::Numbers(all), ResultValues::Numbers(mut more)) => all.append(&mut more),
+                (ResultValues::Flags(all), ResultValues::Flags(mut more)) => all.append(&mut more),
+                (
+                    ResultValues::Texts { bytes, ends },
+                    ResultValues::Texts { bytes: mut more, ends: more_ends },
+                ) => {
+                    let start = bytes.len();
+                    bytes.append(&mut more);
+                    ends.extend(more_ends.into_iter().skip(1).map(|end| start + end));
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+impl ResultColumn {
+    /// Adds a row; numbers are as they are written with these decimals.
+    #[inline]
+    fn push(&mut self, cell: &ResultCell<'_>, decimals: Decimals) {
+        self.has_value.push(*cell != ResultCell::Nothing);
+        match &mut self.values {
+            ResultValues::Numbers(values) => values.push(match cell {
+                ResultCell::Length(length) => decimals.value(*length),
+                ResultCell::Number(number) => decimals.text(*number).parse().unwrap_or(*number),
+                _ => 0.0,
+            }),
+            ResultValues::Flags(values) => values.push(*cell == ResultCell::Flag(true)),
+            ResultValues::Texts { bytes, ends } => {
+                if let ResultCell::Text(text) = cell {
+                    bytes.extend_from_slice(String::from_utf8_lossy(text).as_bytes());
+                }
+                ends.push(bytes.len());
+            }
+        }
+    }
+}

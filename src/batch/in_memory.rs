@@ -1,0 +1,238 @@
+//! Columns that a program has in memory, some rows at a time: the batch for hosts such as data frames and query engines.
+//! Called by them; each piece is read by the rules for any table and evaluated by the row evaluator.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::columns::{ColumnKind, ResultColumns};
+use super::evaluate::Evaluator;
+use super::layout::Layout;
+use super::number::Decimals;
+use super::outcome::Counts;
+use super::plan::Plan;
+use super::request::{Request, RowFormat, Rows};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::spec::Spec;
+use crate::table::{self, Block, Reading, Stored, StoredTable, Want, refusal, stored_table};
+
+/// Evaluates columns that a program has in memory.
+///
+/// # Example
+/// ```
+/// use std::sync::Arc;
+/// use rackmesh::batch::{ColumnEvaluator, ColumnPiece, Request, ResultValues};
+/// use rackmesh::spec::Spec;
+/// use rackmesh::table::Stored;
+///
+/// let spec = "[errors]\nrack_over_roller = { nominal = 25.0 }\n[limits]\ncenter_distance = \"±0.02\"";
+/// let spec = Arc::new(Spec::parse("rack.toml", spec)?);
+/// let evaluator = ColumnEvaluator::new(&spec, &[], Request::default());
+/// let titles = ["rack_over_roller".to_owned()];
+/// let columns = [Some(Stored::doubles(&[25.0131, f64::NAN, 25.0201][..]))];
+/// let evaluated = evaluator.evaluate(&ColumnPiece { name: "lot", titles: &titles, columns: &columns })?;
+/// assert_eq!(evaluated.results.rows, 3);
+/// assert_eq!((evaluated.counts.pass, evaluated.counts.fail, evaluated.counts.rejected), (1, 1, 1));
+/// let at = evaluated.columns.iter().position(|(name, _)| name == "range_upper_mm").expect("it is written");
+/// let ResultValues::Numbers(upper) = &evaluated.results.columns[at].values else { panic!("it is a number") };
+/// assert_eq!((upper[0], upper[2]), (0.0131, 0.0201));
+/// # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
+/// ```
+#[derive(Debug)]
+pub struct ColumnEvaluator {
+    spec: Arc<Spec>,
+    want: Want,
+    request: Request,
+    /// The plan of the last piece, which is that of the next if it has the same columns.
+    last: Mutex<Option<Arc<Plan>>>,
+}
+
+/// Some rows of a table.
+#[derive(Debug, Clone, Copy)]
+pub struct ColumnPiece<'a> {
+    /// What messages call the table.
+    pub name: &'a str,
+    /// The names of its columns.
+    pub titles: &'a [String],
+    /// Its columns; `None` of one whose values are of a type that holds no measurement, such as a list.
+    pub columns: &'a [Option<Stored<'a>>],
+}
+
+/// What came of some rows.
+#[derive(Debug)]
+pub struct EvaluatedColumns {
+    /// The names of the columns, and what they hold.
+    pub columns: Vec<(String, ColumnKind)>,
+    /// As many rows as were given, in their order.
+    pub results: ResultColumns,
+    /// How many pass, fail, are rejected.
+    pub counts: Counts,
+    /// How the columns were read.
+    pub reading: Reading,
+}
+
+impl ColumnEvaluator {
+    /// For a spec, without the columns whose names fit these patterns (`*` for any characters). Of the request, the format
+    /// and which rows are written do not count: there is a row for each, with full decimals.
+    #[must_use]
+    pub fn new(spec: &Arc<Spec>, ignored: &[String], request: Request) -> Self {
+        let mut want = spec.want();
+        want.ignored.extend(ignored.iter().cloned());
+        want.teeth = Some(false);
+        let (format, rows, decimals) = (RowFormat::Columns, Rows::Every, Decimals::Full);
+        let request = Request { format, rows, decimals, statistics: false, problems_kept: 0, failures_kept: 0, ..request };
+        Self { spec: Arc::clone(spec), want, request, last: Mutex::new(None) }
+    }
+
+    /// The columns that [`evaluate`](Self::evaluate) gives for such a piece, of which a few rows or none are enough.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn columns(&self, piece: &ColumnPiece<'_>) -> Result<Vec<(String, ColumnKind)>, Diagnostics> {
+        Ok(self.planned(&self.understood(piece)?.table)?.0.columns_written())
+    }
+
+    /// Evaluates some rows, which stand by themselves. A row that is no part, or has no result, says why in the column
+    /// `reason`.
+    ///
+    /// # Errors
+    /// [`Diagnostics`] if the columns are refused, as those of any table are: what they hold is not understood, or may be a
+    /// measurement that nobody named, or lacks its unit or nominal value.
+    pub fn evaluate(&self, piece: &ColumnPiece<'_>) -> Result<EvaluatedColumns, Diagnostics> {
+        let StoredTable { table, setup } = self.understood(piece)?;
+        let (plan, layout) = self.planned(&table)?;
+        let rows = table::Rows::new(setup, layout.wanted(false));
+        let mut block = Block::default();
+        rows.stored(piece.columns, 0, &mut block);
+        let mut evaluator = Evaluator::new(&plan, &layout, &table.name, false);
+        evaluator.block(&block, 0, false);
+        if let Some(contradiction) = block.contradiction {
+            let message = format!("{}, row {}: {}", piece.name, contradiction.line, contradiction.message);
+            return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
+        }
+        let mut reading = table.reading;
+        reading.asides.append(&mut evaluator.tally.asides);
+        let counts = evaluator.tally.counts;
+        Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.columns, counts, reading })
+    }
+
+    fn understood(&self, piece: &ColumnPiece<'_>) -> Result<StoredTable, Diagnostics> {
+        // what a column is follows from its name and type where no row has a number
+        let stand_ins: Vec<_> = piece.columns.iter().map(|column| column.as_ref().map(Stored::stand_in)).collect();
+        let has_numbers = piece.columns.iter().flatten().any(Stored::has_numbers);
+        let head = if has_numbers { piece.columns } else { &stand_ins };
+        let found = stored_table(piece.name, "columns", piece.titles, head, &self.want)?;
+        match refusal(&found.table.strangers, &found.table.still_missing) {
+            Some(refused) => Err(refused.into()),
+            None => Ok(found),
+        }
+    }
+
+    /// The plan for a table: the last one, if it fits.
+    fn planned(&self, table: &table::Table) -> Result<(Arc<Plan>, Layout), Diagnostics> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let fits = |plan: &Arc<Plan>| Some((Arc::clone(plan), Layout::new(plan, table).ok()?));
+        if let Some(known) = last.as_ref().filter(|plan| plan.is_for(table)).and_then(fits) {
+            return Ok(known);
+        }
+        let plan = Arc::new(Plan::new(&self.spec, table, self.request.clone())?);
+        let layout = Layout::new(&plan, table)?;
+        *last = Some(Arc::clone(&plan));
+        Ok((plan, layout))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::{ResultColumn, ResultValues};
+
+    const SPEC: &str = "[errors]\nrack_over_roller = { nominal = 25.0 }\nrack_pitch = \"0 um\"\n[pair]\nnormal_pressure_angle = 20\n\
+                        [limits]\ncenter_distance = \"±0.05\"";
+
+    fn evaluator(spec: &str) -> ColumnEvaluator {
+        ColumnEvaluator::new(&Arc::new(Spec::parse("rack.toml", spec).unwrap()), &[], Request::default())
+    }
+
+    fn evaluate(
+        evaluator: &ColumnEvaluator,
+        columns: &[(&str, Stored<'_>)],
+    ) -> Result<EvaluatedColumns, Diagnostics> {
+        let titles: Vec<String> = columns.iter().map(|(title, _)| (*title).to_owned()).collect();
+        let columns: Vec<_> = columns.iter().map(|(_, column)| Some(column.clone())).collect();
+        evaluator.evaluate(&ColumnPiece { name: "lot", titles: &titles, columns: &columns })
+    }
+
+    fn texts(of: &str, all: &EvaluatedColumns) -> Vec<Option<String>> {
+        let at = all.columns.iter().position(|(name, _)| name == of).unwrap();
+        let ResultColumn { has_value, values: ResultValues::Texts { bytes, ends } } = &all.results.columns[at] else {
+            panic!("{of} is no text")
+        };
+        let text = |row: usize| String::from_utf8(bytes[ends[row]..ends[row + 1]].to_vec()).unwrap();
+        (0..all.results.rows).map(|row| has_value[row].then(|| text(row))).collect()
+    }
+
+    fn names(names: &[&str]) -> Stored<'static> {
+        let ends = std::iter::once(0).chain(names.iter().scan(0, |end, name| {
+            *end += name.len();
+            Some(*end)
+        }));
+        Stored::texts(names.concat().into_bytes(), ends.collect())
+    }
+
+    /// A row for each row, in their order, whatever it is: a part, a mean, nothing, a value that is none.
+    #[test]
+    fn every_row_has_an_answer_or_a_reason() {
+        let all = evaluate(
+            &evaluator(SPEC),
+            &[
+                ("part_id", names(&["mean", "P1", "", "P2", "P3", "P4", "Mittelwert"])),
+                (
+                    "rack_over_roller",
+                    Stored::doubles(&[25.01, 25.01, 0.0, 25.06, f64::NAN, 25.02, 25.01][..])
+                        .with_values_where(&[true, true, false, true, true, true, true][..]),
+                ),
+                (
+                    "rack_pitch",
+                    Stored::integers(&[1, 1, 0, 1, 1, 0, 0][..], 3)
+                        .with_values_where(&[true, true, false, true, true, false, true][..]),
+                ),
+            ],
+        )
+        .unwrap();
+        assert_eq!(all.results.rows, 7);
+        let verdicts = texts("verdict", &all);
+        let expected = [None, Some("pass"), None, Some("fail"), None, None, None];
+        assert_eq!(verdicts, expected.map(|verdict| verdict.map(str::to_owned)));
+        let reasons = texts("reason", &all);
+        for (row, reason) in [
+            (0, "no part: mean"),
+            (2, "there is no value for rack over-roller"),
+            (4, "`no finite number` is not a number"),
+            (5, "there is no value for rack pitch"),
+            (6, "no part: Mittelwert"),
+        ] {
+            assert!(reasons[row].as_deref().is_some_and(|text| text.starts_with(reason)), "{row}: {:?}", reasons[row]);
+        }
+        assert_eq!((&reasons[1], &reasons[3]), (&None, &None));
+        assert_eq!((all.counts.pass, all.counts.fail, all.counts.rejected), (1, 1, 3));
+    }
+
+    /// Without rows there are none; what a table may not be is refused with the same words.
+    #[test]
+    fn pieces_without_rows_and_strangers() {
+        let evaluator = evaluator(SPEC);
+        let none = || Stored::doubles(Vec::new());
+        let empty = evaluate(&evaluator, &[("part_id", names(&[])), ("rack_over_roller", none()), ("rack_pitch", none())]);
+        assert_eq!(empty.unwrap().results.rows, 0);
+        let with_stranger = [
+            ("rack_over_roller", Stored::doubles(&[25.01][..])),
+            ("rack_pitch", Stored::doubles(&[0.01][..])),
+            ("rack_pich [um]", Stored::doubles(&[200.0][..])),
+        ];
+        let refused = evaluate(&evaluator, &with_stranger).unwrap_err();
+        assert!(refused.to_string().contains("rack_pich"), "{refused}");
+        let lacking = evaluate(&evaluator, &[("rack_over_roller", Stored::doubles(&[25.01][..]))]).unwrap();
+        assert_eq!(texts("verdict", &lacking), [None]);
+        let reason = "not judged: the spec asks for rack_pitch, and the table has none";
+        assert_eq!(texts("reason", &lacking), [Some(reason.to_owned())]);
+    }
+}
