@@ -93,10 +93,7 @@ impl ResultColumns {
             match (&mut column.values, more.values) {
                 (ResultValues::Numbers(all), ResultValues::Numbers(mut more)) => all.append(&mut more),
                 (ResultValues::Flags(all), ResultValues::Flags(mut more)) => all.append(&mut more),
-                (
-                    ResultValues::Texts { bytes, ends },
-                    ResultValues::Texts { bytes: mut more, ends: more_ends },
-                ) => {
+                (ResultValues::Texts { bytes, ends }, ResultValues::Texts { bytes: mut more, ends: more_ends }) => {
                     let start = bytes.len();
                     bytes.append(&mut more);
                     ends.extend(more_ends.into_iter().skip(1).map(|end| start + end));

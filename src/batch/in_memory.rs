@@ -78,7 +78,8 @@ impl ColumnEvaluator {
         want.ignored.extend(ignored.iter().cloned());
         want.teeth = Some(false);
         let (format, rows, decimals) = (RowFormat::Columns, Rows::Every, Decimals::Full);
-        let request = Request { format, rows, decimals, statistics: false, problems_kept: 0, failures_kept: 0, ..request };
+        let request =
+            Request { format, rows, decimals, statistics: false, problems_kept: 0, failures_kept: 0, ..request };
         Self { spec: Arc::clone(spec), want, request, last: Mutex::new(None) }
     }
 
@@ -152,10 +153,7 @@ mod tests {
         ColumnEvaluator::new(&Arc::new(Spec::parse("rack.toml", spec).unwrap()), &[], Request::default())
     }
 
-    fn evaluate(
-        evaluator: &ColumnEvaluator,
-        columns: &[(&str, Stored<'_>)],
-    ) -> Result<EvaluatedColumns, Diagnostics> {
+    fn evaluate(evaluator: &ColumnEvaluator, columns: &[(&str, Stored<'_>)]) -> Result<EvaluatedColumns, Diagnostics> {
         let titles: Vec<String> = columns.iter().map(|(title, _)| (*title).to_owned()).collect();
         let columns: Vec<_> = columns.iter().map(|(_, column)| Some(column.clone())).collect();
         evaluator.evaluate(&ColumnPiece { name: "lot", titles: &titles, columns: &columns })
@@ -221,7 +219,8 @@ mod tests {
     fn pieces_without_rows_and_strangers() {
         let evaluator = evaluator(SPEC);
         let none = || Stored::doubles(Vec::new());
-        let empty = evaluate(&evaluator, &[("part_id", names(&[])), ("rack_over_roller", none()), ("rack_pitch", none())]);
+        let empty =
+            evaluate(&evaluator, &[("part_id", names(&[])), ("rack_over_roller", none()), ("rack_pitch", none())]);
         assert_eq!(empty.unwrap().results.rows, 0);
         let with_stranger = [
             ("rack_over_roller", Stored::doubles(&[25.01][..])),

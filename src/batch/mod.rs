@@ -70,12 +70,12 @@ mod uncertain;
 mod write;
 
 pub use capability::Capability;
+pub use columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
 pub use in_memory::{ColumnEvaluator, ColumnPiece, EvaluatedColumns};
 pub use layout::Layout;
 pub use number::Decimals;
 pub use outcome::{Counts, Duplicates, Outcome, Part, Problem};
 pub use pack::Packing;
-pub use columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
 pub use parquet::ParquetRows;
 pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::columns::ColumnKind;
-use super::number::Decimals;
+use super::number::{Decimals, Places};
 use super::output::{
     Asked, Of, Output, column_name, conformance_name, end_name, expanded_name, own_name, standard_name,
 };
@@ -48,6 +48,9 @@ impl Source {
     }
 }
 
+/// Bytes of a length as text, at most, and of what stands between two.
+const LONGEST_LENGTH: usize = 40;
+
 /// What is computed for each part.
 #[expect(clippy::struct_excessive_bools, reason = "what is needed of each part")]
 #[derive(Debug, Clone)]
@@ -83,6 +86,10 @@ pub struct Plan {
     pub(super) uncertain: Option<Box<Uncertain>>,
     /// What stands before each value of a JSON line.
     pub(super) json_names: Vec<Vec<u8>>,
+    /// Bytes that are enough for a row of lengths.
+    pub(super) row_room: usize,
+    /// How lengths are written, unless in full.
+    pub(super) places: Option<Places>,
     pub(super) spec: Arc<Spec>,
     /// The errors that the first table has, in its order.
     of_table: Vec<DeviationKind>,
@@ -170,6 +177,8 @@ impl Plan {
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
+            row_room: 0,
+            places: if let Decimals::Places(count) = request.decimals { Some(Places::new(count)) } else { None },
             model: request.model,
             stack,
             limits: judged,
@@ -187,20 +196,26 @@ impl Plan {
             of_table: table.kinds().collect(),
             without_verdict: String::new(),
         };
-        if plan.request.rows == Rows::Every {
-            plan.without_verdict = plan.no_verdict();
+        plan.follow();
+        Ok(plan)
+    }
+
+    /// Finds what follows from the plan: what statistics follow, why a part has no verdict, how JSON lines begin.
+    fn follow(&mut self) {
+        if self.request.rows == Rows::Every {
+            self.without_verdict = self.no_verdict();
         }
-        if plan.request.statistics {
-            let limited = plan.quantity_limits().into_iter().map(|limit| limit != (None, None));
-            let quantities = plan.quantities().cloned().enumerate().zip(limited);
-            plan.followed = quantities.filter(|(_, limited)| *limited).map(|(quantity, _)| quantity).collect();
+        if self.request.statistics {
+            let limited = self.quantity_limits().into_iter().map(|limit| limit != (None, None));
+            let quantities = self.quantities().cloned().enumerate().zip(limited);
+            self.followed = quantities.filter(|(_, limited)| *limited).map(|(quantity, _)| quantity).collect();
         }
-        for (index, name) in plan.column_names().into_iter().enumerate() {
+        for (index, name) in self.column_names().into_iter().enumerate() {
             let start = if index == 0 { '{' } else { ',' };
             let start = format!("{start}{}:", serde_json::Value::from(name));
-            plan.json_names.push(start.into_bytes());
+            self.row_room += LONGEST_LENGTH + start.len();
+            self.json_names.push(start.into_bytes());
         }
-        Ok(plan)
     }
 
     /// The columns of errors that the table has, in the paper's order.

@@ -9,11 +9,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
+use super::columns::ResultColumns;
 use super::evaluate::Evaluator;
 use super::layout::Layout;
 use super::outcome::{Kept, Outcome, Total};
 use super::pack::Packing;
-use super::columns::ResultColumns;
 use super::plan::Plan;
 use super::statistics::{Moving, Statistics};
 use super::write;
@@ -52,8 +52,9 @@ impl Sinks<'_> {
             Some(RowSink::Text(sink)) => Some(sink),
             Some(RowSink::Columns(_)) | None => None,
         };
-        let sinks = [rows, self.rejects].into_iter().flatten();
-        sinks.fold(Ok(()), |flushed, sink| flushed.and(sink.writer.flush()))
+        let rows = rows.map_or(Ok(()), |sink| sink.writer.flush());
+        let rejects = self.rejects.map_or(Ok(()), |sink| sink.writer.flush());
+        rows.and(rejects)
     }
 }
 

@@ -51,10 +51,12 @@ pub(super) fn start(out: &mut Buffer, index: usize, json_start: &[u8], format: R
     }
 }
 
-/// The value of a column; makes room for the next one, as long as it is a length.
+/// The value of a column.
 #[inline]
 pub(super) fn cell(out: &mut Buffer, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
+    /// The longest length.
     const ROOM: usize = 64;
+    out.room(ROOM);
     match (cell, decimals) {
         (ResultCell::Length(length), Decimals::Places(places)) => Places::new(places).write(out, *length),
         (ResultCell::Length(length), Decimals::Full) => out.extend(plain(length.mm()).as_bytes()),
@@ -64,6 +66,7 @@ pub(super) fn cell(out: &mut Buffer, cell: &ResultCell<'_>, format: RowFormat, d
         (ResultCell::Nothing, _) if format == RowFormat::JsonLines => out.extend(b"null"),
         (ResultCell::Nothing, _) => {}
     }
+    // for what stands between values
     out.room(ROOM);
 }
 

@@ -13,8 +13,8 @@ use super::tables::{self, Files, ReadArgs};
 use super::teeth::{self, Judged, with_known_teeth};
 use super::{batch, mesh, target};
 use crate::batch::{
-    Batch, ColumnSink, Layout, Outcome, Plan, Request, ResultColumn, ResultColumns, ResultValues, RowFormat, RowSink, Rows, Sinks, Teeth,
-    TeethRequest,
+    Batch, ColumnSink, Layout, Outcome, Plan, Request, ResultColumn, ResultColumns, ResultValues, RowFormat, RowSink,
+    Rows, Sinks, Teeth, TeethRequest,
 };
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};

@@ -15,10 +15,10 @@ mod judge;
 
 pub use judge::{JudgedTeeth, TeethJudge};
 
+use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::number::Decimals;
 use super::outcome::{Kept, Outcome, Part, Problem, keep_worst};
 use super::request::{RowFormat, Rows};
-use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::run::{Progress, RowSink, RunError, Sinks};
 use super::statistics::{Moving, Statistics};
 use super::{buffer::Buffer, write};
@@ -468,7 +468,9 @@ impl<'a> Teeth<'a> {
         match &mut self.sinks.rows {
             None => Ok(()),
             Some(RowSink::Columns(sink)) => {
-                let mut row = ResultColumns::new(Self::columns_written(self.request.columns.as_deref()).iter().map(|(_, kind)| *kind));
+                let mut row = ResultColumns::new(
+                    Self::columns_written(self.request.columns.as_deref()).iter().map(|(_, kind)| *kind),
+                );
                 row.push(cells, decimals);
                 sink.take(row)
             }

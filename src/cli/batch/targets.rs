@@ -96,7 +96,11 @@ impl Targets {
 
 impl Args {
     /// Where rows and rejected rows go.
-    pub(super) fn targets(&self, inputs: &[String], columns: &dyn Fn() -> Vec<(String, ColumnKind)>) -> Result<Targets, Failure> {
+    pub(super) fn targets(
+        &self,
+        inputs: &[String],
+        columns: &dyn Fn() -> Vec<(String, ColumnKind)>,
+    ) -> Result<Targets, Failure> {
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         let written: Vec<&str> =
             [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(String::as_str).collect();

@@ -52,7 +52,7 @@ impl Rows {
         };
         // what cannot be told from the numbers alone is looked at as a record
         let mut is_odd = vec![false; rows];
-        let values: Vec<_> = columns.iter().map(|column| deviations(column, fields, &mut is_odd)).collect();
+        let mut values: Vec<_> = columns.iter().map(|column| deviations(column, fields, &mut is_odd)).collect();
         let names = self.setup.id.and_then(|place| fields[place].as_ref());
         if let Some(names) = names {
             for (row, is_odd) in is_odd.iter_mut().enumerate() {
@@ -67,8 +67,13 @@ impl Rows {
                 continue;
             }
             let end = (row..rows).find(|row| is_odd[*row]).unwrap_or(rows);
-            for (column, values) in columns.iter().zip(&values) {
-                block.values[column.number].extend_from_slice(&values[row..end]);
+            for (column, values) in columns.iter().zip(&mut values) {
+                let of_block = &mut block.values[column.number];
+                if end - row == rows {
+                    std::mem::swap(of_block, values);
+                } else {
+                    of_block.extend_from_slice(&values[row..end]);
+                }
             }
             for row in row..end {
                 block.record_count += 1;
