@@ -6,6 +6,7 @@
 mod api;
 mod batch;
 mod batch_exact;
+mod batch_parquet;
 mod command_line;
 mod common;
 mod decimal_exactness;

@@ -156,14 +156,14 @@ impl ParquetTable {
             Compression::UNCOMPRESSED
             | Compression::SNAPPY
             | Compression::GZIP(_)
+            | Compression::BROTLI(_)
             | Compression::LZ4
             | Compression::LZ4_RAW => return None,
             Compression::ZSTD(_) => "ZSTD",
-            Compression::BROTLI(_) => "BROTLI",
             Compression::LZO => "LZO",
         };
         let message = format!("cannot read {}: column `{column}` is compressed with {name}", self.name);
-        let help = "write the file with SNAPPY, GZIP or LZ4, or without compression";
+        let help = "write the file with SNAPPY, GZIP, BROTLI or LZ4, or without compression";
         Some(Diagnostic::error(Code::FileAccess, message).help(help))
     }
 }
