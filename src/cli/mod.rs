@@ -2,6 +2,7 @@
 //!
 //! One file per subcommand. This is the only module that reads files and prints.
 
+mod answer;
 mod batch;
 mod budget;
 mod calc;
@@ -33,10 +34,12 @@ mod target;
 mod teeth;
 mod terminal;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Arg, ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
+pub use answer::{Answer, HeldSpec, answer, judged_spec};
 use output::{Failure, Output, Status};
 
 const EXAMPLES: &str = "Examples:
@@ -176,22 +179,32 @@ pub fn command() -> Command {
 /// Runs the program with the process's own arguments.
 #[must_use]
 pub fn run() -> ExitCode {
-    let matches = match command().try_get_matches() {
+    run_with(std::env::args_os()).into()
+}
+
+/// Runs the program with these arguments, the first of which is its name; the exit status.
+#[must_use]
+pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let matches = match command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
         Err(error) => {
             // help and version go to standard output and are no failure; a closed pipe is none either
             let _ = error.print();
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            return u8::try_from(error.exit_code()).unwrap_or(2);
         }
     };
     let color = matches.get_one("color").copied().unwrap_or(ColorChoice::Auto);
     let mut output = Output::new(color, matches.get_flag("quiet"));
-    let called = matches.subcommand().and_then(|(name, matches)| {
-        let subcommand = subcommands().find(|subcommand| subcommand.name == name)?;
-        Some((subcommand.run)(matches, &mut output))
-    });
+    let called = called(&matches, &mut output);
     // a subcommand is required, so there always is one
-    output.finish(called.unwrap_or(Ok(Status::Pass))).into()
+    output.finish(called.unwrap_or(Ok(Status::Pass))).code()
+}
+
+/// Runs the subcommand that is called.
+fn called(matches: &ArgMatches, output: &mut Output) -> Option<Result<Status, Failure>> {
+    let (name, matches) = matches.subcommand()?;
+    let subcommand = subcommands().find(|subcommand| subcommand.name == name)?;
+    Some((subcommand.run)(matches, output))
 }
 
 #[cfg(test)]

@@ -2,11 +2,11 @@
 //! it, and nothing else prints.
 
 use std::io::{self, IsTerminal as _, Write as _};
-use std::process::ExitCode;
 
 use anstream::AutoStream;
 use clap::ColorChoice;
 
+use super::answer::{Held, HeldSpec};
 use crate::diagnostic::{Diagnostic, Diagnostics, render};
 use crate::report::{self, Format, Report, Screen};
 
@@ -36,19 +36,19 @@ impl Status {
             Self::Interrupted(_) => 4,
         }
     }
-}
 
-impl From<Status> for ExitCode {
-    fn from(status: Status) -> Self {
-        match status {
-            Status::Pass => Self::SUCCESS,
-            Status::Fail => Self::from(1),
-            Status::Undecided => Self::from(2),
-            Status::Indeterminate => Self::from(3),
-            Status::Interrupted(code) => Self::from(code),
+    /// The exit status.
+    pub(super) fn code(self) -> u8 {
+        match self {
+            Self::Pass => 0,
+            Self::Fail => 1,
+            Self::Undecided => 2,
+            Self::Indeterminate => 3,
+            Self::Interrupted(code) => code,
         }
     }
 }
+
 
 /// Why a command has no result.
 #[derive(Debug)]
@@ -91,6 +91,8 @@ pub(super) struct Output {
     screen: Screen,
     color_messages: bool,
     is_quiet: bool,
+    /// In place of all that, where a program asks.
+    held: Option<Held>,
 }
 
 impl Output {
@@ -118,7 +120,31 @@ impl Output {
             is_quiet,
             stdout,
             stderr,
+            held: None,
         }
+    }
+
+    /// Keeps what is said of a spec, and prints nothing.
+    pub(super) fn held(spec: HeldSpec) -> Self {
+        let held = Held { spec: Some(spec), ..Held::default() };
+        Self {
+            stdout: io::stdout(),
+            stderr: io::stderr(),
+            screen: Screen::default(),
+            color_messages: false,
+            is_quiet: true,
+            held: Some(held),
+        }
+    }
+
+    /// What was kept.
+    pub(super) fn into_held(self) -> Held {
+        self.held.unwrap_or_default()
+    }
+
+    /// The spec that a program holds, in place of a file.
+    pub(super) fn held_spec(&mut self) -> Option<HeldSpec> {
+        self.held.as_mut()?.spec.take()
     }
 
     /// What standard output is shown on.
@@ -128,12 +154,21 @@ impl Output {
 
     /// Writes a report to standard output.
     pub(super) fn report(&mut self, report: &dyn Report, format: Format) -> Result<(), Failure> {
+        if let Some(held) = &mut self.held {
+            held.json = report.json();
+            held.markdown = report::write(report, Format::Markdown, self.screen)?;
+            return Ok(());
+        }
         let text = report::write(report, format, self.screen)?;
         self.text(&text)
     }
 
     /// Writes text to standard output.
     pub(super) fn text(&mut self, text: &str) -> Result<(), Failure> {
+        if let Some(held) = &mut self.held {
+            text.clone_into(&mut held.markdown);
+            return Ok(());
+        }
         let mut stdout = self.stdout.lock();
         stdout.write_all(text.as_bytes())?;
         stdout.flush()?;
@@ -147,19 +182,25 @@ impl Output {
 
     /// Writes a remark on the result to standard error, so that standard output holds just the result.
     pub(super) fn remark(&mut self, text: &str) {
-        if !self.is_quiet {
+        if !self.is_quiet || self.held.is_some() {
             self.message(text);
         }
     }
 
     /// Writes what is to be known even by who wants no remarks to standard error.
     pub(super) fn message(&mut self, text: &str) {
+        if let Some(held) = &mut self.held {
+            return held.remarks.push(text.to_owned());
+        }
         // there is nowhere left to report a failure of standard error itself
         let _ = writeln!(self.stderr.lock(), "{text}");
     }
 
     /// Shows a diagnostic on standard error.
     pub(super) fn diagnostic(&mut self, diagnostic: &Diagnostic) {
+        if let Some(held) = &mut self.held {
+            return held.warnings.push(diagnostic.clone());
+        }
         self.message(&render(diagnostic, self.color_messages));
     }
 

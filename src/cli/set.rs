@@ -5,6 +5,7 @@ use std::io::Read as _;
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
+use super::answer::HeldSpec;
 use super::output::{Failure, Output};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::{self, Spec};
@@ -23,6 +24,9 @@ pub(super) struct SetArgs {
 impl SetArgs {
     /// Reads and parses the spec at `path`; `-` is standard input.
     pub(super) fn read_spec(&self, path: &str, output: &mut Output) -> Result<Spec, Failure> {
+        if let Some(HeldSpec { name, text }) = output.held_spec() {
+            return self.parse(&name, &text, output);
+        }
         let mut bytes = Vec::new();
         let (name, read) = if path == "-" {
             ("<stdin>", std::io::stdin().lock().take(LARGEST_SPEC + 1).read_to_end(&mut bytes))

@@ -1,0 +1,93 @@
+"""The extension module; its names are those of the package."""
+
+import os
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from ._types import Answer
+
+__version__: str
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the command line with these arguments, the first of which is its name; the exit status."""
+
+class Spec:
+    """A gear spec: TOML, with keys set in place of what the text says. Does not change; ``set`` gives another one.
+
+    The keys, their units and domains are those of ``rackmesh explain keys``. What is wrong with a spec is a
+    ``RackmeshError``.
+    """
+
+    name: str
+    text: str
+
+    @classmethod
+    def from_toml(cls, text: str, name: str = "spec.toml") -> Spec:
+        """A spec from its text; messages call it ``name``, and the tables that it names are beside that."""
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike[str]) -> Spec:
+        """A spec from a file; ``OSError`` if it cannot be read."""
+
+    def set(self, key: str, value: object) -> Spec:
+        """The same spec with a key set: ``spec.set("errors.rack_pitch", "12 um")``."""
+
+    def evaluate(
+        self,
+        *,
+        stack: Literal["range", "rss"] = ...,
+        model: Literal["exact", "paper"] = ...,
+        rule: str = ...,
+        mesh: bool = ...,
+        no_worst_teeth: bool = ...,
+        monte_carlo: int = ...,
+        seed: int = ...,
+        digits: int = ...,
+    ) -> Answer:
+        """ΔCD of each error, combined and judged (mm): ``rackmesh eval`` with the same options."""
+
+    def mesh(self, from_mm: float = 0.0, to_mm: float = 50.0, **options: Any) -> Answer:
+        """ΔCD along the stroke by the exact mesh (mm): ``rackmesh mesh`` with the same options."""
+
+    def simulate(self, **options: Any) -> Answer:
+        """ΔCD along the stroke with elastic teeth and forces (mm, N): ``rackmesh simulate`` with the same options."""
+
+    def monte_carlo(
+        self, racks: int = 2000, from_mm: float = 0.0, to_mm: float = 50.0, **options: Any
+    ) -> Answer:
+        """Random racks, each through the exact mesh (mm): ``rackmesh monte-carlo`` with the same options."""
+
+    def budget(self, **options: Any) -> Answer:
+        """Tolerances from a limit (mm, degrees): ``rackmesh budget`` with the same options."""
+
+class Plan:
+    """Judges tables of parts as ``rackmesh batch`` does.
+
+    Columns are found, and refused, by the rules for any table; ``ignore`` leaves out columns by name (``*`` for any
+    characters), ``partial`` judges without errors that the spec asks for and the table lacks, and says so in a column
+    ``judged_without``. ``columns`` are those to give, by name; all results without it. Results are in mm, with all their
+    digits.
+    """
+
+    def __init__(
+        self,
+        spec: Spec,
+        *,
+        columns: Sequence[str] | None = None,
+        stack: Literal["range", "worst", "rss"] = "range",
+        rule: str | None = None,
+        model: Literal["exact", "paper"] = "exact",
+        ignore: Sequence[str] = (),
+        partial: bool = False,
+        threads: int = 1,
+    ) -> None: ...
+    def evaluate(self, data: Any) -> Any:
+        """Judges the parts of a record batch or a table with Arrow's C interface: as many rows, in their order.
+
+        ``verdict`` is pass, fail, indeterminate or null, and ``reason`` says why a row has none. pyarrow gives pyarrow,
+        polars gives polars; of other libraries comes an object with the same interface. Columns that are not understood
+        raise ``RackmeshError``.
+        """
+
+    def schema(self, data: Any) -> Any:
+        """The schema of what ``evaluate`` gives for such data: a record batch, a table or a schema."""

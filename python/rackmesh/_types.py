@@ -1,0 +1,121 @@
+"""What the extension module gives back, as plain Python."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ._rackmesh import Plan, Spec
+
+
+class Place(NamedTuple):
+    """Where in a file something is wrong; line and column count from 1."""
+
+    file: str
+    line: int
+    column: int
+
+
+class Diagnostic(NamedTuple):
+    """What is wrong, where, and what to do."""
+
+    code: str
+    message: str
+    place: Place | None
+    remedy: str | None
+
+    def __str__(self) -> str:
+        where = f"{self.place.file}:{self.place.line}:{self.place.column}: " if self.place else ""
+        remedy = f"; {self.remedy}" if self.remedy else ""
+        return f"{where}{self.message}{remedy} [{self.code}]"
+
+
+class RackmeshError(ValueError):
+    """Why there is no result: one diagnostic or several, found in one go."""
+
+    def __init__(self, diagnostics: list[Diagnostic]) -> None:
+        super().__init__(diagnostics)
+        self.diagnostics = diagnostics
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.diagnostics))
+
+    @property
+    def code(self) -> str:
+        """The kind of the first problem; ``rackmesh explain CODE`` explains it."""
+        return self.diagnostics[0].code
+
+    @property
+    def message(self) -> str:
+        """What is wrong."""
+        return self.diagnostics[0].message
+
+    @property
+    def place(self) -> Place | None:
+        """Where, if it is in a file."""
+        return self.diagnostics[0].place
+
+    @property
+    def remedy(self) -> str | None:
+        """What to do."""
+        return self.diagnostics[0].remedy
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command says of a spec.
+
+    ``answer["verdict"]`` is a key of the result, ``answer.array("points_mm")`` a list of numbers as a numpy array.
+    """
+
+    command: str
+    result: dict[str, Any]
+    markdown: str
+    warnings: list[Diagnostic]
+    remarks: list[str]
+    status: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result: what the command writes with ``--format json``."""
+        return self.result
+
+    def __getitem__(self, key: str) -> Any:
+        return self.result[key]
+
+    def array(self, *keys: str) -> Any:
+        """What stands below these keys as a numpy array: numbers, or one array per column of a list of records."""
+        import numpy
+
+        value: Any = self.result
+        for key in keys:
+            value = value[key]
+        if value and isinstance(value[0], dict):
+            return {key: numpy.asarray([record[key] for record in value]) for key in value[0]}
+        return numpy.asarray(value)
+
+    def _repr_markdown_(self) -> str:
+        return self.markdown
+
+    def __str__(self) -> str:
+        return self.markdown
+
+
+def spec_again(text: str, name: str, settings: list[str]) -> Spec:
+    """The spec that was pickled."""
+    return Spec._again(text, name, settings)
+
+
+def plan_again(
+    spec: Spec,
+    columns: list[str] | None,
+    stack: str,
+    rule: str | None,
+    model: str,
+    ignore: list[str],
+    partial: bool,
+    threads: int,
+) -> Plan:
+    """The plan that was pickled."""
+    return Plan(
+        spec, columns=columns, stack=stack, rule=rule, model=model, ignore=ignore, partial=partial, threads=threads
+    )

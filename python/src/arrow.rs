@@ -1,0 +1,123 @@
+//! Arrow arrays as stored columns, without copies where they are numbers, and results as a record batch. Knows no spec.
+
+use std::sync::Arc;
+
+use arrow_array::cast::AsArray as _;
+use arrow_array::types::{
+    ArrowPrimitiveType, Decimal32Type, Decimal64Type, Decimal128Type, Float32Type, Float64Type, Int8Type, Int16Type,
+    Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
+};
+use arrow_array::{Array, ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray};
+use arrow_buffer::{Buffer, NullBuffer, OffsetBuffer, ScalarBuffer};
+use arrow_cast::cast;
+use arrow_cast::display::{ArrayFormatter, FormatOptions};
+use arrow_schema::{ArrowError, DataType, Field, Schema};
+use rackmesh::batch::{ColumnKind, ResultColumns, ResultValues};
+use rackmesh::table::Stored;
+
+/// Arrays of types that stored columns have: dictionaries and views as what they stand for.
+pub(crate) fn plain(array: &ArrayRef) -> Result<ArrayRef, ArrowError> {
+    match array.data_type() {
+        DataType::Dictionary(_, values) => plain(&cast(array, values)?),
+        DataType::RunEndEncoded(_, values) => plain(&cast(array, values.data_type())?),
+        DataType::Utf8View => cast(array, &DataType::LargeUtf8),
+        DataType::Float16 => cast(array, &DataType::Float32),
+        _ => Ok(Arc::clone(array)),
+    }
+}
+
+/// A plain array as a stored column; `None` of a type that holds no measurement.
+pub(crate) fn stored(array: &ArrayRef) -> Option<Stored<'_>> {
+    let column = match array.data_type() {
+        DataType::Float64 => Stored::doubles(&array.as_primitive::<Float64Type>().values()[..]),
+        DataType::Float32 => Stored::singles(&array.as_primitive::<Float32Type>().values()[..]),
+        DataType::Int64 => Stored::integers(&array.as_primitive::<Int64Type>().values()[..], 0),
+        DataType::Int32 => integers::<Int32Type>(array, 0),
+        DataType::Int16 => integers::<Int16Type>(array, 0),
+        DataType::Int8 => integers::<Int8Type>(array, 0),
+        DataType::UInt32 => integers::<UInt32Type>(array, 0),
+        DataType::UInt16 => integers::<UInt16Type>(array, 0),
+        DataType::UInt8 => integers::<UInt8Type>(array, 0),
+        DataType::UInt64 => {
+            Stored::long_integers(array.as_primitive::<UInt64Type>().values().iter().map(|value| i128::from(*value)), 0)
+        }
+        DataType::Decimal32(_, scale) => integers::<Decimal32Type>(array, i32::from(*scale)),
+        DataType::Decimal64(_, scale) => {
+            Stored::integers(&array.as_primitive::<Decimal64Type>().values()[..], i32::from(*scale))
+        }
+        DataType::Decimal128(_, scale) => {
+            let values = array.as_primitive::<Decimal128Type>().values();
+            Stored::long_integers(values.iter().copied(), i32::from(*scale))
+        }
+        DataType::Utf8 => {
+            let texts = array.as_string::<i32>();
+            Stored::texts(texts.value_data(), ends(texts.value_offsets()))
+        }
+        DataType::LargeUtf8 => {
+            let texts = array.as_string::<i64>();
+            Stored::texts(texts.value_data(), ends(texts.value_offsets()))
+        }
+        DataType::Null => Stored::doubles(vec![0.0; array.len()]).with_values_where(vec![false; array.len()]),
+        DataType::Boolean
+        | DataType::Date32
+        | DataType::Date64
+        | DataType::Time32(_)
+        | DataType::Time64(_)
+        | DataType::Timestamp(..) => {
+            let formatter = ArrayFormatter::try_new(array.as_ref(), &FormatOptions::default()).ok()?;
+            Stored::others((0..array.len()).map(|row| formatter.value(row).to_string()).collect::<Vec<_>>())
+        }
+        _ => return None,
+    };
+    Some(match array.nulls().filter(|nulls| nulls.null_count() > 0) {
+        Some(nulls) => column.with_values_where(nulls.iter().collect::<Vec<_>>()),
+        None => column,
+    })
+}
+
+fn integers<T: ArrowPrimitiveType>(array: &ArrayRef, scale: i32) -> Stored<'_>
+where
+    i64: From<T::Native>,
+{
+    let values = array.as_primitive::<T>().values();
+    Stored::integers(values.iter().map(|value| i64::from(*value)).collect::<Vec<_>>(), scale)
+}
+
+/// Where texts begin and end.
+fn ends<O: Copy + TryInto<usize>>(offsets: &[O]) -> Vec<usize> {
+    // offsets of an array are not negative
+    offsets.iter().map(|offset| (*offset).try_into().unwrap_or(0)).collect()
+}
+
+/// The schema of results.
+pub(crate) fn schema(columns: &[(String, ColumnKind)]) -> Schema {
+    let field = |(name, kind): &(String, ColumnKind)| {
+        let kind = match kind {
+            ColumnKind::Number => DataType::Float64,
+            ColumnKind::Flag => DataType::Boolean,
+            _ => DataType::Utf8,
+        };
+        Field::new(name, kind, true)
+    };
+    Schema::new(columns.iter().map(field).collect::<Vec<_>>())
+}
+
+/// Results as a record batch.
+pub(crate) fn batch(columns: &[(String, ColumnKind)], results: ResultColumns) -> Result<RecordBatch, ArrowError> {
+    let mut arrays: Vec<ArrayRef> = Vec::with_capacity(columns.len());
+    for column in results.columns {
+        let nulls = Some(NullBuffer::from(column.has_value)).filter(|nulls| nulls.null_count() > 0);
+        arrays.push(match column.values {
+            ResultValues::Numbers(values) => Arc::new(Float64Array::try_new(values.into(), nulls)?),
+            ResultValues::Flags(values) => Arc::new(BooleanArray::new(values.into(), nulls)),
+            ResultValues::Texts { bytes, ends } => {
+                let offset = |end: &usize| i32::try_from(*end).map_err(|_| ArrowError::OffsetOverflowError(*end));
+                let offsets: Vec<i32> = ends.iter().map(offset).collect::<Result<_, _>>()?;
+                let offsets = OffsetBuffer::new(ScalarBuffer::from(offsets));
+                Arc::new(StringArray::try_new(offsets, Buffer::from_vec(bytes), nulls)?)
+            }
+            _ => return Err(ArrowError::NotYetImplemented("a kind of results".to_owned())),
+        });
+    }
+    RecordBatch::try_new(Arc::new(schema(columns)), arrays)
+}

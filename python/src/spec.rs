@@ -1,0 +1,191 @@
+//! Specs, and what the commands say of them.
+
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyList, PyString, PyType};
+use rackmesh::cli::{self, Answer, HeldSpec};
+use serde_json::Value;
+
+use crate::error::{diagnostic, raised};
+
+/// A gear spec: TOML, with keys set in place of what the text says. Does not change; `set` gives another one.
+#[pyclass(frozen, module = "rackmesh")]
+#[derive(Debug, Clone)]
+pub(crate) struct Spec {
+    pub(crate) held: HeldSpec,
+    pub(crate) settings: Vec<String>,
+}
+
+impl Spec {
+    fn checked(py: Python<'_>, held: HeldSpec, settings: Vec<String>) -> PyResult<Self> {
+        rackmesh::spec::Spec::parse_with(&held.name, &held.text, &settings).map_err(|problems| raised(py, &problems))?;
+        Ok(Self { held, settings })
+    }
+}
+
+impl Spec {
+    /// A `rackmesh.Answer`: what a command says of the spec. Options are its own: `worst_teeth=True` is `--worst-teeth`.
+    fn ask<'py>(
+        &self,
+        py: Python<'py>,
+        command: &str,
+        mut arguments: Vec<String>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        for (name, value) in options.into_iter().flatten() {
+            let flag = format!("--{}", name.str()?.to_str()?.replace('_', "-"));
+            match value.extract::<bool>() {
+                Ok(true) => arguments.push(flag),
+                Ok(false) => {}
+                Err(_) if value.is_none() => {}
+                Err(_) => arguments.push(format!("{flag}={}", value.str()?)),
+            }
+        }
+        let settings = self.settings.iter().flat_map(|setting| ["--set", setting.as_str()]);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(settings).collect();
+        let answered = py.detach(|| cli::answer(command, &arguments, self.held.clone()));
+        // Ctrl-C during the run is raised in place of its result
+        py.check_signals()?;
+        let Answer { json, markdown, warnings, remarks, status } = answered.map_err(|problems| raised(py, &problems))?;
+        let warnings: Vec<_> = warnings.iter().map(|warning| diagnostic(py, warning)).collect::<PyResult<_>>()?;
+        let answer = py.import("rackmesh._types")?.getattr("Answer")?;
+        answer.call1((command, as_python(py, &json)?, markdown, warnings, remarks, status))
+    }
+}
+
+/// A stroke as a command takes it.
+fn stroke(from_mm: f64, to_mm: f64) -> Vec<String> {
+    vec![format!("--from={from_mm}"), format!("--to={to_mm}")]
+}
+
+#[pymethods]
+impl Spec {
+    /// A spec from its text; messages call it `name`, and the tables that it names are beside that.
+    #[classmethod]
+    #[pyo3(signature = (text, name = "spec.toml"))]
+    fn from_toml(class: &Bound<'_, PyType>, text: String, name: &str) -> PyResult<Self> {
+        Self::checked(class.py(), HeldSpec { name: name.to_owned(), text }, Vec::new())
+    }
+
+    /// A spec from a file.
+    #[classmethod]
+    fn from_file(class: &Bound<'_, PyType>, path: std::path::PathBuf) -> PyResult<Self> {
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| PyOSError::new_err(format!("cannot read {}: {error}", path.display())))?;
+        Self::checked(class.py(), HeldSpec { name: path.display().to_string(), text }, Vec::new())
+    }
+
+    /// The same spec with a key set, in place of what the text says.
+    fn set(&self, py: Python<'_>, key: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let value = if value.is_instance_of::<PyBool>() {
+            value.extract::<bool>()?.to_string()
+        } else {
+            value.str()?.to_string()
+        };
+        let mut settings = self.settings.clone();
+        let before = format!("{key}=");
+        settings.retain(|setting| !setting.starts_with(&before));
+        settings.push(before + &value);
+        Self::checked(py, self.held.clone(), settings)
+    }
+
+    /// Its text.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.held.text
+    }
+
+    /// What messages call it.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.held.name
+    }
+
+    /// ΔCD of each error, combined and judged: `rackmesh eval`.
+    #[pyo3(signature = (**options))]
+    fn evaluate<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, "eval", Vec::new(), options)
+    }
+
+    /// ΔCD along the stroke by the exact mesh: `rackmesh mesh`.
+    #[pyo3(signature = (from_mm = 0.0, to_mm = 50.0, **options))]
+    fn mesh<'py>(
+        &self,
+        py: Python<'py>,
+        from_mm: f64,
+        to_mm: f64,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, "mesh", stroke(from_mm, to_mm), options)
+    }
+
+    /// ΔCD along the stroke with elastic teeth and forces: `rackmesh simulate`.
+    #[pyo3(signature = (**options))]
+    fn simulate<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, "simulate", Vec::new(), options)
+    }
+
+    /// Random racks, each through the exact mesh: `rackmesh monte-carlo`.
+    #[pyo3(signature = (racks = 2000, from_mm = 0.0, to_mm = 50.0, **options))]
+    fn monte_carlo<'py>(
+        &self,
+        py: Python<'py>,
+        racks: u64,
+        from_mm: f64,
+        to_mm: f64,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut arguments = stroke(from_mm, to_mm);
+        arguments.extend(["--racks".to_owned(), racks.to_string()]);
+        self.ask(py, "monte-carlo", arguments, options)
+    }
+
+    /// Tolerances from a limit: `rackmesh budget`.
+    #[pyo3(signature = (**options))]
+    fn budget<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, "budget", Vec::new(), options)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let spec = slf.get();
+        let again = slf.py().import("rackmesh._types")?.getattr("spec_again")?;
+        let arguments = (spec.held.text.clone(), spec.held.name.clone(), spec.settings.clone());
+        Ok((again, arguments).into_pyobject(slf.py())?.into_any())
+    }
+
+    /// The same spec from its parts.
+    #[classmethod]
+    fn _again(class: &Bound<'_, PyType>, text: String, name: String, settings: Vec<String>) -> PyResult<Self> {
+        Self::checked(class.py(), HeldSpec { name, text }, settings)
+    }
+
+    fn __repr__(&self) -> String {
+        let set: String = self.settings.iter().map(|setting| format!(", {setting}")).collect();
+        format!("<rackmesh.Spec {}{set}>", self.held.name)
+    }
+}
+
+/// JSON as Python's own types.
+fn as_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Null => py.None().into_bound(py),
+        Value::Bool(flag) => flag.into_pyobject(py)?.to_owned().into_any(),
+        Value::Number(number) => match (number.as_i64(), number.as_u64(), number.as_f64()) {
+            (Some(whole), ..) => whole.into_pyobject(py)?.into_any(),
+            (None, Some(whole), _) => whole.into_pyobject(py)?.into_any(),
+            (.., number) => number.unwrap_or(f64::NAN).into_pyobject(py)?.into_any(),
+        },
+        Value::String(text) => PyString::new(py, text).into_any(),
+        Value::Array(values) => {
+            let values: Vec<_> = values.iter().map(|value| as_python(py, value)).collect::<PyResult<_>>()?;
+            PyList::new(py, values)?.into_any()
+        }
+        Value::Object(entries) => {
+            let all = PyDict::new(py);
+            for (key, value) in entries {
+                all.set_item(key, as_python(py, value)?)?;
+            }
+            all.into_any()
+        }
+    })
+}

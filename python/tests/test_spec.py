@@ -1,0 +1,80 @@
+"""Specs say what the commands say."""
+
+import json
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy
+import pytest
+import rackmesh
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess:
+    program = "from rackmesh._command import main; main()"
+    return subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "arguments"),
+    [
+        ("steering.toml", "evaluate", ["eval"]),
+        ("uncertain.toml", "evaluate", ["eval"]),
+        ("mesh-errors.toml", "mesh", ["mesh"]),
+        ("scatter.toml", "monte_carlo", ["monte-carlo"]),
+        ("paper.toml", "simulate", ["simulate"]),
+        ("budget.toml", "budget", ["budget"]),
+    ],
+)
+def test_an_answer_is_the_command_s(name: str, method: str, arguments: list[str]) -> None:
+    path = EXAMPLES / name
+    said = command(*arguments, str(path), "--format", "json")
+    answer = getattr(rackmesh.Spec.from_file(path), method)()
+    expected = json.loads(said.stdout)
+    assert answer.to_dict() == expected
+    assert answer.status == said.returncode
+    assert answer._repr_markdown_().strip()
+
+
+def test_options_and_settings_are_the_command_s() -> None:
+    path = EXAMPLES / "steering.toml"
+    spec = rackmesh.Spec.from_file(path).set("errors.rack_pitch", "30 um").set("errors.rack_pitch", "12um")
+    said = command("eval", str(path), "--set", "errors.rack_pitch=12um", "--stack", "rss", "--format", "json")
+    assert spec.evaluate(stack="rss").to_dict() == json.loads(said.stdout)
+    again = pickle.loads(pickle.dumps(spec))
+    assert again.evaluate(stack="rss") == spec.evaluate(stack="rss")
+
+
+def test_numbers_come_as_arrays() -> None:
+    answer = rackmesh.Spec.from_file(EXAMPLES / "mesh-errors.toml").mesh(0.0, 20.0)
+    points = answer.array("points")
+    assert all(isinstance(column, numpy.ndarray) for column in points.values())
+
+
+def test_what_is_wrong_has_code_place_and_remedy(capfd: pytest.CaptureFixture) -> None:
+    with pytest.raises(rackmesh.RackmeshError) as raised:
+        rackmesh.Spec.from_toml('[errors]\nrack_pich = "12 um"\n', name="rack.toml")
+    error = raised.value
+    assert error.code == "unknown-key"
+    assert "rack_pich" in error.message
+    assert error.place == ("rack.toml", 2, 1)
+    assert error.remedy is not None and "rack_pitch" in error.remedy
+    assert pickle.loads(pickle.dumps(error)).diagnostics == error.diagnostics
+    spec = rackmesh.Spec.from_toml('[errors]\nrack_over_roller = "13 um"')
+    with pytest.raises(rackmesh.RackmeshError, match="stack"):
+        spec.evaluate(stack="none")
+    with pytest.raises(OSError, match="nowhere"):
+        rackmesh.Spec.from_file("nowhere.toml")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_the_command_has_its_exit_status() -> None:
+    assert command("--version").stdout.startswith("rackmesh ")
+    assert command("eval", "nowhere.toml").returncode == 2
+    spec = '[errors]\nrack_over_roller = "13 um"\n[limits]\ncenter_distance = "±0.01"'
+    program = "from rackmesh._command import main; main()"
+    failed = subprocess.run([sys.executable, "-c", program, "eval", "-"], input=spec, text=True, capture_output=True)
+    assert (failed.returncode, "FAIL" in failed.stdout) == (1, True)
