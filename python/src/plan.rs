@@ -44,7 +44,8 @@ const PIECE_ROWS: usize = 1 << 16;
 
 impl Asked {
     fn request(&self, of_spec: Option<Rule>) -> PyResult<Request> {
-        let unknown = |what: &str, value: &str, known: &str| PyValueError::new_err(format!("{what}={value:?}: write {known}"));
+        let unknown =
+            |what: &str, value: &str, known: &str| PyValueError::new_err(format!("{what}={value:?}: write {known}"));
         let rule = match &self.rule {
             None => of_spec.unwrap_or_default(),
             Some(rule) => rule.parse().map_err(|problem| PyValueError::new_err(format!("rule={rule:?}: {problem}")))?,
@@ -98,7 +99,8 @@ impl NoResults {
 impl Plan {
     fn make(py: Python<'_>, spec: Py<Spec>, asked: Asked) -> PyResult<Self> {
         let Spec { held, settings } = spec.get();
-        let judged = py.detach(|| rackmesh::cli::judged_spec(held, settings)).map_err(|problems| raised(py, &problems))?;
+        let judged =
+            py.detach(|| rackmesh::cli::judged_spec(held, settings)).map_err(|problems| raised(py, &problems))?;
         let request = asked.request(judged.get(keys::DECISION_RULE))?;
         let evaluator = ColumnEvaluator::new(&Arc::new(judged), &asked.ignore, request);
         Ok(Self { spec, asked, evaluator })
@@ -230,7 +232,9 @@ impl Plan {
 fn joined(schema: &SchemaRef, batches: &[RecordBatch]) -> PyResult<RecordBatch> {
     match batches {
         [one] => Ok(one.clone()),
-        all => arrow_select::concat::concat_batches(schema, all).map_err(|error| PyValueError::new_err(error.to_string())),
+        all => {
+            arrow_select::concat::concat_batches(schema, all).map_err(|error| PyValueError::new_err(error.to_string()))
+        }
     }
 }
 
@@ -244,7 +248,7 @@ fn like<'py>(
     let module: String = data.get_type().module()?.extract()?;
     match module.split('.').next() {
         Some("pyarrow") => py.import("pyarrow")?.getattr(maker)?.call1((results,)),
-        Some("polars") if maker != "schema" => py.import("polars")?.getattr("from_arrow")?.call1((results,)),
+        Some("polars") if maker != "schema" => py.import("polars")?.getattr("DataFrame")?.call1((results,)),
         _ => Ok(results),
     }
 }

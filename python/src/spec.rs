@@ -18,7 +18,8 @@ pub(crate) struct Spec {
 
 impl Spec {
     fn checked(py: Python<'_>, held: HeldSpec, settings: Vec<String>) -> PyResult<Self> {
-        rackmesh::spec::Spec::parse_with(&held.name, &held.text, &settings).map_err(|problems| raised(py, &problems))?;
+        rackmesh::spec::Spec::parse_with(&held.name, &held.text, &settings)
+            .map_err(|problems| raised(py, &problems))?;
         Ok(Self { held, settings })
     }
 }
@@ -46,7 +47,8 @@ impl Spec {
         let answered = py.detach(|| cli::answer(command, &arguments, self.held.clone()));
         // Ctrl-C during the run is raised in place of its result
         py.check_signals()?;
-        let Answer { json, markdown, warnings, remarks, status } = answered.map_err(|problems| raised(py, &problems))?;
+        let Answer { json, markdown, warnings, remarks, status } =
+            answered.map_err(|problems| raised(py, &problems))?;
         let warnings: Vec<_> = warnings.iter().map(|warning| diagnostic(py, warning)).collect::<PyResult<_>>()?;
         let answer = py.import("rackmesh._types")?.getattr("Answer")?;
         answer.call1((command, as_python(py, &json)?, markdown, warnings, remarks, status))

@@ -155,7 +155,7 @@ impl Output {
     /// Writes a report to standard output.
     pub(super) fn report(&mut self, report: &dyn Report, format: Format) -> Result<(), Failure> {
         if let Some(held) = &mut self.held {
-            held.json = report.json();
+            held.json = report::document(report.json());
             held.markdown = report::write(report, Format::Markdown, self.screen)?;
             return Ok(());
         }

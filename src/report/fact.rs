@@ -9,13 +9,13 @@ use crate::quantity::plain;
 /// its meaning, and stays when one comes.
 pub const FORMAT_VERSION: u32 = 1;
 
-/// A result as a document of JSON, ending in a newline.
-pub(super) fn document(result: Value) -> String {
+/// A result as a document of JSON.
+pub(crate) fn document(result: Value) -> Value {
     let mut document = Map::from_iter([("format_version".to_owned(), FORMAT_VERSION.into())]);
     if let Value::Object(result) = result {
         document.extend(result);
     }
-    format!("{:#}\n", Value::Object(document))
+    Value::Object(document)
 }
 
 /// The cells of CSV, header first: a row for each record below the key `records`, with what it has below each name, or

@@ -93,7 +93,7 @@ impl MeshReport<'_> {
     /// The text before does not depend on `trust`.
     #[must_use]
     pub fn json_around(&self, trust: Trust) -> (String, String) {
-        let text = document(self.json_with(&Value::Null, trust));
+        let text = format!("{:#}\n", document(self.json_with(&Value::Null, trust)));
         // a line break within a JSON string is escaped, so this is the key itself
         let (before, after) = text.split_once("\n  \"points\": null").unwrap_or((&text, ""));
         (format!("{before}\n  \"points\": ["), format!("\n  ]{after}"))

@@ -47,7 +47,7 @@ pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedRep
 pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 
 pub use fact::FORMAT_VERSION;
-use fact::document;
+pub(crate) use fact::document;
 pub use mesh::{MeasureReport, MeshReport};
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 #[cfg(feature = "table")]
@@ -150,7 +150,7 @@ pub fn write(report: &dyn Report, format: Format, screen: Screen) -> Result<Stri
     match format {
         Format::Table => Ok(table::text(&report.blocks(), screen)),
         Format::Markdown => Ok(table::markdown(&report.blocks())),
-        Format::Json => Ok(document(report.json())),
+        Format::Json => Ok(format!("{:#}\n", document(report.json()))),
         Format::Csv => {
             let mut writer = csv::Writer::from_writer(Vec::new());
             for row in report.rows() {

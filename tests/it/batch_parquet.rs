@@ -66,7 +66,9 @@ fn csv(columns: &[Vec<i64>; 4]) -> Vec<u8> {
     let mut table = NAMES.join(",") + "\n";
     for row in 0..columns[0].len() {
         let _ = write!(table, "P{row}");
-        columns.iter().for_each(|column| table += &format!(",{}", text(column[row])));
+        for column in columns {
+            let _ = write!(table, ",{}", text(column[row]));
+        }
         table.push('\n');
     }
     table.into_bytes()

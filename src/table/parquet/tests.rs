@@ -324,7 +324,7 @@ fn bytes_that_are_changed_are_refused_or_read() {
         Stored::Longs(&[5, 6, 7, 8]),
     ];
     for compression in [Compression::SNAPPY, Compression::BROTLI(BrotliLevel::default())] {
-        let bytes = file(schema.clone(), compression, &[group.clone()]);
+        let bytes = file(schema.clone(), compression, std::slice::from_ref(&group));
         assert!(read_all(&bytes).is_ok());
         for at in 0..bytes.len() {
             for change in [0x01, 0x80, 0xff] {
