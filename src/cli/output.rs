@@ -49,7 +49,6 @@ impl Status {
     }
 }
 
-
 /// Why a command has no result.
 #[derive(Debug)]
 pub(super) enum Failure {
