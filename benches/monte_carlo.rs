@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rackmesh::chance::racks::{RackSettings, Scatter, simulate_racks};
+use rackmesh::chance::racks::{RackRange, RackSettings, Racks, RacksError, Scatter};
 use rackmesh::chance::{Settings, simulate_part};
 use rackmesh::deviation::DeviationKind;
 use rackmesh::formula::{Law, Model, PartDeviation};
@@ -65,7 +65,7 @@ fn draws(c: &mut Criterion) {
 
 /// Racks of a steering pair (m_n = 2, z = 8, β_p = 21°) over 50 mm of stroke, flanks not tilted.
 fn racks(c: &mut Criterion) {
-    const RACKS: usize = 1000;
+    const RACKS: u64 = 1000;
     let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
     let pair = Pair::new(&PairData {
         normal_module_mm: 2.0,
@@ -90,13 +90,16 @@ fn racks(c: &mut Criterion) {
     };
     let runout = Scatter { pinion_runout: Some(Uncertainty::standard(0.005)), ..plain };
     let mut group = c.benchmark_group("random racks over 50 mm");
-    group.throughput(Throughput::Elements(RACKS as u64)).sample_size(10);
+    group.throughput(Throughput::Elements(RACKS)).sample_size(10);
     for (name, scatter) in [("pitch and thickness", plain), ("with runout", runout)] {
         for (cores, threads) in [("one thread", Some(1)), ("all cores", None)] {
             let stop = AtomicBool::new(false);
-            let settings = RackSettings { seed: 1, racks: RACKS, from_mm: 0.0, to_mm: 50.0, threads };
+            let range = RackRange { first_rack: 0, racks: RACKS };
+            let settings = RackSettings { seed: 1, range, from_mm: 0.0, to_mm: 50.0, threads };
+            let racks = Racks { base: &base, scatter: &scatter, limit: None };
             group.bench_function(format!("{name}, {cores}"), |b| {
-                b.iter(|| simulate_racks(black_box(&base), &scatter, &settings, &stop).expect("a result"));
+                let each = |_, _: &[_]| Ok::<_, RacksError>(());
+                b.iter(|| black_box(&racks).study(&settings, &stop, each).expect("a result"));
             });
         }
     }

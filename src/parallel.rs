@@ -52,6 +52,36 @@ pub(crate) fn deal<J: Send>(threads: usize, jobs: impl Iterator<Item = J> + Send
     });
 }
 
+/// What [`in_order`] holds at once for each thread.
+pub(crate) const HELD: usize = 16;
+
+/// Makes something of each number below `count` on up to so many threads, and hands what was made over in the order of
+/// the numbers. Memory is bounded however many there are.
+///
+/// # Errors
+/// The first one of `take`, after which nothing more is made.
+pub(crate) fn in_order<T: Send, E>(
+    threads: usize,
+    count: u64,
+    make: impl Fn(u64) -> T + Sync,
+    mut take: impl FnMut(T) -> Result<(), E>,
+) -> Result<(), E> {
+    let threads = threads.clamp(1, usize::try_from(count).unwrap_or(usize::MAX).max(1));
+    let held = threads * HELD;
+    let mut made: Vec<Option<T>> = Vec::with_capacity(held);
+    let mut first = 0;
+    while first < count {
+        made.clear();
+        made.resize_with(held.min(usize::try_from(count - first).unwrap_or(held)), || None);
+        deal(threads, (first..count).zip(&mut made), |(number, made)| *made = Some(make(number)));
+        for made in made.drain(..).flatten() {
+            take(made)?;
+        }
+        first += held as u64;
+    }
+    Ok(())
+}
+
 /// Runs the same on so many threads at once, the caller's among them. A panic on any of them is the caller's.
 fn on_threads<T: Send>(threads: usize, worker: impl Fn() -> T + Sync) -> Vec<T> {
     std::thread::scope(|scope| {
@@ -96,6 +126,19 @@ mod tests {
                 sum.fetch_add(job, Ordering::Relaxed);
             });
             assert_eq!(sum.into_inner(), 5050);
+        }
+    }
+
+    #[test]
+    fn what_is_made_is_taken_in_order_up_to_the_first_error() {
+        for threads in [0, 1, 3] {
+            for count in [0, 1, 7, 300] {
+                let mut taken = Vec::new();
+                let take = |number| if number == 120 { Err("enough") } else { Ok(taken.push(number)) };
+                let ended = in_order(threads, count, |number| number, take);
+                assert_eq!(ended.is_err(), count > 120);
+                assert_eq!(taken, (0..count.min(120)).collect::<Vec<_>>());
+            }
         }
     }
 

@@ -1,13 +1,17 @@
 //! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
 
+use std::io::{Read as _, Write as _};
+
+use super::long::{self, Bar, Interruption, counted};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::{long, mesh};
+use super::target::Target;
+use super::{mesh, stream};
 use crate::chance::DEFAULT_SEED;
-use crate::chance::racks::{RackSettings, RacksError, RacksSummary, simulate_racks};
+use crate::chance::racks::{RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, StudyError};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Verdict};
-use crate::report::{Format, RacksReport};
+use crate::report::{Format, RACK_COLUMNS, RacksReport, rack_lines, read_study, study_json};
 
 pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact mesh";
 
@@ -15,20 +19,32 @@ pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact m
 #[command(after_help = "Examples:
   rackmesh monte-carlo examples/scatter.toml
   rackmesh monte-carlo examples/scatter.toml --racks 20000 --format json
+  rackmesh monte-carlo examples/scatter.toml --first-rack 2000 --racks 3000 --study b.json
+  rackmesh monte-carlo examples/scatter.toml --merge a.json b.json
 
-CSV lists every rack. The same seed gives the same racks with any number of threads.
+CSV lists every rack, of merged studies the quantiles. The same seed gives the same racks with any number of threads and
+in any ranges: merged, they are the same bits as one run.
 For the uncertainty of one part: rackmesh eval --monte-carlo.
 
-Ctrl-C ends the run and prints what was computed.
+Ctrl-C ends the run, and prints and keeps what was computed.
 
-Exit status: 0 all racks inside limits.center_distance or none given, 1 some outside, 2 could not solve,
+Exit status: 0 all racks inside limits.center_distance or none given, 1 some outside, 2 could not solve or racks are missing,
 130 or 143 if Ctrl-C or SIGTERM ended the run.")]
 pub(super) struct Args {
     /// The gear spec (TOML) with a section [scatter]; `-` reads standard input.
     spec: String,
-    /// How many racks.
-    #[arg(long, default_value_t = 2000, value_name = "N")]
-    racks: usize,
+    /// How many racks; 2000 unless given, of merged studies all that were asked for.
+    #[arg(long, value_name = "N")]
+    racks: Option<u64>,
+    /// Number of the first rack; 0 unless given, of merged studies the first that was asked for.
+    #[arg(long, value_name = "N")]
+    first_rack: Option<u64>,
+    /// Keep the racks, counted, in this file, to be merged.
+    #[arg(long, value_name = "FILE")]
+    study: Option<String>,
+    /// Merge the studies in these files, in place of drawing racks.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["seed", "from", "to", "threads"])]
+    merge: Vec<String>,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "SEED")]
     seed: u64,
@@ -44,50 +60,151 @@ pub(super) struct Args {
     format: Format,
 }
 
+/// The racks of a run that nobody tells how many.
+const DEFAULT_RACKS: u64 = 2000;
+/// The largest study that is read: several times what the bins of one take.
+const LARGEST_STUDY: u64 = 64 << 20;
+
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let (scatter, classes) = spec.scatter()?;
         let input = spec.mesh(&mesh::measured_tables(&spec, &self.spec)?)?;
-        let settings = RackSettings {
-            seed: self.seed,
-            racks: self.racks,
-            from_mm: self.stroke.from.mm(),
-            to_mm: self.stroke.to.mm(),
-            threads: self.threads.map(usize::from),
-        };
+        let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
+        let racks = Racks { base: &input.mesh, scatter: &scatter, limit: limit.map(|(_, limit)| &limit.value) };
+        let mut files = mesh::files_read(&spec, &self.spec);
+        files.extend(self.merge.iter().cloned());
+        let kept = self.kept(&files)?;
         let interruption = long::interrupted();
-        let results = simulate_racks(&input.mesh, &scatter, &settings, interruption.stop());
-        let results = results.map_err(|error| unsolved(&error))?;
-        if results.is_empty() {
+        let study = if self.merge.is_empty() {
+            self.drawn(&racks, &interruption, output)?
+        } else {
+            self.merged(&racks, &interruption)?
+        };
+        let Some(summary) = RacksSummary::of(&study) else {
             output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, "interrupted before the first rack was solved"));
             return Ok(interruption.status().unwrap_or(Status::Undecided));
+        };
+        if let Some(mut kept) = kept {
+            kept.write_all(study_json(&study).map_err(std::io::Error::from)?.as_bytes())?;
+            kept.finish()?;
         }
-        let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
-        let limit = limit.map(|(_, limit)| &limit.value);
-        let summary = RacksSummary::of(&results, settings.racks, limit);
         let report = RacksReport {
             title: spec.title.as_deref(),
             scatter: &scatter,
             classes: &classes,
-            settings: &settings,
-            results: &results,
+            study: &study,
             summary: &summary,
             notes: mesh::notes(&input),
         };
-        output.report(&report, self.format)?;
-        if summary.is_interrupted {
-            if self.format == Format::Csv {
-                // the other formats say so themselves
-                let message = format!("interrupted: these are the first {} of {} racks", results.len(), self.racks);
-                output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, message));
-            }
-            return Ok(interruption.status().unwrap_or(Status::Undecided));
+        if !self.lists_racks() {
+            output.report(&report, self.format)?;
         }
-        Ok(match summary.verdict {
-            Some(Verdict::Fail) => Status::Fail,
-            _ => Status::Pass,
-        })
+        if self.format == Format::Csv && !summary.missing.is_empty() {
+            // the other formats say so themselves
+            let message = format!("racks are missing: these are {} of {} racks", study.racks(), study.asked().racks);
+            output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, message));
+        }
+        let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
+        Ok(ended_early.unwrap_or(status(&summary)))
+    }
+
+    /// Whether racks are listed as they are solved.
+    fn lists_racks(&self) -> bool {
+        self.format == Format::Csv && self.merge.is_empty()
+    }
+
+    /// The file that keeps the study, in a run that reads `files`.
+    fn kept(&self, files: &[String]) -> Result<Option<Target>, Failure> {
+        let inputs: Vec<_> = files.iter().map(String::as_str).collect();
+        if self.study.as_deref() == Some("-") {
+            let message = "--study -: standard output has the result";
+            return Err(Diagnostic::error(Code::Usage, message).help("name a file").into());
+        }
+        self.study.as_deref().map(|path| Target::create(path, &inputs)).transpose()
+    }
+
+    fn drawn(
+        &self,
+        racks: &Racks<'_>,
+        interruption: &Interruption,
+        output: &mut Output,
+    ) -> Result<RacksStudy, Failure> {
+        let settings = RackSettings {
+            seed: self.seed,
+            range: RackRange { first_rack: self.first_rack.unwrap_or(0), racks: self.racks.unwrap_or(DEFAULT_RACKS) },
+            from_mm: self.stroke.from.mm(),
+            to_mm: self.stroke.to.mm(),
+            threads: self.threads.map(usize::from),
+        };
+        let (mut bar, mut done, asked) = (Bar::new(output), 0, settings.range.racks);
+        let study = racks.study(&settings, interruption.stop(), |first_rack, results| {
+            if self.lists_racks() {
+                if done == 0 {
+                    output.text(RACK_COLUMNS)?;
+                }
+                output.text(&rack_lines(first_rack, results))?;
+            }
+            done += results.len() as u64;
+            bar.show(Some(done as f64 / asked as f64), || format!("{} racks", counted(done)));
+            Ok::<_, Failure>(())
+        });
+        bar.finish();
+        study
+    }
+
+    fn merged(&self, racks: &Racks<'_>, interruption: &Interruption) -> Result<RacksStudy, Failure> {
+        let mut merged: Option<RacksStudy> = None;
+        for path in &self.merge {
+            let study = kept_study(path, interruption)?;
+            let refused = |error: StudyError| {
+                let message = format!("{} cannot be merged: {error}", stream::name(path));
+                Failure::from(Diagnostic::error(Code::Usage, message))
+            };
+            match &mut merged {
+                Some(merged) => merged.merge(&study).map_err(refused)?,
+                None => {
+                    study.refuse_other_racks(racks).map_err(refused)?;
+                    merged = Some(study);
+                }
+            }
+        }
+        let mut merged = merged.ok_or_else(|| Diagnostic::error(Code::Usage, "--merge names no file"))?;
+        let RackRange { first_rack, .. } = merged.asked();
+        let first_rack = self.first_rack.unwrap_or(first_rack);
+        let racks = self.racks.unwrap_or(merged.asked().end().saturating_sub(first_rack));
+        let asked = RackRange { first_rack, racks };
+        merged.ask(asked).map_err(|error| Diagnostic::error(Code::Usage, error.to_string()))?;
+        Ok(merged)
+    }
+}
+
+/// Reads the study in a file.
+fn kept_study(path: &str, interruption: &Interruption) -> Result<RacksStudy, Failure> {
+    let unreadable = |reason: String| {
+        let message = format!("cannot read the study in {}: {reason}", stream::name(path));
+        Failure::from(Diagnostic::error(Code::FileAccess, message).help("`--study FILE` writes one"))
+    };
+    let mut text = String::new();
+    let mut file = stream::open(path, interruption.stop())?.take(LARGEST_STUDY + 1);
+    interruption.while_waiting(|| file.read_to_string(&mut text)).map_err(|error| unreadable(error.to_string()))?;
+    if text.len() as u64 > LARGEST_STUDY {
+        return Err(unreadable("it is larger than 64 MiB, and none is".to_owned()));
+    }
+    read_study(&text).map_err(unreadable)
+}
+
+fn status(summary: &RacksSummary) -> Status {
+    match summary.verdict {
+        Some(Verdict::Fail) => Status::Fail,
+        _ if !summary.missing.is_empty() => Status::Undecided,
+        _ => Status::Pass,
+    }
+}
+
+impl From<RacksError> for Failure {
+    fn from(error: RacksError) -> Self {
+        unsolved(&error).into()
     }
 }
 

@@ -11,8 +11,6 @@ use crate::parallel;
 /// is solved at many rolls for each stroke.
 const BLOCK: usize = 512;
 const ROLLING_BLOCK: usize = 16;
-/// Blocks per core that are held at once when results are passed on.
-const BLOCKS_HELD: usize = 16;
 /// What stands in memory until a stroke is solved.
 const UNSOLVED: Result<MeshPoint, MeshError> = Err(MeshError::StrokeOutOfDomain { stroke_mm: f64::NAN, limit_mm: 0.0 });
 
@@ -69,29 +67,16 @@ impl Mesh {
         count: u64,
         stroke_mm: impl Fn(u64) -> f64 + Sync,
         make: impl Fn(&[(f64, Result<MeshPoint, MeshError>)]) -> T + Sync,
-        mut take: impl FnMut(T) -> Result<(), E>,
+        take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
         let block = self.strokes_to_a_block() as u64;
-        let blocks = count.div_ceil(block);
-        let cores = cores(usize::try_from(blocks).unwrap_or(usize::MAX));
-        let held = cores * BLOCKS_HELD;
-        let mut made: Vec<Option<T>> = Vec::with_capacity(held);
-        let mut first = 0;
-        while first < blocks {
-            made.clear();
-            made.resize_with(held.min(usize::try_from(blocks - first).unwrap_or(held)), || None);
-            parallel::deal(cores, (first..blocks).zip(&mut made), |(index, made)| {
-                let mut sampler = Sampler::new(self);
-                let strokes = (index * block..count.min((index + 1) * block)).map(&stroke_mm);
-                let points: Vec<_> = strokes.map(|stroke| (stroke, sampler.at(stroke))).collect();
-                *made = Some(make(&points));
-            });
-            for made in made.drain(..).flatten() {
-                take(made)?;
-            }
-            first += held as u64;
-        }
-        Ok(())
+        let make_block = |index: u64| {
+            let mut sampler = Sampler::new(self);
+            let strokes = (index * block..count.min((index + 1) * block)).map(&stroke_mm);
+            let points: Vec<_> = strokes.map(|stroke| (stroke, sampler.at(stroke))).collect();
+            make(&points)
+        };
+        parallel::in_order(parallel::cores(), count.div_ceil(block), make_block, take)
     }
 
     fn strokes_to_a_block(&self) -> usize {
@@ -174,7 +159,7 @@ mod tests {
         let solved = std::sync::atomic::AtomicUsize::new(0);
         let count = |points: &[_]| solved.fetch_add(points.len(), std::sync::atomic::Ordering::Relaxed);
         assert_eq!(mesh.sample_blocks(u64::MAX, |_| 1.0, count, |_| Err("enough")), Err("enough"));
-        assert!(solved.into_inner() <= BLOCK * BLOCKS_HELD * parallel::cores());
+        assert!(solved.into_inner() <= BLOCK * parallel::HELD * parallel::cores());
     }
 
     #[test]

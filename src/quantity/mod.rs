@@ -38,7 +38,7 @@ pub use number::NumberError;
 pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
 pub(crate) use number::split_number;
-pub(crate) use plain::tidy;
+pub(crate) use plain::{femtometres, of_femtometres, tidy};
 #[cfg(feature = "report")]
 pub(crate) use plain::{plain, plain_padded};
 pub(crate) use rounded::{Degrees, Rounded};
@@ -64,7 +64,7 @@ impl Decimal {
 }
 
 /// The largest magnitude that is read or computed, in steps of a grid: a sum of nine such fits an `i64`.
-const LARGEST: i64 = 1_000_000_000_000_000_000;
+pub(crate) const LARGEST: i64 = 1_000_000_000_000_000_000;
 
 /// What lengths and angles share: the way onto their grid, sums, differences, sign, order.
 macro_rules! grid_quantity {

@@ -52,7 +52,7 @@ pub use mesh::{MeasureReport, MeshReport};
 pub use paste::{PartRow, PartsReport, SpacesReport, Together};
 #[cfg(feature = "table")]
 pub use qdas::qdas;
-pub use racks::RacksReport;
+pub use racks::{RACK_COLUMNS, RacksReport, rack_lines, read_study, study_json};
 #[cfg(feature = "table")]
 pub use reading::{WithReading, reading_blocks, remarks};
 pub use reproduction::Reproduction;

@@ -1,12 +1,14 @@
 //! The report of `monte-carlo`: how ΔCD of randomly deviating racks is distributed.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::fact::FORMAT_VERSION;
 use super::number::{millimetres, plain, tidy};
 use super::{Block, Column, Report, Table, titled};
 use crate::chance::racks::{
-    Bin, CONFIDENCE, Inside, RackResult, RackSettings, RackStatistics, RacksSummary, STEPS_PER_PITCH, Scatter,
+    Bin, CONFIDENCE, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
+    STEPS_PER_PITCH, Scatter,
 };
 use crate::judge::Verdict;
 use crate::judge::class::ErrorClass;
@@ -21,10 +23,8 @@ pub struct RacksReport<'a> {
     pub scatter: &'a Scatter,
     /// What classes came to.
     pub classes: &'a [ErrorClass],
-    /// Seed, number and stroke.
-    pub settings: &'a RackSettings,
-    /// One per rack; fewer than asked for if the run was interrupted.
-    pub results: &'a [RackResult],
+    /// The racks, counted.
+    pub study: &'a RacksStudy,
     /// What they came to.
     pub summary: &'a RacksSummary,
     /// Remarks.
@@ -36,8 +36,10 @@ pub struct RacksReport<'a> {
 struct RacksFact<'a> {
     title: Option<&'a str>,
     seed: u64,
-    racks: usize,
+    first_rack: u64,
+    racks: u64,
     interrupted: bool,
+    missing: &'a [RackRange],
     from_mm: f64,
     to_mm: f64,
     confidence: f64,
@@ -143,13 +145,13 @@ impl RacksReport<'_> {
     }
 
     fn histograms(&self) -> Vec<Block> {
-        const WIDTH: usize = 40;
+        const WIDTH: u128 = 40;
         [("mean", &self.summary.mean), ("peak to peak", &self.summary.peak_to_peak)]
             .map(|(name, of)| {
                 let most = of.histogram.iter().map(|bin| bin.racks).max().unwrap_or(1).max(1);
                 let mut text = format!("{name} of ΔCD [mm], racks\n");
                 for Bin { from_mm, racks, .. } in &of.histogram {
-                    let bar = "█".repeat((racks * WIDTH).div_ceil(most));
+                    let bar = "█".repeat((u128::from(*racks) * WIDTH).div_ceil(most.into()) as usize);
                     text.push_str(&format!("{} {bar} {racks}\n", millimetres(*from_mm)));
                 }
                 Block::Drawing(text.trim_end().to_owned())
@@ -158,17 +160,29 @@ impl RacksReport<'_> {
     }
 
     fn all_notes(&self) -> Vec<String> {
-        let RackSettings { seed, from_mm, to_mm, .. } = self.settings;
+        let (of, asked) = (self.study.study_of(), self.study.asked());
+        let from = if asked.first_rack == 0 { String::new() } else { format!(" from number {}", asked.first_rack) };
         let mut notes = vec![format!(
-            "{} racks by the exact mesh, stroke {} … {} mm, {STEPS_PER_PITCH:.0} strokes per pitch, seed {seed}; quantiles with distribution-free 95 % confidence intervals (order statistics)",
-            self.results.len(),
-            plain(*from_mm),
-            plain(*to_mm)
+            "{} racks{from} by the exact mesh, stroke {} … {} mm, {STEPS_PER_PITCH:.0} strokes per pitch, seed {}; quantiles with distribution-free 95 % confidence intervals (order statistics)",
+            self.study.racks(),
+            plain(of.from_mm),
+            plain(of.to_mm),
+            of.seed
         )];
-        if self.summary.is_interrupted {
-            let (solved, asked) = (self.results.len(), self.settings.racks);
+        let RacksSummary { mean, peak_to_peak, smallest, largest, missing, .. } = self.summary;
+        let errors = [mean, peak_to_peak, smallest, largest].map(|of| of.quantile_error_mm);
+        let error = errors.into_iter().fold(0.0, f64::max);
+        if error > 0.0 {
             notes.push(format!(
-                "interrupted: {solved} of the {asked} racks asked for were solved, and the result is of these"
+                "quantiles are exact to ± {} mm, and their intervals hold: lengths are counted in {MOST_BINS} bins at most",
+                plain(error)
+            ));
+        }
+        if !missing.is_empty() {
+            let (solved, asked) = (self.study.racks(), asked.racks);
+            notes.push(format!(
+                "interrupted, or ranges are missing: {solved} of the {asked} racks asked for were solved, and the result is of these; missing: {}",
+                listed(missing)
             ));
         }
         notes.extend(self.classes.iter().map(|class| {
@@ -184,9 +198,70 @@ impl RacksReport<'_> {
     }
 }
 
+/// Ranges, the first of them by name.
+fn listed(ranges: &[RackRange]) -> String {
+    const SHOWN: usize = 10;
+    let named: Vec<_> = ranges.iter().take(SHOWN).map(ToString::to_string).collect();
+    let more = if ranges.len() > SHOWN { format!(" and {} ranges more", ranges.len() - SHOWN) } else { String::new() };
+    named.join(", ") + &more
+}
+
+/// The columns of a list of racks.
+pub const RACK_COLUMNS: &str = "rack,mean_mm,peak_to_peak_mm,min_mm,max_mm\n";
+
+/// The lines of a list of racks, from number `first_rack` on.
+#[must_use]
+pub fn rack_lines(first_rack: u64, results: &[RackResult]) -> String {
+    let mut lines = String::new();
+    for (rack, result) in (first_rack..).zip(results) {
+        let RackResult { mean_mm, min_mm, max_mm } = *result;
+        let values = [mean_mm, result.peak_to_peak_mm(), min_mm, max_mm].map(|value| plain(tidy(value)));
+        lines.push_str(&format!("{rack},{}\n", values.join(",")));
+    }
+    lines
+}
+
+/// What a file with a study holds.
+#[derive(Serialize, Deserialize)]
+struct StudyFile<S> {
+    format_version: u32,
+    holds: String,
+    study: S,
+}
+
+/// What such a file says that it holds.
+const HOLDS: &str = "random racks";
+
+/// A study as JSON, to be kept and merged.
+///
+/// # Errors
+/// None that a study has.
+pub fn study_json(study: &RacksStudy) -> Result<String, serde_json::Error> {
+    let file = StudyFile { format_version: FORMAT_VERSION, holds: HOLDS.to_owned(), study };
+    Ok(serde_json::to_string(&file)? + "\n")
+}
+
+/// Reads what [`study_json`] has written.
+///
+/// # Errors
+/// Why the text is no study.
+pub fn read_study(text: &str) -> Result<RacksStudy, String> {
+    let file: StudyFile<RacksStudy> = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    if file.holds != HOLDS {
+        return Err(format!("it holds {:?}, not {HOLDS:?}", file.holds));
+    }
+    if file.format_version != FORMAT_VERSION {
+        let version = file.format_version;
+        return Err(format!("its format_version is {version}, and this program reads {FORMAT_VERSION}"));
+    }
+    file.study.check().map_err(|error| error.to_string())?;
+    Ok(file.study)
+}
+
 impl Report for RacksReport<'_> {
     fn json(&self) -> Value {
-        let RacksSummary { mean, peak_to_peak, smallest, largest, inside, verdict, is_interrupted } = self.summary;
+        let RacksSummary { mean, peak_to_peak, smallest, largest, inside, verdict, missing } = self.summary;
+        let of = self.study.study_of();
         let scatter = self.spreads().into_iter().map(|Spread { of, drawn, is_angle }| SpreadFact {
             of,
             distribution: drawn.distribution.name(),
@@ -195,11 +270,13 @@ impl Report for RacksReport<'_> {
         });
         json!(RacksFact {
             title: self.title,
-            seed: self.settings.seed,
-            racks: self.results.len(),
-            interrupted: *is_interrupted,
-            from_mm: self.settings.from_mm,
-            to_mm: self.settings.to_mm,
+            seed: of.seed,
+            first_rack: self.study.asked().first_rack,
+            racks: self.study.racks(),
+            interrupted: !missing.is_empty(),
+            missing,
+            from_mm: of.from_mm,
+            to_mm: of.to_mm,
             confidence: CONFIDENCE,
             scatter: scatter.collect(),
             delta_cd: DeltaCdFact { mean, peak_to_peak, smallest, largest },
@@ -209,13 +286,21 @@ impl Report for RacksReport<'_> {
         })
     }
 
+    /// Moments and quantiles: results of racks are not kept, [`RACK_COLUMNS`] are written while they are there.
     fn rows(&self) -> Vec<Vec<String>> {
-        let header = ["rack", "mean_mm", "peak_to_peak_mm", "min_mm", "max_mm"].map(str::to_owned).to_vec();
-        let rows = self.results.iter().enumerate().map(|(rack, result)| {
-            let RackResult { mean_mm, min_mm, max_mm } = *result;
-            let mut row = vec![rack.to_string()];
-            row.extend([mean_mm, result.peak_to_peak_mm(), min_mm, max_mm].map(|value| plain(tidy(value))));
-            row
+        let RacksSummary { mean, peak_to_peak, smallest, largest, .. } = self.summary;
+        let quantities = [("mean", mean), ("peak_to_peak", peak_to_peak), ("smallest", smallest), ("largest", largest)];
+        let header = ["delta_cd", "statistic", "value_mm", "lower_mm", "upper_mm"].map(str::to_owned).to_vec();
+        let rows = quantities.into_iter().flat_map(|(name, of)| {
+            let cell = |value: Option<f64>| value.map(plain).unwrap_or_default();
+            let row = |statistic: String, value: f64, lower: Option<f64>, upper: Option<f64>| {
+                vec![name.to_owned(), statistic, plain(value), cell(lower), cell(upper)]
+            };
+            let moments = [("mean", of.mean_mm), ("standard_deviation", of.standard_deviation_mm)]
+                .map(|(statistic, value)| row(statistic.to_owned(), value, None, None));
+            let quantiles = of.quantiles.iter();
+            let quantiles = quantiles.map(|q| row(format!("quantile_{}", q.share), q.value_mm, q.lower_mm, q.upper_mm));
+            moments.into_iter().chain(quantiles).collect::<Vec<_>>()
         });
         std::iter::once(header).chain(rows).collect()
     }
@@ -229,7 +314,7 @@ impl Report for RacksReport<'_> {
         if let Some(Inside { racks, share, lower, upper }) = self.summary.inside {
             let sentence = format!(
                 "{racks} of {} racks stay within the limits along the stroke: {:.2} %, 95 % confidence {:.2} … {:.2} %",
-                self.results.len(),
+                self.study.racks(),
                 100.0 * share,
                 100.0 * lower,
                 100.0 * upper

@@ -347,6 +347,60 @@ fn racks_that_a_signal_ends_are_shown_and_said_to_be_some() {
     assert!(text(&csv.stderr).contains("of 300000 racks"), "{}", text(&csv.stderr));
 }
 
+/// Ranges in files, merged in any order: the JSON of one run, bit for bit; the CSV of two ranges is that of one.
+#[test]
+fn racks_in_ranges_are_one_run() {
+    let folder = Folder::new("ranges");
+    let (spec, all) = ("examples/scatter.toml", folder.path("all.json"));
+    let racks = |more: &[&str]| run(&[&["monte-carlo", spec], more].concat(), "");
+    let range = |first: &str, count: &str, threads: &str| {
+        let file = folder.path(&format!("{first}.json"));
+        let ended = racks(&["--first-rack", first, "--racks", count, "--study", &file, "-j", threads, "-f", "csv"]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        (file, ended.stdout)
+    };
+    let (one, [a, b, c]) = (
+        racks(&["--racks", "90", "-f", "json"]),
+        [("0", "17"), ("17", "43"), ("60", "30")].map(|(first, count)| range(first, count, "2")),
+    );
+    let csv = racks(&["--racks", "90", "-f", "csv", "-j", "1"]).stdout;
+    let behind_header = |csv: &str| csv.split_once('\n').expect("there is a header").1.to_owned();
+    assert_eq!(csv, a.1.clone() + &behind_header(&b.1) + &behind_header(&c.1));
+    let merged = racks(&["--merge", &c.0, &a.0, &b.0, "-f", "json", "--study", &all]);
+    assert_eq!((merged.code, &merged.stdout), (one.code, &one.stdout), "{}", merged.stderr);
+    assert_eq!(racks(&["--merge", &all, "-f", "json"]).stdout, one.stdout);
+
+    // a gap, told and counted; also one behind the last range
+    let gap = racks(&["--merge", &a.0, &c.0, "-f", "json"]);
+    assert_eq!(gap.code, Some(2), "{}", gap.stderr);
+    let gap = gap.json();
+    assert_eq!(
+        (&gap["verdict"], &gap["interrupted"], &gap["racks"]),
+        (&serde_json::Value::Null, &true.into(), &47.into())
+    );
+    assert_eq!(gap["missing"], serde_json::json!([{ "first_rack": 17, "racks": 43 }]));
+    let behind = racks(&["--merge", &all, "--racks", "100"]);
+    assert_eq!(behind.code, Some(2));
+    assert!(behind.stdout.contains("missing: racks 90 … 99") && !behind.stdout.contains("PASS"), "{}", behind.stdout);
+
+    let refused = |more: &[&str], says: &str| {
+        let ended = racks(more);
+        assert!(ended.code == Some(2) && ended.stderr.contains(says), "{} {}", ended.stdout, ended.stderr);
+    };
+    refused(&["--merge", &all, &a.0], "racks 0 … 16");
+    refused(&["--merge", &a.0, "--racks", "5"], "are asked for");
+    refused(&["--merge", &a.0, "--set", "scatter.rack_pitch=5um"], "fingerprint");
+    refused(&["--merge", &a.0, "--study", &a.0], "written over");
+    refused(&["--merge", spec], "cannot read the study");
+    let seed = folder.path("seed.json");
+    assert_eq!(racks(&["--first-rack", "90", "--racks", "1", "--seed", "9", "--study", &seed]).code, Some(0));
+    refused(&["--merge", &a.0, &seed], "the seed is");
+    let text = std::fs::read_to_string(&a.0).expect("the study is there");
+    std::fs::write(&seed, text.replacen("\"racks\":17", "\"racks\":16", 1)).expect("it can be written");
+    refused(&["--merge", &seed], "damaged");
+    refused(&["--first-rack", "18446744073709551615", "--racks", "2"], "with numbers up to");
+}
+
 #[test]
 #[cfg(unix)]
 fn strokes_that_a_signal_ends_are_whole_json_and_said_to_be_some() {

@@ -12,13 +12,18 @@
 //! constant, and what changes the set takes a few hundredths of a pitch; so extremes are met unless a set carries
 //! for less than one step. The tests hold means and extremes against the adaptive curve.
 //!
-//! Rack number i is drawn from a generator of its own: the result does not depend on the number of threads.
+//! Rack number i is drawn from a generator of its own: the result depends neither on the number of threads nor on the
+//! range of racks that it is solved with.
 
+mod counts;
 mod quantiles;
+mod study;
 mod summary;
 
-pub use quantiles::{CONFIDENCE, Quantile, quantiles, share};
-pub use summary::{Bin, Inside, RackStatistics, RacksSummary};
+pub use counts::{Bin, MOST_BINS};
+pub use quantiles::{CONFIDENCE, Quantile, share};
+pub use study::{RackRange, RacksStudy, StudyError, StudyOf};
+pub use summary::{Inside, RackStatistics, RacksSummary};
 
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
@@ -28,6 +33,7 @@ use thiserror::Error;
 
 use super::random::{Random, Ziggurat};
 use crate::deviation::{DeviationError, PinionFlank, PinionTooth, RackFlank, RackTooth};
+use crate::judge::Limit;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::mesh::{Mesh, MeshError, Sampler};
 use crate::uncertainty::{Distribution, Uncertainty};
@@ -37,8 +43,8 @@ use crate::{parallel, trig};
 pub const STEPS_PER_PITCH: f64 = 32.0;
 /// Teeth beyond both ends of the stroke that get deviations: more than any path of contact reaches.
 const MARGIN: i64 = 12;
-/// The most racks that are drawn.
-pub const MOST_RACKS: usize = 10_000_000;
+/// Racks that a thread solves before it takes the next ones.
+const BLOCK: u64 = 16;
 /// The most strokes per rack.
 const MOST_STROKES: f64 = 1e6;
 
@@ -76,8 +82,8 @@ impl Scatter {
 pub struct RackSettings {
     /// The seed; the same one gives the same result.
     pub seed: u64,
-    /// How many racks.
-    pub racks: usize,
+    /// Which racks.
+    pub range: RackRange,
     /// First stroke, mm.
     pub from_mm: f64,
     /// Last stroke, mm.
@@ -112,11 +118,13 @@ pub enum RacksError {
     /// Nothing scatters.
     #[error("nothing scatters, so every rack is the same")]
     NothingScatters,
-    /// Too few or too many racks.
-    #[error("{racks} racks: from 1 to {MOST_RACKS} can be drawn")]
+    /// No racks, or some with numbers that do not fit 64 bits.
+    #[error("{racks} racks from number {first_rack} on: ask for one at least, with numbers up to {}", u64::MAX - 1)]
     Count {
+        /// The first one.
+        first_rack: u64,
         /// How many were asked for.
-        racks: usize,
+        racks: u64,
     },
     /// A stroke that is no range, or too long.
     #[error("strokes {from_mm} .. {to_mm} mm are not a range, or have more than a million steps")]
@@ -130,7 +138,7 @@ pub enum RacksError {
     #[error("rack {rack}: {error}")]
     Mesh {
         /// Which one, from 0.
-        rack: usize,
+        rack: u64,
         /// Why.
         error: MeshError,
     },
@@ -138,51 +146,117 @@ pub enum RacksError {
     #[error("rack {rack}: {error}")]
     Deviation {
         /// Which one, from 0.
-        rack: usize,
+        rack: u64,
         /// Why.
         error: DeviationError,
     },
+    /// Results that cannot be counted.
+    #[error(transparent)]
+    Study(#[from] StudyError),
 }
 
-/// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. One result per rack, in order;
-/// once `stop` is set, of the first racks only.
+/// What racks are drawn from, and held against.
+#[derive(Debug, Clone, Copy)]
+pub struct Racks<'a> {
+    /// The pair with its own deviations.
+    pub base: &'a Mesh,
+    /// What is added to these.
+    pub scatter: &'a Scatter,
+    /// The limit on ΔCD, if there is one.
+    pub limit: Option<&'a Limit>,
+}
+
+impl Racks<'_> {
+    /// What a study with these settings is of.
+    #[must_use]
+    pub fn study_of(&self, settings: &RackSettings) -> StudyOf {
+        StudyOf::new(self, settings)
+    }
+
+    /// Draws and solves racks, and counts them. `each` is shown the results in order, with the number of the first one;
+    /// they are not kept. Once `stop` is set, the study has the first racks only.
+    ///
+    /// # Errors
+    /// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
+    /// rack. What `each` says.
+    pub fn study<E: From<RacksError>>(
+        &self,
+        settings: &RackSettings,
+        stop: &AtomicBool,
+        mut each: impl FnMut(u64, &[RackResult]) -> Result<(), E>,
+    ) -> Result<RacksStudy, E> {
+        let of = self.study_of(settings);
+        let mut study = RacksStudy::new(of.clone(), settings.range, self.limit.is_some());
+        simulate_racks(self.base, self.scatter, settings, stop, |first_rack, results| {
+            let block = RacksStudy::of(of.clone(), first_rack, results, self.limit).map_err(RacksError::from)?;
+            study.merge(&block).map_err(RacksError::from)?;
+            each(first_rack, results)
+        })?;
+        Ok(study)
+    }
+}
+
+/// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. `take` has the results block by
+/// block and in order, with the number of the first rack; memory is bounded however many there are. Once `stop` is set,
+/// of the first racks only.
 ///
 /// # Errors
 /// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
-/// rack.
-pub fn simulate_racks(
+/// rack. The first one of `take`.
+pub fn simulate_racks<E: From<RacksError>>(
     base: &Mesh,
     scatter: &Scatter,
     settings: &RackSettings,
     stop: &AtomicBool,
-) -> Result<Vec<RackResult>, RacksError> {
+    mut take: impl FnMut(u64, &[RackResult]) -> Result<(), E>,
+) -> Result<(), E> {
     if scatter.is_empty() {
-        return Err(RacksError::NothingScatters);
+        return Err(RacksError::NothingScatters.into());
     }
-    let racks = settings.racks;
-    if racks == 0 || racks > MOST_RACKS {
-        return Err(RacksError::Count { racks });
+    let RackRange { first_rack, racks } = settings.range;
+    if racks == 0 || first_rack.checked_add(racks).is_none() {
+        return Err(RacksError::Count { first_rack, racks }.into());
     }
     let strokes = Strokes::new(base, settings)?;
     let ziggurat = Ziggurat::new();
     let draw = Draw { base, scatter, settings, strokes: &strokes, ziggurat: &ziggurat };
-    let failed = AtomicBool::new(false);
-    let solve = |(): &mut (), rack| {
-        // nothing after the first failure is reported; racks before it are already being solved
-        if failed.load(Ordering::Relaxed) || stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        let result = draw.rack(rack);
-        failed.fetch_or(result.is_err(), Ordering::Relaxed);
-        Some(result)
+    let of_block = |block: u64| {
+        let skipped = block * BLOCK;
+        RackRange { first_rack: first_rack + skipped, racks: BLOCK.min(racks - skipped) }
     };
-    let threads = settings.threads.unwrap_or_else(parallel::cores);
-    let solved = parallel::map(threads, racks, || (), solve).0;
-    // racks behind one that was left out are solved where another thread was faster; they would have no number
-    let first = solved.iter().take_while(|rack| rack.is_some()).count();
-    let mut results = solved.into_iter().flatten().collect::<Result<Vec<_>, _>>()?;
-    results.truncate(first);
-    Ok(results)
+    let ended = parallel::in_order(
+        settings.threads.unwrap_or_else(parallel::cores),
+        racks.div_ceil(BLOCK),
+        |block| draw.block(of_block(block), stop),
+        |Block { range, results, error }| {
+            if !results.is_empty() {
+                take(range.first_rack, &results).map_err(EndedEarly::Error)?;
+            }
+            match error {
+                Some(error) => Err(EndedEarly::Error(error.into())),
+                None if (results.len() as u64) < range.racks => Err(EndedEarly::Stopped),
+                None => Ok(()),
+            }
+        },
+    );
+    match ended {
+        Ok(()) | Err(EndedEarly::Stopped) => Ok(()),
+        Err(EndedEarly::Error(error)) => Err(error),
+    }
+}
+
+/// Why a run ends before its last rack.
+enum EndedEarly<E> {
+    Error(E),
+    Stopped,
+}
+
+/// What became of successive racks.
+struct Block {
+    range: RackRange,
+    /// Of the first ones, up to an error or the stop.
+    results: Vec<RackResult>,
+    error: Option<RacksError>,
 }
 
 struct Strokes {
@@ -277,8 +351,22 @@ impl Draw<'_> {
         Ok(Mesh::new(*pair, rack, pinion, self.base.support()))
     }
 
-    fn rack(&self, rack: usize) -> Result<RackResult, RacksError> {
-        let mut random = Random::of_block(self.settings.seed, rack as u64);
+    fn block(&self, range: RackRange, stop: &AtomicBool) -> Block {
+        let mut results = Vec::with_capacity(BLOCK as usize);
+        for rack in range.first_rack..range.end() {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            match self.rack(rack) {
+                Ok(result) => results.push(result),
+                Err(error) => return Block { range, results, error: Some(error) },
+            }
+        }
+        Block { range, results, error: None }
+    }
+
+    fn rack(&self, rack: u64) -> Result<RackResult, RacksError> {
+        let mut random = Random::of_block(self.settings.seed, rack);
         let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?;
         let solve = |mesh: &Mesh| -> Result<RackResult, MeshError> {
             let Strokes { from, step, count, .. } = *self.strokes;
@@ -320,8 +408,8 @@ mod tests {
         Mesh::nominal(pair).unwrap()
     }
 
-    fn settings(racks: usize) -> RackSettings {
-        RackSettings { seed: 1, racks, from_mm: 0.0, to_mm: 50.0, threads: None }
+    fn settings(racks: u64) -> RackSettings {
+        RackSettings { seed: 1, range: RackRange { first_rack: 0, racks }, from_mm: 0.0, to_mm: 50.0, threads: None }
     }
 
     fn all() -> Scatter {
@@ -341,8 +429,8 @@ mod tests {
         let strokes = Strokes::new(&base, &settings).unwrap();
         let ziggurat = Ziggurat::new();
         let draw = Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
-        for rack in 0..settings.racks {
-            let mesh = draw.mesh(&mut Random::of_block(1, rack as u64)).unwrap().unwrap();
+        for rack in 0..settings.range.racks {
+            let mesh = draw.mesh(&mut Random::of_block(1, rack)).unwrap().unwrap();
             let exact = mesh.curve(0.0, 50.0, 1e-6).unwrap().summary(&mesh).unwrap();
             let sampled = draw.rack(rack).unwrap();
             assert!((exact.mean_mm - sampled.mean_mm).abs() < 1e-4, "{rack}: {} {}", exact.mean_mm, sampled.mean_mm);
@@ -480,7 +568,22 @@ mod tests {
     }
 
     fn run(base: &Mesh, scatter: &Scatter, settings: &RackSettings) -> Result<Vec<RackResult>, RacksError> {
-        simulate_racks(base, scatter, settings, &AtomicBool::new(false))
+        stopped_by(&AtomicBool::new(false), base, scatter, settings)
+    }
+
+    fn stopped_by(
+        stop: &AtomicBool,
+        base: &Mesh,
+        scatter: &Scatter,
+        settings: &RackSettings,
+    ) -> Result<Vec<RackResult>, RacksError> {
+        let mut all = Vec::new();
+        simulate_racks(base, scatter, settings, stop, |first_rack, results| {
+            assert_eq!(first_rack, settings.range.first_rack + all.len() as u64);
+            all.extend_from_slice(results);
+            Ok::<_, RacksError>(())
+        })?;
+        Ok(all)
     }
 
     #[test]
@@ -488,7 +591,7 @@ mod tests {
         let (base, scatter, stop) = (base(), all(), AtomicBool::new(false));
         let most = RackSettings { threads: Some(2), ..settings(1_000_000) };
         let some = std::thread::scope(|scope| {
-            let running = scope.spawn(|| simulate_racks(&base, &scatter, &most, &stop));
+            let running = scope.spawn(|| stopped_by(&stop, &base, &scatter, &most));
             std::thread::sleep(std::time::Duration::from_millis(300));
             stop.store(true, Ordering::Relaxed);
             running.join().unwrap().unwrap()
@@ -496,7 +599,7 @@ mod tests {
         assert!(some.len() < 1_000_000, "{}", some.len());
         let few = some.len().min(5);
         assert_eq!(some[..few], run(&base, &scatter, &settings(5)).unwrap()[..few]);
-        assert_eq!(simulate_racks(&base, &scatter, &settings(5), &AtomicBool::new(true)).unwrap(), []);
+        assert_eq!(stopped_by(&AtomicBool::new(true), &base, &scatter, &settings(5)).unwrap(), []);
     }
 
     #[test]
@@ -525,13 +628,13 @@ mod tests {
         let base = base();
         let run = |scatter: &Scatter, settings: &RackSettings| run(&base, scatter, settings).unwrap_err();
         assert_eq!(run(&Scatter::default(), &settings(1)), RacksError::NothingScatters);
-        assert_eq!(run(&all(), &settings(0)), RacksError::Count { racks: 0 });
+        assert_eq!(run(&all(), &settings(0)), RacksError::Count { first_rack: 0, racks: 0 });
         let empty = RackSettings { to_mm: 0.0, ..settings(1) };
         assert!(matches!(run(&all(), &empty), RacksError::Stroke { .. }));
-        // as many as may be drawn are not too many; one more is
-        assert!(matches!(run(&all(), &RackSettings { racks: MOST_RACKS, ..empty }), RacksError::Stroke { .. }));
-        let racks = MOST_RACKS + 1;
-        assert_eq!(run(&all(), &RackSettings { racks, ..empty }), RacksError::Count { racks });
+        // as many as have numbers are not too many; one more is
+        let from = |first_rack, racks| RackSettings { range: RackRange { first_rack, racks }, ..empty };
+        assert!(matches!(run(&all(), &from(1, u64::MAX - 1)), RacksError::Stroke { .. }));
+        assert_eq!(run(&all(), &from(1, u64::MAX)), RacksError::Count { first_rack: 1, racks: u64::MAX });
         let huge = Scatter { rack_pitch: Some(Uncertainty::standard(50.0)), ..Scatter::default() };
         assert!(matches!(run(&huge, &settings(3)), RacksError::Mesh { .. }));
     }

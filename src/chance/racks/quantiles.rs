@@ -1,7 +1,7 @@
 //! What a sample of racks says of all of them: quantiles and shares with intervals that hold for any distribution.
 //! Called with the results; it draws and solves nothing.
 
-use crate::quantity::tidy;
+use super::counts::Counts;
 use crate::statistics::{beta_cdf, beta_quantile};
 
 /// Confidence of intervals of quantiles and shares.
@@ -21,18 +21,36 @@ pub struct Quantile {
     pub upper_mm: Option<f64>,
 }
 
-/// Quantiles of values; at least one is needed.
+/// Quantiles of what was counted. A value is the middle of its bin, and ends are those ends of their bins that make
+/// intervals wider.
 ///
 /// The interval's ends are the order statistics X_(l) and X_(u) with P(B < l) ≤ 2.5 % and P(B ≥ u) ≤ 2.5 % for a
 /// binomial B(n, p): it holds whatever the distribution (David and Nagaraja, *Order Statistics*, 7.1).
-#[must_use]
-pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let tail = 0.5 * (1.0 - CONFIDENCE);
-    let n = sorted.len() as f64;
+pub(super) fn quantiles(counts: &Counts, shares: &[f64]) -> Vec<Quantile> {
+    let racks = counts.racks();
+    let quantile = |&p: &f64| {
+        let Ranks { lower, upper } = ranks(racks, p);
+        let rank = ((racks as f64 * p).ceil().max(1.0) as u64).min(racks);
+        Some(Quantile {
+            share: p,
+            value_mm: counts.at_rank(rank)?.middle_mm,
+            lower_mm: counts.at_rank(lower).map(|place| place.lower_mm),
+            upper_mm: counts.at_rank(upper).map(|place| place.upper_mm),
+        })
+    };
+    shares.iter().filter_map(quantile).collect()
+}
+
+/// The ranks, from 1, of the ends of a quantile's interval; 0 and n + 1 are those of no value.
+struct Ranks {
+    lower: u64,
+    upper: u64,
+}
+
+fn ranks(racks: u64, p: f64) -> Ranks {
+    let (tail, n) = (0.5 * (1.0 - CONFIDENCE), racks as f64);
     // P(B ≤ k)
-    let cdf = |k: f64, p: f64| {
+    let cdf = |k: f64| {
         if k < 0.0 {
             0.0
         } else if k >= n {
@@ -41,31 +59,23 @@ pub fn quantiles(values: &[f64], shares: &[f64]) -> Vec<Quantile> {
             1.0 - beta_cdf(p, k + 1.0, n - k)
         }
     };
-    shares
-        .iter()
-        .filter(|_| !sorted.is_empty())
-        .map(|&p| {
-            let first = |holds: &dyn Fn(f64) -> bool| {
-                let (mut low, mut high) = (0, sorted.len() + 1);
-                while low < high {
-                    let middle = usize::midpoint(low, high);
-                    if holds(middle as f64) { high = middle } else { low = middle + 1 }
-                }
-                low
-            };
-            // the smallest count that is exceeded rarely, and the largest that is rarely fallen short of
-            let upper = first(&|k| 1.0 - cdf(k - 1.0, p) <= tail);
-            let lower = first(&|k| cdf(k - 1.0, p) > tail).saturating_sub(1);
-            let rank = ((n * p).ceil().max(1.0) as usize).min(sorted.len());
-            let at = |rank: usize| rank.checked_sub(1).and_then(|index| sorted.get(index)).copied().map(tidy);
-            Quantile { share: p, value_mm: tidy(sorted[rank - 1]), lower_mm: at(lower), upper_mm: at(upper) }
-        })
-        .collect()
+    let first = |holds: &dyn Fn(f64) -> bool| {
+        let (mut low, mut high) = (0, racks.saturating_add(1));
+        while low < high {
+            let middle = u64::midpoint(low, high);
+            if holds(middle as f64) { high = middle } else { low = middle + 1 }
+        }
+        low
+    };
+    // the smallest count that is exceeded rarely, and the largest that is rarely fallen short of
+    let upper = first(&|k| 1.0 - cdf(k - 1.0) <= tail);
+    let lower = first(&|k| cdf(k - 1.0) > tail).saturating_sub(1);
+    Ranks { lower, upper }
 }
 
 /// A share of `inside` out of `of` with its 95 % confidence interval (Clopper and Pearson).
 #[must_use]
-pub fn share(inside: usize, of: usize) -> (f64, f64, f64) {
+pub fn share(inside: u64, of: u64) -> (f64, f64, f64) {
     let tail = 0.5 * (1.0 - CONFIDENCE);
     let (x, n) = (inside as f64, of as f64);
     let lower = if inside == 0 { 0.0 } else { beta_quantile(tail, x, n - x + 1.0) };
@@ -77,18 +87,40 @@ pub fn share(inside: usize, of: usize) -> (f64, f64, f64) {
 mod tests {
     use super::*;
 
+    fn counted(values: impl IntoIterator<Item = f64>) -> Counts {
+        let mut counts = Counts::default();
+        values.into_iter().for_each(|value| counts.count(value).unwrap());
+        counts
+    }
+
+    /// By the normal distribution the ranks are n p ± 1.96 √(n p (1 − p)).
+    #[test]
+    fn ranks_of_many_racks_are_those_of_the_normal_distribution() {
+        for n in [1e6, 1e8, 1e10] {
+            for p in [0.01, 0.5, 0.99] {
+                let Ranks { lower, upper } = ranks(n as u64, p);
+                let deviation = (n * p * (1.0 - p)).sqrt();
+                let away = |rank: u64| (rank as f64 - n * p) / deviation;
+                assert!(
+                    (away(lower) + 1.96).abs() < 0.02 && (away(upper) - 1.96).abs() < 0.02,
+                    "{n} {p} {lower} {upper}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn intervals_of_quantiles_are_the_order_statistics_of_the_tables() {
         // n = 10, median: X_(2) to X_(9), with 97.9 % confidence
-        let values: Vec<f64> = (1..=10).map(f64::from).collect();
+        let values = counted((1..=10).map(f64::from));
         let [median, high]: [Quantile; 2] = quantiles(&values, &[0.5, 0.99]).try_into().unwrap();
         assert_eq!((median.value_mm, median.lower_mm, median.upper_mm), (5.0, Some(2.0), Some(9.0)));
         assert_eq!((high.value_mm, high.upper_mm), (10.0, None));
         // one of 97.5 %: the tail beyond it is 2.5 % to the last digit
-        let one = quantiles(&[7.0], &[0.975])[0];
+        let one = quantiles(&counted([7.0]), &[0.975])[0];
         assert_eq!((one.value_mm, one.lower_mm, one.upper_mm), (7.0, Some(7.0), None));
         // n = 100, median: X_(40) to X_(61)
-        let values: Vec<f64> = (1..=100).map(f64::from).collect();
+        let values = counted((1..=100).map(f64::from));
         let median = quantiles(&values, &[0.5])[0];
         assert_eq!((median.lower_mm, median.upper_mm), (Some(40.0), Some(61.0)));
     }

@@ -1,0 +1,243 @@
+//! One length of many racks, counted: exact moments, exact extremes, and bins from which quantiles are read. Filled by a
+//! study.
+//!
+//! What is held depends on the lengths only, not on their order nor on how they were dealt out: sums are of whole numbers,
+//! and bins are the finest that [`MOST_BINS`] suffice for. Each width is twice the one before, so that two bins make one of
+//! the next; lengths that came first can never need wider bins than all together.
+
+use std::collections::BTreeMap;
+
+use super::study::StudyError;
+#[cfg(feature = "report")]
+use crate::quantity::LARGEST;
+use crate::quantity::{femtometres, of_femtometres};
+
+/// The most bins that are held. So many racks have exact quantiles, whatever their lengths.
+pub const MOST_BINS: usize = 1 << 16;
+/// A single bin takes all lengths but for their sign.
+#[cfg(feature = "report")]
+const MOST_DOUBLINGS: u32 = 60;
+
+/// Lengths on their grid, counted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "report", serde(deny_unknown_fields))]
+pub(super) struct Counts {
+    racks: u64,
+    /// Σx, in fm.
+    #[cfg_attr(feature = "report", serde(with = "super::study::text"))]
+    sum_fm: i128,
+    /// Σx², in fm².
+    #[cfg_attr(feature = "report", serde(with = "super::study::text"))]
+    squares_fm2: i128,
+    least_fm: i64,
+    most_fm: i64,
+    /// A bin is 2^doublings femtometres wide.
+    doublings: u32,
+    /// Counts by the number of the bin; bin 0 starts at 0.
+    bins: BTreeMap<i64, u64>,
+}
+
+impl Default for Counts {
+    fn default() -> Self {
+        let (least_fm, most_fm) = (i64::MAX, i64::MIN);
+        Self { racks: 0, sum_fm: 0, squares_fm2: 0, least_fm, most_fm, doublings: 0, bins: BTreeMap::new() }
+    }
+}
+
+/// The lengths that a bin may hold, both ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Span {
+    first_fm: i64,
+    last_fm: i64,
+}
+
+impl Span {
+    /// Twice the middle: a whole number.
+    fn twice_middle_fm(self) -> i64 {
+        self.first_fm + self.last_fm
+    }
+}
+
+/// Where a value of some rank lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    pub(super) lower_mm: f64,
+    pub(super) middle_mm: f64,
+    pub(super) upper_mm: f64,
+}
+
+/// Lengths from and to the next place in a histogram.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
+pub struct Bin {
+    /// Where it starts, mm.
+    pub from_mm: f64,
+    /// Where it ends, mm.
+    pub to_mm: f64,
+    /// How many racks are in it.
+    pub racks: u64,
+}
+
+impl Counts {
+    /// Counts a length in mm.
+    pub(super) fn count(&mut self, length_mm: f64) -> Result<(), StudyError> {
+        let fm = femtometres(length_mm).ok_or(StudyError::NoLength { length_mm })?;
+        let square = i128::from(fm) * i128::from(fm);
+        let one = Self {
+            racks: 1,
+            sum_fm: fm.into(),
+            squares_fm2: square,
+            least_fm: fm,
+            most_fm: fm,
+            doublings: 0,
+            bins: BTreeMap::from([(fm, 1)]),
+        };
+        if !self.takes(&one) {
+            return Err(StudyError::TooMany);
+        }
+        self.merge(&one);
+        Ok(())
+    }
+
+    /// Whether the sums with another count are numbers that can be kept.
+    pub(super) fn takes(&self, other: &Self) -> bool {
+        self.racks.checked_add(other.racks).is_some()
+            && self.sum_fm.checked_add(other.sum_fm).is_some()
+            && self.squares_fm2.checked_add(other.squares_fm2).is_some()
+    }
+
+    /// Adds the racks of another count that it takes.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.racks += other.racks;
+        self.sum_fm += other.sum_fm;
+        self.squares_fm2 += other.squares_fm2;
+        self.least_fm = self.least_fm.min(other.least_fm);
+        self.most_fm = self.most_fm.max(other.most_fm);
+        self.widen(other.doublings);
+        for (bin, count) in &other.bins {
+            *self.bins.entry(bin >> (self.doublings - other.doublings)).or_default() += count;
+            if self.bins.len() > MOST_BINS {
+                self.widen(self.doublings + 1);
+            }
+        }
+    }
+
+    /// Makes bins at least so wide, and not more than there may be.
+    fn widen(&mut self, least_doublings: u32) {
+        let mut least = least_doublings;
+        while self.doublings < least {
+            let by = least - self.doublings;
+            let mut wider = BTreeMap::new();
+            for (bin, count) in std::mem::take(&mut self.bins) {
+                *wider.entry(bin >> by).or_default() += count;
+            }
+            self.bins = wider;
+            self.doublings = least;
+            least += u32::from(self.bins.len() > MOST_BINS);
+        }
+    }
+
+    pub(super) fn racks(&self) -> u64 {
+        self.racks
+    }
+
+    #[cfg(test)]
+    pub(super) fn bins_held(&self) -> usize {
+        self.bins.len()
+    }
+
+    /// How far a quantile may be off, mm: half a bin; 0 where each bin is one length of the grid.
+    pub(super) fn quantile_error_mm(&self) -> f64 {
+        of_femtometres(0.5 * ((1_i64 << self.doublings) - 1) as f64)
+    }
+
+    /// Mean and standard deviation, mm; NaN of no racks.
+    pub(super) fn moments_mm(&self) -> Moments {
+        let n = i128::from(self.racks);
+        if n == 0 {
+            return Moments { mean_mm: f64::NAN, standard_deviation_mm: f64::NAN };
+        }
+        let (whole, rest) = (self.sum_fm.div_euclid(n), self.sum_fm.rem_euclid(n));
+        // Σ(x − whole)²: what wraps on the way does not in the end, which lies between 0 and Σx² + n
+        let about_whole = self
+            .squares_fm2
+            .wrapping_sub(whole.wrapping_mul(self.sum_fm).wrapping_mul(2))
+            .wrapping_add(n.wrapping_mul(whole).wrapping_mul(whole));
+        let (n, rest) = (n as f64, rest as f64);
+        let squares = (about_whole as f64 - rest * rest / n).max(0.0);
+        Moments {
+            mean_mm: of_femtometres(whole as f64 + rest / n),
+            standard_deviation_mm: of_femtometres((squares / (n - 1.0).max(1.0)).sqrt()),
+        }
+    }
+
+    fn span(&self, bin: i64) -> Span {
+        let first = bin << self.doublings;
+        let last = first + ((1_i64 << self.doublings) - 1);
+        Span { first_fm: first.max(self.least_fm), last_fm: last.min(self.most_fm) }
+    }
+
+    /// Where the value lies that has this rank from 1; `None` if no value has it.
+    pub(super) fn at_rank(&self, rank: u64) -> Option<Place> {
+        let mut below = rank.checked_sub(1)?;
+        for (bin, count) in &self.bins {
+            if below < *count {
+                let span = self.span(*bin);
+                return Some(Place {
+                    lower_mm: of_femtometres(span.first_fm as f64),
+                    middle_mm: of_femtometres(0.5 * span.twice_middle_fm() as f64),
+                    upper_mm: of_femtometres(span.last_fm as f64),
+                });
+            }
+            below -= count;
+        }
+        None
+    }
+
+    /// So many bins of the same width from the smallest to the largest value.
+    pub(super) fn histogram(&self, bins: u32) -> Vec<Bin> {
+        if self.racks == 0 {
+            return Vec::new();
+        }
+        let (low, high) = (i128::from(self.least_fm), i128::from(self.most_fm));
+        let bins = if low == high { 1 } else { i128::from(bins) };
+        let edge = |bin: i128| of_femtometres(low as f64 + ((high - low) * bin) as f64 / bins as f64);
+        let mut found: Vec<_> =
+            (0..bins).map(|bin| Bin { from_mm: edge(bin), to_mm: edge(bin + 1), racks: 0 }).collect();
+        for (bin, count) in &self.bins {
+            let twice_from_low = i128::from(self.span(*bin).twice_middle_fm()) - 2 * low;
+            let place = twice_from_low * bins / (2 * (high - low)).max(1);
+            // the largest value ends the last bin
+            found[(place as usize).min(bins as usize - 1)].racks += count;
+        }
+        found
+    }
+
+    /// Whether it is what counting makes: for what was read.
+    #[cfg(feature = "report")]
+    pub(super) fn is_sound(&self) -> bool {
+        let (Some((first, _)), Some((last, _))) = (self.bins.first_key_value(), self.bins.last_key_value()) else {
+            return *self == Self::default();
+        };
+        let counted = self.bins.values().try_fold(0_u64, |sum, count| sum.checked_add(*count));
+        let reach = i128::from(self.least_fm).abs().max(i128::from(self.most_fm).abs());
+        counted == Some(self.racks)
+            && self.bins.values().all(|count| *count > 0)
+            && self.bins.len() <= MOST_BINS
+            && self.doublings <= MOST_DOUBLINGS
+            && reach <= i128::from(LARGEST)
+            && self.least_fm >> self.doublings == *first
+            && self.most_fm >> self.doublings == *last
+            && (0..=i128::from(self.racks).saturating_mul(reach * reach)).contains(&self.squares_fm2)
+            && self.sum_fm >= i128::from(self.racks) * i128::from(self.least_fm)
+            && self.sum_fm <= i128::from(self.racks) * i128::from(self.most_fm)
+    }
+}
+
+/// The first two moments of a length, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Moments {
+    pub(super) mean_mm: f64,
+    pub(super) standard_deviation_mm: f64,
+}

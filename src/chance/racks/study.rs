@@ -1,0 +1,516 @@
+//! What is kept of many racks: counts that merge to the same bits however racks are cut into ranges. Made of results by a
+//! run, merged by whoever has several; it draws and solves nothing.
+
+use std::fmt::{self, Write as _};
+
+use thiserror::Error;
+
+use super::counts::Counts;
+use super::{RackResult, RackSettings, Racks};
+use crate::judge::Limit;
+use crate::quantity::{Length, tidy};
+
+/// Successive racks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "report", serde(deny_unknown_fields))]
+pub struct RackRange {
+    /// The number of the first one, from 0.
+    pub first_rack: u64,
+    /// How many.
+    pub racks: u64,
+}
+
+impl RackRange {
+    /// The number behind the last one.
+    #[must_use]
+    pub fn end(self) -> u64 {
+        self.first_rack.saturating_add(self.racks)
+    }
+
+    fn between(first_rack: u64, end: u64) -> Self {
+        Self { first_rack, racks: end.saturating_sub(first_rack) }
+    }
+}
+
+/// `racks 3 … 7`, or `rack 3`.
+impl fmt::Display for RackRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.racks {
+            0 => f.write_str("no racks"),
+            1 => write!(f, "rack {}", self.first_rack),
+            _ => write!(f, "racks {} … {}", self.first_rack, self.end() - 1),
+        }
+    }
+}
+
+/// What the racks of a study are of: only studies of the same may be merged.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "report", serde(deny_unknown_fields))]
+pub struct StudyOf {
+    /// The version of the program that solved them.
+    pub version: String,
+    /// Of teeth, deviations, scatter and limit: the same for the same, whatever the text of the spec.
+    pub fingerprint: String,
+    /// The seed.
+    #[cfg_attr(feature = "report", serde(with = "text"))]
+    pub seed: u64,
+    /// First stroke, mm.
+    #[cfg_attr(feature = "report", serde(with = "text"))]
+    pub from_mm: f64,
+    /// Last stroke, mm.
+    #[cfg_attr(feature = "report", serde(with = "text"))]
+    pub to_mm: f64,
+}
+
+impl StudyOf {
+    pub(super) fn new(racks: &Racks<'_>, settings: &RackSettings) -> Self {
+        let RackSettings { seed, from_mm, to_mm, .. } = *settings;
+        let Racks { base, scatter, limit } = racks;
+        let mut print = Fingerprint::default();
+        // it takes all text
+        let _ = write!(print, "{base:?} {scatter:?} {limit:?}");
+        let version = env!("CARGO_PKG_VERSION").to_owned();
+        Self { version, fingerprint: format!("{:032x}", print.0), seed, from_mm, to_mm }
+    }
+
+    fn refuse_other(&self, other: &Self) -> Result<(), StudyError> {
+        let stroke = |of: &Self| format!("{} … {} mm", of.from_mm, of.to_mm);
+        let seed = |of: &Self| of.seed.to_string();
+        let facts = [
+            ("seed", seed(self), seed(other)),
+            ("stroke", stroke(self), stroke(other)),
+            ("version of rackmesh", self.version.clone(), other.version.clone()),
+            ("spec's fingerprint", self.fingerprint.clone(), other.fingerprint.clone()),
+        ];
+        match facts.into_iter().find(|(_, here, there)| here != there) {
+            Some((what, here, there)) => Err(StudyError::Other { what, here, there }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// FNV-1a of 128 bits, of all text that is written to it.
+struct Fingerprint(u128);
+
+impl Default for Fingerprint {
+    fn default() -> Self {
+        Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
+    }
+}
+
+impl fmt::Write for Fingerprint {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        const PRIME: u128 = (1 << 88) + 0x13b;
+        self.0 = text.bytes().fold(self.0, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul(PRIME));
+        Ok(())
+    }
+}
+
+/// Why results cannot be put together.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// Studies of different things.
+    #[error("the studies are not of the same racks: the {what} is {here} in one and {there} in the other")]
+    Other {
+        /// What differs.
+        what: &'static str,
+        /// As one has it.
+        here: String,
+        /// As the other has it.
+        there: String,
+    },
+    /// Racks that both studies have.
+    #[error("both studies have {both}, which would count twice")]
+    Overlap {
+        /// The first range of them.
+        both: RackRange,
+    },
+    /// Racks that were not asked for.
+    #[error("the studies have {has}, and {asked} are asked for")]
+    NotAsked {
+        /// What they have.
+        has: RackRange,
+        /// What is asked for.
+        asked: RackRange,
+    },
+    /// A ΔCD that is none.
+    #[error("a ΔCD of {length_mm} mm cannot be counted")]
+    NoLength {
+        /// The ΔCD, mm.
+        length_mm: f64,
+    },
+    /// Sums that do not fit 128 bits.
+    #[error("these are more racks than one study can hold: the sum of ΔCD² has more than 128 bits")]
+    TooMany,
+    /// A study that no run has made.
+    #[error("the study is damaged: {what}")]
+    Damaged {
+        /// What does not agree.
+        what: &'static str,
+    },
+}
+
+/// How ΔCD of many racks is distributed, and which racks these are.
+///
+/// It holds exact sums of the lengths on their grid of 1e-12 mm and of their squares, exact extremes, and counts in bins:
+/// [`MOST_BINS`](super::MOST_BINS) at the most for each length, one to each length of the grid while these suffice, and
+/// else as narrow as they can be. What it holds is a function of its racks: ranges and the order of
+/// [`RacksStudy::merge`] change no bit.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "report", serde(deny_unknown_fields))]
+pub struct RacksStudy {
+    of: StudyOf,
+    asked: RackRange,
+    /// Apart from each other and in order.
+    ranges: Vec<RackRange>,
+    /// The racks within the limits; `None` without limits.
+    pub(super) inside: Option<u64>,
+    pub(super) mean: Counts,
+    pub(super) peak_to_peak: Counts,
+    pub(super) smallest: Counts,
+    pub(super) largest: Counts,
+}
+
+impl RacksStudy {
+    /// A study without racks, of those `asked` for.
+    pub(super) fn new(of: StudyOf, asked: RackRange, has_limit: bool) -> Self {
+        Self {
+            of,
+            asked,
+            ranges: Vec::new(),
+            inside: has_limit.then_some(0),
+            mean: Counts::default(),
+            peak_to_peak: Counts::default(),
+            smallest: Counts::default(),
+            largest: Counts::default(),
+        }
+    }
+
+    /// The study of successive racks.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a ΔCD is no length, or if sums are too large.
+    pub fn of(of: StudyOf, first_rack: u64, results: &[RackResult], limit: Option<&Limit>) -> Result<Self, StudyError> {
+        let range = RackRange { first_rack, racks: results.len() as u64 };
+        let mut study = Self::new(of, range, limit.is_some());
+        study.ranges.extend((range.racks > 0).then_some(range));
+        for result in results {
+            study.mean.count(result.mean_mm)?;
+            study.peak_to_peak.count(result.peak_to_peak_mm())?;
+            study.smallest.count(result.min_mm)?;
+            study.largest.count(result.max_mm)?;
+        }
+        study.inside = limit.map(|limit| results.iter().filter(|result| result.is_inside(limit)).count() as u64);
+        Ok(study)
+    }
+
+    /// Adds the racks of another study of the same. What is asked for reaches from the first rack to the last one that
+    /// either was asked for.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the other is of something else, has a rack that this one has, or if sums are too large; then
+    /// this one is as it was.
+    pub fn merge(&mut self, other: &Self) -> Result<(), StudyError> {
+        self.of.refuse_other(&other.of)?;
+        let both = self.ranges.iter().flat_map(|mine| other.ranges.iter().map(|theirs| common(*mine, *theirs)));
+        if let Some(both) = both.into_iter().flatten().next() {
+            return Err(StudyError::Overlap { both });
+        }
+        let takes = self.mean.takes(&other.mean)
+            && self.peak_to_peak.takes(&other.peak_to_peak)
+            && self.smallest.takes(&other.smallest)
+            && self.largest.takes(&other.largest);
+        if !takes {
+            return Err(StudyError::TooMany);
+        }
+        self.mean.merge(&other.mean);
+        self.peak_to_peak.merge(&other.peak_to_peak);
+        self.smallest.merge(&other.smallest);
+        self.largest.merge(&other.largest);
+        self.inside = self.inside.zip(other.inside).map(|(mine, theirs)| mine + theirs);
+        self.ranges = joined(self.ranges.iter().chain(&other.ranges).copied().collect());
+        let (mine, theirs) = (self.asked, other.asked);
+        self.asked = RackRange::between(mine.first_rack.min(theirs.first_rack), mine.end().max(theirs.end()));
+        Ok(())
+    }
+
+    /// Says which racks are asked for, in place of what the ranges were.
+    ///
+    /// # Errors
+    /// [`StudyError::NotAsked`] if it has others.
+    pub fn ask(&mut self, asked: RackRange) -> Result<(), StudyError> {
+        let is_other = |has: &&RackRange| has.first_rack < asked.first_rack || has.end() > asked.end();
+        if let Some(has) = self.ranges.iter().find(is_other) {
+            return Err(StudyError::NotAsked { has: *has, asked });
+        }
+        self.asked = asked;
+        Ok(())
+    }
+
+    /// Refuses a study that is not of these racks, whatever their seed and stroke.
+    ///
+    /// # Errors
+    /// [`StudyError::Other`] says what differs.
+    pub fn refuse_other_racks(&self, racks: &Racks<'_>) -> Result<(), StudyError> {
+        let StudyOf { seed, from_mm, to_mm, .. } = self.of;
+        let settings = RackSettings { seed, range: self.asked, from_mm, to_mm, threads: None };
+        StudyOf::new(racks, &settings).refuse_other(&self.of)
+    }
+
+    /// What its racks are of.
+    #[must_use]
+    pub fn study_of(&self) -> &StudyOf {
+        &self.of
+    }
+
+    /// How many racks it has.
+    #[must_use]
+    pub fn racks(&self) -> u64 {
+        self.mean.racks()
+    }
+
+    /// The racks that are asked for.
+    #[must_use]
+    pub fn asked(&self) -> RackRange {
+        self.asked
+    }
+
+    /// The racks that are asked for and not there.
+    #[must_use]
+    pub fn missing(&self) -> Vec<RackRange> {
+        let starts = std::iter::once(self.asked.first_rack).chain(self.ranges.iter().map(|range| range.end()));
+        let ends = self.ranges.iter().map(|range| range.first_rack).chain(std::iter::once(self.asked.end()));
+        starts.zip(ends).map(|(start, end)| RackRange::between(start, end)).filter(|gap| gap.racks > 0).collect()
+    }
+
+    /// Refuses what no run has made: for what was read.
+    ///
+    /// # Errors
+    /// [`StudyError::Damaged`] says what does not agree.
+    #[cfg(feature = "report")]
+    pub(crate) fn check(&self) -> Result<(), StudyError> {
+        let damaged = |what| Err(StudyError::Damaged { what });
+        let all = [&self.mean, &self.peak_to_peak, &self.smallest, &self.largest];
+        let is_whole = |range: &RackRange| range.racks > 0 && range.first_rack.checked_add(range.racks).is_some();
+        if !all.iter().all(|counts| counts.is_sound()) {
+            return damaged("counts, sums and extremes do not belong together");
+        }
+        let in_order = self.ranges.windows(2).all(|two| two[0].end() < two[1].first_rack);
+        if !in_order || !self.ranges.iter().all(is_whole) || !is_whole(&self.asked) {
+            return damaged("its ranges of racks are not apart and in order");
+        }
+        if self.ranges.iter().any(|range| common(*range, self.asked) != Some(*range)) {
+            return damaged("it has racks that were not asked for");
+        }
+        let racks: u64 = self.ranges.iter().map(|range| range.racks).sum();
+        if all.iter().any(|counts| counts.racks() != racks) || self.inside.is_some_and(|inside| inside > racks) {
+            return damaged("its ranges and its counts have different numbers of racks");
+        }
+        Ok(())
+    }
+}
+
+impl RackResult {
+    /// Whether it stays within the limits along the whole stroke.
+    fn is_inside(&self, limit: &Limit) -> bool {
+        limit.lower.map(Length::mm).is_none_or(|lower| lower <= tidy(self.min_mm))
+            && limit.upper.map(Length::mm).is_none_or(|upper| tidy(self.max_mm) <= upper)
+    }
+}
+
+/// The racks in both.
+fn common(a: RackRange, b: RackRange) -> Option<RackRange> {
+    let range = RackRange::between(a.first_rack.max(b.first_rack), a.end().min(b.end()));
+    (range.racks > 0).then_some(range)
+}
+
+/// In order, and one where they touch.
+fn joined(mut ranges: Vec<RackRange>) -> Vec<RackRange> {
+    ranges.sort_unstable_by_key(|range| range.first_rack);
+    let mut all: Vec<RackRange> = Vec::with_capacity(ranges.len());
+    for range in ranges {
+        match all.last_mut().filter(|last| last.end() == range.first_rack) {
+            Some(last) => last.racks += range.racks,
+            None => all.push(range),
+        }
+    }
+    all
+}
+
+/// Numbers as text: programs keep no more than 53 bits of those of JSON.
+#[cfg(feature = "report")]
+pub(super) mod text {
+    use std::fmt::Display;
+    use std::str::FromStr;
+
+    use serde::de::Error as _;
+    use serde::{Deserialize as _, Deserializer, Serializer};
+
+    pub(crate) fn serialize<T: Display, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(value)
+    }
+
+    pub(crate) fn deserialize<'de, T: FromStr<Err: Display>, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<T, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::RacksSummary;
+    use super::super::counts::MOST_BINS;
+    use super::*;
+    use crate::judge::Verdict;
+    use crate::trig;
+
+    fn study_of(seed: u64) -> StudyOf {
+        let (version, fingerprint) = ("1".to_owned(), "teeth".to_owned());
+        StudyOf { version, fingerprint, seed, from_mm: 0.0, to_mm: 50.0 }
+    }
+
+    /// Lengths that no two racks share, spread over a twentieth of a millimetre.
+    fn result(rack: u64) -> RackResult {
+        let place = 0.02 * trig::sin((rack as f64) * 0.618_033_9);
+        RackResult { mean_mm: place, min_mm: place - 0.01, max_mm: 1.3 * place + 0.015 }
+    }
+
+    fn limit() -> Limit {
+        Limit { lower: None, upper: Some("0.04".parse().unwrap()) }
+    }
+
+    fn range(first_rack: u64, end: u64) -> RacksStudy {
+        let results: Vec<_> = (first_rack..end).map(result).collect();
+        RacksStudy::of(study_of(1), first_rack, &results, Some(&limit())).unwrap()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4))]
+
+        /// Any cuts, merged in any order and grouping: also where lengths need wider bins than those of a part.
+        #[test]
+        fn ranges_merge_to_what_one_run_has(
+            cuts in proptest::collection::vec(0..100_000_u64, 0..12),
+            order in any::<u64>(),
+            is_grouped in any::<bool>(),
+        ) {
+            let mut cuts = cuts;
+            cuts.extend([0, 100_000]);
+            cuts.sort_unstable();
+            let mut parts: Vec<_> = cuts.windows(2).filter(|two| two[0] < two[1]).map(|two| range(two[0], two[1])).collect();
+            parts.sort_by_key(|part| part.asked().first_rack.wrapping_add(order).wrapping_mul(order | 1));
+            let tail = parts.split_off(if is_grouped { parts.len() / 2 } else { parts.len() - 1 });
+            let merged = |parts: &[RacksStudy]| {
+                parts.split_first().map(|(first, others)| {
+                    others.iter().fold(first.clone(), |mut all, part| {
+                        all.merge(part).unwrap();
+                        all
+                    })
+                })
+            };
+            let mut all = merged(&tail).unwrap();
+            if let Some(head) = merged(&parts) {
+                all.merge(&head).unwrap();
+            }
+            let one = range(0, 100_000);
+            prop_assert!(one.mean.quantile_error_mm() > 0.0);
+            prop_assert_eq!(RacksSummary::of(&all), RacksSummary::of(&one));
+            prop_assert!(all == one);
+        }
+    }
+
+    #[test]
+    fn quantiles_are_as_exact_as_they_say() {
+        for racks in [1, 2, 1000, MOST_BINS as u64, 200_000] {
+            let study = range(0, racks);
+            let mut sorted: Vec<f64> = (0..racks).map(|rack| tidy(result(rack).mean_mm)).collect();
+            sorted.sort_unstable_by(f64::total_cmp);
+            let summary = RacksSummary::of(&study).unwrap();
+            let error = summary.mean.quantile_error_mm;
+            assert_eq!(error > 0.0, racks > MOST_BINS as u64, "{racks}: {error}");
+            // 0.04 mm in 2^15 bins at the least
+            assert!(error <= 0.5 * 0.04 / 32_768.0, "{error}");
+            for quantile in &summary.mean.quantiles {
+                let rank = ((racks as f64 * quantile.share).ceil() as usize).max(1);
+                let away = (quantile.value_mm - sorted[rank - 1]).abs();
+                assert!(away <= error * (1.0 + 1e-9), "{racks}: {quantile:?} {away}");
+            }
+            let mean = sorted.iter().sum::<f64>() / racks as f64;
+            let squares = sorted.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+            let deviation = (squares / (racks as f64 - 1.0).max(1.0)).sqrt();
+            assert!(
+                (summary.mean.mean_mm - mean).abs() < 2e-12
+                    && (summary.mean.standard_deviation_mm - deviation).abs() < 2e-12
+            );
+            assert_eq!(summary.mean.histogram.iter().map(|bin| bin.racks).sum::<u64>(), racks);
+            assert_eq!(summary.mean.histogram[0].from_mm, sorted[0]);
+        }
+    }
+
+    /// Ten million results, each of its own length: what is held is that of so many bins.
+    #[test]
+    fn memory_does_not_grow_with_the_racks() {
+        let mut study = RacksStudy::new(study_of(1), RackRange { first_rack: 0, racks: 10_000_000 }, true);
+        for first in (0..10_000_000).step_by(10_000) {
+            study.merge(&range(first, first + 10_000)).unwrap();
+            for counts in [&study.mean, &study.peak_to_peak, &study.smallest, &study.largest] {
+                assert!(counts.bins_held() <= MOST_BINS);
+            }
+        }
+        assert_eq!((study.racks(), study.missing()), (10_000_000, Vec::new()));
+        assert_eq!(study.ranges.len(), 1);
+    }
+
+    #[test]
+    fn what_does_not_belong_together_is_refused_and_changes_nothing() {
+        let mut study = range(0, 100);
+        let before = study.clone();
+        let refused = study.merge(&range(50, 150)).unwrap_err();
+        assert_eq!(refused, StudyError::Overlap { both: RackRange { first_rack: 50, racks: 50 } });
+        assert!(refused.to_string().contains("racks 50 … 99"), "{refused}");
+        let other = RacksStudy::of(study_of(2), 100, &[result(100)], Some(&limit())).unwrap();
+        let refused = study.merge(&other).unwrap_err().to_string();
+        assert!(refused.contains("the seed is 1 in one and 2 in the other"), "{refused}");
+        let fingerprint = "other teeth".to_owned();
+        let other = RacksStudy::of(StudyOf { fingerprint, ..study_of(1) }, 100, &[result(100)], None).unwrap();
+        assert!(study.merge(&other).unwrap_err().to_string().contains("fingerprint is teeth"));
+        assert!(study == before);
+        let far = RackResult { mean_mm: 1e300, ..result(0) };
+        let refused = RacksStudy::of(study_of(1), 0, &[far], None).unwrap_err();
+        assert_eq!(refused, StudyError::NoLength { length_mm: 1e300 });
+        let far = RackResult { mean_mm: 1e5, ..result(0) };
+        let refused = RacksStudy::of(study_of(1), 0, &vec![far; 20_000], None).unwrap_err();
+        assert_eq!(refused, StudyError::TooMany);
+    }
+
+    #[test]
+    fn a_gap_leaves_the_verdict_open_and_a_rack_outside_fails_all_the_same() {
+        let mut study = range(0, 10);
+        study.merge(&range(30, 40)).unwrap();
+        let summary = RacksSummary::of(&study).unwrap();
+        let gap = RackRange { first_rack: 10, racks: 20 };
+        let is_inside = |rack| tidy(result(rack).max_mm) <= 0.04;
+        assert!((0..10).chain(30..40).any(|rack| !is_inside(rack)));
+        assert_eq!((summary.missing, summary.verdict), (vec![gap], Some(Verdict::Fail)));
+        let calm = |first, count| {
+            let calm = RackResult { max_mm: 0.03, ..result(0) };
+            RacksStudy::of(study_of(1), first, &vec![calm; count], Some(&limit())).unwrap()
+        };
+        let mut study = calm(0, 10);
+        assert_eq!(RacksSummary::of(&study).unwrap().verdict, Some(Verdict::Pass));
+        study.merge(&calm(30, 10)).unwrap();
+        assert_eq!(RacksSummary::of(&study).unwrap().verdict, None);
+        study.merge(&calm(10, 20)).unwrap();
+        assert_eq!(RacksSummary::of(&study).unwrap().verdict, Some(Verdict::Pass));
+        study.ask(RackRange { first_rack: 0, racks: 50 }).unwrap();
+        assert_eq!(RacksSummary::of(&study).unwrap().verdict, None);
+        assert!(study.ask(RackRange { first_rack: 1, racks: 50 }).is_err());
+    }
+}
