@@ -134,7 +134,16 @@ mod tests {
         for threads in [0, 1, 3] {
             for count in [0, 1, 7, 300] {
                 let mut taken = Vec::new();
-                let take = |number| if number == 120 { Err("enough") } else { Ok(taken.push(number)) };
+                let take = |number| {
+                    if number == 120 {
+                        Err("enough")
+                    } else {
+                        {
+                            taken.push(number);
+                            Ok(())
+                        }
+                    }
+                };
                 let ended = in_order(threads, count, |number| number, take);
                 assert_eq!(ended.is_err(), count > 120);
                 assert_eq!(taken, (0..count.min(120)).collect::<Vec<_>>());

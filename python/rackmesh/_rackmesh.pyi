@@ -46,16 +46,20 @@ class Spec:
     ) -> Answer:
         """ΔCD of each error, combined and judged (mm): ``rackmesh eval`` with the same options."""
 
-    def mesh(self, from_mm: float = 0.0, to_mm: float = 50.0, **options: Any) -> Answer:
+    def mesh(self, from_mm: float | None = None, to_mm: float | None = None, **options: Any) -> Answer:
         """ΔCD along the stroke by the exact mesh (mm): ``rackmesh mesh`` with the same options."""
 
     def simulate(self, **options: Any) -> Answer:
         """ΔCD along the stroke with elastic teeth and forces (mm, N): ``rackmesh simulate`` with the same options."""
 
     def monte_carlo(
-        self, racks: int = 2000, from_mm: float = 0.0, to_mm: float = 50.0, **options: Any
+        self, racks: int | None = None, from_mm: float | None = None, to_mm: float | None = None, **options: Any
     ) -> Answer:
-        """Random racks, each through the exact mesh (mm): ``rackmesh monte-carlo`` with the same options."""
+        """Random racks, each through the exact mesh (mm): ``rackmesh monte-carlo`` with the same options.
+
+        ``first_rack=N, racks=M, study="range.json"`` keeps what a range came to; ``merge=["a.json", "b.json"]`` puts ranges
+        together, with the bits of one run.
+        """
 
     def budget(self, **options: Any) -> Answer:
         """Tolerances from a limit (mm, degrees): ``rackmesh budget`` with the same options."""

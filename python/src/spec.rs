@@ -39,6 +39,12 @@ impl Spec {
                 Ok(true) => arguments.push(flag),
                 Ok(false) => {}
                 Err(_) if value.is_none() => {}
+                Err(_) if value.is_instance_of::<PyList>() => {
+                    arguments.push(flag);
+                    for one in value.try_iter()? {
+                        arguments.push(one?.str()?.to_string());
+                    }
+                }
                 Err(_) => arguments.push(format!("{flag}={}", value.str()?)),
             }
         }
@@ -56,8 +62,9 @@ impl Spec {
 }
 
 /// A stroke as a command takes it.
-fn stroke(from_mm: f64, to_mm: f64) -> Vec<String> {
-    vec![format!("--from={from_mm}"), format!("--to={to_mm}")]
+fn stroke(from_mm: Option<f64>, to_mm: Option<f64>) -> Vec<String> {
+    let from = from_mm.map(|from_mm| format!("--from={from_mm}"));
+    from.into_iter().chain(to_mm.map(|to_mm| format!("--to={to_mm}"))).collect()
 }
 
 #[pymethods]
@@ -110,12 +117,12 @@ impl Spec {
     }
 
     /// ΔCD along the stroke by the exact mesh: `rackmesh mesh`.
-    #[pyo3(signature = (from_mm = 0.0, to_mm = 50.0, **options))]
+    #[pyo3(signature = (from_mm = None, to_mm = None, **options))]
     fn mesh<'py>(
         &self,
         py: Python<'py>,
-        from_mm: f64,
-        to_mm: f64,
+        from_mm: Option<f64>,
+        to_mm: Option<f64>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, "mesh", stroke(from_mm, to_mm), options)
@@ -128,17 +135,17 @@ impl Spec {
     }
 
     /// Random racks, each through the exact mesh: `rackmesh monte-carlo`.
-    #[pyo3(signature = (racks = 2000, from_mm = 0.0, to_mm = 50.0, **options))]
+    #[pyo3(signature = (racks = None, from_mm = None, to_mm = None, **options))]
     fn monte_carlo<'py>(
         &self,
         py: Python<'py>,
-        racks: u64,
-        from_mm: f64,
-        to_mm: f64,
+        racks: Option<u64>,
+        from_mm: Option<f64>,
+        to_mm: Option<f64>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut arguments = stroke(from_mm, to_mm);
-        arguments.extend(["--racks".to_owned(), racks.to_string()]);
+        arguments.extend(racks.map(|racks| format!("--racks={racks}")));
         self.ask(py, "monte-carlo", arguments, options)
     }
 

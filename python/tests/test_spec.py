@@ -48,6 +48,14 @@ def test_options_and_settings_are_the_command_s() -> None:
     assert again.evaluate(stack="rss") == spec.evaluate(stack="rss")
 
 
+def test_ranges_of_racks_merge_to_one_run(tmp_path: Path) -> None:
+    spec = rackmesh.Spec.from_file(EXAMPLES / "scatter.toml")
+    files = [str(tmp_path / name) for name in ("a.json", "b.json")]
+    spec.monte_carlo(racks=30, study=files[0])
+    spec.monte_carlo(racks=20, first_rack=30, study=files[1])
+    assert spec.monte_carlo(merge=files) == spec.monte_carlo(racks=50)
+
+
 def test_numbers_come_as_arrays() -> None:
     answer = rackmesh.Spec.from_file(EXAMPLES / "mesh-errors.toml").mesh(0.0, 20.0)
     points = answer.array("points")

@@ -161,12 +161,11 @@ impl Args {
                 let message = format!("{} cannot be merged: {error}", stream::name(path));
                 Failure::from(Diagnostic::error(Code::Usage, message))
             };
-            match &mut merged {
-                Some(merged) => merged.merge(&study).map_err(refused)?,
-                None => {
-                    study.refuse_other_racks(racks).map_err(refused)?;
-                    merged = Some(study);
-                }
+            if let Some(merged) = &mut merged {
+                merged.merge(&study).map_err(refused)?;
+            } else {
+                study.refuse_other_racks(racks).map_err(refused)?;
+                merged = Some(study);
             }
         }
         let mut merged = merged.ok_or_else(|| Diagnostic::error(Code::Usage, "--merge names no file"))?;

@@ -60,6 +60,7 @@ impl Span {
 }
 
 /// Where a value of some rank lies.
+#[expect(clippy::struct_field_names, reason = "each says its unit")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     pub(super) lower_mm: f64,
