@@ -55,7 +55,7 @@ pub(super) struct Held {
 ///
 /// let spec = HeldSpec { name: "rack.toml".into(), text: "[errors]\nrack_over_roller = \"13 um\"".into() };
 /// let answer = answer("eval", &["--model", "paper"], spec)?;
-/// assert_eq!(answer.json["combined_mm"]["range"]["upper"], 0.013);
+/// assert_eq!(answer.json["combined"]["worst_case_mm"]["upper"], 0.013);
 /// # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
 /// ```
 pub fn answer(command: &str, options: &[&str], spec: HeldSpec) -> Result<Answer, Diagnostics> {
