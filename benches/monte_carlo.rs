@@ -99,7 +99,7 @@ fn racks(c: &mut Criterion) {
             let racks = Racks { base: &base, scatter: &scatter, limit: None };
             group.bench_function(format!("{name}, {cores}"), |b| {
                 let each = |_, _: &[_]| Ok::<_, RacksError>(());
-                b.iter(|| black_box(&racks).study(&settings, &stop, each).expect("a result"));
+                b.iter(|| black_box(&racks).study(&settings, &stop, each).1.expect("a result"));
             });
         }
     }

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::{Basis, ErrorRange, Note, Open};
+use crate::judge::bound::{Basis, ErrorRange, NoBound, Note};
 use crate::judge::rule::{Decision, Rule, decide};
 use crate::judge::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
@@ -27,7 +27,7 @@ pub struct Contribution {
     /// Its ΔCD by the paper's formula.
     pub paper: Length,
     /// What it can do alone, wherever it is.
-    pub range: Result<Interval, Open>,
+    pub range: Result<Interval, NoBound>,
     /// How many of its steps add up at most, of a pitch on many teeth.
     pub in_contact: Option<u32>,
     /// Its share of the sum of magnitudes, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
@@ -67,7 +67,7 @@ pub enum Unjudged {
     /// Errors that the spec asks for are not there.
     Lacking,
     /// There is no finite range.
-    Open(Open),
+    NoBound(NoBound),
 }
 
 /// One limit, the interval of ΔCD held against it, and how that ended.
@@ -251,9 +251,9 @@ pub fn evaluate(
         .iter()
         .map(|(on, limit)| {
             let result = match on {
-                LimitTarget::CenterDistance => combined.interval(stack).map_err(Unjudged::Open),
+                LimitTarget::CenterDistance => combined.interval(stack).map_err(Unjudged::NoBound),
                 LimitTarget::Error(kind) => match contributions.iter().find(|one| one.kind == *kind) {
-                    Some(one) => one.range.map_err(Unjudged::Open),
+                    Some(one) => one.range.map_err(Unjudged::NoBound),
                     None => Err(Unjudged::NotGiven),
                 },
             };
@@ -336,7 +336,10 @@ mod tests {
         };
         assert_eq!(with(Extent::One).verdict, Some(Verdict::Pass));
         let open = with(Extent::Each);
-        assert_eq!((open.verdict, open.limits[0].result), (None, Err(Unjudged::Open(Open::TeethInContactUnknown))));
+        assert_eq!(
+            (open.verdict, open.limits[0].result),
+            (None, Err(Unjudged::NoBound(NoBound::TeethInContactUnknown)))
+        );
     }
 
     #[test]

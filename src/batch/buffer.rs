@@ -1,7 +1,5 @@
 //! Bytes that grow at the end: room is made once per row, and then every write is a copy.
 
-use super::number::eight_digits;
-
 /// Written bytes with room behind them.
 #[derive(Debug, Default)]
 pub(super) struct Buffer {
@@ -71,6 +69,19 @@ impl Buffer {
         self.bytes[self.at..self.at + bytes.len()].copy_from_slice(bytes);
         self.at += bytes.len();
     }
+}
+
+/// The eight decimal digits of a number below 10⁸, the first one first: halves, quarters and single digits
+/// are divided side by side in one word.
+#[inline]
+pub(super) fn eight_digits(number: u32) -> [u8; 8] {
+    let fours = u64::from(number / 10_000) | u64::from(number % 10_000) << 32;
+    // x / 100 = (x · 10486) >> 20 for x < 10⁴, x / 10 = (x · 103) >> 10 for x < 100
+    let hundreds = ((fours * 10_486) >> 20) & 0x0000_007f_0000_007f;
+    let twos = hundreds | (fours - hundreds * 100) << 16;
+    let tens = ((twos * 103) >> 10) & 0x000f_000f_000f_000f;
+    let ones = tens | (twos - tens * 10) << 8;
+    (ones | 0x3030_3030_3030_3030).to_le_bytes()
 }
 
 #[cfg(test)]

@@ -1,17 +1,15 @@
 //! One row after another: deviations to results, results to text and counts. A worker has an [`Evaluator`] and gives it
 //! blocks; where their columns are from, it does not know.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::buffer::Buffer;
-use super::columns::ResultColumns;
 use super::layout::Layout;
-use super::outcome::{Kept, Part, Problem, Tally, WORST, keep_worst};
+use super::outcome::{KeptPart, Part, Problem, Tally, WORST, keep_worst};
 use super::plan::Plan;
-use super::request::{RowFormat, Rows};
-use super::results::{KINDS, Margin, Refusal, Results, spread_of};
-use super::rows::Written;
+use super::request::Rows;
+use super::results::{Margin, Refusal, Results, spread_of};
+use super::rows::{Row, RowWriter, WrittenRow};
+use super::source::KINDS;
 use super::statistics::Statistics;
 use super::uncertain::RowUncertainty;
 use crate::deviation::plausible::Reach;
@@ -21,40 +19,12 @@ use crate::quantity::shown;
 use crate::table::{Block, Fault};
 use crate::uncertainty::Spreads;
 
-/// A row of a block.
-#[derive(Clone, Copy)]
-pub(super) struct Row<'a> {
-    pub(super) block: &'a Block,
-    pub(super) index: usize,
-    /// Records before the block.
-    pub(super) records_before: u64,
-}
-
-impl<'a> Row<'a> {
-    /// The part's name, or the number of its record.
-    pub(super) fn id(self) -> Cow<'a, str> {
-        let number = || (self.records_before + self.record()).to_string().into();
-        self.block.name(self.index).unwrap_or_else(number)
-    }
-
-    /// Its record, from the start of the block.
-    fn record(self) -> u64 {
-        self.block.records[self.index]
-    }
-
-    fn line(self) -> u64 {
-        self.block.lines[self.index]
-    }
-}
-
 /// Evaluates the rows of blocks.
 pub(super) struct Evaluator<'a> {
     pub(super) plan: &'a Plan,
     layout: &'a Layout,
     file: Arc<str>,
-    /// The rows to write, as text or in columns.
-    pub(super) out: Buffer,
-    pub(super) columns: ResultColumns,
+    pub(super) written: RowWriter<'a>,
     /// The rejected rows as they are.
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
@@ -77,8 +47,7 @@ impl<'a> Evaluator<'a> {
             plan,
             layout,
             file: Arc::clone(file),
-            out: Buffer::default(),
-            columns: ResultColumns::default(),
+            written: RowWriter::new(plan),
             rejects: Vec::new(),
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
@@ -90,10 +59,7 @@ impl<'a> Evaluator<'a> {
 
     /// Evaluates a block; what came out of the last one is forgotten. `keeps_names` asks for the names of its parts.
     pub(super) fn block(&mut self, block: &Block, records_before: u64, keeps_names: bool) {
-        self.out.truncate(0);
-        if self.plan.format == RowFormat::Columns {
-            self.columns = ResultColumns::new(self.plan.column_kinds());
-        }
+        self.written.clear();
         self.rejects.clear();
         self.tally.clear(self.plan.followed.len());
         self.tally.lines = block.line_count;
@@ -144,7 +110,7 @@ impl<'a> Evaluator<'a> {
         if self.plan.request.rows != Rows::Every {
             return;
         }
-        let (first, rows) = (block.lines.first().zip(block.records.first()), self.columns.rows as u64);
+        let (first, rows) = (block.lines.first().zip(block.records.first()), self.written.columns.rows as u64);
         let line_before = first.map_or(0, |(line, record)| line - record);
         for record in rows + 1..=record {
             let aside = block.asides.iter().find(|aside| aside.line == line_before + record);
@@ -152,7 +118,7 @@ impl<'a> Evaluator<'a> {
                 Some(aside) => format!("no part: {}", shown(&aside.text)),
                 None => "no part: there is nothing in the row".to_owned(),
             };
-            self.write_row(None, &Written::None { reason: &reason });
+            self.written.row(None, &WrittenRow::None { reason: &reason });
         }
     }
 
@@ -163,7 +129,7 @@ impl<'a> Evaluator<'a> {
         let results = Results::new(plan, &self.deviations)?;
         let uncertainty = match &plan.uncertain {
             Some(uncertain) => {
-                let known = uncertain.of_row(&plan.sources, &self.deviations, &results, &plan.limits);
+                let known = uncertain.of_row(&plan.sources, &self.deviations, &results.each, &plan.limits);
                 Some(known.map_err(|error| refused(error.to_string()))?)
             }
             None => None,
@@ -171,7 +137,7 @@ impl<'a> Evaluator<'a> {
         let verdict = results.judge(plan, uncertainty.as_ref()).map_err(|error| refused(error.to_string()))?;
         if plan.request.rows.has(verdict) {
             let uncertainty = uncertainty.as_ref();
-            self.write_row(Some(row), &Written::Part { results: &results, uncertainty, verdict });
+            self.written.row(Some(row), &WrittenRow::Part { results: &results, uncertainty, verdict });
         }
         self.tally.counts.judge(verdict);
         if plan.request.statistics {
@@ -180,7 +146,7 @@ impl<'a> Evaluator<'a> {
             let full = self.tally.worst.len() == WORST;
             if !full || self.tally.worst.last().is_some_and(|last| margin.inside_by < last.margin) {
                 let part = self.kept(row, verdict, margin);
-                keep_worst(&mut self.tally.worst, Kept { part, margin: margin.inside_by });
+                keep_worst(&mut self.tally.worst, KeptPart { part, margin: margin.inside_by });
             }
         }
         if self.keeps_failure(verdict) {
@@ -250,7 +216,7 @@ impl<'a> Evaluator<'a> {
     fn count_rejected(&mut self, row: Row<'_>, reason: &str) {
         self.tally.counts.rejected += 1;
         if self.plan.request.rows == Rows::Every {
-            self.write_row(Some(row), &Written::None { reason });
+            self.written.row(Some(row), &WrittenRow::None { reason });
         }
         self.keep_raw(row.block, row.index);
     }

@@ -98,7 +98,7 @@ impl ColumnEvaluator {
     /// [`Diagnostics`] if the columns are refused, as those of any table are: what they hold is not understood, or may be a
     /// measurement that nobody named, or lacks its unit or nominal value.
     pub fn evaluate(&self, piece: &ColumnPiece<'_>) -> Result<EvaluatedColumns, Diagnostics> {
-        let StoredTable { table, setup } = self.understood(piece)?;
+        let StoredTable { table, setup, .. } = self.understood(piece)?;
         let (plan, layout) = self.planned(&table)?;
         let rows = table::Rows::new(setup, layout.wanted(false));
         let mut block = Block::default();
@@ -112,7 +112,7 @@ impl ColumnEvaluator {
         let mut reading = table.reading;
         reading.asides.append(&mut evaluator.tally.asides);
         let counts = evaluator.tally.counts;
-        Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.columns, counts, reading })
+        Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.written.columns, counts, reading })
     }
 
     fn understood(&self, piece: &ColumnPiece<'_>) -> Result<StoredTable, Diagnostics> {
@@ -121,6 +121,11 @@ impl ColumnEvaluator {
         let has_numbers = piece.columns.iter().flatten().any(Stored::has_numbers);
         let head = if has_numbers { piece.columns } else { &stand_ins };
         let found = stored_table(piece.name, "columns", piece.titles, head, &self.want)?;
+        if !found.in_rows {
+            let message =
+                format!("{} has a row per characteristic, and columns in memory have a row per part", piece.name);
+            return Err(Diagnostic::error(Code::BadTable, message).help("make a column of each characteristic").into());
+        }
         match refusal(&found.table.strangers, &found.table.still_missing) {
             Some(refused) => Err(refused.into()),
             None => Ok(found),

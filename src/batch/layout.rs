@@ -1,7 +1,8 @@
 //! Where one table has what the plan needs. Made once per table; reads no row.
 
 use super::output::Output;
-use super::plan::{Plan, Source, missing};
+use super::plan::Plan;
+use super::source::{Source, missing};
 use crate::deviation::DeviationKind;
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};

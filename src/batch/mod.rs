@@ -7,11 +7,11 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | `layout`, `plan`, `output` | which column holds what; what is computed and written |
+//! | `layout`, `plan`, `source`, `output` | which column holds what; what is computed and written |
 //! | `uncertain` | how certain results are |
 //! | `number`, `buffer`, `write`, `rows` | results as text |
 //! | `evaluate`, `results` | one row: its deviations, what follows from them, the verdict |
-//! | `run`, `pack` | pieces through all cores, in order |
+//! | `run`, `pack`, `ledger` | pieces through all cores, in order; where results go, and what is kept |
 //! | `columns`, `parquet` | results in columns, and those as Parquet |
 //! | `in_memory` | columns that a program has, in place of files |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
@@ -54,6 +54,7 @@ mod columns;
 mod evaluate;
 mod in_memory;
 mod layout;
+mod ledger;
 mod number;
 mod outcome;
 mod output;
@@ -64,6 +65,7 @@ mod request;
 mod results;
 mod rows;
 mod run;
+mod source;
 mod statistics;
 mod teeth;
 mod uncertain;
@@ -73,12 +75,13 @@ pub use capability::Capability;
 pub use columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
 pub use in_memory::{ColumnEvaluator, ColumnPiece, EvaluatedColumns};
 pub use layout::Layout;
-pub use number::Decimals;
+pub use ledger::{ColumnSink, RowSink, Sink, Sinks};
+pub use number::{Decimals, NoDecimals};
 pub use outcome::{Counts, Duplicates, Outcome, Part, Problem};
 pub use pack::Packing;
 pub use parquet::ParquetRows;
 pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};
-pub use run::{Batch, ColumnSink, Progress, RowSink, RunError, Sink, Sinks};
+pub use run::{Batch, Progress, RunError};
 pub use statistics::{QUANTILES, Statistics};
 pub use teeth::{JudgedTeeth, Teeth, TeethJudge, TeethRequest};

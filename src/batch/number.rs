@@ -1,6 +1,6 @@
 //! Lengths as the text of a row: what a batch writes most. Called by the row evaluator.
 
-use super::buffer::Buffer;
+use super::buffer::{Buffer, eight_digits};
 use crate::quantity::Length;
 
 /// How many decimals of a millimetre are written.
@@ -46,14 +46,19 @@ impl Default for Decimals {
     }
 }
 
-impl std::str::FromStr for Decimals {
-    type Err = String;
+/// A text that says no number of decimals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("write a whole number up to {}, or `full`", Decimals::MOST)]
+pub struct NoDecimals;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl std::str::FromStr for Decimals {
+    type Err = NoDecimals;
+
+    fn from_str(text: &str) -> Result<Self, NoDecimals> {
         match text.parse() {
             _ if text == "full" => Ok(Self::Full),
             Ok(places) if places <= Self::MOST => Ok(Self::Places(places)),
-            _ => Err(format!("write a whole number up to {}, or `full`", Self::MOST)),
+            _ => Err(NoDecimals),
         }
     }
 }
@@ -116,19 +121,6 @@ fn write<const DECIMALS: u32>(out: &mut Buffer, length: Length) {
     if DECIMALS > 8 {
         out.leading_digits(eight_digits(last), DECIMALS as usize - 8);
     }
-}
-
-/// The eight decimal digits of a number below 10⁸, the first one first: halves, quarters and single digits
-/// are divided side by side in one word.
-#[inline]
-pub(super) fn eight_digits(number: u32) -> [u8; 8] {
-    let fours = u64::from(number / 10_000) | u64::from(number % 10_000) << 32;
-    // x / 100 = (x · 10486) >> 20 for x < 10⁴, x / 10 = (x · 103) >> 10 for x < 100
-    let hundreds = ((fours * 10_486) >> 20) & 0x0000_007f_0000_007f;
-    let twos = hundreds | (fours - hundreds * 100) << 16;
-    let tens = ((twos * 103) >> 10) & 0x000f_000f_000f_000f;
-    let ones = tens | (twos - tens * 10) << 8;
-    (ones | 0x3030_3030_3030_3030).to_le_bytes()
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ use std::fmt;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
-use super::results::KINDS;
-use super::statistics::{Moving, Statistics};
+use super::source::KINDS;
+use super::statistics::{MovingRange, Statistics};
 use crate::diagnostic::Code;
 use crate::judge::{LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
@@ -167,7 +167,7 @@ pub struct Outcome {
     pub duplicates: Duplicates,
     /// Whether the run was ended before the end of the input, by the user.
     pub interrupted: bool,
-    /// Whether it ended early because a table could not be read to its end.
+    /// Whether it ended before the end of a table: it could not be read further, or was to end at the first rejected row.
     pub is_cut: bool,
     /// Bytes read, after unpacking.
     pub bytes: u64,
@@ -239,8 +239,9 @@ impl Duplicates {
         self.seen.len() < Self::MOST
     }
 
-    fn add(&mut self, names: &Names) {
-        for name in names.iter().filter(|name| !name.is_empty()) {
+    /// Takes the names of more parts.
+    pub(crate) fn add<'n>(&mut self, names: impl Iterator<Item = &'n [u8]>) {
+        for name in names.filter(|name| !name.is_empty()) {
             if !self.is_open() {
                 self.is_cut = true;
                 return;
@@ -278,7 +279,7 @@ const ASIDES: usize = 100;
 
 /// A part to keep, while only its chunk is known.
 #[derive(Debug, Clone)]
-pub(super) struct Kept {
+pub(super) struct KeptPart {
     pub(super) part: Part,
     /// The order of the worst: smaller is worse.
     pub(super) margin: Length,
@@ -292,7 +293,7 @@ pub(super) struct Tally {
     pub(super) records: u64,
     pub(super) problems: Vec<Problem>,
     pub(super) failures: Vec<Part>,
-    pub(super) worst: Vec<Kept>,
+    pub(super) worst: Vec<KeptPart>,
     /// Records that are no parts.
     pub(super) asides: Vec<AsideReading>,
     /// A cell that contradicts how the table is read.
@@ -302,21 +303,21 @@ pub(super) struct Tally {
     /// The names of the parts, while they are looked at.
     pub(super) names: Names,
     /// One per result that is held against a limit, where statistics are kept.
-    pub(super) moving: Vec<Moving>,
+    pub(super) moving: Vec<MovingRange>,
 }
 
 impl Tally {
     /// Empties it for the next chunk, in which so many results are followed from part to part.
     pub(super) fn clear(&mut self, followed: usize) {
-        *self = Self { moving: vec![Moving::default(); followed], ..Self::default() };
+        *self = Self { moving: vec![MovingRange::default(); followed], ..Self::default() };
     }
 }
 
 /// The counts of one table while it is read, and of all of them.
 pub(super) struct Total<'a> {
     pub(super) outcome: &'a mut Outcome,
-    pub(super) worst: Vec<Kept>,
-    pub(super) moving: &'a mut [Moving],
+    pub(super) worst: Vec<KeptPart>,
+    pub(super) moving: &'a mut [MovingRange],
     /// Lines before the next piece; 0 where lines count from the start of the file.
     pub(super) lines: u64,
     pub(super) is_relative: bool,
@@ -376,7 +377,7 @@ impl Total<'_> {
         for (doubted, more) in self.doubted.iter_mut().zip(tally.doubted) {
             *doubted += more;
         }
-        self.outcome.duplicates.add(&tally.names);
+        self.outcome.duplicates.add(tally.names.iter());
         self.lines += if self.is_relative { tally.lines } else { 0 };
         self.records += tally.records;
         self.outcome.counts.add(&tally.counts);
@@ -384,7 +385,7 @@ impl Total<'_> {
 }
 
 /// Adds a part to the worst if it is one; of equals the first stays.
-pub(super) fn keep_worst(worst: &mut Vec<Kept>, kept: Kept) {
+pub(super) fn keep_worst(worst: &mut Vec<KeptPart>, kept: KeptPart) {
     let at = worst.partition_point(|other| other.margin <= kept.margin);
     if at < WORST {
         worst.truncate(WORST - 1);

@@ -1,7 +1,6 @@
 //! What can be written for a part, and what of it was asked for. Called by the plan; names columns and computes
 //! nothing.
 
-use super::plan::listed;
 use super::request::Request;
 use crate::chance::Simulation;
 use crate::deviation::DeviationKind;
@@ -24,15 +23,15 @@ pub(super) enum Output {
     ReachedLower,
     ReachedUpper,
     /// Standard uncertainty of a result.
-    Standard(Of),
+    Standard(UncertainOutput),
     /// Expanded uncertainty of a result.
-    Expanded(Of),
+    Expanded(UncertainOutput),
     /// Whether the linear uncertainties of the part describe it.
     Linear,
     /// The probability that the limit with that index is met.
     Conformance(usize),
     /// A statistic of the simulated distribution of a result.
-    Simulated(Of, Simulated),
+    Simulated(UncertainOutput, Simulated),
     /// Whether the simulation confirms the linear uncertainties of the combination.
     Validated,
     Verdict,
@@ -46,7 +45,7 @@ pub(super) enum Output {
 
 /// A result that has an uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Of {
+pub(super) enum UncertainOutput {
     /// ΔCD of the source with that index.
     Source(usize),
     /// The lower end of the combination that is judged.
@@ -100,7 +99,7 @@ impl Simulated {
 
 /// An output that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Asked {
+pub(super) enum RequestedOutput {
     Id,
     Own(DeviationKind),
     Standard(DeviationKind),
@@ -111,7 +110,7 @@ pub(super) enum Asked {
     Copied(String),
 }
 
-impl Asked {
+impl RequestedOutput {
     /// The outputs that were asked for, or all of them.
     pub(super) fn all(
         table: &Table,
@@ -120,49 +119,50 @@ impl Asked {
         limits: &Limits,
         is_uncertain: bool,
     ) -> Result<Vec<Self>, Diagnostic> {
-        let own = present.iter().map(|kind| (column_name(*kind), Asked::Own(*kind)));
+        let own = present.iter().map(|kind| (column_name(*kind), RequestedOutput::Own(*kind)));
         let results = [
             ("range_lower_mm", Output::RangeLower),
             ("range_upper_mm", Output::RangeUpper),
             ("rss_lower_mm", Output::RssLower),
             ("rss_upper_mm", Output::RssUpper),
         ];
-        let results = results.map(|(name, output)| (name.to_owned(), Asked::Result(output)));
-        let mut all: Vec<_> = std::iter::once(("part_id".to_owned(), Asked::Id)).chain(own).chain(results).collect();
+        let results = results.map(|(name, output)| (name.to_owned(), RequestedOutput::Result(output)));
+        let mut all: Vec<_> =
+            std::iter::once(("part_id".to_owned(), RequestedOutput::Id)).chain(own).chain(results).collect();
         if request.mesh {
             let reached = [("reached_lower_mm", Output::ReachedLower), ("reached_upper_mm", Output::ReachedUpper)];
-            all.extend(reached.map(|(name, output)| (name.to_owned(), Asked::Result(output))));
+            all.extend(reached.map(|(name, output)| (name.to_owned(), RequestedOutput::Result(output))));
         }
         if is_uncertain {
             for kind in present {
-                all.push((standard_name(&own_name(*kind)), Asked::Standard(*kind)));
-                all.push((expanded_name(&own_name(*kind)), Asked::Expanded(*kind)));
+                all.push((standard_name(&own_name(*kind)), RequestedOutput::Standard(*kind)));
+                all.push((expanded_name(&own_name(*kind)), RequestedOutput::Expanded(*kind)));
             }
             for of in ENDS {
                 let name = end_name(request.stack, of);
-                all.push((standard_name(name), Asked::Result(Output::Standard(of))));
-                all.push((expanded_name(name), Asked::Result(Output::Expanded(of))));
+                all.push((standard_name(name), RequestedOutput::Result(Output::Standard(of))));
+                all.push((expanded_name(name), RequestedOutput::Result(Output::Expanded(of))));
             }
-            all.push(("linear".to_owned(), Asked::Result(Output::Linear)));
+            all.push(("linear".to_owned(), RequestedOutput::Result(Output::Linear)));
             if request.monte_carlo.is_some() {
                 for (_, statistic) in Simulated::ALL {
                     for kind in present {
-                        all.push((statistic.name(&own_name(*kind)), Asked::Simulated(*kind, statistic)));
+                        all.push((statistic.name(&own_name(*kind)), RequestedOutput::Simulated(*kind, statistic)));
                     }
                     for of in ENDS {
                         let name = statistic.name(end_name(request.stack, of));
-                        all.push((name, Asked::Result(Output::Simulated(of, statistic))));
+                        all.push((name, RequestedOutput::Result(Output::Simulated(of, statistic))));
                     }
                 }
-                all.push(("linear_validated".to_owned(), Asked::Result(Output::Validated)));
+                all.push(("linear_validated".to_owned(), RequestedOutput::Result(Output::Validated)));
             }
             let judged = limits.iter().map(|(on, _)| *on).filter(|on| match on {
                 LimitTarget::CenterDistance => true,
                 LimitTarget::Error(kind) => present.contains(kind),
             });
-            all.extend(judged.map(|on| (conformance_name(on), Asked::Conformance(on))));
+            all.extend(judged.map(|on| (conformance_name(on), RequestedOutput::Conformance(on))));
         }
-        all.push(("verdict".to_owned(), Asked::Result(Output::Verdict)));
+        all.push(("verdict".to_owned(), RequestedOutput::Result(Output::Verdict)));
         let Some(names) = &request.columns else {
             return Ok(all.into_iter().map(|(_, asked)| asked).collect());
         };
@@ -171,7 +171,7 @@ impl Asked {
             if let Some((_, output)) = all.iter().find(|(known, _)| known == name) {
                 asked.push(output.clone());
             } else if table.titles.contains(name) {
-                asked.push(Asked::Copied(name.clone()));
+                asked.push(RequestedOutput::Copied(name.clone()));
             } else {
                 let known: Vec<_> = all.iter().map(|(name, _)| name.as_str()).collect();
                 let uncertain = name.contains("uncertainty") || name.contains("conformance") || name == "linear";
@@ -180,8 +180,14 @@ impl Asked {
                     return Err(Diagnostic::error(Code::Usage, message)
                         .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
                 }
-                return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
-                    .help(format!("the results are {}; {} also has {}", known.join(", "), table.name, listed(table))));
+                return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write")).help(
+                    format!(
+                        "the results are {}; {} also has {}",
+                        known.join(", "),
+                        table.name,
+                        table.titles_in_words()
+                    ),
+                ));
             }
         }
         Ok(asked)
@@ -192,9 +198,9 @@ impl Asked {
         Some(match self {
             Self::Id => Output::Id,
             Self::Own(kind) => Output::Error(index(kind)?),
-            Self::Standard(kind) => Output::Standard(Of::Source(index(kind)?)),
-            Self::Expanded(kind) => Output::Expanded(Of::Source(index(kind)?)),
-            Self::Simulated(kind, statistic) => Output::Simulated(Of::Source(index(kind)?), statistic),
+            Self::Standard(kind) => Output::Standard(UncertainOutput::Source(index(kind)?)),
+            Self::Expanded(kind) => Output::Expanded(UncertainOutput::Source(index(kind)?)),
+            Self::Simulated(kind, statistic) => Output::Simulated(UncertainOutput::Source(index(kind)?), statistic),
             Self::Conformance(target) => Output::Conformance(judged.iter().position(|(on, _)| *on == target)?),
             Self::Result(output) => output,
             Self::Copied(name) => Output::Copied(name),
@@ -224,13 +230,13 @@ pub(super) fn own_name(kind: DeviationKind) -> String {
 }
 
 /// The ends of a combination.
-const ENDS: [Of; 2] = [Of::Lower, Of::Upper];
+const ENDS: [UncertainOutput; 2] = [UncertainOutput::Lower, UncertainOutput::Upper];
 
-pub(super) fn end_name(stack: Stack, of: Of) -> &'static str {
+pub(super) fn end_name(stack: Stack, of: UncertainOutput) -> &'static str {
     match (stack, of) {
-        (Stack::Range, Of::Lower) => "range_lower",
+        (Stack::Range, UncertainOutput::Lower) => "range_lower",
         (Stack::Range, _) => "range_upper",
-        (Stack::Rss, Of::Lower) => "rss_lower",
+        (Stack::Rss, UncertainOutput::Lower) => "rss_lower",
         (Stack::Rss, _) => "rss_upper",
     }
 }

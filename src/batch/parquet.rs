@@ -15,7 +15,7 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::{ColumnPath, Type};
 
 use super::columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
-use super::run::ColumnSink;
+use super::ledger::ColumnSink;
 
 /// Rows in a group, at least: a few MiB of results.
 const GROUP: usize = 1 << 14;

@@ -8,45 +8,22 @@ use std::sync::Arc;
 use super::columns::ColumnKind;
 use super::number::{Decimals, Places};
 use super::output::{
-    Asked, Of, Output, column_name, conformance_name, end_name, expanded_name, own_name, standard_name,
+    Output, RequestedOutput, UncertainOutput, column_name, conformance_name, end_name, expanded_name, own_name,
+    standard_name,
 };
 use super::request::{Request, RowFormat, Rows};
+use super::source::{Source, error_columns, sources};
 use super::uncertain::Uncertain;
 use crate::chance::MonteCarloError;
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Law, Model, PartDeviation};
-use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Note, Open};
+use crate::formula::Model;
+use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
 use crate::judge::{Limit, LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
-use crate::quantity::{Length, shown};
-use crate::spec::{Reading, Spec};
-use crate::table::{Column, Nominal, Table};
-
-/// One error of each part.
-#[derive(Debug, Clone)]
-pub(super) struct Source {
-    pub(super) law: Law,
-    /// The error on its teeth, for the bound.
-    pub(super) extended: ExtendedError,
-    /// Whether it has a limit of its own.
-    pub(super) is_limited: bool,
-    pub(super) reading: Reading,
-    /// The value that every part has; `None` if it is read from the table.
-    pub(super) of_every_part: Option<DeviationValue>,
-}
-
-impl Source {
-    /// Of an error of any value.
-    fn new(error: &PartDeviation, reading: Reading, limits: &Limits) -> Result<Self, Diagnostic> {
-        let kind = error.kind();
-        // zero is in every domain: only an extent may not fit
-        let extended = ExtendedError::of(&error.with_value(DeviationValue::zero(kind)))
-            .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
-        let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
-        Ok(Self { law: error.law(), extended, is_limited, reading, of_every_part: None })
-    }
-}
+use crate::quantity::Length;
+use crate::spec::Spec;
+use crate::table::Table;
 
 /// Bytes of a length as text, at most, and of what stands between two.
 const LONGEST_LENGTH: usize = 40;
@@ -104,7 +81,7 @@ impl Plan {
     /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
     /// a column's formula needs, and for names of output columns that there are not.
     pub fn new(spec: &Arc<Spec>, table: &Table, request: Request) -> Result<Self, Diagnostics> {
-        let columns = Self::columns(spec, table)?;
+        let columns = error_columns(spec, table)?;
         let in_table: Vec<_> = columns.iter().filter_map(|column| column.kind).collect();
         spec.refuse_both_ways(&in_table)?;
         let spec = &Arc::new(spec.for_columns(&in_table));
@@ -118,9 +95,9 @@ impl Plan {
         if !is_uncertain {
             refuse_without_uncertainty(&request)?;
         }
-        let outputs = Asked::all(table, &request, &present, &limits, is_uncertain)?;
+        let outputs = RequestedOutput::all(table, &request, &present, &limits, is_uncertain)?;
         let judged_together = limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
-        let combined = outputs.iter().any(|output| matches!(output, Asked::Result(_)));
+        let combined = outputs.iter().any(|output| matches!(output, RequestedOutput::Result(_)));
         let needed = |kind: DeviationKind| {
             let limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
             judged_together || combined || limited || outputs.iter().any(|asked| asked.error() == Some(kind))
@@ -218,40 +195,6 @@ impl Plan {
         }
     }
 
-    /// The columns of errors that the table has, in the paper's order.
-    fn columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t Column>, Diagnostics> {
-        let mut found = Vec::new();
-        let mut diagnostics = Vec::new();
-        for kind in DeviationKind::ALL {
-            let mut columns = table.columns.iter().filter(|column| column.kind == Some(kind));
-            match (columns.next(), columns.next()) {
-                (Some(first), Some(second)) => {
-                    let message = format!(
-                        "{} has two columns for `{}`: `{}` and `{}`",
-                        table.name,
-                        kind.key(),
-                        first.title,
-                        second.title
-                    );
-                    let help = format!("say which: [batch.columns] {} = {{ name = \"{}\" }}", kind.key(), first.title);
-                    diagnostics.push(Diagnostic::error(Code::BadTable, message).help(help));
-                }
-                (Some(column), None) => found.push(column),
-                (None, _) if spec.batch_column(kind).is_some_and(|column| column.value.name.is_some()) => {
-                    diagnostics.push(missing(spec, table, kind));
-                }
-                (None, _) => {}
-            }
-        }
-        if !diagnostics.is_empty() {
-            return Err(Diagnostics(diagnostics));
-        }
-        if found.is_empty() {
-            return Err(no_column(table).into());
-        }
-        Ok(found)
-    }
-
     /// The outputs of which there are statistics: ΔCD and its combinations.
     pub(super) fn quantities(&self) -> impl Iterator<Item = &Output> {
         self.outputs.iter().filter(|output| {
@@ -263,12 +206,12 @@ impl Plan {
     }
 
     /// Of which uncertainty the variance of a result is made, if the uncertainties are known.
-    pub(super) fn spread_of(&self, output: &Output) -> Option<Of> {
+    pub(super) fn spread_of(&self, output: &Output) -> Option<UncertainOutput> {
         self.uncertain.as_ref()?;
         match (output, self.stack) {
-            (Output::Error(source), _) => Some(Of::Source(*source)),
-            (Output::RangeLower, Stack::Range) | (Output::RssLower, Stack::Rss) => Some(Of::Lower),
-            (Output::RangeUpper, Stack::Range) | (Output::RssUpper, Stack::Rss) => Some(Of::Upper),
+            (Output::Error(source), _) => Some(UncertainOutput::Source(*source)),
+            (Output::RangeLower, Stack::Range) | (Output::RssLower, Stack::Rss) => Some(UncertainOutput::Lower),
+            (Output::RangeUpper, Stack::Range) | (Output::RssUpper, Stack::Rss) => Some(UncertainOutput::Upper),
             _ => None,
         }
     }
@@ -364,9 +307,9 @@ impl Plan {
         }
     }
 
-    fn name_of(&self, of: Of) -> String {
+    fn name_of(&self, of: UncertainOutput) -> String {
         match of {
-            Of::Source(source) => own_name(self.sources[source].law.kind()),
+            UncertainOutput::Source(source) => own_name(self.sources[source].law.kind()),
             end => end_name(self.stack, end).to_owned(),
         }
     }
@@ -406,7 +349,7 @@ impl Plan {
 
     /// Why no part has a range that is written or judged, whatever its values.
     #[must_use]
-    pub fn open(&self) -> Option<Open> {
+    pub fn open(&self) -> Option<NoBound> {
         let is_asked = self.needs_range || self.needs_rss || self.sources.iter().any(|source| source.is_limited);
         if !is_asked || matches!(self.basis.geometry, GivenGeometry::Known(_)) {
             return None;
@@ -477,49 +420,6 @@ impl Plan {
     }
 }
 
-/// The errors that are needed, each of a column or with the value that every part has.
-fn sources(
-    spec: &Spec,
-    needed: &[DeviationKind],
-    columns: &[&Column],
-    of_every_part: &[PartDeviation],
-    limits: &Limits,
-) -> Result<Vec<Source>, Diagnostics> {
-    let (mut sources, mut diagnostics) = (Vec::new(), Vec::new());
-    for kind in needed {
-        let of_every_part = of_every_part.iter().find(|error| error.kind() == *kind);
-        let (error, reading) = if let Some(error) = of_every_part {
-            (*error, Reading::Deviation)
-        } else {
-            let Some(column) = columns.iter().find(|column| column.kind == Some(*kind)) else { continue };
-            match spec.law(*kind, &format!("the column of `{}`", kind.key())) {
-                Ok(law) => (spec.extended(PartDeviation::new(law, DeviationValue::zero(*kind))), reading(column)),
-                Err(problems) => {
-                    diagnostics.extend(problems.0);
-                    continue;
-                }
-            }
-        };
-        match Source::new(&error, reading, limits) {
-            Ok(source) => sources.push(Source { of_every_part: of_every_part.map(PartDeviation::value), ..source }),
-            Err(problem) => diagnostics.push(problem),
-        }
-    }
-    if diagnostics.is_empty() {
-        return Ok(sources);
-    }
-    diagnostics.dedup();
-    Err(Diagnostics(diagnostics))
-}
-
-/// What a column's numbers are.
-fn reading(column: &Column) -> Reading {
-    match column.nominal {
-        Nominal::Fixed(nominal) => Reading::Measured(nominal),
-        Nominal::None | Nominal::Beside => Reading::Deviation,
-    }
-}
-
 /// Refuses to look for the worst teeth of a pair that is not known, or whose rack may roll.
 fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnostic> {
     let message = match &basis.geometry {
@@ -530,7 +430,7 @@ fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnostic> {
         GivenGeometry::Known(_) => "--mesh puts errors on teeth of a rack that does not roll".to_owned(),
         GivenGeometry::Unknown | GivenGeometry::BothFlanks => {
             let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
-            format!("--mesh needs the pair's geometry: {} missing", missing.join(", "))
+            format!("--worst-teeth needs the pair's geometry: {} missing", missing.join(", "))
         }
     };
     Err(Diagnostic::error(Code::NoMesh, message))
@@ -549,45 +449,4 @@ fn refuse_without_uncertainty(request: &Request) -> Result<(), Diagnostic> {
         ));
     }
     Ok(())
-}
-
-fn no_column(table: &Table) -> Diagnostic {
-    let message = format!("{} has no column of an error that is known", table.name);
-    let known: Vec<_> = DeviationKind::ALL.into_iter().map(DeviationKind::key).collect();
-    let help = format!(
-        "it has {}; name its columns {}, or say what they are: [batch.columns] rack_pitch = {{ name = \"…\" }}",
-        listed(table),
-        known.join(", ")
-    );
-    Diagnostic::error(Code::BadTable, message).help(help)
-}
-
-/// A column that the spec promises or the run needs is not there.
-pub(super) fn missing(spec: &Spec, table: &Table, kind: DeviationKind) -> Diagnostic {
-    let column = spec.batch_column(kind);
-    let name = column.and_then(|column| column.value.name.as_deref()).unwrap_or(kind.key());
-    let diagnostic = Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", table.name)).help(format!(
-        "it has {}; name another: [batch.columns] {} = {{ name = \"…\" }}",
-        listed(table),
-        kind.key()
-    ));
-    match column {
-        Some(column) => diagnostic.at(&spec.source, column.span.clone(), "promised here"),
-        None => diagnostic,
-    }
-}
-
-/// The columns of a table as a message lists them, as many as it has room for; one without a name (the margin of a
-/// sheet) is none to choose.
-pub(super) fn listed(table: &Table) -> String {
-    const MOST: usize = 30;
-    let titles = || {
-        let in_rows = table.titles.iter().filter(|title| !title.is_empty());
-        in_rows.chain(table.columns.iter().map(|column| &column.title).filter(|_| table.titles.is_empty()))
-    };
-    let mut list = titles().take(MOST).map(|title| shown(title)).collect::<Vec<_>>().join(", ");
-    if let more @ 1.. = titles().count().saturating_sub(MOST) {
-        list += &format!(" and {more} more");
-    }
-    list
 }

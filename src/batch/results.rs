@@ -1,10 +1,11 @@
 //! The results of one part, and what they say about the limits. Called by the row evaluator; `eval` combines and judges
 //! by the same functions.
 
-use super::output::{Of, Output};
+use super::output::{Output, UncertainOutput};
 use super::plan::Plan;
+use super::source::KINDS;
 use super::uncertain::RowUncertainty;
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::DeviationValue;
 use crate::evaluation::overall;
 use crate::judge::bound::{ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Reached};
@@ -13,8 +14,6 @@ use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::trig;
 use crate::uncertainty::{Spread, Spreads};
-
-pub(super) const KINDS: usize = DeviationKind::ALL.len();
 
 /// The results of one part.
 #[derive(Debug, Clone, Copy)]
@@ -198,10 +197,10 @@ fn ends(plan: &Plan, spreads: &Spreads, on: LimitTarget, result: Interval) -> En
 }
 
 /// The uncertainty of a result.
-pub(super) fn spread_of(spreads: &Spreads, of: Of) -> &Spread {
+pub(super) fn spread_of(spreads: &Spreads, of: UncertainOutput) -> &Spread {
     match of {
-        Of::Source(source) => &spreads.errors[source],
-        Of::Lower => &spreads.lower,
-        Of::Upper => &spreads.upper,
+        UncertainOutput::Source(source) => &spreads.errors[source],
+        UncertainOutput::Lower => &spreads.lower,
+        UncertainOutput::Upper => &spreads.upper,
     }
 }

@@ -1,26 +1,75 @@
 //! The row that is written for a part, as text or in columns. Called by the row evaluator; computes nothing.
 
-use super::columns::ResultCell;
-use super::evaluate::{Evaluator, Row};
+use std::borrow::Cow;
+
+use super::buffer::Buffer;
+use super::columns::{ResultCell, ResultColumns};
 use super::output::Output;
+use super::plan::Plan;
 use super::request::RowFormat;
 use super::results::{Results, spread_of};
 use super::uncertain::RowUncertainty;
 use super::write;
 use crate::judge::Verdict;
+use crate::table::Block;
 
 /// What came of a row.
-pub(super) enum Written<'a> {
+pub(super) enum WrittenRow<'a> {
     /// A part with its results.
     Part { results: &'a Results, uncertainty: Option<&'a RowUncertainty>, verdict: Option<Verdict> },
     /// No results, and why.
     None { reason: &'a str },
 }
 
-impl Evaluator<'_> {
-    /// Writes the row.
+/// A row of a block.
+#[derive(Clone, Copy)]
+pub(super) struct Row<'a> {
+    pub(super) block: &'a Block,
+    pub(super) index: usize,
+    /// Records before the block.
+    pub(super) records_before: u64,
+}
+
+impl<'a> Row<'a> {
+    /// The part's name, or the number of its record.
+    pub(super) fn id(self) -> Cow<'a, str> {
+        let number = || (self.records_before + self.record()).to_string().into();
+        self.block.name(self.index).unwrap_or_else(number)
+    }
+
+    /// Its record, from the start of the block.
+    pub(super) fn record(self) -> u64 {
+        self.block.records[self.index]
+    }
+
+    pub(super) fn line(self) -> u64 {
+        self.block.lines[self.index]
+    }
+}
+
+/// The rows of a block as they are written: as text, or in columns.
+pub(super) struct RowWriter<'a> {
+    plan: &'a Plan,
+    pub(super) out: Buffer,
+    pub(super) columns: ResultColumns,
+}
+
+impl<'a> RowWriter<'a> {
+    pub(super) fn new(plan: &'a Plan) -> Self {
+        Self { plan, out: Buffer::default(), columns: ResultColumns::default() }
+    }
+
+    /// Forgets what was written.
+    pub(super) fn clear(&mut self) {
+        self.out.truncate(0);
+        if self.plan.format == RowFormat::Columns {
+            self.columns = ResultColumns::new(self.plan.column_kinds());
+        }
+    }
+
+    /// Writes a row.
     #[inline]
-    pub(super) fn write_row(&mut self, row: Option<Row<'_>>, written: &Written<'_>) {
+    pub(super) fn row(&mut self, row: Option<Row<'_>>, written: &WrittenRow<'_>) {
         let plan = self.plan;
         if plan.format == RowFormat::Columns {
             let cells = (0..plan.outputs.len()).map(|index| cell(plan, index, row, written));
@@ -31,7 +80,7 @@ impl Evaluator<'_> {
             write::start(&mut self.out, index, start, plan.format);
             match (written, plan.places) {
                 // a quarter of the time of a table is writing its lengths
-                (Written::Part { results, .. }, Some(places)) if let Some(length) = results.of(output) => {
+                (WrittenRow::Part { results, .. }, Some(places)) if let Some(length) = results.of(output) => {
                     places.write(&mut self.out, length);
                 }
                 _ => {
@@ -46,7 +95,7 @@ impl Evaluator<'_> {
 
 /// What stands in the output with that index; without a row, only the reason.
 #[inline]
-fn cell<'a>(plan: &'a super::Plan, index: usize, row: Option<Row<'a>>, written: &Written<'a>) -> ResultCell<'a> {
+fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &WrittenRow<'a>) -> ResultCell<'a> {
     let text = |text: &'a str| ResultCell::Text(text.as_bytes().into());
     match (&plan.outputs[index], written) {
         (Output::Id, _) => row.map_or(ResultCell::Nothing, |row| {
@@ -61,28 +110,25 @@ fn cell<'a>(plan: &'a super::Plan, index: usize, row: Option<Row<'a>>, written: 
             let number = plan.outputs[..index].iter().filter(is_copied).count();
             ResultCell::Text(row.block.copied(row.index, number).unwrap_or_default().into())
         }
-        (Output::Reason, Written::None { reason }) => text(reason),
-        (Output::Reason, Written::Part { verdict: None, .. }) => text(&plan.without_verdict),
-        (_, Written::None { .. }) | (Output::Reason, _) => ResultCell::Nothing,
+        (Output::Reason, WrittenRow::None { reason }) => text(reason),
+        (Output::Reason, WrittenRow::Part { verdict: None, .. }) => text(&plan.without_verdict),
+        (_, WrittenRow::None { .. }) | (Output::Reason, _) => ResultCell::Nothing,
         (Output::Without, _) => text(&plan.without),
-        (Output::Verdict, Written::Part { verdict, .. }) => {
+        (Output::Verdict, WrittenRow::Part { verdict, .. }) => {
             verdict.map_or(ResultCell::Nothing, |verdict| text(verdict.name()))
         }
-        (output, Written::Part { results, uncertainty, .. }) if output.is_uncertain() => {
+        (output, WrittenRow::Part { results, uncertainty, .. }) if output.is_uncertain() => {
             uncertainty.and_then(|known| uncertain(plan, output, results, known)).unwrap_or(ResultCell::Nothing)
         }
-        (output, Written::Part { results, .. }) => results.of(output).map_or(ResultCell::Nothing, ResultCell::Length),
+        (output, WrittenRow::Part { results, .. }) => {
+            results.of(output).map_or(ResultCell::Nothing, ResultCell::Length)
+        }
     }
 }
 
 /// What stands in an output that takes the uncertainties; `None` where there is none.
 #[inline(never)]
-fn uncertain(
-    plan: &super::Plan,
-    output: &Output,
-    results: &Results,
-    known: &RowUncertainty,
-) -> Option<ResultCell<'static>> {
+fn uncertain(plan: &Plan, output: &Output, results: &Results, known: &RowUncertainty) -> Option<ResultCell<'static>> {
     Some(match output {
         Output::Standard(of) => ResultCell::Number(spread_of(&known.spreads, *of).standard_mm),
         Output::Expanded(of) => {

@@ -4,67 +4,20 @@
 //! So memory does not depend on the table's length, and what comes out does not depend on the number of
 //! workers.
 
-use std::io::{self, Write};
+use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-use super::columns::ResultColumns;
 use super::evaluate::Evaluator;
 use super::layout::Layout;
-use super::outcome::{Kept, Outcome, Total};
+use super::ledger::{Ledger, RowSink, Sink, Sinks};
+use super::outcome::{Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
-use super::statistics::{Moving, Statistics};
+use super::statistics::MovingRange;
 use super::write;
 use crate::table::{Block, Contradiction, Encoding, Piece, Queue, Rows, Table};
-
-/// Where results go.
-#[derive(Default)]
-pub struct Sinks<'a> {
-    /// The rows.
-    pub rows: Option<RowSink<'a>>,
-    /// The rejected rows.
-    pub rejects: Option<Sink<'a>>,
-}
-
-/// Where rows go.
-pub enum RowSink<'a> {
-    /// Text.
-    Text(Sink<'a>),
-    /// Columns, for a plan whose rows are [`RowFormat::Columns`](super::RowFormat::Columns).
-    Columns(&'a mut dyn ColumnSink),
-}
-
-/// Takes rows in columns.
-pub trait ColumnSink: Send {
-    /// Takes the next rows.
-    ///
-    /// # Errors
-    /// If they cannot be written.
-    fn take(&mut self, rows: ResultColumns) -> io::Result<()>;
-}
-
-impl Sinks<'_> {
-    /// Writes what waits in the writers.
-    pub(super) fn flush(self) -> io::Result<()> {
-        let rows = match self.rows {
-            Some(RowSink::Text(sink)) => Some(sink),
-            Some(RowSink::Columns(_)) | None => None,
-        };
-        let rows = rows.map_or(Ok(()), |sink| sink.writer.flush());
-        let rejects = self.rejects.map_or(Ok(()), |sink| sink.writer.flush());
-        rows.and(rejects)
-    }
-}
-
-/// A writer, and how what goes there is packed.
-pub struct Sink<'a> {
-    /// Where the bytes go.
-    pub writer: &'a mut (dyn Write + Send),
-    /// How they are packed.
-    pub packing: Packing,
-}
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -82,14 +35,9 @@ pub struct Progress {
 /// Runs tables through a plan, one after the other, and keeps what they come to.
 pub struct Batch<'a> {
     plan: &'a Plan,
-    sinks: Sinks<'a>,
-    outcome: Outcome,
-    worst: Vec<Kept>,
-    moving: Vec<Moving>,
+    ledger: Ledger<'a>,
+    moving: Vec<MovingRange>,
     workers: usize,
-    /// The header that the rejected rows written so far have.
-    rejects_header: Option<Vec<u8>>,
-    wrote_header: bool,
 }
 
 impl<'a> Batch<'a> {
@@ -99,20 +47,11 @@ impl<'a> Batch<'a> {
         // with more workers memory would not stay below 16 MiB
         const MOST_WORKERS: usize = 24;
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let mut outcome = Outcome::default();
-        if plan.request.statistics {
-            outcome.quantities = plan.quantity_names();
-            outcome.statistics = vec![Statistics::default(); outcome.quantities.len()];
-        }
         Self {
             plan,
-            sinks,
-            outcome,
-            worst: Vec::new(),
-            moving: vec![Moving::default(); plan.followed.len()],
+            ledger: Ledger::new(sinks, plan.request.statistics.then(|| plan.quantity_names())),
+            moving: vec![MovingRange::default(); plan.followed.len()],
             workers: workers.unwrap_or_else(cores).clamp(1, MOST_WORKERS),
-            rejects_header: None,
-            wrote_header: false,
         }
     }
 
@@ -130,14 +69,16 @@ impl<'a> Batch<'a> {
         progress: &mut dyn FnMut(&Progress),
     ) -> Result<(), RunError> {
         let Table { name, reading, encoding, place, pieces, header_raw, has_id, .. } = table;
-        self.start(encoding, &header_raw).map_err(RunError::Write)?;
         let plan = self.plan;
-        let bytes_before = self.outcome.bytes;
-        let keeps_rejects = self.sinks.rejects.is_some();
+        let names = || write::header(&plan.column_names(), plan.format);
+        self.ledger.start(names, encoding, &header_raw).map_err(RunError::Write)?;
+        let Ledger { sinks, outcome, worst, .. } = &mut self.ledger;
+        let bytes_before = outcome.bytes;
+        let keeps_rejects = sinks.rejects.is_some();
         let (rows, queue) = pieces.open(layout.wanted(keeps_rejects));
         let total = Total {
-            outcome: &mut self.outcome,
-            worst: std::mem::take(&mut self.worst),
+            outcome,
+            worst: std::mem::take(worst),
             moving: &mut self.moving,
             lines: queue.lines,
             is_relative: queue.is_relative(),
@@ -149,17 +90,17 @@ impl<'a> Batch<'a> {
             problems_kept: plan.request.problems_kept,
             failures_kept: plan.request.failures_kept,
         };
-        let shared = Shared {
+        let shared = SharedRun {
             plan,
             rows: rows.as_ref(),
             encoding,
-            rows_packing: match &self.sinks.rows {
+            rows_packing: match &sinks.rows {
                 Some(RowSink::Text(sink)) => sink.packing,
                 Some(RowSink::Columns(_)) | None => Packing::None,
             },
-            rejects_packing: self.sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
-            queue: Mutex::new(Waiting { queue, next: 0, ended: false, error: None }),
-            order: Mutex::new(Order { next: 0, total, sinks: &mut self.sinks, error: None, unread: None, workers: 0 }),
+            rejects_packing: sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
+            queue: Mutex::new(PieceQueue { queue, next: 0, ended: false, error: None }),
+            order: Mutex::new(WriteOrder { next: 0, total, sinks, error: None, unread: None, workers: 0 }),
             turn: Condvar::new(),
             done: Condvar::new(),
             stop,
@@ -183,25 +124,26 @@ impl<'a> Batch<'a> {
             }
             shared.watch(progress);
         });
-        let Shared { queue, order, .. } = shared;
+        let SharedRun { queue, order, .. } = shared;
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
         let (error, contradiction) = (order.error, order.total.contradiction);
         let unread = order.unread.or(waiting.error);
         let (asides, doubted) = (order.total.asides, order.total.doubted);
-        self.worst = order.total.worst;
-        self.outcome.bytes = bytes_before + waiting.queue.bytes_read();
+        self.ledger.worst = order.total.worst;
+        let outcome = &mut self.ledger.outcome;
+        outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            for (statistics, more) in self.outcome.statistics.iter_mut().zip(&worker) {
+            for (statistics, more) in outcome.statistics.iter_mut().zip(&worker) {
                 statistics.merge(more);
             }
         }
-        self.outcome.interrupted |= stop.load(Ordering::Relaxed);
+        outcome.interrupted |= stop.load(Ordering::Relaxed);
         let mut reading = reading;
         reading.asides.extend(asides);
         reading.notes.extend(layout.doubts(plan, &name, &doubted));
-        self.outcome.readings.push(reading);
-        self.outcome.is_cut |= contradiction.is_some() || unread.is_some();
+        outcome.readings.push(reading);
+        outcome.is_cut |= contradiction.is_some() || unread.is_some();
         match (error, contradiction, unread) {
             (Some(error), ..) => Err(RunError::Write(error)),
             (None, Some(contradiction), _) => Err(RunError::Contradiction(contradiction)),
@@ -210,32 +152,11 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Writes what stands before the first row, or before the first rejected row of another header.
-    fn start(&mut self, encoding: Encoding, header: &[u8]) -> io::Result<()> {
-        if let Some(RowSink::Text(rows)) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
-            let names = write::header(&self.plan.column_names(), self.plan.format);
-            rows.writer.write_all(&rows.packing.pack(names)?)?;
-            self.wrote_header = true;
-        }
-        if let Some(rejects) = &mut self.sinks.rejects
-            && self.rejects_header.as_deref() != Some(header)
-        {
-            let mut start = Vec::new();
-            if self.rejects_header.is_none() {
-                start.extend_from_slice(encoding.mark());
-            }
-            start.extend_from_slice(&encoding.original(header));
-            rejects.writer.write_all(&rejects.packing.pack(start)?)?;
-            self.rejects_header = Some(header.to_vec());
-        }
-        Ok(())
-    }
-
     /// Whether the run has come to its end before that of the input: in strict mode at the first rejected
     /// row.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.outcome.interrupted || (self.plan.request.strict && self.outcome.counts.rejected > 0)
+        self.ledger.is_over(self.plan.request.strict)
     }
 
     /// Ends the batch: what it came to.
@@ -244,12 +165,12 @@ impl<'a> Batch<'a> {
     /// If the results cannot be written.
     pub fn finish(mut self) -> (Outcome, io::Result<()>) {
         for (moving, (index, _)) in self.moving.iter().zip(&self.plan.followed) {
-            if let Some(statistics) = self.outcome.statistics.get_mut(*index) {
+            if let Some(statistics) = self.ledger.outcome.statistics.get_mut(*index) {
                 statistics.add_moving(moving);
             }
         }
-        self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
-        (self.outcome, self.sinks.flush())
+        self.ledger.outcome.is_cut |= self.is_over();
+        self.ledger.finish()
     }
 }
 
@@ -269,7 +190,7 @@ pub enum RunError {
 }
 
 /// What workers take pieces from.
-struct Waiting {
+struct PieceQueue {
     queue: Queue,
     /// The number of the next piece.
     next: u64,
@@ -278,7 +199,7 @@ struct Waiting {
 }
 
 /// What workers write to, one after the other.
-struct Order<'a, 'b> {
+struct WriteOrder<'a, 'b> {
     /// The number of the piece whose turn it is.
     next: u64,
     total: Total<'a>,
@@ -289,14 +210,14 @@ struct Order<'a, 'b> {
     workers: usize,
 }
 
-struct Shared<'a, 'b> {
+struct SharedRun<'a, 'b> {
     plan: &'a Plan,
     rows: Option<&'a Rows>,
     encoding: Encoding,
     rows_packing: Packing,
     rejects_packing: Packing,
-    queue: Mutex<Waiting>,
-    order: Mutex<Order<'a, 'b>>,
+    queue: Mutex<PieceQueue>,
+    order: Mutex<WriteOrder<'a, 'b>>,
     turn: Condvar,
     /// Told when a worker is done; not at every turn, which would be all that a watcher hears of.
     done: Condvar,
@@ -314,7 +235,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Shared<'_, '_> {
+impl SharedRun<'_, '_> {
     /// Takes pieces until there are no more.
     fn work(&self, evaluator: &mut Evaluator<'_>) {
         let mut piece = Piece::default();
@@ -324,7 +245,7 @@ impl Shared<'_, '_> {
                 piece.block = Block::default();
             }
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
-            let rows = self.rows_packing.pack_slice(evaluator.out.written());
+            let rows = self.rows_packing.pack_slice(evaluator.written.out.written());
             let rejects = self.encoding.original(&evaluator.rejects);
             let rejects = self.rejects_packing.pack_slice(&rejects);
             let mut order = lock(&self.order);
@@ -337,7 +258,7 @@ impl Shared<'_, '_> {
                 order.total.add(&mut evaluator.tally);
                 let written = match order.sinks.rows.as_mut() {
                     Some(RowSink::Text(sink)) => write_to(Some(sink), rows),
-                    Some(RowSink::Columns(sink)) => sink.take(std::mem::take(&mut evaluator.columns)),
+                    Some(RowSink::Columns(sink)) => sink.take(std::mem::take(&mut evaluator.written.columns)),
                     None => Ok(()),
                 };
                 let written = written.and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
@@ -349,7 +270,7 @@ impl Shared<'_, '_> {
     }
 
     /// What follows from a piece for those after it.
-    fn settle(&self, order: &mut Order<'_, '_>, read: io::Result<()>, written: io::Result<()>) {
+    fn settle(&self, order: &mut WriteOrder<'_, '_>, read: io::Result<()>, written: io::Result<()>) {
         let outcome = &order.total.outcome;
         let is_over = written.is_err()
             || read.is_err()

@@ -5,14 +5,12 @@
 //! where the spread is small against the mean. Quantiles come from a histogram of which each bin is 1/1024
 //! of its values wide at most, so they are within 0.05 % of a value.
 
-use crate::quantity::Length;
+use crate::quantity::{FM_PER_MM, Length};
 use crate::statistics::capability::{FEWEST_PARTS, Normality};
 
 /// Leading bits of a magnitude that tell its bin: bins are 1/1024 of their values wide at most.
 const BIN_BITS: u32 = 11;
 const BINS: usize = 1 << BIN_BITS;
-
-const FM_PER_MM: f64 = 1e12;
 
 /// Statistics of values given one by one.
 #[derive(Debug, Clone, Default)]
@@ -34,14 +32,14 @@ pub struct Statistics {
 
 /// The differences of successive values, for a chunk of them.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Moving {
+pub(super) struct MovingRange {
     /// The first and the last value.
     ends: Option<(i64, i64)>,
     sum: u128,
     count: u64,
 }
 
-impl Moving {
+impl MovingRange {
     /// Takes the next value.
     #[inline]
     pub(super) fn add(&mut self, value: Length) {
@@ -120,7 +118,7 @@ impl Statistics {
     }
 
     /// Takes the differences of successive values.
-    pub(super) fn add_moving(&mut self, moving: &Moving) {
+    pub(super) fn add_moving(&mut self, moving: &MovingRange) {
         self.moving = (self.moving.0.saturating_add(moving.sum), self.moving.1 + moving.count);
     }
 
@@ -372,12 +370,12 @@ mod tests {
     #[test]
     fn moving_ranges_do_not_depend_on_where_chunks_end() {
         let values: Vec<i64> = (0..100).map(|n: i64| (n * 7_919) % 1_000 - 500).collect();
-        let mut whole = Moving::default();
+        let mut whole = MovingRange::default();
         for value in &values {
             whole.add(Length::from_fm(*value));
         }
         for end in [0, 1, 50, 99, 100] {
-            let (mut joined, mut next) = (Moving::default(), Moving::default());
+            let (mut joined, mut next) = (MovingRange::default(), MovingRange::default());
             for value in &values[..end] {
                 joined.add(Length::from_fm(*value));
             }

@@ -1,10 +1,9 @@
 //! What is uncertain about the parts of a batch, and what that makes of one part. Made by the plan, asked by the row
 //! evaluator; decides nothing.
 
-use super::output::Of;
-use super::plan::Source;
+use super::output::UncertainOutput;
 use super::request::Request;
-use super::results::{KINDS, Results};
+use super::source::{KINDS, Source};
 use crate::chance::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -12,6 +11,7 @@ use crate::formula::PartDeviation;
 use crate::formula::over_pin::OverPin;
 use crate::judge::Limits;
 use crate::judge::bound::Basis;
+use crate::quantity::Length;
 use crate::spec::{Reading, Spec};
 use crate::uncertainty::{Part, Point, Propagator, Spreads, TeethSensitivity};
 
@@ -46,12 +46,12 @@ impl RowUncertainty {
     }
 
     /// The simulated distribution of a result.
-    pub(super) fn simulation_of(&self, of: Of) -> Option<&Simulation> {
+    pub(super) fn simulation_of(&self, of: UncertainOutput) -> Option<&Simulation> {
         let part = self.simulation.as_ref()?;
         Some(match of {
-            Of::Source(source) => &part.outcome.results[source],
-            Of::Lower => part.lower(),
-            Of::Upper => part.upper(),
+            UncertainOutput::Source(source) => &part.outcome.results[source],
+            UncertainOutput::Lower => part.lower(),
+            UncertainOutput::Upper => part.upper(),
         })
     }
 }
@@ -97,11 +97,11 @@ impl Uncertain {
         &self,
         sources: &[Source],
         deviations: &[DeviationValue; KINDS],
-        results: &Results,
+        delta_cd: &[Length; KINDS],
         limits: &Limits,
     ) -> Result<RowUncertainty, MonteCarloError> {
         let mut points = [Point::default(); KINDS];
-        for ((point, deviation), delta_cd) in points.iter_mut().zip(deviations).zip(&results.each) {
+        for ((point, deviation), delta_cd) in points.iter_mut().zip(deviations).zip(delta_cd) {
             *point = Point { error: deviation.base(), delta_cd_mm: delta_cd.mm() };
         }
         let spreads = self.propagator.spreads(&points[..sources.len()]);

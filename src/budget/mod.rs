@@ -12,7 +12,7 @@ mod tests;
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::EvaluationError;
 use crate::formula::{Law, Model, PartDeviation};
-use crate::judge::bound::{Basis, ExtendedError, Open};
+use crate::judge::bound::{Basis, ExtendedError, NoBound};
 use crate::judge::{Combined, Interval, Stack, Verdict};
 use crate::quantity::{DomainError, Length};
 use request::Allocated;
@@ -43,19 +43,19 @@ pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
 }
 
 /// Whether a combination of tolerances lies inside the limit.
-fn conforms(request: &Request, stack: Stack, errors: &[PartDeviation]) -> Result<bool, Open> {
-    let combined = Combined::of(errors, &request.basis).map_err(|_| Open::TooLarge)?;
+fn conforms(request: &Request, stack: Stack, errors: &[PartDeviation]) -> Result<bool, NoBound> {
+    let combined = Combined::of(errors, &request.basis).map_err(|_| NoBound::TooLarge)?;
     Ok(request.limit.judge(combined.interval(stack)?) == Verdict::Pass)
 }
 
 /// What an error can do alone.
-fn alone(error: PartDeviation, basis: &Basis) -> Result<Interval, Open> {
-    let range = basis.alone(&ExtendedError::of(&error).map_err(|_| Open::TooLarge)?)?;
-    Interval::nearest(range.alone()).map_err(|_| Open::TooLarge)
+fn alone(error: PartDeviation, basis: &Basis) -> Result<Interval, NoBound> {
+    let range = basis.alone(&ExtendedError::of(&error).map_err(|_| NoBound::TooLarge)?)?;
+    Interval::nearest(range.alone()).map_err(|_| NoBound::TooLarge)
 }
 
 /// Whether an error alone stays inside its own limit, if it has one.
-fn within_own_limit(request: &Request, error: &PartDeviation) -> Result<bool, Open> {
+fn within_own_limit(request: &Request, error: &PartDeviation) -> Result<bool, NoBound> {
     let own = request.own_limits.iter().find(|(of, _)| *of == error.kind());
     let Some((_, limit)) = own else { return Ok(true) };
     Ok(limit.judge(alone(*error, &request.basis)?) == Verdict::Pass)
@@ -63,14 +63,14 @@ fn within_own_limit(request: &Request, error: &PartDeviation) -> Result<bool, Op
 
 /// Whether every error stays inside its own limit beside the others, as `evaluate` judges it: larger errors together let
 /// more teeth carry.
-fn within_own_limits(request: &Request, errors: &[PartDeviation]) -> Result<bool, Open> {
+fn within_own_limits(request: &Request, errors: &[PartDeviation]) -> Result<bool, NoBound> {
     if request.own_limits.is_empty() {
         return Ok(true);
     }
     let bound = request.basis.bound_of(errors);
     for (error, range) in errors.iter().zip(bound.errors) {
         if let Some((_, limit)) = request.own_limits.iter().find(|(of, _)| *of == error.kind()) {
-            let range = Interval::nearest(range?.alone()).map_err(|_| Open::TooLarge)?;
+            let range = Interval::nearest(range?.alone()).map_err(|_| NoBound::TooLarge)?;
             if limit.judge(range) != Verdict::Pass {
                 return Ok(false);
             }
@@ -119,8 +119,8 @@ fn line(error: PartDeviation, is_fixed: bool, request: &Request) -> Result<Line,
     Ok(Line { error, delta_cd, range, is_fixed, at_own_limit: false, share: 0.0, sensitivities })
 }
 
-/// Whether tolerances conform; [`Open`] if nothing is known of tolerances as large.
-type Conforms<'a> = &'a dyn Fn(&[PartDeviation]) -> Result<bool, Open>;
+/// Whether tolerances conform; [`NoBound`] if nothing is known of tolerances as large.
+type Conforms<'a> = &'a dyn Fn(&[PartDeviation]) -> Result<bool, NoBound>;
 
 fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembly>) -> Result<Budget, BudgetError> {
     let scaled = Scaled::new(request)?;
@@ -168,7 +168,7 @@ impl<'a> Scaled<'a> {
     fn new(request: &'a Request) -> Result<Self, BudgetError> {
         let mut scaled = Self { request, own: vec![None; request.entries.len()] };
         // a bound of every tooth's tolerance takes what is known of the pair
-        if let Err(open @ Open::TeethInContactUnknown) = request.basis.bound_of(&scaled.at(SMALL_MM)?).total {
+        if let Err(open @ NoBound::TeethInContactUnknown) = request.basis.bound_of(&scaled.at(SMALL_MM)?).total {
             return Err(open.into());
         }
         for (index, entry) in request.entries.iter().enumerate() {
@@ -303,5 +303,5 @@ fn breaking(scaled: &Scaled<'_>, conforms: Conforms<'_>) -> Result<Vec<Deviation
             return Ok(without);
         }
     }
-    Err(conforms(&rest).err().map_or(BudgetError::NoRoom, BudgetError::Open))
+    Err(conforms(&rest).err().map_or(BudgetError::NoRoom, BudgetError::NoBound))
 }

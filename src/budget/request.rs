@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::EvaluationError;
 use crate::formula::{Law, Model, PartDeviation, Sensitivity};
-use crate::judge::bound::{Basis, Note, Open};
+use crate::judge::bound::{Basis, NoBound, Note};
 use crate::judge::{Combined, Interval, Limit};
 use crate::quantity::{DomainError, Length};
 
@@ -150,7 +150,7 @@ pub enum BudgetError {
     NoRoom,
     /// Tolerances of every tooth have no bound.
     #[error(transparent)]
-    Open(#[from] Open),
+    NoBound(#[from] NoBound),
     /// Nothing stops the free tolerances.
     #[error(
         "the limit does not stop the free tolerances as long as the pair meshes: give it an upper end, or a nearer one"

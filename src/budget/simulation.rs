@@ -11,7 +11,7 @@ use super::request::{Allocated, BudgetError, Request, Simulated, Simulation, Spr
 use crate::chance::{BLOCK, Random, Ziggurat};
 use crate::deviation::{DeviationKind, Extent};
 use crate::formula::PartDeviation;
-use crate::judge::bound::{Basis, Open, Range, Scales};
+use crate::judge::bound::{Basis, NoBound, Range, Scales};
 use crate::parallel;
 use crate::quantity::Length;
 
@@ -52,7 +52,7 @@ impl Assembly {
     }
 
     /// How many assemblies with these tolerances conform.
-    pub(super) fn count(&self, errors: &[PartDeviation]) -> Result<u64, Open> {
+    pub(super) fn count(&self, errors: &[PartDeviation]) -> Result<u64, NoBound> {
         let drawn: Vec<_> = errors.iter().map(|error| error.measured().with_extent(drawn_extent(error))).collect();
         let scales = self.basis.scales(&drawn)?;
         let count = |(): &mut (), index: usize| self.count_block(&self.blocks[index], &scales);
@@ -77,7 +77,7 @@ impl Assembly {
         inside
     }
 
-    pub(super) fn outcome(&self, errors: &[PartDeviation]) -> Result<Simulated, Open> {
+    pub(super) fn outcome(&self, errors: &[PartDeviation]) -> Result<Simulated, NoBound> {
         let conforming = self.count(errors)? as f64 / f64::from(self.settings.draws.max(1));
         Ok(Simulated { settings: self.settings, conforming })
     }
@@ -112,7 +112,7 @@ fn draw(random: &mut Random, ziggurat: &Ziggurat, spread: Spread) -> f64 {
 /// [`BudgetError::Unbounded`] if they conform as far as anything is known of errors as large.
 pub(super) fn largest_scale(
     at: impl Fn(f64) -> Result<Vec<PartDeviation>, BudgetError>,
-    conforms: impl Fn(&[PartDeviation]) -> Result<bool, Open>,
+    conforms: impl Fn(&[PartDeviation]) -> Result<bool, NoBound>,
 ) -> Result<Allocated, BudgetError> {
     const LARGEST_MM: f64 = 1e3;
     /// The interval of the scale becomes this narrow, relative to itself.
@@ -121,37 +121,37 @@ pub(super) fn largest_scale(
     const NOTHING_MM: f64 = 1e-13;
     let tried = |scale: f64| match at(scale) {
         Ok(errors) => Ok(match conforms(&errors) {
-            Ok(true) => Tried::Conforms(errors),
-            Ok(false) => Tried::Breaks,
-            Err(_) => Tried::NotKnown,
+            Ok(true) => ScaleTried::Conforms(errors),
+            Ok(false) => ScaleTried::Breaks,
+            Err(_) => ScaleTried::NotKnown,
         }),
         // no error does as much
-        Err(BudgetError::Unbounded) => Ok(Tried::NotKnown),
+        Err(BudgetError::Unbounded) => Ok(ScaleTried::NotKnown),
         Err(error) => Err(error),
     };
     let mut best = Allocated { scale: 0.0, errors: at(0.0)? };
     let mut high = 1e-3;
     let mut is_stopped = loop {
         match tried(high)? {
-            Tried::Conforms(_) if high > LARGEST_MM => return Err(BudgetError::Unbounded),
-            Tried::Conforms(errors) => (best, high) = (Allocated { scale: high, errors }, 2.0 * high),
-            Tried::Breaks => break true,
-            Tried::NotKnown => break false,
+            ScaleTried::Conforms(_) if high > LARGEST_MM => return Err(BudgetError::Unbounded),
+            ScaleTried::Conforms(errors) => (best, high) = (Allocated { scale: high, errors }, 2.0 * high),
+            ScaleTried::Breaks => break true,
+            ScaleTried::NotKnown => break false,
         }
     };
     while high - best.scale > NARROW * high && high > NOTHING_MM {
         let middle = 0.5 * (best.scale + high);
         match tried(middle)? {
-            Tried::Conforms(errors) => best = Allocated { scale: middle, errors },
-            Tried::Breaks => (high, is_stopped) = (middle, true),
-            Tried::NotKnown => (high, is_stopped) = (middle, false),
+            ScaleTried::Conforms(errors) => best = Allocated { scale: middle, errors },
+            ScaleTried::Breaks => (high, is_stopped) = (middle, true),
+            ScaleTried::NotKnown => (high, is_stopped) = (middle, false),
         }
     }
     if is_stopped { Ok(best) } else { Err(BudgetError::Unbounded) }
 }
 
 /// What came of errors of one scale.
-enum Tried {
+enum ScaleTried {
     Conforms(Vec<PartDeviation>),
     Breaks,
     /// Nothing is known of errors as large.

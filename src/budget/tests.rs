@@ -305,7 +305,7 @@ fn a_limit_without_room_is_an_error() {
 fn pitches_need_the_pair() {
     let entries = vec![free(formulas()[1], weight(1))];
     let problem = allocate(&of_sizes(entries, "0.05", Rule::WorstCase)).unwrap_err();
-    assert_eq!(problem, BudgetError::Open(Open::TeethInContactUnknown));
+    assert_eq!(problem, BudgetError::NoBound(NoBound::TeethInContactUnknown));
 }
 
 /// A limit so far away that the teeth are gone before it is reached.
@@ -331,7 +331,7 @@ fn the_largest_scale_is_found_soon_and_closely() {
         let conforms = |errors: &[PartDeviation]| {
             asked.set(asked.get() + 1);
             let value = errors[0].value().base();
-            if value > known { Err(Open::BeyondReach) } else { Ok(value <= bound) }
+            if value > known { Err(NoBound::BeyondReach) } else { Ok(value <= bound) }
         };
         simulation::largest_scale(at, conforms).map(|largest| largest.errors[0].value().base())
     };

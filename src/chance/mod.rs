@@ -245,7 +245,8 @@ pub fn simulate(
     }
     let ziggurat = Ziggurat::new();
     let pilot = pilot(model, variables, settings.seed, &ziggurat)?;
-    let run = Run { model, variables, bands, settings, ziggurat: &ziggurat, adaptive: settings.draws.is_none() };
+    let run =
+        SimulationRun { model, variables, bands, settings, ziggurat: &ziggurat, adaptive: settings.draws.is_none() };
     let mut total = Tally::new(&pilot, bands.len());
     let mut blocks = Vec::new();
     let wanted = settings.draws.map(|draws| draws.div_ceil(BLOCK));
@@ -421,7 +422,7 @@ fn moments<'a>(blocks: impl Iterator<Item = &'a BlockSums>, center: f64) -> (f64
     (center + mean, ((squares - n * mean * mean) / (n - 1.0)).max(0.0).sqrt())
 }
 
-struct Run<'a, M> {
+struct SimulationRun<'a, M> {
     model: &'a M,
     variables: &'a Variables,
     bands: &'a [Band],
@@ -430,7 +431,7 @@ struct Run<'a, M> {
     adaptive: bool,
 }
 
-impl<M: Simulated> Run<'_, M> {
+impl<M: Simulated> SimulationRun<'_, M> {
     /// Makes the blocks from `from` to before `upto`, on all threads.
     fn blocks(&self, from: u64, upto: u64, pilot: &[Pilot], total: &mut Tally, sums: &mut Vec<Vec<BlockSums>>) {
         let count = usize::try_from(upto - from).unwrap_or(usize::MAX);
@@ -483,7 +484,7 @@ struct Worker {
 }
 
 impl Worker {
-    fn new<M: Simulated>(run: &Run<'_, M>, pilot: &[Pilot]) -> Self {
+    fn new<M: Simulated>(run: &SimulationRun<'_, M>, pilot: &[Pilot]) -> Self {
         Self {
             inputs: vec![vec![0.0; CHUNK]; run.variables.variables.len()],
             outputs: vec![vec![0.0; CHUNK]; pilot.len()],
@@ -493,7 +494,7 @@ impl Worker {
         }
     }
 
-    fn block<M: Simulated>(&mut self, run: &Run<'_, M>, block: u64, pilot: &[Pilot]) -> Vec<BlockSums> {
+    fn block<M: Simulated>(&mut self, run: &SimulationRun<'_, M>, block: u64, pilot: &[Pilot]) -> Vec<BlockSums> {
         let mut random = Random::of_block(run.settings.seed, block);
         let mut sums = vec![BlockSums::default(); pilot.len()];
         for kept in &mut self.kept {

@@ -9,7 +9,7 @@ use crate::judge::bound::{Basis, ExtendedError, Range};
 use crate::judge::{Limit, LimitTarget, Limits, Stack};
 use crate::quantity::{DomainError, Length};
 use crate::trig;
-use crate::uncertainty::gear::{Gear, Varied, ends};
+use crate::uncertainty::gear::{Gear, VariedError, ends};
 use crate::uncertainty::{Distribution, Part, Source, TeethSensitivity, Uncertainties, UncertaintyError};
 
 /// The simulated distributions of a part.
@@ -107,7 +107,7 @@ struct PartValue {
     law: Law,
     value: f64,
     /// The error for the bound; `None` if it is too large for one.
-    varied: Option<Varied>,
+    varied: Option<VariedError>,
 }
 
 struct PartModel {
@@ -152,7 +152,7 @@ impl PartModel {
         let value = |error: &PartDeviation| PartValue {
             law: error.law(),
             value: error.value().base(),
-            varied: Varied::new(error),
+            varied: VariedError::new(error),
         };
         let errors = part.errors.iter().map(value).collect();
         Ok(Self {

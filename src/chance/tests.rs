@@ -264,7 +264,7 @@ fn blocks_have_settled_when_each_statistic_has() {
     let variables = Variables::default();
     let settings = Settings { digits: 1, ..Settings::default() };
     let (model, ziggurat) = (Function(|_: &[f64]| 0.0), Ziggurat::new());
-    let run = Run {
+    let run = SimulationRun {
         model: &model,
         variables: &variables,
         bands: &[],

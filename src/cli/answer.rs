@@ -2,22 +2,17 @@
 //! printed, and the answer is the command's to the last digit.
 
 use std::ffi::OsString;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use serde_json::Value;
 
+use super::held::{Held, HeldSpec};
 use super::output::{Failure, Output, Status};
+use super::tables;
 use super::teeth::with_known_teeth;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Spec;
-
-/// A spec that a program holds.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct HeldSpec {
-    /// What messages call it, and what the tables that it names are beside.
-    pub name: String,
-    /// Its text.
-    pub text: String,
-}
 
 /// What a command says of a spec.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +21,8 @@ pub struct Answer {
     pub json: Value,
     /// The result for people, in Markdown.
     pub markdown: String,
+    /// A picture of the result in SVG: what `--plot` draws, if there are two values to draw between.
+    pub svg: Option<String>,
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
     /// Remarks on the result.
@@ -34,17 +31,8 @@ pub struct Answer {
     pub status: u8,
 }
 
-/// What a command is asked, and what it said so far.
-#[derive(Debug, Default)]
-pub(super) struct Held {
-    pub(super) spec: Option<HeldSpec>,
-    pub(super) json: Value,
-    pub(super) markdown: String,
-    pub(super) warnings: Vec<Diagnostic>,
-    pub(super) remarks: Vec<String>,
-}
-
-/// Asks a command about a spec: `eval`, `mesh`, `simulate`, `monte-carlo` or `budget`, with its options behind.
+/// Asks a command about a spec: `eval`, `mesh`, `simulate`, `monte-carlo` or `budget`, with its options behind. Once
+/// `stop` is set, a long run ends with what it has so far; no signal is taken over.
 ///
 /// # Errors
 /// What the command would say in place of a result.
@@ -54,11 +42,11 @@ pub(super) struct Held {
 /// use rackmesh::cli::{HeldSpec, answer};
 ///
 /// let spec = HeldSpec { name: "rack.toml".into(), text: "[errors]\nrack_over_roller = \"13 um\"".into() };
-/// let answer = answer("eval", &["--model", "paper"], spec)?;
+/// let answer = answer("eval", &["--model", "paper"], spec, &Default::default())?;
 /// assert_eq!(answer.json["combined"]["worst_case_mm"]["upper"], 0.013);
 /// # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
 /// ```
-pub fn answer(command: &str, options: &[&str], spec: HeldSpec) -> Result<Answer, Diagnostics> {
+pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<AtomicBool>) -> Result<Answer, Diagnostics> {
     const KNOWN: [&str; 5] = ["eval", "mesh", "simulate", "monte-carlo", "budget"];
     if !KNOWN.contains(&command) {
         return Err(usage(format!("`{command}` is no command with an answer: these are {}", KNOWN.join(", "))));
@@ -66,13 +54,13 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec) -> Result<Answer,
     let arguments = ["rackmesh", command, &spec.name].into_iter().chain(options.iter().copied());
     let matches = super::command().try_get_matches_from(arguments.map(OsString::from));
     let matches = matches.map_err(|error| usage(error.to_string()))?;
-    let mut output = Output::held(spec);
+    let mut output = Output::held(spec, Arc::clone(stop));
     let Some(called) = super::called(&matches, &mut output) else {
         return Err(usage("there is no such command".to_owned()));
     };
     let status = called.map_err(diagnostics)?;
-    let Held { json, markdown, warnings, remarks, .. } = output.into_held();
-    Ok(Answer { json, markdown, warnings, remarks, status: Status::code(status) })
+    let Held { json, markdown, svg, warnings, remarks, .. } = output.into_held();
+    Ok(Answer { json, markdown, svg, warnings, remarks, status: Status::code(status) })
 }
 
 /// The spec with these settings (`errors.rack_pitch=12um`), and what its teeth do if it knows them one by one, as `batch`
@@ -90,9 +78,5 @@ fn usage(message: String) -> Diagnostics {
 }
 
 fn diagnostics(failure: Failure) -> Diagnostics {
-    match failure {
-        Failure::Diagnostics(diagnostics) => Diagnostics(diagnostics),
-        Failure::Usage(error) => usage(error.to_string()),
-        Failure::Write(error) => Diagnostic::error(Code::FileAccess, error.to_string()).into(),
-    }
+    Diagnostics(tables::diagnostics(failure))
 }

@@ -1,17 +1,17 @@
 //! `rackmesh budget`: from a ΔCD tolerance to a tolerance for each error.
 
-use super::eval::ModelArg;
-use super::mesh::files_read;
+use super::decision::ModelArg;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
-use super::teeth;
+use super::spec_files::files_read;
+use super::teeth::WorstTeeth;
 use crate::budget::{self, Budget, BudgetError, Request, Rule};
 use crate::budget::{Simulation, Spread};
 use crate::deviation::Extent;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
-use crate::judge::bound::{Basis, Open};
+use crate::judge::bound::{Basis, NoBound};
 use crate::judge::class::{ErrorClass, deviation_of};
 use crate::judge::{Interval, Limit, LimitTarget};
 use crate::quantity::Length;
@@ -105,7 +105,7 @@ impl Args {
             entries,
             limit: self.limit(&spec)?,
             own_limits: spec.own_limits(),
-            rule: self.rule(&spec),
+            rule: self.rule(&spec)?,
             model: self.model.into(),
             basis: spec.pair_basis()?,
         };
@@ -126,6 +126,7 @@ impl Args {
         if let Some(picture) = &picture {
             picture.write(&report.chart())?;
         }
+        output.picture(|| report.chart());
         output.report(&report, self.format)?;
         Ok(if budget.is_feasible() { Status::Pass } else { Status::Fail })
     }
@@ -134,16 +135,15 @@ impl Args {
         if let Some(delta_cd) = self.delta_cd {
             return Ok(Limit::symmetric(delta_cd));
         }
-        let written = spec.limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
-        match written {
-            Some((_, limit)) => Ok(limit.value),
+        match spec.limit_on(LimitTarget::CenterDistance) {
+            Some(limit) => Ok(*limit),
             None => Err(Diagnostic::error(Code::NoBudget, "there is no ΔCD to distribute")
                 .help("give --delta-cd, or limits.center_distance in the spec")
                 .into()),
         }
     }
 
-    fn rule(&self, spec: &Spec) -> Rule {
+    fn rule(&self, spec: &Spec) -> Result<Rule, Failure> {
         let section = &spec.budget;
         let written = section.stack.as_ref().map(|stack| stack.value);
         let stack = self.stack.unwrap_or(match written {
@@ -151,7 +151,14 @@ impl Args {
             Some("simulation") => StackArg::Simulation,
             _ => StackArg::Worst,
         });
-        match stack {
+        let only_simulated =
+            [("--conforming", self.conforming.is_some()), ("--distribution", self.distribution.is_some())];
+        if let Some((flag, _)) = only_simulated.iter().find(|(_, is_given)| *is_given && stack != StackArg::Simulation)
+        {
+            let message = format!("{flag} counts for random assemblies, and none are drawn");
+            return Err(Diagnostic::error(Code::Usage, message).help("add --stack simulation").into());
+        }
+        Ok(match stack {
             StackArg::Worst => Rule::WorstCase,
             StackArg::Rss => Rule::Rss,
             StackArg::Simulation => {
@@ -168,7 +175,7 @@ impl Args {
                     seed: self.seed,
                 })
             }
-        }
+        })
     }
 }
 
@@ -177,7 +184,7 @@ fn no_budget(error: &BudgetError, spec: &Spec) -> Diagnostic {
     let diagnostic = Diagnostic::error(Code::NoBudget, error.to_string());
     let missing = spec.missing_geometry();
     match error {
-        BudgetError::Open(Open::TeethInContactUnknown) if !missing.is_empty() => {
+        BudgetError::NoBound(NoBound::TeethInContactUnknown) if !missing.is_empty() => {
             diagnostic.help(format!("add {}", missing.join(", ")))
         }
         _ => diagnostic,
@@ -189,8 +196,8 @@ fn reached(budget: &Budget, basis: &Basis) -> Result<Option<Interval>, Failure> 
     if !budget.is_feasible() {
         return Ok(None);
     }
-    let errors: Vec<_> = budget.lines.iter().map(|line| line.error).collect();
-    teeth::reached_by(&errors, basis)
+    let worst = WorstTeeth::of(budget.lines.iter().map(|line| line.error).collect(), basis)?;
+    worst.map(|worst| worst.interval()).transpose()
 }
 
 /// For each free tolerance, the coarsest grade of the spec's standard that stays within it.

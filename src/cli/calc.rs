@@ -2,10 +2,10 @@
 
 use clap::Subcommand;
 
-use super::eval::ModelArg;
+use super::decision::ModelArg;
 use super::explain::for_screen;
 use super::output::{Failure, Output, Status};
-use crate::deviation::plausible::{self, Doubt, Written};
+use crate::deviation::plausible::{self, Doubt, WrittenIn};
 use crate::deviation::{DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
@@ -107,7 +107,7 @@ struct Common {
 
 /// The error, or the ΔCD of which the error is asked.
 #[derive(Debug, clap::Args)]
-struct Given {
+struct GivenValue {
     /// The error; with --inverse, the ΔCD.
     #[arg(allow_hyphen_values = true)]
     value: Option<String>,
@@ -130,7 +130,7 @@ struct Given {
 #[derive(Debug, clap::Args)]
 struct Signed {
     #[command(flatten)]
-    given: Given,
+    given: GivenValue,
     #[command(flatten)]
     common: Common,
 }
@@ -138,7 +138,7 @@ struct Signed {
 #[derive(Debug, clap::Args)]
 struct Pitch {
     #[command(flatten)]
-    given: Given,
+    given: GivenValue,
     /// Normal pressure angle α_n.
     #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Angle,
@@ -156,7 +156,7 @@ struct Pitch {
 #[command(group(clap::ArgGroup::new("f_h_beta_or_inverse").args(["f_h_beta", "inverse"])))]
 struct Lead {
     #[command(flatten)]
-    given: Given,
+    given: GivenValue,
     /// Helix slope deviation f_Hβ, in place of the angle.
     #[arg(long, requires = "length", conflicts_with_all = ["value", "measured", "inverse"],
           allow_hyphen_values = true)]
@@ -232,7 +232,7 @@ struct RollerChange {
 }
 
 /// What a ΔCD formula is asked for.
-enum Asked {
+enum Question {
     /// ΔCD of this error.
     DeltaCd(DeviationValue),
     /// The largest error within this ΔCD.
@@ -241,7 +241,7 @@ enum Asked {
     SlopeDeviation { delta_cd: Length, length: Length },
 }
 
-impl Asked {
+impl Question {
     /// Whether the answer is the largest value allowed.
     fn is_bound(&self) -> bool {
         !matches!(self, Self::DeltaCd(_))
@@ -283,17 +283,19 @@ fn read<Q: std::str::FromStr<Err = QuantityError>>(text: &str) -> Result<Q, Fail
     text.parse().map_err(|error: QuantityError| Diagnostic::error(Code::BadQuantity, error.to_string()).into())
 }
 
-impl Given {
-    fn asked<E: std::str::FromStr<Err = QuantityError> + Into<DeviationValue>>(&self) -> Result<Asked, Failure> {
+impl GivenValue {
+    fn asked<E: std::str::FromStr<Err = QuantityError> + Into<DeviationValue>>(&self) -> Result<Question, Failure> {
         let value = |text: &str| -> Result<DeviationValue, Failure> { Ok(read::<E>(text)?.into()) };
         match (&self.value, &self.measured, &self.nominal, &self.inverse) {
             (None, _, _, Some(Some(delta_cd))) | (Some(delta_cd), _, _, Some(None)) => {
-                Ok(Asked::Error(read(delta_cd)?))
+                Ok(Question::Error(read(delta_cd)?))
             }
             (Some(_), _, _, Some(Some(_))) => Err(usage("--inverse already gives the ΔCD; leave the other value out")),
             (None, _, _, Some(None)) => Err(usage("--inverse needs a ΔCD: --inverse 50um")),
-            (Some(error), ..) => Ok(Asked::DeltaCd(value(error)?)),
-            (None, Some(measured), Some(nominal), None) => Ok(Asked::DeltaCd(value(measured)?.less(value(nominal)?))),
+            (Some(error), ..) => Ok(Question::DeltaCd(value(error)?)),
+            (None, Some(measured), Some(nominal), None) => {
+                Ok(Question::DeltaCd(value(measured)?.less(value(nominal)?)))
+            }
             (None, ..) => {
                 Err(usage("give the error (such as 20um), or --measured and --nominal, or --inverse with a ΔCD"))
             }
@@ -337,15 +339,21 @@ impl Common {
     }
 
     /// Prints ΔCD of an error, or the error, and what the error can do if it is asked on which teeth it is.
-    fn print_error(&self, output: &mut Output, given: &Given, calculation: Calculation) -> Result<Status, Failure> {
+    fn print_error(
+        &self,
+        output: &mut Output,
+        given: &GivenValue,
+        calculation: Calculation,
+    ) -> Result<Status, Failure> {
         let printed = self.print(output, calculation)?;
         if given.extent.is_none() {
             return Ok(Status::Pass);
         }
         if self.format.is_none() {
-            for remark in printed.worst_case_remark().into_iter().chain(printed.notes.iter().map(|note| noted(note))) {
-                output.remark(&remark);
+            if let Some(worst_case) = printed.worst_case_remark() {
+                output.message(&worst_case);
             }
+            printed.notes.iter().for_each(|note| output.remark(&noted(note)));
         }
         let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());
         Ok(if is_open { Status::Undecided } else { Status::Pass })
@@ -373,7 +381,7 @@ impl Args {
 /// Says what is suspicious about an argument, and refuses what is impossible. What was said goes with the result.
 fn sensible(output: &mut Output, name: &str, doubt: Option<Doubt>) -> Result<Option<String>, Failure> {
     let Some(doubt) = doubt else { return Ok(None) };
-    let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(Written::Argument));
+    let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(WrittenIn::Argument));
     if doubt.is_impossible {
         return Err(Diagnostic::error(Code::Implausible, message).help(help).into());
     }
@@ -395,8 +403,13 @@ fn sensible_pair(output: &mut Output, pressure_angle: Angle, normal_module: Leng
 }
 
 /// Says what is suspicious about the error that is asked about; what the law has no value for, the law refuses.
-fn sensible_error(output: &mut Output, law: Law, given: &Given, asked: &Asked) -> Result<Option<String>, Failure> {
-    let Asked::DeltaCd(error) = asked else { return Ok(None) };
+fn sensible_error(
+    output: &mut Output,
+    law: Law,
+    given: &GivenValue,
+    asked: &Question,
+) -> Result<Option<String>, Failure> {
+    let Question::DeltaCd(error) = asked else { return Ok(None) };
     by_law(law, asked, Model::Exact).map_err(|error| refused(&error))?;
     let doubt = plausible::deviation(*error, None);
     let doubt = if given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
@@ -421,8 +434,13 @@ fn calculation(formula: &'static FormulaPage, result: impl Into<DeviationValue>)
 }
 
 /// The same with what the error can do, if ΔCD of one is asked, and what that rests on; nothing more is known of the pair.
-fn with_worst_case(calculation: Calculation, law: Law, given: &Given, asked: &Asked) -> Result<Calculation, Failure> {
-    let Asked::DeltaCd(error) = asked else { return Ok(calculation) };
+fn with_worst_case(
+    calculation: Calculation,
+    law: Law,
+    given: &GivenValue,
+    asked: &Question,
+) -> Result<Calculation, Failure> {
+    let Question::DeltaCd(error) = asked else { return Ok(calculation) };
     let kind = law.kind();
     let extent = given.extent.unwrap_or(kind.usual_extent());
     if !extent.fits(kind.unit()) {
@@ -446,11 +464,11 @@ fn missing_geometry(law: Law) -> Vec<&'static str> {
 }
 
 /// What a law gives for what is asked.
-fn by_law(law: Law, asked: &Asked, model: Model) -> Result<DeviationValue, DomainError> {
+fn by_law(law: Law, asked: &Question, model: Model) -> Result<DeviationValue, DomainError> {
     match asked {
-        Asked::DeltaCd(error) => law.delta_cd(*error, model).map(DeviationValue::Length),
-        Asked::Error(delta_cd) => law.largest_error(*delta_cd, model),
-        Asked::SlopeDeviation { delta_cd, length } => {
+        Question::DeltaCd(error) => law.delta_cd(*error, model).map(DeviationValue::Length),
+        Question::Error(delta_cd) => law.largest_error(*delta_cd, model),
+        Question::SlopeDeviation { delta_cd, length } => {
             law.largest_slope_deviation(*delta_cd, *length, model).map(DeviationValue::Length)
         }
     }
@@ -474,7 +492,7 @@ fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Re
 }
 
 /// The chosen model's value and the other's.
-fn by_models(law: Law, asked: &Asked, model: Model) -> Result<Calculation, Failure> {
+fn by_models(law: Law, asked: &Question, model: Model) -> Result<Calculation, Failure> {
     let result = by_law(law, asked, model).map_err(|error| refused(&error))?;
     // the other model may have no value where the chosen one has
     let other = Some(by_law(law, asked, model.other()).unwrap_or(result));
@@ -484,9 +502,9 @@ fn by_models(law: Law, asked: &Asked, model: Model) -> Result<Calculation, Failu
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
     let asked = match (args.f_h_beta, args.length) {
-        (Some(slope), Some(length)) => Asked::DeltaCd(lead_slope(slope, length).map_err(|error| refused(&error))?),
+        (Some(slope), Some(length)) => Question::DeltaCd(lead_slope(slope, length).map_err(|error| refused(&error))?),
         (_, length) => match (args.given.asked::<Angle>()?, length) {
-            (Asked::Error(delta_cd), Some(length)) => Asked::SlopeDeviation { delta_cd, length },
+            (Question::Error(delta_cd), Some(length)) => Question::SlopeDeviation { delta_cd, length },
             (asked, _) => asked,
         },
     };

@@ -1,6 +1,6 @@
 //! `rackmesh class`: permissible deviations of a grade, grades obtained, and the coarsest grade within a ΔCD.
 
-use super::eval::ModelArg;
+use super::decision::ModelArg;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use crate::deviation::{DeviationKind, Part};
@@ -9,7 +9,7 @@ use crate::formula::{Model, PartDeviation, domain};
 use crate::gear::Pair;
 use crate::judge::class::{self, DiameterSource, Meshing, RackDiameter};
 use crate::judge::class_mesh::{ArrangedDeviation, arrangement};
-use crate::judge::grade::{self, GradeSearch, Obtained};
+use crate::judge::grade::{self, GradeSearch, ObtainedGrade, ToleranceError};
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
 use crate::spec::{MeasuredValue, Spec, keys};
@@ -270,8 +270,8 @@ impl Args {
         path: &str,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let values = spec.measured_deviations(&super::mesh::measured_tables(spec, path)?)?;
-        let (mut obtained, mut not_graded, mut diameters) = (Vec::<Obtained>::new(), Vec::new(), Vec::new());
+        let values = spec.measured_deviations(&super::spec_files::measured_tables(spec, path)?)?;
+        let (mut obtained, mut not_graded, mut diameters) = (Vec::<ObtainedGrade>::new(), Vec::new(), Vec::new());
         for part in [Part::Rack, Part::Pinion] {
             let of_part: Vec<&MeasuredValue> = values.iter().filter(|value| value.part == part).collect();
             if of_part.is_empty() {
@@ -339,7 +339,7 @@ impl Args {
             }
         }
         let of = |kind: DeviationKind| sized.iter().find(|sized| sized.part == kind.part());
-        let tolerance = |kind: DeviationKind, grade: u8| -> Result<PartDeviation, StandardOrEffect> {
+        let tolerance = |kind: DeviationKind, grade: u8| -> Result<PartDeviation, ToleranceError> {
             // the others were left out
             let deviation = class::deviation_of(kind).unwrap_or(Deviation::SinglePitch);
             let missing = || StandardError::NoSuchDeviation { standard, deviation };
@@ -348,21 +348,19 @@ impl Args {
             let total = class::total_of(kind, limiting, grade, &sized.wheel);
             Ok(class::tolerance(kind, &permissible, total.as_ref(), &sized.meshing)?)
         };
-        let mut fatal: Option<StandardOrEffect> = None;
+        let mut fatal: Option<ToleranceError> = None;
         let basis = spec.map(Spec::pair_basis).transpose()?.unwrap_or_default();
         let search = GradeSearch::new(standard, limit, &basis, |grade| {
             let tolerances: Result<Vec<_>, _> = kinds.iter().map(|kind| tolerance(*kind, grade)).collect();
-            tolerances.map_err(|error| {
-                let text = error.to_string();
+            tolerances.inspect_err(|error| {
                 if !error.is_of_grade() {
-                    fatal.get_or_insert(error);
+                    fatal.get_or_insert(error.clone());
                 }
-                text
             })
         })
         .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
         if let Some(error) = fatal {
-            return Err(error.diagnostic().into());
+            return Err(no_tolerance(&error).into());
         }
         let terms = kinds.iter().filter_map(|kind| term(standard, *kind, of(*kind)?));
         let left_out = left_out.iter().map(|kind| format!("{kind}: {}", class::NO_OVER_ROLLER_CLASS)).collect();
@@ -428,34 +426,18 @@ fn remarks(rows: &[ClassRow], meshing: &Meshing) -> Vec<String> {
     notes
 }
 
-/// Why a grade has no ΔCD.
-#[derive(Debug, thiserror::Error)]
-enum StandardOrEffect {
-    #[error(transparent)]
-    Standard(#[from] StandardError),
-    #[error(transparent)]
-    Effect(#[from] class::NoEffect),
-}
-
-impl StandardOrEffect {
-    /// Whether another grade may have one.
-    fn is_of_grade(&self) -> bool {
-        matches!(self, Self::Standard(StandardError::Grade { .. } | StandardError::Unconfirmed { .. }))
-    }
-
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Standard(error) => no_class(error),
-            Self::Effect(error) => Diagnostic::error(Code::NoResult, format!("ΔCD of a class has no value: {error}"))
-                .help("give it as an option or in the spec"),
-        }
+/// Why there is no ΔCD of any grade.
+fn no_tolerance(error: &ToleranceError) -> Diagnostic {
+    match error {
+        ToleranceError::Standard(error) => no_class(error),
+        error => Diagnostic::error(Code::NoResult, format!("ΔCD of a class has no value: {error}"))
+            .help("give it as an option or in the spec"),
     }
 }
 
 fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair>) -> ClassRow {
     let deviation = permissible.deviation;
-    let delta_cd =
-        class::delta_cd(deviation, permissible.length(), &sized.meshing, model).map_err(|error| error.to_string());
+    let delta_cd = class::delta_cd(deviation, permissible.length(), &sized.meshing, model);
     let mesh = pair.and_then(|pair| {
         let arrangement = arrangement(deviation, sized.part)?;
         let pitches = permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken);

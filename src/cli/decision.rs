@@ -1,10 +1,15 @@
 //! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
 
+use clap::ValueEnum;
+
 use super::output::Failure;
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, PartSimulation, Settings};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Evaluation;
+use crate::evaluation::evaluate;
+use crate::formula::Model;
 use crate::formula::PartDeviation;
+use crate::judge::Stack;
 use crate::judge::bound::Basis;
 use crate::judge::{Limits, Rule};
 use crate::report::UncertaintyPart;
@@ -28,8 +33,79 @@ pub(super) struct DecisionArgs {
     digits: u32,
 }
 
+/// How the errors of a part are judged.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct JudgeArgs {
+    /// How errors add up.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) stack: StackArg,
+    /// Formulas exact for rigid teeth, or as the paper prints them.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) model: ModelArg,
+    #[command(flatten)]
+    pub(super) decision: DecisionArgs,
+}
+
+impl JudgeArgs {
+    /// As the spec says: the worst case by its own rule, and no simulation.
+    pub(super) fn of_spec() -> Self {
+        Self { stack: StackArg::Range, model: ModelArg::Exact, decision: DecisionArgs::of_spec() }
+    }
+
+    /// Evaluates a part's errors by what is known of the pair and decides by its rule, with what is known of their
+    /// uncertainty.
+    pub(super) fn judged(
+        &self,
+        spec: &Spec,
+        errors: &[PartDeviation],
+        basis: &Basis,
+    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
+        let mut evaluation = evaluate(errors, &spec.limits(), self.model.into(), self.stack.into(), basis)
+            .map_err(|failure| spec.explain_failure(&failure))?;
+        let uncertainty = self.decision.judge(spec, errors, basis, &mut evaluation)?;
+        Ok((evaluation, uncertainty))
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub(super) enum StackArg {
+    /// The worst case: what these errors can do wherever on the teeth they are.
+    #[default]
+    #[value(alias = "worst")]
+    Range,
+    /// Mean ± 3 standard deviations; no bound.
+    Rss,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ModelArg {
+    /// Exact for rigid teeth.
+    #[default]
+    Exact,
+    /// As the paper prints it.
+    Paper,
+}
+
+impl From<StackArg> for Stack {
+    fn from(stack: StackArg) -> Self {
+        match stack {
+            StackArg::Range => Self::Range,
+            StackArg::Rss => Self::Rss,
+        }
+    }
+}
+
+impl From<ModelArg> for Model {
+    fn from(model: ModelArg) -> Self {
+        match model {
+            ModelArg::Exact => Self::Exact,
+            ModelArg::Paper => Self::Paper,
+        }
+    }
+}
+
 /// What is known of a part's uncertainty.
-struct Known {
+struct KnownUncertainty {
     propagation: Propagation,
     simulation: Option<PartSimulation>,
 }
@@ -118,7 +194,7 @@ impl DecisionArgs {
     }
 
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<Known>, Failure> {
+    fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<KnownUncertainty>, Failure> {
         let settings = self.settings()?;
         let uncertainties = spec.uncertainties()?;
         if uncertainties.is_empty() {
@@ -134,7 +210,7 @@ impl DecisionArgs {
         }
         let propagation = uncertainty::propagate(part, &uncertainties).map_err(|error| no_uncertainty(&error))?;
         let simulation = settings.map(|settings| simulate(part, &uncertainties, limits, &settings)).transpose()?;
-        Ok(Some(Known { propagation, simulation }))
+        Ok(Some(KnownUncertainty { propagation, simulation }))
     }
 }
 

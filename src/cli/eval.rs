@@ -1,17 +1,14 @@
 //! `rackmesh eval`: ΔCD of the errors in a spec, combined and judged.
 
-use clap::ValueEnum;
-
-use super::decision::DecisionArgs;
+use super::decision::JudgeArgs;
 use super::mesh;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::teeth::{self, with_known_teeth};
+use super::spec_files;
+use super::teeth::{WorstTeeth, with_known_teeth};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::{Evaluation, evaluate};
-use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::Basis;
-use crate::judge::{LimitTarget, Stack, Verdict};
+use crate::evaluation::Evaluation;
+use crate::judge::LimitTarget;
 use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
 use crate::spec::Spec;
 
@@ -20,7 +17,7 @@ pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined an
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh eval rack.toml
-  rackmesh eval rack.toml --stack worst --format json
+  rackmesh eval rack.toml --stack rss --format json
   rackmesh eval examples/mesh-errors.toml --mesh
   rackmesh eval examples/uncertain.toml --rule iso14253 --monte-carlo
   rackmesh init | rackmesh eval -
@@ -30,12 +27,8 @@ pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(required_unless_present = "monte_carlo")]
     spec: Option<String>,
-    /// How errors add up.
-    #[arg(long, value_enum, default_value_t)]
-    stack: StackArg,
-    /// Formulas exact for rigid teeth, or as the paper prints them.
-    #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    #[command(flatten)]
+    judge: JudgeArgs,
     /// Add the exact mesh of the same parts, along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
@@ -43,116 +36,81 @@ pub(super) struct Args {
     #[arg(long, alias = "no-mesh", conflicts_with = "mesh")]
     no_worst_teeth: bool,
     #[command(flatten)]
-    decision: DecisionArgs,
-    #[command(flatten)]
     set: SetArgs,
     /// Output format.
     #[arg(long, short, value_enum, default_value_t)]
     format: Format,
 }
 
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-pub(super) enum StackArg {
-    /// The worst case: what these errors can do wherever on the teeth they are.
-    #[default]
-    #[value(alias = "worst")]
-    Range,
-    /// Mean ± 3 standard deviations; no bound.
-    Rss,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum ModelArg {
-    /// Exact for rigid teeth.
-    #[default]
-    Exact,
-    /// As the paper prints it.
-    Paper,
-}
-
-impl From<StackArg> for Stack {
-    fn from(stack: StackArg) -> Self {
-        match stack {
-            StackArg::Range => Self::Range,
-            StackArg::Rss => Self::Rss,
-        }
-    }
-}
-
-impl From<ModelArg> for Model {
-    fn from(model: ModelArg) -> Self {
-        match model {
-            ModelArg::Exact => Self::Exact,
-            ModelArg::Paper => Self::Paper,
-        }
-    }
-}
-
 impl Args {
     pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
         let path = match self.spec.take() {
             Some(path) => path,
-            None => self.decision.spec_behind_monte_carlo().ok_or_else(|| {
+            None => self.judge.decision.spec_behind_monte_carlo().ok_or_else(|| {
                 Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
         let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path)?;
-        let basis = spec.basis()?;
-        let (mut evaluation, uncertainty) =
-            judged(&spec, &spec.part_deviations()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
-        if !self.no_worst_teeth {
-            evaluation.reached = teeth::reached(&spec, &basis)?;
-        }
-        for target in evaluation.not_given() {
-            output.diagnostic(&unjudged(&spec, target));
-        }
-        let missing = spec.missing_geometry();
-        let mut report =
-            EvaluationReport::new(spec.title.as_deref(), &evaluation, &missing).with_classes(spec.classes()?);
-        report.notes.extend(spec.suspicions_in_words());
-        report.rule = self.decision.rule(&spec);
-        report.uncertainty = uncertainty;
+        let is_searched = !self.no_worst_teeth && (self.mesh || spec.limit_on(LimitTarget::CenterDistance).is_some());
+        let worst = if is_searched { WorstTeeth::of(spec.part_deviations()?, &spec.basis()?)? } else { None };
+        let mut part = EvaluatedPart::new(&spec, &self.judge, worst.as_ref(), output)?;
+        let status = Status::of(part.evaluation.verdict, &part.evaluation.limits);
+        let mut report = part.report(spec.title.as_deref())?;
         if self.mesh {
-            report.mesh = Some(mesh_part(&spec, &path)?);
+            report.mesh = Some(mesh_part(&spec, &path, worst.as_ref())?);
         }
         output.report(&report, self.format)?;
-        Ok(status(&evaluation))
+        Ok(status)
     }
 }
 
-/// Evaluates a part's errors by what is known of the pair and decides by its rule, with what is known of their
-/// uncertainty.
-pub(super) fn judged(
-    spec: &Spec,
-    errors: &[PartDeviation],
-    basis: &Basis,
-    decision: &DecisionArgs,
-    model: Model,
-    stack: Stack,
-) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-    let mut evaluation =
-        evaluate(errors, &spec.limits(), model, stack, basis).map_err(|failure| spec.explain_failure(&failure))?;
-    let uncertainty = decision.judge(spec, errors, basis, &mut evaluation)?;
-    Ok((evaluation, uncertainty))
+/// The part of `[errors]`, evaluated and judged.
+pub(super) struct EvaluatedPart<'a> {
+    spec: &'a Spec,
+    judge: &'a JudgeArgs,
+    pub(super) evaluation: Evaluation,
+    uncertainty: Option<UncertaintyPart>,
 }
 
-/// How a command ends that evaluated one part.
-pub(super) fn status(evaluation: &Evaluation) -> Status {
-    match evaluation.verdict {
-        Some(Verdict::Fail) => Status::Fail,
-        Some(Verdict::Pass) => Status::Pass,
-        Some(Verdict::Indeterminate) => Status::Indeterminate,
-        None if evaluation.limits.is_empty() => Status::Pass,
-        None => Status::Undecided,
+impl<'a> EvaluatedPart<'a> {
+    /// Of a spec whose known teeth are solved, with what its errors reach on the worst teeth if there is a limit to hold that
+    /// against.
+    pub(super) fn new(
+        spec: &'a Spec,
+        judge: &'a JudgeArgs,
+        worst: Option<&WorstTeeth>,
+        output: &mut Output,
+    ) -> Result<Self, Failure> {
+        let (mut evaluation, uncertainty) = judge.judged(spec, &spec.part_deviations()?, &spec.basis()?)?;
+        let worst = worst.filter(|_| spec.limit_on(LimitTarget::CenterDistance).is_some());
+        evaluation.reached = worst.map(WorstTeeth::interval).transpose()?;
+        for target in evaluation.not_given() {
+            output.diagnostic(&unjudged(spec, target));
+        }
+        Ok(Self { spec, judge, evaluation, uncertainty })
+    }
+
+    /// The report on it.
+    pub(super) fn report<'r>(&'r mut self, title: Option<&'r str>) -> Result<EvaluationReport<'r>, Failure> {
+        let report = EvaluationReport::new(title, &self.evaluation, &self.spec.missing_geometry());
+        let mut report = report.with_classes(self.spec.classes()?);
+        report.notes.extend(self.spec.suspicions_in_words());
+        report.rule = self.judge.decision.rule(self.spec);
+        report.uncertainty = self.uncertainty.take();
+        Ok(report)
     }
 }
 
 /// The exact mesh of the spec, in short.
-fn mesh_part(spec: &Spec, path: &str) -> Result<MeshPart, Failure> {
+fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>) -> Result<MeshPart, Failure> {
     const STROKE_MM: (f64, f64) = (0.0, 50.0);
     const TOLERANCE_MM: f64 = 1e-6;
-    let input = spec.mesh(&mesh::measured_tables(spec, path)?)?;
-    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM).map_err(|error| mesh::unsolved(&error))?;
+    let mut input = spec.mesh(&spec_files::measured_tables(spec, path)?)?;
+    if let Some(worst) = worst {
+        worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
+    }
+    let curve =
+        input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM).map_err(|error| spec_files::unsolved(&error))?;
     let summary = curve
         .summary(&input.mesh)
         .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;

@@ -1,7 +1,6 @@
 //! What long runs share: a progress bar where somebody watches, and Ctrl-C or SIGTERM that keep what is there.
 
 use std::io::{self, IsTerminal as _, Write as _};
-use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -67,19 +66,6 @@ impl Bar {
     }
 }
 
-/// A count with its thousands set off: 1,000,000.
-pub(super) fn counted(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// The signals that end a run early, each with the exit code that shells give to a program ended by it.
 const SIGNALS: [(i32, u8); 2] = [(SIGINT, 130), (SIGTERM, 143)];
 
@@ -113,17 +99,12 @@ impl Interruption {
     }
 }
 
-/// A run's own flag is all that libraries take.
-impl Deref for Interruption {
-    type Target = Arc<AtomicBool>;
-
-    fn deref(&self) -> &Self::Target {
-        &self.stop
+/// From here on the first Ctrl-C or SIGTERM is for the run to see; the second ends the program at once. A program that holds the
+/// answer has signals of its own, and says when to stop.
+pub(super) fn interrupted(output: &Output) -> Interruption {
+    if let Some(stop) = output.stop() {
+        return Interruption { stop: Arc::clone(stop), signal: Arc::default(), waits: Arc::default() };
     }
-}
-
-/// From here on the first Ctrl-C or SIGTERM is for the run to see; the second ends the program at once.
-pub(super) fn interrupted() -> Interruption {
     let (stop, waits) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     let signal = Arc::new(AtomicUsize::new(0));
     for (number, code) in SIGNALS {
@@ -138,14 +119,4 @@ pub(super) fn interrupted() -> Interruption {
         let _ = flag::register(number, Arc::clone(&stop));
     }
     Interruption { stop, signal, waits }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::counted;
-
-    #[test]
-    fn thousands_are_set_off() {
-        assert_eq!([0, 999, 1000, 1_234_567].map(counted), ["0", "999", "1,000", "1,234,567"]);
-    }
 }

@@ -2,9 +2,9 @@
 
 use clap::ValueEnum;
 
-use super::mesh::{measured_tables, unsolved};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
+use super::spec_files::{measured_tables, unsolved};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Length;
 use crate::report::{Format, MeasureReport};

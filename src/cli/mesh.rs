@@ -1,25 +1,25 @@
 //! `rackmesh mesh`: ΔCD along the stroke, by the exact zero-backlash mesh.
 
-use std::path::{Path, PathBuf};
+use super::long;
+use super::spec_files::{files_read, measured_tables, unsolved};
 use std::sync::atomic::Ordering;
 
-use super::decision::DecisionArgs;
-use super::long::{self, Interruption};
+use super::decision::JudgeArgs;
+use super::long::Interruption;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
-use super::teeth::{Judged, with_known_teeth};
+use super::teeth::{Judged, WorstTeeth, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::judge::{LimitTarget, Prediction, Verdict};
+use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::chart::{Chart, Layer, Mark, Shape, Span};
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::{Format, MeshReport, noted};
-use crate::spec::{Located, MeasuredTables, MeshInput, Origin, Spec, WrittenPinionDeviation, keys};
-use crate::table::{self, Source, Teeth};
+use crate::report::{Format, MeshReport, Screen, noted};
+use crate::spec::{MeshInput, Origin, Spec, WrittenPinionDeviation};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
 
@@ -63,6 +63,18 @@ pub(super) struct Stroke {
     pub(super) to: Length,
 }
 
+impl Stroke {
+    /// From the first to the last, mm.
+    pub(super) fn ends(&self) -> Result<(f64, f64), Failure> {
+        let (from, to) = (self.from.mm(), self.to.mm());
+        if from > to {
+            let message = format!("--from {from} lies beyond --to {to}");
+            return Err(Diagnostic::error(Code::Usage, message).into());
+        }
+        Ok((from, to))
+    }
+}
+
 /// The stroke, and how closely it is followed.
 #[derive(Debug, clap::Args)]
 pub(super) struct Range {
@@ -79,66 +91,13 @@ impl Range {
     }
 }
 
-/// Why there is no solution.
-pub(super) fn unsolved(error: &MeshError) -> Failure {
-    let diagnostic = Diagnostic::error(Code::NoMesh, error.to_string());
-    match error {
-        MeshError::NoContact { .. } => diagnostic
-            .help("check the diameters, the addendum and the deviations: the teeth do not reach each other")
-            .into(),
-        MeshError::TipOnTip { .. } => diagnostic
-            .help("check the tooth thicknesses and the deviations: the teeth are wider than the spaces")
-            .into(),
-        _ => diagnostic.into(),
-    }
-}
-
-/// Where a table is that a spec names, relative to the spec's own folder.
-fn table_path(spec_path: &str, name: &str) -> PathBuf {
-    Path::new(spec_path).parent().unwrap_or(Path::new("")).join(name)
-}
-
-/// The files that are read for a spec: itself and the tables that it names.
-pub(super) fn files_read(spec: &Spec, spec_path: &str) -> Vec<String> {
-    let tables = [keys::RACK_MEASURED, keys::PINION_MEASURED].into_iter().filter_map(|key| spec.get(key));
-    let paths = tables.map(|table| table_path(spec_path, &table).display().to_string());
-    std::iter::once(spec_path.to_owned()).chain(paths).collect()
-}
-
-/// Reads the tables that a spec names.
-pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTables, Failure> {
-    let read = |file: &Located<String>| -> Result<Teeth, Failure> {
-        let path = table_path(spec_path, &file.value);
-        let opened = std::fs::File::open(&path).map_err(|error| {
-            Diagnostic::error(Code::FileAccess, format!("cannot read {}: {error}", path.display()))
-                .at(&spec.source, file.span.clone(), "")
-                .help("paths are relative to the spec")
-        })?;
-        Ok(table::of_one_part(&path.display().to_string(), Source::File(opened), &spec.want())?)
-    };
-    let wrong = |file: &Located<String>, what: &str| {
-        let message = format!("{} holds no {what}", file.value);
-        Failure::from(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span.clone(), ""))
-    };
-    let mut tables = MeasuredTables::default();
-    if let Some(file) = &spec.values.located(keys::RACK_MEASURED) {
-        match read(file)? {
-            Teeth::Rack(rack) => tables.rack = Some(rack),
-            Teeth::Pinion(_) => return Err(wrong(file, "spaces of a rack")),
-        }
-    }
-    if let Some(file) = &spec.values.located(keys::PINION_MEASURED) {
-        match read(file)? {
-            Teeth::Pinion(pinion) => tables.pinion = Some(pinion),
-            Teeth::Rack(_) => return Err(wrong(file, "teeth of a pinion")),
-        }
-    }
-    Ok(tables)
-}
-
 /// What the formulas say about the deviations of a mesh.
-pub(super) fn prediction(input: &MeshInput) -> Prediction {
+pub(super) fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
     let pair = input.mesh.pair();
+    if let Origin::WorstTeeth(errors) = &input.origin {
+        let prediction = Prediction::placed(pair, errors);
+        return prediction.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into());
+    }
     let mut prediction = Prediction::new().rack(pair, &input.rack_deviations);
     for deviation in &input.pinion_deviations {
         prediction = match deviation {
@@ -149,19 +108,60 @@ pub(super) fn prediction(input: &MeshInput) -> Prediction {
     if let Some(deviation_mm) = input.pinion_lead_mm {
         prediction = prediction.pinion_lead(pair, deviation_mm);
     }
-    prediction.rack_rows(pair, &input.rack_rows).pinion_rows(pair, &input.pinion_rows)
+    Ok(prediction.rack_rows(pair, &input.rack_rows).pinion_rows(pair, &input.pinion_rows))
+}
+
+/// On which teeth the values in `[errors]` are, if the spec has no deviations per tooth.
+pub(super) fn placement(input: &MeshInput) -> Option<String> {
+    let on = match &input.origin {
+        Origin::WorstTeeth(errors) => {
+            let errors: Vec<_> = errors.iter().map(|error| error.in_words(input.mesh.pair())).collect();
+            format!(
+                "the worst teeth that a search finds, as their extents allow: {}; the verdict is that of the worst case",
+                errors.join("; ")
+            )
+        }
+        Origin::Errors => {
+            let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };
+            format!(
+                "the teeth: over-roller and radial on all, the rack's pitch and lead on teeth 4.., the pinion's pitch as one \
+                 step half way round{lead}"
+            )
+        }
+        _ => return None,
+    };
+    Some(format!("the spec has no deviations per tooth, so the values in [errors] are put on {on}"))
+}
+
+/// The report on the curve of a spec's mesh.
+pub(super) fn solved<'a>(
+    spec: &'a Spec,
+    mesh: &'a Mesh,
+    curve: &'a Curve,
+    prediction: &'a Prediction,
+    judged: &'a Judged,
+) -> MeshReport<'a> {
+    MeshReport {
+        title: None,
+        mesh,
+        over_pin: spec.nominal_over_pin().ok(),
+        curve,
+        listed: &[],
+        prediction,
+        limit: spec.limit_on(LimitTarget::CenterDistance),
+        judged: judged.range,
+        judged_by: judged.by,
+        checks: &judged.checks,
+        verdict: judged.verdict,
+        rule: judged.rule.clone(),
+        notes: Vec::new(),
+        screen: Screen::default(),
+    }
 }
 
 /// Remarks on the input, and on why mesh and formulas differ.
 pub(super) fn notes(input: &MeshInput) -> Vec<String> {
-    let mut notes = Vec::new();
-    if input.origin == Origin::Errors {
-        let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };
-        notes.push(format!(
-            "the spec has no deviations per tooth, so the values in [errors] are put on the teeth: over-roller and \
-             radial on all, the rack's pitch and lead on teeth 4.., the pinion's pitch as one step half way round{lead}"
-        ));
-    }
+    let mut notes: Vec<String> = placement(input).into_iter().collect();
     let ratio = input.mesh.pair().contact_ratio().total;
     let several_pitches = input.rack_deviations.iter().any(|deviation| {
         matches!(deviation.kind, RackDeviationKind::Pitch(_))
@@ -188,13 +188,16 @@ pub(super) fn notes(input: &MeshInput) -> Vec<String> {
         );
     }
     notes.extend(input.warnings.iter().map(ToString::to_string));
-    let unmeasured = input.unmeasured_tooth.map(|tooth| format!("tooth {tooth} of the pinion"));
-    let unmeasured = unmeasured.or_else(|| input.unmeasured_space().map(|space| format!("space {space} of the rack")));
-    notes.extend(unmeasured.map(|place| {
-        format!("{place} was not measured, or not everything of it: what was not measured is taken as nominal")
-    }));
+    notes.extend(unmeasured(input));
     notes.extend(doubted_rows(input));
     notes
+}
+
+/// A remark on the first space or tooth that a measured table leaves out.
+pub(super) fn unmeasured(input: &MeshInput) -> Option<String> {
+    let tooth = input.unmeasured_tooth.map(|tooth| format!("tooth {tooth} of the pinion"));
+    let place = tooth.or_else(|| input.unmeasured_space.map(|(space, _)| format!("space {space} of the rack")))?;
+    Some(format!("{place} was not measured, or not everything of it: what was not measured is taken as nominal"))
 }
 
 /// Remarks on measured rows whose deviations are suspicious.
@@ -227,9 +230,6 @@ fn sinks(input: &MeshInput, curve: &Curve, prediction: &Prediction) -> Option<St
         })
 }
 
-const WORST_TEETH: &str = "the spec has no deviations per tooth, so the values in [errors] are put on the worst teeth that a \
-                           search finds, as their extents allow; the verdict is that of the worst case";
-
 /// A list longer than this is for programs, not for a table.
 const MOST_LISTED: u64 = 1000;
 
@@ -239,22 +239,18 @@ impl Args {
         let strokes = self.strokes()?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
-        let limits = spec.limits();
-        let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
+        let limit = spec.limit_on(LimitTarget::CenterDistance);
         if let (Some(strokes), Format::Csv, None, None) = (&strokes, self.format, &picture, limit) {
             // nothing is asked that needs the curve between these strokes
             return Ok(list_csv(strokes, &input.mesh, output)?.unwrap_or(Status::Pass));
         }
-        let judged = Judged::new(&spec)?;
-        let mut notes = notes(&input);
-        if input.origin == Origin::Errors
-            && let Some(mesh) = judged.worst_mesh(&spec, input.mesh.pair(), limit)?
-        {
-            input.mesh = mesh;
-            WORST_TEETH.clone_into(&mut notes[0]);
+        let judged = Judged::new(&spec, &JudgeArgs::of_spec())?;
+        if let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)? {
+            worst.place(&mut input, limit)?;
         }
+        let mut notes = notes(&input);
         let curve = self.range.curve(&input.mesh)?;
-        let prediction = prediction(&input);
+        let prediction = prediction(&input)?;
         notes.extend(sinks(&input, &curve, &prediction));
         notes.extend(spec.suspicions_in_words());
         let mut listed: Vec<ListedPoint> = Vec::new();
@@ -269,42 +265,32 @@ impl Args {
         }
         let report = MeshReport {
             title: spec.title.as_deref(),
-            mesh: &input.mesh,
-            over_pin: spec.nominal_over_pin().ok(),
-            curve: &curve,
             listed: &listed,
-            prediction: &prediction,
-            limit,
-            judged: judged.range,
-            judged_by: judged.by,
-            checks: &judged.checks,
-            verdict: judged.verdict,
-            rule: DecisionArgs::of_spec().rule(&spec),
             notes,
             screen: output.screen(),
+            ..solved(&spec, &input.mesh, &curve, &prediction, &judged)
         };
         if let Some(picture) = &picture {
             picture.write(&chart(&report))?;
         }
-        let interrupted = match (&strokes, self.format) {
-            (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output)?,
-            (Some(strokes), Format::Json) => list_json(strokes, &report, output)?,
-            _ => {
-                output.report(&report, self.format)?;
-                None
-            }
+        output.picture(|| chart(&report));
+        let listed = match (&strokes, self.format) {
+            (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output),
+            (Some(strokes), Format::Json) => list_json(strokes, &report, output),
+            _ => output.report(&report, self.format).map(|()| None),
         };
-        Ok(interrupted.unwrap_or(status(&report)))
+        let status = Status::of(report.verdict, report.checks);
+        match listed {
+            // the verdict is that of the curve, whoever reads the list
+            Err(failure) if failure.is_closed_pipe() => Ok(status),
+            listed => Ok(listed?.unwrap_or(status)),
+        }
     }
 
     /// The strokes asked for; `None` for those that the curve needs.
     fn strokes(&self) -> Result<Option<Strokes>, Failure> {
         const MOST: f64 = 1e8;
-        let (from, to) = (self.range.stroke.from.mm(), self.range.stroke.to.mm());
-        if from > to {
-            let message = format!("--from {from} lies beyond --to {to}");
-            return Err(Diagnostic::error(Code::Usage, message).into());
-        }
+        let (from, to) = self.range.stroke.ends()?;
         let (step, intervals) = match (&self.step, self.points) {
             (None, None) => return Ok(None),
             (_, Some(points)) => ((to - from) / f64::from(points - 1), f64::from(points - 1)),
@@ -338,16 +324,6 @@ fn listed_in_table(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Optio
     Some(listed)
 }
 
-/// How a command ends that solved a mesh.
-pub(super) fn status(report: &MeshReport<'_>) -> Status {
-    match report.verdict {
-        Some(Verdict::Fail) => Status::Fail,
-        Some(Verdict::Indeterminate) => Status::Indeterminate,
-        None if !report.checks.is_empty() => Status::Undecided,
-        Some(Verdict::Pass) | None => Status::Pass,
-    }
-}
-
 /// Strokes a step apart, both ends included.
 struct Strokes {
     from: f64,
@@ -369,9 +345,9 @@ fn unsolved_stroke(error: &MeshError) -> Diagnostic {
 
 /// Writes CSV as it is solved; the status is that of an interruption, if one came.
 fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
-    let interruption = long::interrupted();
-    output.text(&mesh_points::csv_header())?;
-    let listed = list(strokes, mesh, &interruption, mesh_points::csv_lines, |text| output.text(text))?;
+    let interruption = long::interrupted(output);
+    output.piece(&mesh_points::csv_header())?;
+    let listed = list(strokes, mesh, &interruption, mesh_points::csv_lines, |text| output.piece(text))?;
     remark_on(listed.trust, output);
     Ok(listed.interrupted)
 }
@@ -379,12 +355,12 @@ fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<Optio
 /// Writes JSON as it is solved; the status is that of an interruption, if one came.
 fn list_json(strokes: &Strokes, report: &MeshReport<'_>, output: &mut Output) -> Result<Option<Status>, Failure> {
     // from the first byte on a signal has to leave whole JSON
-    let interruption = long::interrupted();
-    output.text(&report.json_around(Trust::default()).0)?;
+    let interruption = long::interrupted(output);
+    output.piece(&report.json_around(Trust::default()).0)?;
     let mut first = true;
     let listed = list(strokes, report.mesh, &interruption, mesh_points::json_elements, |text| {
         let text = if std::mem::take(&mut first) { text.trim_start_matches(',') } else { text };
-        output.text(text)
+        output.piece(text)
     })?;
     output.text(&report.json_around(listed.trust).1)?;
     remark_on(listed.trust, output);

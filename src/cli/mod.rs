@@ -11,6 +11,7 @@ mod completions;
 mod decision;
 mod eval;
 mod explain;
+mod held;
 mod init;
 mod long;
 mod man;
@@ -28,6 +29,7 @@ mod reproduce;
 mod schema;
 mod set;
 mod simulate;
+mod spec_files;
 mod stream;
 mod tables;
 mod target;
@@ -39,7 +41,8 @@ use std::process::ExitCode;
 
 use clap::{Arg, ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
-pub use answer::{Answer, HeldSpec, answer, judged_spec};
+pub use answer::{Answer, answer, judged_spec};
+pub use held::HeldSpec;
 use output::{Failure, Output, Status};
 
 const EXAMPLES: &str = "Examples:
@@ -137,6 +140,9 @@ fn help_template() -> String {
     template + "\nOptions:\n{options}{after-help}"
 }
 
+/// Behind the options that a subcommand has of its own.
+const LAST: usize = 1000;
+
 /// The program's arguments. Those of a subcommand are built only when it is the one that is called (or
 /// when its help, completions or manual page is made), which is a third of the start-up time.
 #[must_use]
@@ -150,12 +156,21 @@ pub fn command() -> Command {
         .arg_required_else_help(true)
         // one page for -h and --help; what each value means is in docs/flags.md
         .disable_help_flag(true)
-        .arg(Arg::new("help").long("help").short('h').global(true).action(ArgAction::HelpShort).help("Print help"))
+        .arg(
+            Arg::new("help")
+                .long("help")
+                .short('h')
+                .global(true)
+                .display_order(LAST)
+                .action(ArgAction::HelpShort)
+                .help("Print help"),
+        )
         .arg(
             Arg::new("quiet")
                 .long("quiet")
                 .short('q')
                 .global(true)
+                .display_order(LAST)
                 .action(ArgAction::SetTrue)
                 .help("Leave out remarks and progress; warnings and errors stay"),
         )
@@ -163,6 +178,7 @@ pub fn command() -> Command {
             Arg::new("color")
                 .long("color")
                 .global(true)
+                .display_order(LAST)
                 .value_name("WHEN")
                 .help("When to use colours: auto, always or never")
                 .hide_possible_values(true)

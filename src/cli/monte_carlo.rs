@@ -1,8 +1,10 @@
 //! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
 
+use super::long;
+use super::spec_files;
 use std::io::{Read as _, Write as _};
 
-use super::long::{self, Bar, Interruption, counted};
+use super::long::{Bar, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::target::Target;
@@ -11,7 +13,7 @@ use crate::chance::DEFAULT_SEED;
 use crate::chance::racks::{RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, StudyError};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Verdict};
-use crate::report::{Format, RACK_COLUMNS, RacksReport, rack_lines, read_study, study_json};
+use crate::report::{Format, RACK_COLUMNS, RacksReport, grouped, rack_lines, read_study, study_json};
 
 pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact mesh";
 
@@ -69,19 +71,20 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let (scatter, classes) = spec.scatter()?;
-        let input = spec.mesh(&mesh::measured_tables(&spec, &self.spec)?)?;
-        let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
-        let racks = Racks { base: &input.mesh, scatter: &scatter, limit: limit.map(|(_, limit)| &limit.value) };
-        let mut files = mesh::files_read(&spec, &self.spec);
+        let input = spec.mesh(&spec_files::measured_tables(&spec, &self.spec)?)?;
+        let limit = spec.limit_on(LimitTarget::CenterDistance);
+        let racks = Racks { base: &input.mesh, scatter: &scatter, limit };
+        let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
         let kept = self.kept(&files)?;
-        let interruption = long::interrupted();
-        let study = if self.merge.is_empty() {
-            self.drawn(&racks, &interruption, output)?
+        let interruption = long::interrupted(output);
+        let (study, ended) = if self.merge.is_empty() {
+            self.drawn(&racks, &interruption, output)
         } else {
-            self.merged(&racks, &interruption)?
+            (self.merged(&racks, &interruption)?, Ok(()))
         };
         let Some(summary) = RacksSummary::of(&study) else {
+            ended?;
             output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, "interrupted before the first rack was solved"));
             return Ok(interruption.status().unwrap_or(Status::Undecided));
         };
@@ -105,6 +108,8 @@ impl Args {
             let message = format!("racks are missing: these are {} of {} racks", study.racks(), study.asked().racks);
             output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, message));
         }
+        // what was solved before an error is shown and kept
+        ended?;
         let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
         Ok(ended_early.unwrap_or(status(&summary)))
     }
@@ -129,7 +134,7 @@ impl Args {
         racks: &Racks<'_>,
         interruption: &Interruption,
         output: &mut Output,
-    ) -> Result<RacksStudy, Failure> {
+    ) -> (RacksStudy, Result<(), Failure>) {
         let settings = RackSettings {
             seed: self.seed,
             range: RackRange { first_rack: self.first_rack.unwrap_or(0), racks: self.racks.unwrap_or(DEFAULT_RACKS) },
@@ -138,19 +143,19 @@ impl Args {
             threads: self.threads.map(usize::from),
         };
         let (mut bar, mut done, asked) = (Bar::new(output), 0, settings.range.racks);
-        let study = racks.study(&settings, interruption.stop(), |first_rack, results| {
+        let drawn = racks.study(&settings, interruption.stop(), |first_rack, results| {
             if self.lists_racks() {
                 if done == 0 {
-                    output.text(RACK_COLUMNS)?;
+                    output.piece(RACK_COLUMNS)?;
                 }
-                output.text(&rack_lines(first_rack, results))?;
+                output.piece(&rack_lines(first_rack, results))?;
             }
             done += results.len() as u64;
-            bar.show(Some(done as f64 / asked as f64), || format!("{} racks", counted(done)));
+            bar.show(Some(done as f64 / asked as f64), || format!("{} racks", grouped(done)));
             Ok::<_, Failure>(())
         });
         bar.finish();
-        study
+        drawn
     }
 
     fn merged(&self, racks: &Racks<'_>, interruption: &Interruption) -> Result<RacksStudy, Failure> {
@@ -190,7 +195,7 @@ fn kept_study(path: &str, interruption: &Interruption) -> Result<RacksStudy, Fai
     if text.len() as u64 > LARGEST_STUDY {
         return Err(unreadable("it is larger than 64 MiB, and none is".to_owned()));
     }
-    read_study(&text).map_err(unreadable)
+    read_study(&text).map_err(|error| unreadable(error.to_string()))
 }
 
 fn status(summary: &RacksSummary) -> Status {

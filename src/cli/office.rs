@@ -1,18 +1,14 @@
 //! Results as Excel workbooks and Q-DAS files, for `paste` and `batch`.
 
-use std::path::Path;
-
 use super::output::Failure;
 use super::target;
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
-use crate::report::Report;
-use crate::spec::Spec;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::judge::Limits;
+use crate::report;
 
 /// Whether results for a file of that name are collected first: the format needs them all.
 pub(super) fn is_office(path: &str) -> bool {
-    let extension = Path::new(path).extension().and_then(|extension| extension.to_str()).unwrap_or("");
-    ["xlsx", "dfq"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+    ["xlsx", "dfq"].contains(&target::ending(path).as_str())
 }
 
 /// Rows of CSV that are kept until they are all there.
@@ -47,28 +43,11 @@ impl Collected {
     }
 }
 
-/// Rows with a header as a Q-DAS file if the name ends in `.dfq`, as a workbook if not.
-pub(super) fn rows_as(path: &str, rows: &[Vec<String>], spec: &Spec) -> Result<Vec<u8>, Failure> {
-    let title = spec.title.as_deref().unwrap_or("rackmesh");
-    match Path::new(path).extension().and_then(|extension| extension.to_str()) {
-        Some(extension) if extension.eq_ignore_ascii_case("dfq") => {
-            Ok(crate::report::qdas(rows, title, &spec.limits()))
-        }
-        _ => crate::report::xlsx::workbook("rackmesh", rows)
-            .map_err(|error| Diagnostic::error(Code::FileAccess, format!("cannot write {path}: {error}")).into()),
+/// Rows with a header as a Q-DAS file of a part if the name ends in `.dfq`, as a workbook if not.
+pub(super) fn rows_as(path: &str, rows: &[Vec<String>], part: &str, limits: &Limits) -> Result<Vec<u8>, Failure> {
+    if target::ending(path) == "dfq" {
+        return Ok(report::qdas(rows, part, limits));
     }
-}
-
-/// A report in the format that the name ends in: `.xlsx`, `.dfq`, `.csv`, `.json`, `.md` or `.txt`. Pages are written by
-/// the caller.
-pub(super) fn report_as(path: &str, report: &dyn Report, spec: &Spec) -> Result<Vec<u8>, Failure> {
-    use crate::report::Format;
-    let format = match target::known_ending(path, &["html", "htm", "xlsx", "dfq", "csv", "json", "md", "txt"])? {
-        Some("xlsx" | "dfq") => return rows_as(path, &report.rows(), spec),
-        Some("csv") => Format::Csv,
-        Some("json") => Format::Json,
-        Some("md") => Format::Markdown,
-        _ => Format::Table,
-    };
-    Ok(crate::report::write(report, format, crate::report::Screen::default())?.into_bytes())
+    report::xlsx::workbook("rackmesh", rows)
+        .map_err(|error| Diagnostic::error(Code::FileAccess, format!("cannot write {path}: {error}")).into())
 }

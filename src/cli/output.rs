@@ -2,13 +2,18 @@
 //! it, and nothing else prints.
 
 use std::io::{self, IsTerminal as _, Write as _};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use anstream::AutoStream;
 use clap::ColorChoice;
 
-use super::answer::{Held, HeldSpec};
+use super::held::{Held, HeldSpec};
 use crate::diagnostic::{Diagnostic, Diagnostics, render};
-use crate::report::{self, Format, Report, Screen};
+use crate::evaluation::LimitCheck;
+use crate::judge::Verdict;
+use crate::report::chart::Chart;
+use crate::report::{self, Format, Report, Screen, WithoutRemarks};
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,6 +42,15 @@ impl Status {
         }
     }
 
+    /// How a command ends that judged one part by these limits.
+    pub(super) fn of(verdict: Option<Verdict>, limits: &[LimitCheck]) -> Self {
+        match verdict {
+            Some(verdict) => verdict.into(),
+            None if limits.is_empty() => Self::Pass,
+            None => Self::Undecided,
+        }
+    }
+
     /// The exit status.
     pub(super) fn code(self) -> u8 {
         match self {
@@ -45,6 +59,16 @@ impl Status {
             Self::Undecided => 2,
             Self::Indeterminate => 3,
             Self::Interrupted(code) => code,
+        }
+    }
+}
+
+impl From<Verdict> for Status {
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Pass => Self::Pass,
+            Verdict::Fail => Self::Fail,
+            Verdict::Indeterminate => Self::Indeterminate,
         }
     }
 }
@@ -58,6 +82,13 @@ pub(super) enum Failure {
     Usage(clap::Error),
     /// The output cannot be written.
     Write(io::Error),
+}
+
+impl Failure {
+    /// Whether the reader of the output has seen enough.
+    pub(super) fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Write(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
 }
 
 impl From<Diagnostic> for Failure {
@@ -124,8 +155,8 @@ impl Output {
     }
 
     /// Keeps what is said of a spec, and prints nothing.
-    pub(super) fn held(spec: HeldSpec) -> Self {
-        let held = Held { spec: Some(spec), ..Held::default() };
+    pub(super) fn held(spec: HeldSpec, stop: Arc<AtomicBool>) -> Self {
+        let held = Held { spec: Some(spec), stop, ..Held::default() };
         Self {
             stdout: io::stdout(),
             stderr: io::stderr(),
@@ -139,6 +170,18 @@ impl Output {
     /// What was kept.
     pub(super) fn into_held(self) -> Held {
         self.held.unwrap_or_default()
+    }
+
+    /// What ends a long run from outside, where a program holds the answer.
+    pub(super) fn stop(&self) -> Option<&Arc<AtomicBool>> {
+        Some(&self.held.as_ref()?.stop)
+    }
+
+    /// Takes the picture of a result, where a program holds it.
+    pub(super) fn picture(&mut self, chart: impl FnOnce() -> Chart) {
+        if let Some(held) = &mut self.held {
+            held.svg = chart().svg();
+        }
     }
 
     /// The spec that a program holds, in place of a file.
@@ -158,12 +201,21 @@ impl Output {
             held.markdown = report::write(report, Format::Markdown, self.screen)?;
             return Ok(());
         }
-        let text = report::write(report, format, self.screen)?;
+        let text = if self.is_quiet {
+            report::write(&WithoutRemarks(report), format, self.screen)?
+        } else {
+            report::write(report, format, self.screen)?
+        };
         self.text(&text)
     }
 
-    /// Writes text to standard output.
+    /// Writes text to standard output; a reader that has seen enough changes nothing.
     pub(super) fn text(&mut self, text: &str) -> Result<(), Failure> {
+        self.piece(text).or_else(|failure| if failure.is_closed_pipe() { Ok(()) } else { Err(failure) })
+    }
+
+    /// Writes a piece of a long text to standard output; fails where nobody reads the next one.
+    pub(super) fn piece(&mut self, text: &str) -> Result<(), Failure> {
         if let Some(held) = &mut self.held {
             text.clone_into(&mut held.markdown);
             return Ok(());
@@ -217,8 +269,8 @@ impl Output {
                 let _ = error.print();
                 Status::Undecided
             }
-            // the reader of the output has seen enough
-            Err(Failure::Write(error)) if error.kind() == io::ErrorKind::BrokenPipe => Status::Pass,
+            // who has seen enough is told nothing, but not that all is well
+            Err(failure) if failure.is_closed_pipe() => Status::Undecided,
             Err(Failure::Write(error)) => {
                 self.message(&format!("error: cannot write the output: {error}"));
                 Status::Undecided

@@ -11,14 +11,14 @@ use crate::table::Reading;
 
 /// A page of one report: the result, how its table was read, the spec, and the hashes of the inputs.
 pub(super) fn of_report(
+    title: &str,
     spec: &Spec,
     report: &dyn Report,
     readings: &[Reading],
     notes: &[String],
     inputs: &[&str],
 ) -> Result<String, Failure> {
-    let title = spec.title.clone().unwrap_or_else(|| "Measured values".to_owned());
-    let mut page = Page { title, ..Page::default() };
+    let mut page = Page { title: title.to_owned(), ..Page::default() };
     for input in inputs.iter().filter(|input| **input != "-") {
         page.inputs.push(hashed(input)?);
     }

@@ -1,15 +1,17 @@
 //! `rackmesh paste`: measured values from the clipboard, a mail, a terminal.
 
+use super::spec_files;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::decision::DecisionArgs;
-use super::eval::{self, ModelArg, StackArg};
+use super::decision::JudgeArgs;
+use super::eval;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opened, ReadArgs};
 use super::{batch, mesh, office, page, target, teeth, terminal};
+use crate::batch::Duplicates;
 use crate::batch::TeethJudge;
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -18,8 +20,8 @@ use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
-    EvaluationReport, Format, MeshReport, PartRow, PartsReport, Report, SpacesReport, Together, UncertaintyPart,
-    WithReading,
+    self, EvaluationReport, Format, FormulaAndMesh, MeshReport, PartRow, PartsReport, Report, Screen, SpacesReport,
+    UncertaintyPart, WithReading,
 };
 use crate::spec::{MeasuredTables, Spec};
 use crate::table::{Container, Gatherer, Reading, Source, Table, Teeth, Want, gather, refusal};
@@ -52,17 +54,11 @@ pub(super) struct Args {
     /// Add the exact mesh of the same parts, along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
-    /// How errors add up.
-    #[arg(long, value_enum, default_value_t)]
-    stack: StackArg,
-    /// Formulas exact for rigid teeth, or as the paper prints them.
-    #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    #[command(flatten)]
+    judge: JudgeArgs,
     /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
-    #[command(flatten)]
-    decision: DecisionArgs,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -77,8 +73,20 @@ const LARGEST_BLOCK: u64 = 4 << 20;
 /// Parts that are shown at most: `batch` is for more.
 const MOST_PARTS: usize = 20_000;
 
+/// What the name of the file that is written may end in.
+const ENDINGS: [&str; 8] = ["html", "htm", "xlsx", "dfq", "csv", "json", "md", "txt"];
+
+/// What is shown of a block.
+struct Shown<'a> {
+    /// What the part or the parts are called.
+    title: &'a str,
+    report: &'a dyn Report,
+    /// The rows of a workbook or a Q-DAS file, header included: a part, a space or a tooth each.
+    rows: Vec<Vec<String>>,
+}
+
 /// What was read, and what there is to say of it.
-struct Read {
+struct ReadBlock {
     spec: Arc<Spec>,
     reading: Reading,
     notes: Vec<String>,
@@ -87,9 +95,10 @@ struct Read {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
-        let interruption = long::interrupted();
+        let interruption = long::interrupted(output);
         if let Some(path) = &self.output {
             target::refuse_inputs(path, &self.inputs(&spec).iter().map(String::as_str).collect::<Vec<_>>())?;
+            target::known_ending(path, &ENDINGS)?;
         }
         let Opened { table, spec, notes } = self.open(&spec, &interruption, output)?;
         if let Some(status) = interruption.status() {
@@ -98,7 +107,7 @@ impl Args {
         if let Some(refused) = refusal(&table.strangers, &table.still_missing) {
             return Err(refused.into());
         }
-        let mut read = Read { spec, reading: table.reading.clone(), notes };
+        let mut read = ReadBlock { spec, reading: table.reading.clone(), notes };
         read.notes.extend(read.spec.suspicions_in_words());
         if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
     }
@@ -111,49 +120,50 @@ impl Args {
 
     /// The files that are read.
     fn inputs(&self, spec: &Spec) -> Vec<String> {
-        let mut inputs = mesh::files_read(spec, &self.spec);
-        match &self.file {
-            Some(file) => inputs.extend(tables::files_read(std::slice::from_ref(file))),
-            None => inputs.push("-".to_owned()),
-        }
-        inputs
+        spec_files::inputs(spec, &self.spec, &[self.file.as_deref().unwrap_or("-")])
     }
 
     fn open(&self, spec: &Arc<Spec>, interruption: &Interruption, output: &mut Output) -> Result<Opened, Failure> {
         let keep = |want: Want| want;
         if let Some(path) = self.file.as_deref().filter(|path| *path != "-") {
-            return self.reading.open(path, spec, self.model.into(), interruption.stop(), &keep);
+            return self.reading.open(path, spec, self.judge.model.into(), interruption.stop(), &keep);
         }
         let bytes = terminal::read_block(output, interruption, LARGEST_BLOCK)?;
         let container = Container::open("<block>", Source::bytes(bytes), &self.reading.want(spec)?)?;
-        self.reading.found(container, "<block>", spec, self.model.into(), &keep)
+        self.reading.found(container, "<block>", spec, self.judge.model.into(), &keep)
     }
 
     /// Prints a report with how its table was read, and writes it to the file that was asked for.
-    fn report(&self, report: &dyn Report, read: &Read, output: &mut Output) -> Result<(), Failure> {
+    fn report(&self, shown: &Shown<'_>, read: &ReadBlock, output: &mut Output) -> Result<(), Failure> {
+        let Shown { title, report, rows } = shown;
         let readings = std::slice::from_ref(&read.reading);
-        let whole = WithReading { report, readings, notes: &read.notes };
+        let whole = WithReading { report: *report, readings, notes: &read.notes };
         if let Some(path) = &self.output {
             let inputs = self.inputs(&read.spec);
             let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
-            let lower = path.to_ascii_lowercase();
-            let bytes = if [".html", ".htm"].iter().any(|ending| lower.ends_with(ending)) {
-                page::of_report(&read.spec, report, readings, &read.notes, &inputs)?.into_bytes()
-            } else {
-                office::report_as(path, &whole, &read.spec)?
+            let text = |format| report::write(&whole, format, Screen::default()).map(String::into_bytes);
+            let bytes = match target::known_ending(path, &ENDINGS)? {
+                Some("html" | "htm") => {
+                    page::of_report(title, &read.spec, *report, readings, &read.notes, &inputs)?.into_bytes()
+                }
+                Some("xlsx" | "dfq") => office::rows_as(path, rows, title, &read.spec.limits())?,
+                Some("csv") => text(Format::Csv)?,
+                Some("json") => text(Format::Json)?,
+                Some("md") => text(Format::Markdown)?,
+                _ => text(Format::Table)?,
             };
             target::write(path, &inputs, &bytes)?;
         }
         if self.format == Format::Json {
             output.report(&whole, self.format)
         } else {
-            output.report(report, self.format)
+            output.report(*report, self.format)
         }
     }
 
     fn evaluate(
         &self,
-        read: &Read,
+        read: &ReadBlock,
         basis: &Basis,
         errors: &[(DeviationKind, DeviationValue)],
     ) -> Result<Judged, Failure> {
@@ -163,14 +173,14 @@ impl Args {
         let mut all: Vec<_> = all.collect();
         all.sort_by_key(|(kind, _)| *kind);
         let spec = read.spec.with_errors(&all);
-        let (mut evaluation, uncertainty) =
-            eval::judged(&spec, &spec.part_deviations()?, basis, &self.decision, self.model.into(), self.stack.into())?;
+        let (mut evaluation, uncertainty) = self.judge.judged(&spec, &spec.part_deviations()?, basis)?;
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
             evaluation.leave_open(LimitTarget::CenterDistance);
         }
         let is_certain =
             |kind: &DeviationKind| read.spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(*kind));
-        if !self.partial && self.decision.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
+        if !self.partial && self.judge.decision.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain)
+        {
             for on in read.spec.limits().into_iter().map(|(on, _)| on) {
                 evaluation.leave_open(on);
             }
@@ -178,7 +188,7 @@ impl Args {
         Ok(Judged { evaluation, uncertainty })
     }
 
-    fn parts(&self, mut read: Read, table: Table, output: &mut Output) -> Result<Status, Failure> {
+    fn parts(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
         if self.mesh {
             let message = "--mesh needs values of spaces or teeth; these are values of whole parts";
             return Err(Diagnostic::error(Code::Usage, message)
@@ -206,23 +216,25 @@ impl Args {
         let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| status.severity());
         let missing = read.spec.missing_geometry();
         let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
+        let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
+        let cells = of_all.rows();
         match rows.as_mut_slice() {
             [PartRow { evaluation: Some(evaluation), name, uncertainty, .. }] => {
                 let title =
                     read.reading.columns.iter().any(|column| column.role == "part_id").then(|| format!("part {name}"));
                 let title = title.unwrap_or_else(|| self.block_name());
                 let mut report = EvaluationReport::new(Some(&title), evaluation, &missing);
-                report.rule = self.decision.rule(&read.spec);
+                report.rule = self.judge.decision.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
                 report.without.clone_from(&without);
-                self.report(&report, &read, output)?;
+                self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
             }
             [_] => {}
-            _ => self.report(
-                &PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without },
-                &read,
-                output,
-            )?,
+            _ => {
+                let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
+                let title = read.spec.title.clone().unwrap_or_else(|| self.block_name());
+                self.report(&Shown { title: &title, report: &of_all, rows: cells }, &read, output)?;
+            }
         }
         Ok(status.unwrap_or(Status::Undecided))
     }
@@ -246,7 +258,7 @@ impl Args {
     /// Every part, evaluated; one whose values cannot be read has none.
     fn rows(
         &self,
-        read: &mut Read,
+        read: &mut ReadBlock,
         table: Table,
         kinds: &[DeviationKind],
         output: &mut Output,
@@ -298,6 +310,9 @@ impl Args {
                 });
             }
         }
+        let mut duplicates = Duplicates::default();
+        duplicates.add(rows.iter().map(|row| row.name.as_bytes()));
+        read.reading.notes.extend(duplicates.note().map(|note| format!("{name}: {note}")));
         for ((kind, title), count) in kinds.iter().zip(&titles).zip(doubted).filter(|(_, count)| *count > 0) {
             let column = DoubtedColumn { usual, is_lead: *kind == DeviationKind::RackLead, count };
             read.reading.notes.push(format!("{name}: `{title}`: {column}"));
@@ -305,7 +320,7 @@ impl Args {
         Ok(rows)
     }
 
-    fn teeth(&self, mut read: Read, table: Table, output: &mut Output) -> Result<Status, Failure> {
+    fn teeth(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
         let unreadable =
@@ -336,27 +351,26 @@ impl Args {
         self.spaces(&read, tables, output)
     }
 
-    fn spaces(&self, read: &Read, tables: MeasuredTables, output: &mut Output) -> Result<Status, Failure> {
+    fn spaces(&self, read: &ReadBlock, tables: MeasuredTables, output: &mut Output) -> Result<Status, Failure> {
         let spec = &read.spec;
         let is_rack = tables.rack.is_some();
-        let measured = spec.measured(&tables, self.model.into())?;
-        let limits = spec.limits();
-        let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
+        let measured = spec.measured(&tables, self.judge.model.into())?;
         let title = self.block_name();
         let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();
-        if limit.is_none() && !self.mesh {
-            self.report(&report, read, output)?;
+        let shown = Shown { title: &title, report: &report, rows: report.rows() };
+        if spec.limit_on(LimitTarget::CenterDistance).is_none() && !self.mesh {
+            self.report(&shown, read, output)?;
             return Ok(Status::Pass);
         }
         if !missing.is_empty() && !self.mesh {
-            self.report(&report, read, output)?;
+            self.report(&shown, read, output)?;
             output.diagnostic(&unjudged_teeth(&missing));
             return Ok(Status::Undecided);
         }
-        let judge = TeethJudge::new(spec, is_rack, self.decision.rule(spec), self.partial)?;
+        let judge = TeethJudge::new(spec, is_rack, self.judge.decision.rule(spec), self.partial)?;
         let only = judge.measured_only();
-        let mut all = mesh::measured_tables(only, &self.spec)?;
+        let mut all = spec_files::measured_tables(only, &self.spec)?;
         if is_rack {
             all.rack = tables.rack;
         } else {
@@ -364,9 +378,9 @@ impl Args {
         }
         let input = only.mesh(&all)?;
         let judged = judge.judge(&input, &all)?;
-        let covered = &judged.strokes;
-        let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| mesh::unsolved(&error))?;
-        let prediction = mesh::prediction(&input);
+        let covered = judged.strokes.clone();
+        let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| spec_files::unsolved(&error))?;
+        let prediction = mesh::prediction(&input)?;
         let mut notes = mesh::notes(&input);
         notes.extend(judge.notes().into_iter().chain(judged.notes));
         if is_rack {
@@ -375,24 +389,21 @@ impl Args {
                 covered.start, covered.end
             ));
         }
-        let solved = MeshReport {
-            title: None,
-            mesh: &input.mesh,
-            over_pin: spec.nominal_over_pin().ok(),
-            curve: &curve,
-            listed: &[],
-            prediction: &prediction,
-            limit,
-            judged: judged.range,
-            judged_by: judged.by,
-            checks: &judged.limits,
+        let judged = teeth::Judged {
+            range: judged.range,
+            by: judged.by,
+            checks: judged.limits,
+            rule: self.judge.decision.rule(spec),
             verdict: judged.verdict,
-            rule: self.decision.rule(spec),
+        };
+        let solved = MeshReport {
             notes,
             screen: output.screen(),
+            ..mesh::solved(spec, &input.mesh, &curve, &prediction, &judged)
         };
-        self.report(&Together { formula: &report, mesh: &solved }, read, output)?;
-        Ok(mesh::status(&solved))
+        let both = FormulaAndMesh { formula: &report, mesh: &solved };
+        self.report(&Shown { report: &both, ..shown }, read, output)?;
+        Ok(Status::of(solved.verdict, solved.checks))
     }
 }
 
@@ -413,7 +424,7 @@ fn unjudged_teeth(missing: &[&str]) -> Diagnostic {
 }
 
 fn part_status(evaluation: Option<&Evaluation>) -> Status {
-    evaluation.map_or(Status::Undecided, eval::status)
+    evaluation.map_or(Status::Undecided, |part| Status::of(part.verdict, &part.limits))
 }
 
 fn unjudged(rows: &[PartRow]) -> Vec<LimitTarget> {

@@ -2,7 +2,6 @@
 //! mistake.
 
 use std::io::Write as _;
-use std::path::Path;
 
 use super::output::Failure;
 use super::target::{self, Target};
@@ -19,7 +18,7 @@ pub(super) struct Picture {
 impl Picture {
     /// The picture of that name, in a run that reads `inputs`.
     pub(super) fn new(path: &str, inputs: Vec<String>) -> Result<Self, Failure> {
-        if !Path::new(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
+        if target::ending(path) != "svg" {
             let message = format!("{path}: pictures are written as SVG, to a file");
             let help = "write a name that ends in .svg; a browser or an office program opens the file";
             return Err(Diagnostic::error(Code::Usage, message).help(help).into());

@@ -6,6 +6,7 @@ use super::long;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, ReadArgs};
+use super::target;
 use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
 use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};
@@ -39,13 +40,13 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let is_spec = |path: &&String| path.to_ascii_lowercase().ends_with(".toml");
+        let is_spec = |path: &&String| target::ending(path) == "toml";
         let named = self.spec.as_ref().or(self.files.iter().find(is_spec));
         let spec = Arc::new(match named {
             Some(path) => self.set.read_spec(path, output)?,
             None => self.set.without_file(output)?,
         });
-        let interruption = long::interrupted();
+        let interruption = long::interrupted(output);
         let shown = |want| Want { only_shown: true, ..want };
         let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut notes, mut mapping) = (Vec::new(), Vec::new());

@@ -1,16 +1,17 @@
 //! `rackmesh report`: everything about a spec and its parts on one page.
 
+use super::spec_files;
 use std::io;
 use std::sync::Arc;
 
-use super::decision::DecisionArgs;
-use super::eval::{self, ModelArg, StackArg};
+use super::decision::JudgeArgs;
+use super::eval::EvaluatedPart;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_sections, without_verdict};
 use super::set::SetArgs;
 use super::tables::{self, Files, ReadArgs};
-use super::teeth::{self, Judged, with_known_teeth};
+use super::teeth::{Judged, WorstTeeth, with_known_teeth};
 use super::{batch, mesh, target};
 use crate::batch::{
     Batch, ColumnSink, Layout, Outcome, Plan, Request, ResultColumn, ResultColumns, ResultValues, RowFormat, RowSink,
@@ -21,9 +22,9 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Stack};
 use crate::quantity::Length;
 use crate::report::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
-use crate::report::html::{InputFile, Page, Section};
-use crate::report::{Basis, BatchReport, Block, EvaluationReport, MeshReport, Report as _, Screen};
-use crate::spec::{Spec, keys};
+use crate::report::html::{Headline, InputFile, Page, Section};
+use crate::report::{Basis, BatchReport, Block, MeshReport, Report as _};
+use crate::spec::Spec;
 use crate::table::Want;
 
 pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
@@ -52,19 +53,13 @@ pub(super) struct Args {
     teeth: bool,
     #[command(flatten)]
     stroke: mesh::Stroke,
-    /// How errors add up.
-    #[arg(long, value_enum, default_value_t)]
-    stack: StackArg,
-    /// Formulas exact for rigid teeth, or as the paper prints them.
-    #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    #[command(flatten)]
+    judge: JudgeArgs,
     /// Judge without errors that the spec asks for and the table lacks.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]
     set: SetArgs,
-    #[command(flatten)]
-    decision: DecisionArgs,
     #[command(flatten)]
     reading: ReadArgs,
 }
@@ -72,7 +67,7 @@ pub(super) struct Args {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let inputs = self.inputs(&spec);
+        let inputs = spec_files::inputs(&spec, &self.spec, &self.files);
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         if let Some(path) = &self.output {
             target::refuse_inputs(path, &inputs)?;
@@ -84,6 +79,9 @@ impl Args {
             // the file's own bytes, with the mark and the line ends that it may have
             page.inputs[0] = hashed(&self.spec)?;
         }
+        for path in inputs[1..].iter().filter(|path| **path != "-") {
+            page.inputs.push(hashed(path)?);
+        }
         let mut statuses = Vec::new();
         // of a lot, the spec may say no more than what its table's values are to be taken with
         let has_value = |kind: DeviationKind| spec.errors.iter().any(|(error, _)| *error == kind);
@@ -91,11 +89,17 @@ impl Args {
         let mut promised = nominals.chain(spec.unmeasured.iter().map(|(kind, _)| *kind));
         let is_one_part = self.files.is_empty() || promised.all(has_value);
         let has_errors = !spec.errors.is_empty() && is_one_part;
-        if has_errors || self.files.is_empty() {
-            statuses.push(self.evaluation(&spec, &mut page, output)?);
-        }
-        if has_errors || spec.has_deviations() {
-            self.mesh(&spec, &mut page, output)?;
+        // a table of teeth takes the place of what the spec says of them
+        let is_replaced = self.teeth && !self.files.is_empty();
+        if !is_replaced && (has_errors || self.files.is_empty() || spec.has_deviations()) {
+            let known = with_known_teeth(spec.clone(), &self.spec)?;
+            let worst = WorstTeeth::of(known.part_errors_or_none()?, &known.basis()?)?;
+            if has_errors || self.files.is_empty() {
+                statuses.push(self.evaluation(&known, worst.as_ref(), &mut page, output)?);
+            }
+            if has_errors || spec.has_deviations() {
+                self.mesh(&known, worst.as_ref(), &mut page, output)?;
+            }
         }
         if !self.files.is_empty() {
             statuses.push(self.lot(&spec, &mut page, output)?);
@@ -103,43 +107,51 @@ impl Args {
         page.sections.push(self.assumptions());
         page.sections.extend(spec_sections(&spec));
         let html = page.html();
-        match &self.output {
-            Some(path) => target::write(path, &inputs, html.as_bytes())?,
-            None => output.text(&html)?,
+        let status = statuses.into_iter().max_by_key(|status| status.severity()).unwrap_or(Status::Pass);
+        let Some(path) = &self.output else {
+            output.text(&html)?;
+            return Ok(status);
+        };
+        let is_complete = !matches!(status, Status::Interrupted(_));
+        target::written(path, &inputs, html.as_bytes())?.end(is_complete, output)?;
+        let decides = |headline: &&Headline| headline.verdict.map_or(Status::Undecided, Status::from) == status;
+        if let Some(headline) = page.verdicts.iter().find(decides) {
+            output.text(&format!("{headline}\n"))?;
         }
-        Ok(statuses.into_iter().max_by_key(|status| status.severity()).unwrap_or(Status::Pass))
+        Ok(status)
     }
 
     /// The part of `[errors]`.
-    fn evaluation(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
-        let spec = &with_known_teeth(spec.clone(), &self.spec)?;
-        let basis = spec.basis()?;
-        let (mut evaluation, uncertainty) =
-            eval::judged(spec, &spec.part_deviations()?, &basis, &self.decision, self.model.into(), self.stack.into())?;
-        evaluation.reached = teeth::reached(spec, &basis)?;
-        for target in evaluation.not_given() {
-            output.diagnostic(&eval::unjudged(spec, target));
-        }
-        let missing = spec.missing_geometry();
-        let mut report = EvaluationReport::new(None, &evaluation, &missing).with_classes(spec.classes()?);
-        report.notes.extend(spec.suspicions_in_words());
-        report.rule = self.decision.rule(spec);
-        report.uncertainty = uncertainty;
-        let blocks = without_verdict(report.blocks(), page, "this part");
+    fn evaluation(
+        &self,
+        spec: &Spec,
+        worst: Option<&WorstTeeth>,
+        page: &mut Page,
+        output: &mut Output,
+    ) -> Result<Status, Failure> {
+        let mut part = EvaluatedPart::new(spec, &self.judge, worst, output)?;
+        let status = Status::of(part.evaluation.verdict, &part.evaluation.limits);
+        let blocks = without_verdict(part.report(None)?.blocks(), page, "this part");
         page.sections.push(Section {
             heading: "Deviations and ΔCD by formula".to_owned(),
             blocks,
             ..Section::default()
         });
-        Ok(eval::status(&evaluation))
+        Ok(status)
     }
 
     /// The exact mesh, if the spec has the geometry.
-    fn mesh(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
+    fn mesh(
+        &self,
+        spec: &Spec,
+        worst: Option<&WorstTeeth>,
+        page: &mut Page,
+        output: &mut Output,
+    ) -> Result<(), Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
         let heading = "Exact mesh along the stroke".to_owned();
-        let tables = mesh::measured_tables(spec, &self.spec)?;
-        let input = match spec.mesh(&tables) {
+        let tables = spec_files::measured_tables(spec, &self.spec)?;
+        let mut input = match spec.mesh(&tables) {
             Ok(input) => input,
             Err(Diagnostics(problems)) => {
                 let incomplete = problems.iter().all(|problem| problem.code == Code::MissingKey);
@@ -152,9 +164,8 @@ impl Args {
                 return Ok(());
             }
         };
-        for file in [keys::RACK_MEASURED, keys::PINION_MEASURED].into_iter().filter_map(|key| spec.get(key)) {
-            let folder = std::path::Path::new(&self.spec).parent().unwrap_or(std::path::Path::new(""));
-            page.inputs.push(hashed(&folder.join(&file).display().to_string())?);
+        if let Some(worst) = worst {
+            worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
         }
         let curve = match input.mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), TOLERANCE_MM) {
             Ok(curve) => curve,
@@ -165,38 +176,14 @@ impl Args {
                 return Ok(());
             }
         };
-        let spec = &with_known_teeth(spec.clone(), &self.spec)?;
-        let judged = Judged::new(spec)?;
-        let prediction = mesh::prediction(&input);
-        let limits = spec.limits();
-        let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance).map(|(_, limit)| limit);
-        let report = MeshReport {
-            title: None,
-            mesh: &input.mesh,
-            over_pin: spec.nominal_over_pin().ok(),
-            curve: &curve,
-            listed: &[],
-            prediction: &prediction,
-            limit,
-            judged: judged.range,
-            judged_by: judged.by,
-            checks: &judged.checks,
-            verdict: judged.verdict,
-            rule: self.decision.rule(spec),
-            notes: mesh::notes(&input),
-            screen: Screen::default(),
-        };
+        let judged = Judged::new(spec, &self.judge)?;
+        let prediction = mesh::prediction(&input)?;
+        let solved = mesh::solved(spec, &input.mesh, &curve, &prediction, &judged);
+        let report = MeshReport { notes: mesh::notes(&input), ..solved };
         let chart = mesh::chart(&report);
         let blocks = without_verdict(report.blocks(), page, "the mesh");
         page.sections.push(Section { heading, charts: vec![chart], blocks, ..Section::default() });
         Ok(())
-    }
-
-    /// Every file that is read.
-    fn inputs(&self, spec: &Spec) -> Vec<String> {
-        let mut inputs = mesh::files_read(spec, &self.spec);
-        inputs.extend(tables::files_read(&self.files));
-        inputs
     }
 
     /// The parts of the tables.
@@ -205,11 +192,12 @@ impl Args {
             let message = "a report names its inputs and their hashes, and standard input has no name";
             return Err(Diagnostic::error(Code::Usage, message).help("give a file").into());
         }
-        let interruption = long::interrupted();
+        let interruption = long::interrupted(output);
         let spec = Arc::new(spec.clone());
         let files: Vec<&str> = self.files.iter().map(String::as_str).collect();
-        let look =
-            || self.reading.look(&files, &spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want));
+        let look = || {
+            self.reading.look(&files, &spec, self.judge.model.into(), interruption.stop(), &|want| self.adjusted(want))
+        };
         let mut found = interruption.while_waiting(look)?;
         if let Some(failed) = found.failed.pop() {
             return Err(failed.into());
@@ -222,9 +210,6 @@ impl Args {
         let Lot { mut outcome, basis, charts, small_charts } = done;
         outcome.notes.extend(spec.suspicions_in_words());
         outcome.notes.extend(outcome.duplicates.note());
-        for path in tables::files_read(&self.files) {
-            page.inputs.push(hashed(&path)?);
-        }
         for problem in &outcome.problems {
             output.diagnostic(&Diagnostic::error(Code::BadRow, problem_text(problem)));
         }
@@ -248,10 +233,10 @@ impl Args {
         let Some(first) = found.first() else { return Err(no_table().into()) };
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
         let request = Request {
-            model: self.model.into(),
-            stack: self.stack.into(),
-            rule: self.decision.rule(&spec),
-            monte_carlo: self.decision.settings()?,
+            model: self.judge.model.into(),
+            stack: self.judge.stack.into(),
+            rule: self.judge.decision.rule(&spec),
+            monte_carlo: self.judge.decision.settings()?,
             rows: Rows::All,
             format: RowFormat::Columns,
             statistics: true,
@@ -265,12 +250,9 @@ impl Args {
         let sinks = Sinks { rows: Some(RowSink::Columns(&mut run)), rejects: None };
         let mut lot = Batch::new(&plan, sinks, None);
         for path in found.paths() {
-            let opened = match found.take_first() {
-                Some(opened) => opened,
-                None => self
-                    .reading
-                    .open(&path, &spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want))?,
-            };
+            let adjusted = |want| self.adjusted(want);
+            let open = || self.reading.open(&path, &spec, self.judge.model.into(), interruption.stop(), &adjusted);
+            let opened = found.next(open)?;
             let layout = Layout::new(&plan, &opened.table)?;
             let ran = lot.run(opened.table, &layout, interruption.stop(), &mut |_| {});
             if let Some(problem) = batch::unfinished(&path, ran)? {
@@ -289,37 +271,35 @@ impl Args {
     fn toothed(&self, spec: &Arc<Spec>, found: &mut Files, interruption: &Interruption) -> Result<Lot, Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
         let request = TeethRequest {
-            stroke_mm: (self.stroke.from.mm(), self.stroke.to.mm()),
+            stroke_mm: self.stroke.ends()?,
             tolerance_mm: TOLERANCE_MM,
-            rule: self.decision.rule(spec),
-            statistics: true,
-            problems_kept: 10,
-            partial: self.partial,
-            ..TeethRequest::default()
+            rows: Request {
+                rule: self.judge.decision.rule(spec),
+                statistics: true,
+                problems_kept: 10,
+                partial: self.partial,
+                ..Request::default()
+            },
         };
-        let basis = batch::mesh_basis(spec, &request.rule);
-        let measured = mesh::measured_tables(spec, &self.spec)?;
+        let basis = batch::mesh_basis(spec, &request.rows.rule);
+        let measured = spec_files::measured_tables(spec, &self.spec)?;
         let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;
         for path in found.paths() {
-            let opened = match found.take_first() {
-                Some(opened) => opened,
-                None => self
-                    .reading
-                    .open(&path, spec, self.model.into(), interruption.stop(), &|want| self.adjusted(want))?,
-            };
-            let ran = teeth.run(opened.table, interruption.stop(), &mut |_| {})?;
+            let adjusted = |want| self.adjusted(want);
+            let open = || self.reading.open(&path, spec, self.judge.model.into(), interruption.stop(), &adjusted);
+            let ran = teeth.take(found.next(open)?.table)?;
             if let Some(problem) = batch::unfinished(&path, ran)? {
                 return Err(problem.into());
             }
         }
-        let (outcome, written) = teeth.finish();
+        let (outcome, written) = teeth.finish(interruption.stop(), &mut |_| {});
         written?;
         Ok(Lot { outcome, basis, charts: Vec::new(), small_charts: Vec::new() })
     }
 
     fn assumptions(&self) -> Section {
-        let stack: Stack = self.stack.into();
-        let model: crate::formula::Model = self.model.into();
+        let stack: Stack = self.judge.stack.into();
+        let model: crate::formula::Model = self.judge.model.into();
         let notes = [
             format!("Formulas: the {model} model. Lengths and angles are exact decimals; a result is rounded once, and one that equals a limit is inside it."),
             format!("Verdicts judge the {stack}. The worst case is a bound: wherever on the teeth that their extents allow the errors are, the exact mesh of the same errors stays inside it."),

@@ -5,7 +5,7 @@ use std::io::Read as _;
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
-use super::answer::HeldSpec;
+use super::held::HeldSpec;
 use super::output::{Failure, Output};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::{self, Spec};

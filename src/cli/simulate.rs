@@ -1,13 +1,14 @@
 //! `rackmesh simulate`: the multibody simulation along the stroke.
 
+use super::{long, mesh};
 use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
 use super::long::Interruption;
-use super::mesh::{files_read, measured_tables};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
+use super::spec_files::{files_read, measured_tables};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::Mesh;
 use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
@@ -69,7 +70,7 @@ impl Args {
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();
-        let interruption = super::long::interrupted();
+        let interruption = long::interrupted(output);
         let outcome = self.watched(&scene, &interruption, output);
         let exact = |steady: Option<Steady>| exact_mean_mm(&input.mesh, &steady?);
         let report = SimulationReport {
@@ -79,9 +80,14 @@ impl Args {
             quasi_static: self.quasi_static,
             outcome: &outcome,
             exact_mm: [exact(outcome.nominal), exact(outcome.deviating)],
-            notes: input.warnings.iter().map(ToString::to_string).collect(),
+            notes: mesh::placement(&input)
+                .into_iter()
+                .chain(input.warnings.iter().map(ToString::to_string))
+                .chain(mesh::unmeasured(&input))
+                .collect(),
             screen: output.screen(),
         };
+        output.picture(|| chart(&report, &input.mesh));
         if let Some(picture) = &picture {
             let chart = chart(&report, &input.mesh);
             if matches!(outcome.end, RunEnd::Completed) {

@@ -97,15 +97,24 @@ impl Read for Stdin {
     }
 }
 
-/// Standard output; what is written comes in large pieces.
+/// Standard output; what is written comes in large pieces. A reader that has seen enough ends no run: the verdict and the
+/// other files do not depend on it.
 pub(super) struct Stdout;
 
 impl Write for Stdout {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        io::stdout().lock().write(bytes)
+        unless_closed(io::stdout().lock().write(bytes), bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        io::stdout().lock().flush()
+        unless_closed(io::stdout().lock().flush(), ())
+    }
+}
+
+/// What came of writing, or `done` where nobody reads any more.
+fn unless_closed<T>(written: io::Result<T>, done: T) -> io::Result<T> {
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(done),
+        written => written,
     }
 }

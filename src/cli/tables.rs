@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::output::{Failure, Output};
-use super::stream;
+use super::{stream, target};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
@@ -137,7 +137,7 @@ impl ReadArgs {
     ) -> Result<Opened, Failure> {
         let (spec, notes) = match container.qdas() {
             Some(qdas) => {
-                let (completed, notes) = spec.completed_by(qdas, model);
+                let (completed, notes) = spec.completed_by(qdas, model)?;
                 (Arc::new(completed), notes)
             }
             None => (Arc::clone(spec), Vec::new()),
@@ -170,7 +170,7 @@ impl ReadArgs {
         let (mut first, mut failed) = (None, Vec::new());
         let mut kept = Vec::new();
         for path in paths {
-            match self.open(path, spec, model, stop, adjust) {
+            match self.open(path, spec, model, stop, adjust).and_then(|opened| alike(opened, first.as_ref())) {
                 Ok(opened) => {
                     strangers.extend(opened.table.strangers.iter().cloned());
                     still_missing.extend(&opened.table.still_missing);
@@ -205,10 +205,18 @@ impl Files {
         self.paths.clone()
     }
 
-    /// Takes the table of the first file, which was opened to look at it.
-    pub(super) fn take_first(&mut self) -> Option<Opened> {
-        self.first.take()
+    /// The next table: the first one, which was opened to look at it, then what `open` gives.
+    pub(super) fn next(&mut self, open: impl FnOnce() -> Result<Opened, Failure>) -> Result<Opened, Failure> {
+        self.first.take().map_or_else(open, Ok)
     }
+}
+
+/// A table after the first one: what their files say where the spec is silent is the same.
+fn alike(opened: Opened, first: Option<&Opened>) -> Result<Opened, Failure> {
+    if let Some(first) = first {
+        opened.spec.refuse_other(&opened.table.name, (&first.table.name, &first.spec))?;
+    }
+    Ok(opened)
 }
 
 /// Where the bytes of a file are.
@@ -228,10 +236,10 @@ fn source(path: &str, stop: &Arc<AtomicBool>) -> Result<Source, Failure> {
 
 /// The files of definitions and of values, if the name is that of one of them.
 pub(super) fn qdas_pair(path: &str) -> Option<(String, String)> {
-    let extension = Path::new(path).extension()?.to_str()?;
-    if !["dfd", "dfx"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+    if !["dfd", "dfx"].contains(&target::ending(path).as_str()) {
         return None;
     }
+    let extension = Path::new(path).extension()?.to_str()?;
     let other = |wanted: &str| {
         // LOT.DFD and LOT.DFX, too
         let is_upper = extension.chars().all(|c| c.is_ascii_uppercase());
@@ -241,13 +249,12 @@ pub(super) fn qdas_pair(path: &str) -> Option<(String, String)> {
     Some((other("dfd"), other("dfx")))
 }
 
-/// Every file that is read for these names.
-pub(super) fn files_read(paths: &[String]) -> Vec<String> {
-    let pair = |path: &String| match qdas_pair(path) {
+/// Every file that is read for this name.
+pub(super) fn files_read(path: &str) -> Vec<String> {
+    match qdas_pair(path) {
         Some((definitions, values)) => vec![definitions, values],
-        None => vec![path.clone()],
-    };
-    paths.iter().flat_map(pair).collect()
+        None => vec![path.to_owned()],
+    }
 }
 
 /// Says how tables were read, and what is worth a look.
@@ -269,11 +276,10 @@ pub(super) fn say_readings(readings: &[Reading], output: &mut Output) -> Vec<Rea
     let mut said: Vec<String> = Vec::new();
     let mut told = Vec::new();
     for reading in readings {
-        let line = reading.to_string();
         // lots of files that look alike are told about once
-        let shape = line.replacen(&reading.file, "", 1);
+        let shape = Reading { file: String::new(), ..reading.clone() }.to_string();
         if !said.contains(&shape) {
-            output.remark(&line);
+            output.remark(&reading.to_string());
             said.push(shape);
             told.push(reading.clone());
         }

@@ -6,7 +6,9 @@ use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::output::Failure;
+use super::output::{Failure, Output};
+use super::stream;
+use crate::batch::Packing;
 use crate::diagnostic::{Code, Diagnostic};
 
 /// A file that is being written. It is removed when it is dropped without [`Target::finish`] or
@@ -44,6 +46,17 @@ impl Target {
             stream => stream.flush(),
         };
         finished.map_err(|error| unwritable(&self.path, error))
+    }
+
+    /// Puts the file in its place if the run is complete; otherwise keeps what there is beside it, and says so.
+    pub(super) fn end(self, is_complete: bool, output: &mut Output) -> Result<(), Failure> {
+        if is_complete {
+            return self.finish();
+        }
+        if let Some(name) = self.keep_partial()? {
+            output.remark(&format!("incomplete: what there is stands in {name}"));
+        }
+        Ok(())
     }
 
     /// Keeps what there is of an incomplete file as `NAME.partial`, and gives that name. `None` if there is nothing to
@@ -97,7 +110,7 @@ impl Sink {
 impl Write for Sink {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Self::Stdout => io::stdout().lock().write(bytes),
+            Self::Stdout => stream::Stdout.write(bytes),
             Self::Stderr => io::stderr().lock().write(bytes),
             Self::Stream(file) => file.write(bytes),
             Self::Beside(beside) => beside.file()?.write(bytes),
@@ -106,7 +119,7 @@ impl Write for Sink {
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Self::Stdout => io::stdout().lock().flush(),
+            Self::Stdout => stream::Stdout.flush(),
             Self::Stderr => io::stderr().lock().flush(),
             Self::Stream(file) => file.flush(),
             Self::Beside(beside) => beside.file()?.flush(),
@@ -210,9 +223,14 @@ fn partial_place(place: &Path, inputs: &[String]) -> PathBuf {
 
 /// Writes a file whose bytes are all there.
 pub(super) fn write(path: &str, inputs: &[&str], bytes: &[u8]) -> Result<(), Failure> {
+    written(path, inputs, bytes)?.finish()
+}
+
+/// A file with all its bytes, still to be put in its place.
+pub(super) fn written(path: &str, inputs: &[&str], bytes: &[u8]) -> Result<Target, Failure> {
     let mut target = Target::create(path, inputs)?;
     target.write_all(bytes).map_err(|error| unwritable(path, error))?;
-    target.finish()
+    Ok(target)
 }
 
 /// What is found behind a name; `None` if there is nothing.
@@ -314,6 +332,12 @@ fn same_entry(_: &Metadata, _: &Metadata) -> bool {
     false
 }
 
+/// The ending of a name in lower case, without its point; empty if it has none.
+pub(super) fn ending(path: &str) -> String {
+    let ending = Path::new(path).extension().and_then(|ending| ending.to_str());
+    ending.unwrap_or_default().to_ascii_lowercase()
+}
+
 /// Which of the `known` endings the name has, in lower case and without its point; `None` for standard output, a pipe
 /// or a device, whose name says nothing. A name with another ending or none is refused.
 pub(super) fn known_ending<'k>(path: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
@@ -322,15 +346,12 @@ pub(super) fn known_ending<'k>(path: &str, known: &[&'k str]) -> Result<Option<&
 
 /// The same for files that may be packed: `rows.csv.gz` has the ending `csv`.
 pub(super) fn known_ending_unpacked<'k>(path: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
-    let packed = Path::new(path).extension().and_then(|extension| extension.to_str()).unwrap_or("");
-    let is_packed = ["gz", "zst"].iter().any(|packing| packed.eq_ignore_ascii_case(packing));
-    let unpacked = if is_packed { &path[..path.len() - packed.len() - 1] } else { path };
-    ending_of(path, unpacked, known)
+    ending_of(path, Packing::of_name(path).1, known)
 }
 
 fn ending_of<'k>(path: &str, unpacked: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
-    let ending = Path::new(unpacked).extension().and_then(|extension| extension.to_str()).unwrap_or("");
-    if let Some(known) = known.iter().find(|known| ending.eq_ignore_ascii_case(known)) {
+    let ending = ending(unpacked);
+    if let Some(known) = known.iter().find(|known| **known == ending) {
         return Ok(Some(known));
     }
     if Sink::own(path).is_some() || is_stream(Path::new(path), fs::metadata(path).ok().as_ref()) {

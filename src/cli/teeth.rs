@@ -1,20 +1,18 @@
 //! Teeth that a spec knows one by one: their mesh is solved before anything is judged. Shared by the subcommands that
 //! judge errors.
 
-use super::decision::DecisionArgs;
-use super::eval;
-use super::mesh::{measured_tables, unsolved};
+use super::decision::JudgeArgs;
 use super::output::Failure;
+use super::spec_files::{measured_tables, unsolved};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck};
-use crate::formula::{Model, PartDeviation};
-use crate::gear::Pair;
-use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, KnownTeeth, Open, Range};
+use crate::formula::PartDeviation;
+use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, KnownTeeth, NoBound, Range};
 use crate::judge::reached::{self, Placement, Reached};
-use crate::judge::strokes::{Followed, StrokesError};
-use crate::judge::{Interval, Limit, LimitTarget, Stack, Verdict};
+use crate::judge::strokes::{CurveSearch, StrokesError};
+use crate::judge::{Interval, Limit, PlacedError, Rule, Verdict};
 use crate::mesh::{Mesh, Support};
-use crate::spec::Spec;
+use crate::spec::{MeshInput, Origin, Spec};
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
 pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> {
@@ -25,7 +23,7 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> 
     // that a part is not given both ways is known from here on
     let input = spec.mesh(&tables)?;
     let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
-    let followed = Followed::of(&input.mesh);
+    let followed = CurveSearch::of(&input.mesh);
     let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| unsolved(&error))?;
     let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, followed.tolerance_mm)?;
     let certain = spec.certain_teeth(&tables);
@@ -41,66 +39,68 @@ fn no_strokes(error: &StrokesError) -> Failure {
 
 /// What is held against the limit of the combination, and who says so.
 pub(super) struct Judged {
-    pub(super) range: Result<Interval, Open>,
+    pub(super) range: Result<Interval, NoBound>,
     pub(super) by: JudgedBy,
-    /// One for each limit, by the spec's rule.
+    /// One for each limit, by the rule.
     pub(super) checks: Vec<LimitCheck>,
+    pub(super) rule: Rule,
     /// Of all of them; `None` if there is none, or one has nothing to hold against it.
     pub(super) verdict: Option<Verdict>,
-    basis: Basis,
 }
 
 impl Judged {
     /// Of a spec whose known teeth are solved.
-    pub(super) fn new(spec: &Spec) -> Result<Self, Failure> {
+    pub(super) fn new(spec: &Spec, judge: &JudgeArgs) -> Result<Self, Failure> {
         let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
-        let decision = DecisionArgs::of_spec();
-        let (evaluation, _) = eval::judged(spec, &errors, &basis, &decision, Model::Exact, Stack::Range)?;
+        let (evaluation, _) = judge.judged(spec, &errors, &basis)?;
         let Evaluation { combined, judged_by, limits, verdict, .. } = evaluation;
-        Ok(Self { range: combined.range, by: judged_by, checks: limits, verdict, basis })
+        Ok(Self { range: combined.range, by: judged_by, checks: limits, rule: judge.decision.rule(spec), verdict })
+    }
+}
+
+/// Errors on the worst teeth that a search finds.
+pub(super) struct WorstTeeth {
+    errors: Vec<PartDeviation>,
+    reached: Reached,
+}
+
+impl WorstTeeth {
+    /// Of these errors, if the whole pair is known; none beside known teeth, or with a rack that may roll.
+    pub(super) fn of(errors: Vec<PartDeviation>, basis: &Basis) -> Result<Option<Self>, Failure> {
+        let GivenGeometry::Known(pairs) = &basis.geometry else { return Ok(None) };
+        if basis.known_teeth.is_some() || errors.is_empty() {
+            return Ok(None);
+        }
+        let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
+        // errors that are too large for a bound are too large for a mesh
+        let Ok(extended) = extended else { return Ok(None) };
+        match reached::reached(&extended, pairs.given()) {
+            Ok(reached) => Ok(reached.map(|reached| Self { errors, reached })),
+            Err(error) => Err(Diagnostic::error(Code::NoMesh, error.to_string())
+                .help("`--no-worst-teeth` judges without looking for the worst teeth")
+                .into()),
+        }
     }
 
-    /// The mesh of the worst placement found: at the end that is nearer to the limit, or the upper one.
-    pub(super) fn worst_mesh(&self, spec: &Spec, pair: &Pair, limit: Option<&Limit>) -> Result<Option<Mesh>, Failure> {
-        let Some(reached) = worst_placements(&spec.part_deviations()?, &self.basis)? else { return Ok(None) };
+    /// How far ΔCD comes.
+    pub(super) fn interval(&self) -> Result<Interval, Failure> {
+        let Reached { lower_mm, upper_mm, .. } = self.reached;
+        let interval = Interval::nearest(Range { lower: lower_mm, upper: upper_mm });
+        Ok(interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?)
+    }
+
+    /// Puts the errors of a mesh on these teeth: those of the end that is nearer to the limit, or of the upper one.
+    pub(super) fn place(&self, input: &mut MeshInput, limit: Option<&Limit>) -> Result<(), Failure> {
+        let reached = &self.reached;
         let below = limit.and_then(|limit| limit.lower).map_or(f64::INFINITY, |lower| reached.lower_mm - lower.mm());
         let above = limit.and_then(|limit| limit.upper).map_or(f64::INFINITY, |upper| upper.mm() - reached.upper_mm);
-        let Placement { rack, pinion, .. } = if below < above { reached.lower } else { reached.upper };
+        let Placement { rack, pinion, errors, .. } = if below < above { &reached.lower } else { &reached.upper };
         // only racks that do not roll have worst placements
-        let mesh = Mesh::new(*pair, rack, pinion, Support::Fixed).map_err(|error| unsolved(&error))?;
-        Ok(Some(mesh))
-    }
-}
-
-/// What the errors of a spec reach, if there is a limit to hold it against.
-pub(super) fn reached(spec: &Spec, basis: &Basis) -> Result<Option<Interval>, Failure> {
-    if !spec.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance) {
-        return Ok(None);
-    }
-    reached_by(&spec.part_deviations()?, basis)
-}
-
-/// What errors reach on the worst teeth that a search finds, if the whole pair is known; nothing beside known teeth, or with a
-/// rack that may roll.
-pub(super) fn reached_by(errors: &[PartDeviation], basis: &Basis) -> Result<Option<Interval>, Failure> {
-    let Some(Reached { lower_mm, upper_mm, .. }) = worst_placements(errors, basis)? else { return Ok(None) };
-    let interval = Interval::nearest(Range { lower: lower_mm, upper: upper_mm });
-    Ok(Some(interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?))
-}
-
-/// The worst placements that a search finds, where there are any to be found.
-fn worst_placements(errors: &[PartDeviation], basis: &Basis) -> Result<Option<Reached>, Failure> {
-    let GivenGeometry::Known(pairs) = &basis.geometry else { return Ok(None) };
-    if basis.known_teeth.is_some() || errors.is_empty() {
-        return Ok(None);
-    }
-    let errors: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
-    // errors that are too large for a bound are too large for a mesh
-    let Ok(errors) = errors else { return Ok(None) };
-    match reached::reached(&errors, pairs.given()) {
-        Ok(reached) => Ok(reached),
-        Err(error) => Err(Diagnostic::error(Code::NoMesh, error.to_string())
-            .help("`--no-worst-teeth` judges without looking for the worst teeth")
-            .into()),
+        input.mesh = Mesh::new(*input.mesh.pair(), rack.clone(), pinion.clone(), Support::Fixed)
+            .map_err(|error| unsolved(&error))?;
+        let placed =
+            self.errors.iter().zip(errors).map(|(error, runs)| PlacedError { error: *error, runs: runs.clone() });
+        input.origin = Origin::WorstTeeth(placed.collect());
+        Ok(())
     }
 }

@@ -4,10 +4,11 @@
 use std::io::{self, IsTerminal as _, Read, Write as _};
 use std::sync::Arc;
 
-use super::long::{self, Interruption};
+use super::long::Interruption;
 use super::output::{Failure, Output, is_dumb};
 use super::stream::Stdin;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::report::grouped;
 
 /// What a terminal puts before and behind a paste once it is asked to.
 const PASTE_BEGINS: &[u8] = b"\x1b[200~";
@@ -40,7 +41,7 @@ pub(super) fn read_block(output: &mut Output, interruption: &Interruption, large
 }
 
 fn too_large(largest: u64) -> Failure {
-    let message = format!("cannot read the block: it is larger than {} bytes", long::counted(largest));
+    let message = format!("cannot read the block: it is larger than {} bytes", grouped(largest));
     Diagnostic::error(Code::FileAccess, message).help("`rackmesh batch` reads files of any size").into()
 }
 
@@ -106,8 +107,7 @@ impl Typed {
             return Err(too_large(largest));
         }
         if self.bytes.split(|byte| *byte == b'\n').any(|line| line.len() >= CUT) {
-            let message =
-                format!("a line of the block has {} bytes or more, which terminals cut", long::counted(CUT as u64));
+            let message = format!("a line of the block has {} bytes or more, which terminals cut", grouped(CUT as u64));
             let help = "save the block as a file and give that, or pipe it in: `rackmesh paste rack.toml < values.txt`";
             return Err(Diagnostic::error(Code::FileAccess, message).help(help).into());
         }

@@ -148,7 +148,7 @@ pub enum Meant {
 
 /// Where a value stands, which decides how the right one is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Written {
+pub enum WrittenIn {
     /// In a spec.
     Spec,
     /// Among the arguments.
@@ -248,15 +248,15 @@ impl Doubt {
 
     /// What to write.
     #[must_use]
-    pub fn remedy(&self, written: Written) -> String {
+    pub fn remedy(&self, written: WrittenIn) -> String {
         let number = self.value.base();
         match (self.meant, written) {
-            (Meant::Unit(unit), Written::Spec) => format!("if that is {}, write \"{number} {unit}\"", name(unit)),
-            (Meant::Unit(unit), Written::Argument) => format!("if that is {}, write {number}{unit}", name(unit)),
-            (Meant::Size, Written::Spec) => {
+            (Meant::Unit(unit), WrittenIn::Spec) => format!("if that is {}, write \"{number} {unit}\"", name(unit)),
+            (Meant::Unit(unit), WrittenIn::Argument) => format!("if that is {}, write {number}{unit}", name(unit)),
+            (Meant::Size, WrittenIn::Spec) => {
                 format!("if that is a measured size, write {{ measured = {number}, nominal = … }}")
             }
-            (Meant::Size, Written::Argument) => {
+            (Meant::Size, WrittenIn::Argument) => {
                 format!("if that is a measured size, write --measured {number} --nominal …")
             }
             (Meant::Slope, _) => {
@@ -427,11 +427,11 @@ mod tests {
     #[test]
     fn what_to_write_is_what_reads_as_meant() {
         let doubt = deviation(DeviationValue::Length(length("12")), None).expect("much");
-        assert_eq!(doubt.remedy(Written::Spec), "if that is µm, write \"12 um\"");
-        assert_eq!(doubt.remedy(Written::Argument), "if that is µm, write 12um");
-        assert_eq!(doubt.of_difference().remedy(Written::Spec), "check the unit and the decimal mark");
+        assert_eq!(doubt.remedy(WrittenIn::Spec), "if that is µm, write \"12 um\"");
+        assert_eq!(doubt.remedy(WrittenIn::Argument), "if that is µm, write 12um");
+        assert_eq!(doubt.of_difference().remedy(WrittenIn::Spec), "check the unit and the decimal mark");
         assert_eq!(length("12 um"), length("0.012"));
         let size = deviation(DeviationValue::Length(length("25.013")), None).expect("much");
-        assert_eq!(size.remedy(Written::Argument), "if that is a measured size, write --measured 25.013 --nominal …");
+        assert_eq!(size.remedy(WrittenIn::Argument), "if that is a measured size, write --measured 25.013 --nominal …");
     }
 }

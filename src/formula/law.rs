@@ -15,7 +15,7 @@
 
 use super::{FormulaPage, Input, Model, Sensitivity, catalogue, domain};
 use crate::deviation::{DeviationKind, DeviationValue};
-use crate::quantity::{Angle, Domain, DomainError, Length};
+use crate::quantity::{Angle, Domain, DomainError, FM_PER_MM, Length};
 use crate::trig;
 
 /// How ΔCD depends on one error of a gear; see the [module](self).
@@ -62,7 +62,6 @@ enum Shape {
     Tangent,
 }
 
-const FM_PER_MM: f64 = 1e12;
 pub(crate) const RADIANS_PER_DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// mm of ΔCD per mm of step, or the same per mm of face width and unit of sine or tangent: cos β / (2 tan α_n) of a

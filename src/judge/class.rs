@@ -171,7 +171,7 @@ impl Meshing {
 /// How a ΔCD follows from a deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Effect {
+pub enum ClassEffect {
     /// By the formula of an error of that size.
     Formula,
     /// By that formula as a bound, which needs all of the deviation in the worst place.
@@ -182,7 +182,7 @@ pub enum Effect {
     None,
 }
 
-impl Effect {
+impl ClassEffect {
     /// The effect of a deviation.
     #[must_use]
     pub const fn of(deviation: Deviation) -> Self {
@@ -232,8 +232,11 @@ pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: 
     let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
     match deviation {
         Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Ok(amount),
-        Deviation::SinglePitch | Deviation::SectorPitch | Deviation::TotalPitch => {
-            Ok(Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
+        Deviation::SinglePitch => Ok(Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?),
+        // either flank side deviates by itself
+        Deviation::SectorPitch | Deviation::TotalPitch => {
+            let of_one_side = Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?;
+            Ok(of_one_side + of_one_side)
         }
         Deviation::HelixSlope | Deviation::TotalHelix if meshing.part == Part::Pinion => {
             Ok(Law::pinion_lead(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
@@ -344,10 +347,14 @@ mod tests {
         let of_part = |part, deviation| delta_cd(deviation, length("0.02"), &meshing(part), Model::Exact);
         let effect = |deviation| of_part(Part::Rack, deviation);
         // 1/(2 tan 45°) = 1/2
-        for deviation in [Deviation::SinglePitch, Deviation::SectorPitch, Deviation::TotalPitch] {
-            assert_eq!(effect(deviation).unwrap(), length("0.01"));
-        }
-        for deviation in [Deviation::Runout, Deviation::RadialComposite, Deviation::ToothRadialComposite] {
+        assert_eq!(effect(Deviation::SinglePitch).unwrap(), length("0.01"));
+        for deviation in [
+            Deviation::SectorPitch,
+            Deviation::TotalPitch,
+            Deviation::Runout,
+            Deviation::RadialComposite,
+            Deviation::ToothRadialComposite,
+        ] {
             assert_eq!(effect(deviation).unwrap(), length("0.02"));
         }
         // b sin(atan(f/b)) / 2
@@ -358,7 +365,7 @@ mod tests {
             assert!((of_pinion - 0.02 / 2.0_f64.sqrt()).abs() < 1e-12, "{of_pinion}");
         }
         for deviation in Deviation::ALL {
-            assert_eq!(effect(deviation).is_err(), Effect::of(deviation) == Effect::None, "{deviation}");
+            assert_eq!(effect(deviation).is_err(), ClassEffect::of(deviation) == ClassEffect::None, "{deviation}");
         }
         let bare = Meshing::of(Part::Rack);
         assert_eq!(

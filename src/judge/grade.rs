@@ -3,6 +3,7 @@
 //! `class --obtained` and `class --for-delta-cd` call it. It asks a standard for its permissible values grade by
 //! grade; it knows no formula of ΔCD itself.
 
+use super::class::NoEffect;
 use super::{Combined, Limit, Stack, Verdict};
 use crate::deviation::Part;
 use crate::formula::PartDeviation;
@@ -12,7 +13,7 @@ use crate::standard::{Deviation, Permissible, Standard, StandardError, Wheel};
 
 /// A measured deviation and the grade that it reaches.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Obtained {
+pub struct ObtainedGrade {
     /// The part that it was measured on.
     pub part: Part,
     /// The deviation.
@@ -27,7 +28,7 @@ pub struct Obtained {
     pub coarsest: Permissible,
 }
 
-impl Obtained {
+impl ObtainedGrade {
     /// Whether it exceeds the values that are known here, while the standard has coarser grades.
     #[must_use]
     pub fn is_beyond_what_is_known(&self) -> bool {
@@ -46,7 +47,7 @@ pub fn obtained(
     measured: Length,
     origin: &str,
     wheel: &Wheel,
-) -> Result<Obtained, StandardError> {
+) -> Result<ObtainedGrade, StandardError> {
     let limiting = standard.that_limits(deviation).ok_or(StandardError::NoSuchDeviation { standard, deviation })?;
     let measured = measured.abs();
     let mut problem = StandardError::NoSuchDeviation { standard, deviation };
@@ -64,15 +65,35 @@ pub fn obtained(
         }
     }
     let coarsest = coarsest.ok_or(problem)?;
-    Ok(Obtained { part, deviation, measured, origin: origin.to_owned(), reached, coarsest })
+    Ok(ObtainedGrade { part, deviation, measured, origin: origin.to_owned(), reached, coarsest })
 }
 
 /// The overall grade: the coarsest of those reached; `None` if one is beyond every grade, or there is none.
 #[must_use]
-pub fn overall(obtained: &[Obtained]) -> Option<u8> {
+pub fn overall(obtained: &[ObtainedGrade]) -> Option<u8> {
     let grades: Option<Vec<u8>> =
         obtained.iter().map(|one| one.reached.as_ref().map(|permissible| permissible.grade)).collect();
     grades?.into_iter().max()
+}
+
+/// Why a grade has no ΔCD.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ToleranceError {
+    /// The standard has no such value.
+    #[error(transparent)]
+    Standard(#[from] StandardError),
+    /// Nothing is known of what the value does.
+    #[error(transparent)]
+    Effect(#[from] NoEffect),
+}
+
+impl ToleranceError {
+    /// Whether another grade may have one.
+    #[must_use]
+    pub const fn is_of_grade(&self) -> bool {
+        matches!(self, Self::Standard(StandardError::Grade { .. } | StandardError::Unconfirmed { .. }))
+    }
 }
 
 /// What one grade does to the centre distance.
@@ -81,7 +102,7 @@ pub struct GradeStep {
     /// The grade.
     pub grade: u8,
     /// The combination of every deviation's ΔCD, or why there is none.
-    pub combined: Result<Combined, String>,
+    pub combined: Result<Combined, ToleranceError>,
 }
 
 /// The grades of a standard against a limit of ΔCD.
@@ -102,7 +123,7 @@ impl GradeSearch {
         standard: Standard,
         limit: Length,
         basis: &Basis,
-        mut errors: impl FnMut(u8) -> Result<Vec<PartDeviation>, String>,
+        mut errors: impl FnMut(u8) -> Result<Vec<PartDeviation>, ToleranceError>,
     ) -> Result<Self, QuantityError> {
         let mut steps = Vec::new();
         for grade in standard.grades() {
@@ -201,7 +222,7 @@ mod tests {
         let standard = Standard::Iso1328Part1Of2013;
         let search = |limit: &str| {
             GradeSearch::new(standard, limit.parse().unwrap(), &Basis::default(), |grade| {
-                let value = standard.permissible(Deviation::SinglePitch, grade, &wheel()).map_err(|e| e.to_string())?;
+                let value = standard.permissible(Deviation::SinglePitch, grade, &wheel())?;
                 let within = |law| PartDeviation::within(law, value.length());
                 Ok(vec![within(Law::rack_over_roller()), within(Law::pinion_radial())])
             })

@@ -4,13 +4,17 @@
 //! in contact when: what is on every tooth acts always, what is on some of them acts between nothing and
 //! its value. Values are good to a nanometre, for comparison beside a curve.
 
+use super::reached::Run;
+use super::reached::placed::TEETH;
 use crate::deviation::{
-    DeviationKind, Eccentricity, PinionDeviation, PinionDeviationKind, PinionToothRow, RackDeviation,
-    RackDeviationKind, RackSpaceRow, ToothRange,
+    DeviationKind, DeviationValue, Eccentricity, Extent, Part, PinionDeviation, PinionDeviationKind, PinionToothRow,
+    RackDeviation, RackDeviationKind, RackSpaceRow, ToothRange, Unit,
 };
-use crate::formula::Model;
-use crate::formula::law::unit_gain;
+use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
+use crate::formula::{Model, PartDeviation};
 use crate::gear::Pair;
+use crate::mesh::FlankSide;
+use crate::quantity::{Angle, DomainError, Length};
 use crate::trig;
 
 /// What one deviation contributes by its formula.
@@ -22,6 +26,82 @@ pub struct Predicted {
     pub lower_mm: f64,
     /// The highest ΔCD, mm.
     pub upper_mm: f64,
+}
+
+/// An error, and the teeth that it is put on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedError {
+    /// The error.
+    pub error: PartDeviation,
+    /// Where it sits; nowhere if there is no run.
+    pub runs: Vec<Run>,
+}
+
+impl PlacedError {
+    /// What it does by its formula: on every tooth always, on some between nothing and its value.
+    ///
+    /// # Errors
+    /// [`DomainError`] if a run has a value that the formula does not take.
+    pub fn predicted(&self, pair: &Pair) -> Result<Predicted, DomainError> {
+        let mut range = None;
+        for run in &self.runs {
+            let value = match self.error.value() {
+                DeviationValue::Length(_) => DeviationValue::Length(Length::from_mm(run.value)?),
+                _ => DeviationValue::Angle(Angle::from_degrees(run.value / RADIANS_PER_DEGREE)?),
+            };
+            let mm = self.error.with_value(value).delta_cd(Model::Exact)?.mm();
+            let (low, high) = if self.is_everywhere(run, pair) { (mm, mm) } else { (mm.min(0.0), mm.max(0.0)) };
+            let (lower, upper) = range.unwrap_or((low, high));
+            range = Some((low.min(lower), high.max(upper)));
+        }
+        let (lower_mm, upper_mm) = range.unwrap_or((0.0, 0.0));
+        Ok(Predicted { what: self.in_words(pair), lower_mm, upper_mm })
+    }
+
+    /// The error and its teeth: `rack over-roller, spaces 3 to 5`.
+    #[must_use]
+    pub fn in_words(&self, pair: &Pair) -> String {
+        let places: Vec<_> = self.runs.iter().map(|run| self.place(run, pair)).collect();
+        let places = if places.is_empty() { "nowhere".to_owned() } else { places.join(" and ") };
+        format!("{}, {places}", self.error.kind())
+    }
+
+    fn place(&self, run: &Run, pair: &Pair) -> String {
+        let kind = self.error.kind();
+        let unit = match kind.unit() {
+            Unit::Pitch if self.error.extent() == Extent::Total => Unit::Tooth,
+            unit => unit,
+        };
+        let (every, one, several) = match unit {
+            Unit::Space => ("every space", "space", "spaces"),
+            Unit::Pitch => ("every pitch", "before tooth", "before teeth"),
+            Unit::Tooth => ("every tooth", "tooth", "teeth"),
+        };
+        let flank = match run.side {
+            Some(FlankSide::Left) => "left flank of ",
+            Some(FlankSide::Right) => "right flank of ",
+            None => "",
+        };
+        let number = |place: i64| match kind.part() {
+            Part::Rack => place,
+            Part::Pinion => place.rem_euclid(i64::from(pair.pinion().teeth)),
+        };
+        let (first, last) = (number(run.first), number(run.last));
+        if self.is_everywhere(run, pair) {
+            format!("{flank}{every}")
+        } else if first == last {
+            format!("{flank}{one} {first}")
+        } else {
+            format!("{flank}{several} {first} to {last}")
+        }
+    }
+
+    fn is_everywhere(&self, run: &Run, pair: &Pair) -> bool {
+        match self.error.kind().part() {
+            Part::Rack => run.first <= *TEETH.start() && run.last >= *TEETH.end(),
+            Part::Pinion => run.last - run.first + 1 >= i64::from(pair.pinion().teeth),
+        }
+    }
 }
 
 /// The formulas' contributions and their sum.
@@ -50,6 +130,14 @@ impl Prediction {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// What errors do on the teeth that they are put on.
+    ///
+    /// # Errors
+    /// As [`PlacedError::predicted`].
+    pub fn placed(pair: &Pair, errors: &[PlacedError]) -> Result<Self, DomainError> {
+        Ok(Self { terms: errors.iter().map(|error| error.predicted(pair)).collect::<Result<_, _>>()? })
     }
 
     /// The range of the sum, mm.
@@ -189,6 +277,7 @@ impl Gains {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::formula::Law;
     use crate::gear::example;
 
     pub(crate) fn pair(teeth: u32, rack_helix: f64, pinion_helix: f64) -> Pair {
@@ -199,6 +288,25 @@ pub(super) mod tests {
     fn terms(prediction: &Prediction) -> Vec<(&str, String)> {
         let text = |term: &Predicted| format!("{:.12} {:.12}", term.lower_mm + 0.0, term.upper_mm + 0.0);
         prediction.terms.iter().map(|term| (term.what.as_str(), text(term))).collect()
+    }
+
+    #[test]
+    fn a_placed_error_has_its_teeth_and_the_value_of_its_formula() {
+        let pair = pair(20, 0.0, 0.4);
+        let angle = Angle::from_degrees(20.0).unwrap();
+        let law = Law::rack_pitch(angle, Angle::from_degrees(0.0).unwrap()).unwrap();
+        let error = PartDeviation::new(law, Length::from_mm(0.012).unwrap());
+        let run = |first, last| Run { first, last, side: None, value: -0.012 };
+        for (runs, what) in [
+            (vec![run(5, 5)], "rack pitch, before tooth 5"),
+            (vec![run(5, 7), run(9, 9)], "rack pitch, before teeth 5 to 7 and before tooth 9"),
+        ] {
+            let Predicted { what: said, lower_mm, upper_mm } = PlacedError { error, runs }.predicted(&pair).unwrap();
+            assert_eq!((said.as_str(), lower_mm), (what, 0.0));
+            assert!((upper_mm - 0.012 / (2.0 * trig::tan(angle.radians()))).abs() < 1e-9, "{upper_mm}");
+        }
+        let nowhere = PlacedError { error, runs: Vec::new() }.predicted(&pair).unwrap();
+        assert_eq!((nowhere.what.as_str(), nowhere.upper_mm), ("rack pitch, nowhere", 0.0));
     }
 
     /// Every kind of deviation of 0.03 mm or rad, on all teeth and on some.

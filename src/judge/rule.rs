@@ -43,20 +43,35 @@ impl std::fmt::Display for Rule {
     }
 }
 
-impl std::str::FromStr for Rule {
-    type Err = String;
+/// Why a text is no decision rule.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RuleError {
+    /// None that is known.
+    #[error("`{0}` is not a decision rule: write simple, iso14253 or guard=VALUE")]
+    Unknown(String),
+    /// A guard band that is no length.
+    #[error(transparent)]
+    NoLength(#[from] QuantityError),
+    /// A guard band below 0.
+    #[error("the guard band {0} is negative: it must be 0 or more")]
+    Negative(Length),
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl std::str::FromStr for Rule {
+    type Err = RuleError;
+
+    fn from_str(text: &str) -> Result<Self, RuleError> {
         match text.trim() {
             "simple" => Ok(Self::Simple),
             "iso14253" => Ok(Self::Iso14253),
             other => {
                 let Some(value) = other.strip_prefix("guard=") else {
-                    return Err(format!("`{text}` is not a decision rule: write simple, iso14253 or guard=VALUE"));
+                    return Err(RuleError::Unknown(text.to_owned()));
                 };
-                let guard: Length = value.parse().map_err(|error: QuantityError| error.to_string())?;
+                let guard: Length = value.parse()?;
                 if guard.is_negative() {
-                    return Err(format!("the guard band {guard} is negative: it must be 0 or more"));
+                    return Err(RuleError::Negative(guard));
                 }
                 Ok(Self::Guard(guard))
             }
@@ -322,8 +337,8 @@ mod tests {
     #[test]
     fn rules_as_written() {
         assert_eq!("guard=5um".parse::<Rule>().unwrap(), Rule::Guard(length("0.005")));
-        assert!("guard=-5um".parse::<Rule>().unwrap_err().contains("negative"));
+        assert!("guard=-5um".parse::<Rule>().unwrap_err().to_string().contains("negative"));
         assert!("guard=5".parse::<Rule>().is_ok());
-        assert!("iso".parse::<Rule>().unwrap_err().contains("iso14253"));
+        assert!("iso".parse::<Rule>().unwrap_err().to_string().contains("iso14253"));
     }
 }

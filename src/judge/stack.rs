@@ -5,8 +5,8 @@
 use std::fmt;
 
 use crate::formula::PartDeviation;
-use crate::judge::bound::{Basis, Open, Range, Together};
-use crate::quantity::{Length, QuantityError};
+use crate::judge::bound::{Basis, CombinedBound, NoBound, Range};
+use crate::quantity::{FM_PER_MM, Length, QuantityError};
 
 /// How errors are combined to the result that is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -35,8 +35,8 @@ impl Stack {
     /// Both ends of the combination, mm.
     ///
     /// # Errors
-    /// [`Open`] if there is none.
-    pub fn ends(self, together: &Together) -> Result<Range, Open> {
+    /// [`NoBound`] if there is none.
+    pub fn ends(self, together: &CombinedBound) -> Result<Range, NoBound> {
         match self {
             Self::Range => together.total,
             Self::Rss => together.statistical,
@@ -76,7 +76,7 @@ impl Interval {
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] if an end is beyond the largest length.
-    pub fn of(range: Result<Range, Open>) -> Result<Result<Self, Open>, QuantityError> {
+    pub fn of(range: Result<Range, NoBound>) -> Result<Result<Self, NoBound>, QuantityError> {
         match range {
             Ok(range) => Self::nearest(range).map(Ok),
             Err(open) => Ok(Err(open)),
@@ -96,15 +96,13 @@ impl Interval {
     }
 }
 
-const FM_PER_MM: f64 = 1e12;
-
 /// The combinations of several errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Combined {
     /// The worst case.
-    pub range: Result<Interval, Open>,
+    pub range: Result<Interval, NoBound>,
     /// The statistical combination.
-    pub rss: Result<Interval, Open>,
+    pub rss: Result<Interval, NoBound>,
 }
 
 impl Combined {
@@ -120,8 +118,8 @@ impl Combined {
     /// The combination that is judged.
     ///
     /// # Errors
-    /// [`Open`] if there is none.
-    pub fn interval(&self, stack: Stack) -> Result<Interval, Open> {
+    /// [`NoBound`] if there is none.
+    pub fn interval(&self, stack: Stack) -> Result<Interval, NoBound> {
         match stack {
             Stack::Range => self.range,
             Stack::Rss => self.rss,
@@ -185,7 +183,7 @@ mod tests {
     #[test]
     fn every_pitch_has_no_range_without_the_pair() {
         let c = combined(&[pitch("0.01").with_extent(Extent::All)]);
-        assert_eq!((c.range, c.rss), (Err(Open::TeethInContactUnknown), Err(Open::TeethInContactUnknown)));
+        assert_eq!((c.range, c.rss), (Err(NoBound::TeethInContactUnknown), Err(NoBound::TeethInContactUnknown)));
     }
 
     #[test]

@@ -27,13 +27,22 @@ pub enum StrokesError {
     /// Flanks that were not measured can carry at every stroke.
     #[error("there is no stroke at which every flank that can carry was measured: measure more spaces in a row")]
     NotMeasured,
-    /// Measured spaces with a gap.
+    /// A space of a measured rack was left out between others.
     #[error(
-        "the measured spaces do not stand in one row, so that strokes between them are not covered: give each run of spaces by itself"
+        "space {space} of the rack was not measured, or not everything of it, as line {line} tells: measure it, or give \
+         each run of spaces by itself; a column that nobody measured is left out with --ignore"
     )]
-    Gap,
+    Gap {
+        /// The first of them.
+        space: i64,
+        /// The line of its row, or that of the next space.
+        line: u64,
+    },
     /// A tooth of a measured pinion was left out.
-    #[error("tooth {tooth} of the pinion was not measured, or not everything of it: a turn needs all {teeth}")]
+    #[error(
+        "tooth {tooth} of the pinion was not measured, or not everything of it: a turn needs all {teeth}; a column that nobody \
+         measured is left out with --ignore"
+    )]
     Tooth {
         /// The first of them.
         tooth: i64,
@@ -49,19 +58,16 @@ pub enum StrokesError {
 /// turn of the pinion if that has some; of a measured rack those at which every flank that can carry was measured.
 ///
 /// # Errors
-/// [`StrokesError`] if measured spaces do not cover one stretch.
+/// [`StrokesError`] if measured spaces cover no stroke.
 pub fn judged_strokes(pair: &Pair, teeth: &DeviatedTeeth<'_>) -> Result<Vec<Strokes<f64>>, StrokesError> {
     let pitch = pair.rack().pitch_mm;
     let contact = (pair.contact_ratio().total + 2.0).ceil().max(3.0);
     if let (Some(first), Some(last)) = (teeth.spaces.first(), teeth.spaces.last()) {
         let carrying = CarryingStrokes::of(pair)?;
         let around = around(*first, *last, contact, pitch);
-        let mut stretches = carrying.measured(teeth.spaces, around.start, around.end);
-        return match (stretches.pop(), stretches.pop()) {
-            (Some(one), None) => Ok(vec![one]),
-            (None, _) => Err(StrokesError::NotMeasured),
-            (Some(_), Some(_)) => Err(StrokesError::Gap),
-        };
+        let stretches = carrying.measured(teeth.spaces, around.start, around.end);
+        // the spaces stand in one row, and so do their strokes
+        return if stretches.len() == 1 { Ok(stretches) } else { Err(StrokesError::NotMeasured) };
     }
     let turn = if teeth.pinion { f64::from(pair.pinion().teeth) } else { 0.0 };
     let ends = teeth.rack.iter().flat_map(|deviation| [deviation.teeth.first(), deviation.teeth.last()]);
@@ -79,7 +85,7 @@ fn around(first: i64, last: i64, pitches: f64, pitch: f64) -> Strokes<f64> {
 
 /// A lowest or highest ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extreme {
+pub struct CurveExtreme {
     /// Where it is, mm.
     pub stroke_mm: f64,
     /// ΔCD there, mm.
@@ -90,15 +96,15 @@ pub struct Extreme {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extremes {
     /// The lowest ΔCD.
-    pub lower: Extreme,
+    pub lower: CurveExtreme,
     /// The highest one.
-    pub upper: Extreme,
+    pub upper: CurveExtreme,
 }
 
 impl Default for Extremes {
     /// Of no curve.
     fn default() -> Self {
-        let none = |delta_cd_mm| Extreme { stroke_mm: 0.0, delta_cd_mm };
+        let none = |delta_cd_mm| CurveExtreme { stroke_mm: 0.0, delta_cd_mm };
         Self { lower: none(f64::INFINITY), upper: none(f64::NEG_INFINITY) }
     }
 }
@@ -106,7 +112,7 @@ impl Default for Extremes {
 impl Extremes {
     fn take(&mut self, points: &[MeshPoint]) {
         for &MeshPoint { stroke_mm, delta_cd_mm, .. } in points {
-            let here = Extreme { stroke_mm, delta_cd_mm };
+            let here = CurveExtreme { stroke_mm, delta_cd_mm };
             if delta_cd_mm < self.lower.delta_cd_mm {
                 self.lower = here;
             }
@@ -131,14 +137,14 @@ const JUDGED_PARTS: f64 = 1e9;
 
 /// How closely the curve of known teeth is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Followed {
+pub struct CurveSearch {
     /// The promised error between points, mm.
     pub tolerance_mm: f64,
     /// What a coarse curve may miss counts.
     missed_mm: f64,
 }
 
-impl Followed {
+impl CurveSearch {
     /// That of this mesh.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {

@@ -76,7 +76,7 @@ impl Mesh {
             return Err(MeshError::EmptyRange { from_mm, to_mm });
         }
         if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
-            return Err(MeshError::NotPositive { value_mm: tolerance_mm });
+            return Err(MeshError::NotPositive { what: "tolerance", value_mm: tolerance_mm });
         }
         let pitch = self.pair().rack().pitch_mm;
         let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil().clamp(2.0, MAX_STEPS);

@@ -150,7 +150,7 @@ impl Mesh {
                 let roll = roll_of_involute(inv);
                 Ok(pinion.base_radius_mm * (1.0 + roll * roll).sqrt())
             } else {
-                Err(MeshError::NotPositive { value_mm: diameter_mm })
+                Err(MeshError::NotPositive { what: "pin", value_mm: diameter_mm })
             }
         };
         center(0.0)?;
@@ -190,7 +190,11 @@ impl Mesh {
 }
 
 fn positive(value_mm: f64) -> Result<f64, MeshError> {
-    if value_mm > 0.0 && value_mm.is_finite() { Ok(value_mm) } else { Err(MeshError::NotPositive { value_mm }) }
+    if value_mm > 0.0 && value_mm.is_finite() {
+        Ok(value_mm)
+    } else {
+        Err(MeshError::NotPositive { what: "pin", value_mm })
+    }
 }
 
 /// The roll angle τ with τ − atan τ = `inv`, by Newton from above, where the function is convex in the other

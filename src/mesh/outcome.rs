@@ -164,8 +164,10 @@ pub enum MeshError {
         to_mm: f64,
     },
     /// A tolerance or a pin that is not a positive finite length.
-    #[error("{value_mm} mm is not a positive length")]
+    #[error("a {what} of {value_mm} mm: give a positive length")]
     NotPositive {
+        /// What it is: `tolerance`.
+        what: &'static str,
         /// The value.
         value_mm: f64,
     },

@@ -44,7 +44,7 @@
 //! Where spheres below a small height over the face are looked for although they do not touch, that height is added to
 //! the bounds, and clear means that much higher, or with the foot not on the patch.
 
-use super::flank::{Bounds, FlankPair, Placed, Pose};
+use super::flank::{Bounds, FlankPair, FlankPosition, Pose};
 use super::template::{EARLY, Template};
 
 /// What the scene knows of all flanks.
@@ -83,8 +83,8 @@ pub(super) struct Bound {
 
 impl Bound {
     /// `margin`: how much higher a sphere must be to be passed over.
-    pub(super) fn new(template: &Template, placed: &Placed, margin: f64) -> Self {
-        let Placed { n_w, length, .. } = *placed;
+    pub(super) fn new(template: &Template, placed: &FlankPosition, margin: f64) -> Self {
+        let FlankPosition { n_w, length, .. } = *placed;
         let misfit = (1.0 - template.sin_base * n_w - template.cos_base * length).max(0.0);
         let line = placed.nu - placed.c;
         let per_roll = length * template.base_radius;
@@ -143,7 +143,7 @@ pub(super) struct Tip<'a> {
 }
 
 impl<'a> Tip<'a> {
-    pub(super) fn new(template: &'a Template, pair: &'a FlankPair, placed: &Placed, pose: &Pose) -> Self {
+    pub(super) fn new(template: &'a Template, pair: &'a FlankPair, placed: &FlankPosition, pose: &Pose) -> Self {
         let top = pose.at.center_distance + placed.eccentric.1;
         let tilt = (pose.sin_roll.abs(), 1.0 - pose.cos_roll);
         let over_axis = pair.bounds.tip + pose.depth;
@@ -175,7 +175,7 @@ impl<'a> Tip<'a> {
 }
 
 /// Rows that reach down to the rack's tip.
-pub(super) fn row_range(template: &Template, placed: &Placed, polar: f64) -> std::ops::Range<usize> {
+pub(super) fn row_range(template: &Template, placed: &FlankPosition, polar: f64) -> std::ops::Range<usize> {
     // a row's centre line lies at the polar angle tooth_angle − sign κ w
     let (rows, angle) = (&template.rows, placed.tooth_angle * placed.sign);
     let widest = polar + template.tooth_reach;

@@ -30,11 +30,19 @@
 
 use super::Scene;
 use super::drive::Drive;
-use super::dynamics::{State, Step};
 use super::energy::Flow;
 use super::load::Work;
 use super::newton::{Balance, Limits, newton};
+use super::state::State;
 use crate::linear::solve;
+
+/// One step's outcome.
+pub(super) struct Step {
+    pub(super) state: State,
+    /// Largest error of a position, mm.
+    pub(super) error: f64,
+    pub(super) gained: Flow,
+}
 
 /// Unbalanced force over the closing force at which a step is solved: times the way of all steps, forth and back, it is
 /// the energy that is made up.

@@ -47,14 +47,14 @@
 
 use std::ops::ControlFlow;
 
-use super::conserving::Following;
+use super::conserving::{Following, Step};
 use super::drive::Drive;
 use super::energy::{Flow, Ledger};
 use super::load::Work;
 use super::newton::{Balance, Limits, newton};
 use super::outcome::{Energy, Outcome, RunEnd, Sample, Watch};
 use super::parameters::Integrator;
-use super::state::{Coordinates, Forces};
+use super::state::{Coordinates, State};
 use super::{Scene, SimulationError};
 use crate::linear::solve;
 
@@ -99,19 +99,6 @@ const SMALLEST: f64 = 1e-13;
 /// Share of the stability limit that the explicit scheme uses.
 const EXPLICIT: f64 = 0.5;
 
-/// Positions and velocities with the forces there.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct State {
-    pub(super) time: f64,
-    pub(super) q: [f64; 3],
-    pub(super) v: [f64; 3],
-    pub(super) stroke: f64,
-    pub(super) speed: f64,
-    /// Generalised forces, the closing force included.
-    pub(super) f: [f64; 3],
-    pub(super) contact: Forces,
-}
-
 /// Where the rack is driven to, and how fast.
 #[derive(Debug, Clone, Copy)]
 struct Driven {
@@ -125,14 +112,6 @@ impl Driven {
         let (stroke, speed) = drive.at(time);
         Self { time, stroke, speed }
     }
-}
-
-/// One step's outcome.
-pub(super) struct Step {
-    pub(super) state: State,
-    /// Largest error of a position, mm.
-    pub(super) error: f64,
-    pub(super) gained: Flow,
 }
 
 impl Scene {
@@ -156,8 +135,8 @@ impl Scene {
         work: &mut Work,
         watch: &mut Watch<'_>,
     ) -> Result<RunEnd, SimulationError> {
-        let mut run = Run::new(self, work)?;
-        let mut take = |run: &Run<'_>, work: &Work| {
+        let mut run = MotionRun::new(self, work)?;
+        let mut take = |run: &MotionRun<'_>, work: &Work| {
             let here = &run.here;
             let sample = self.sample(here.time, &Coordinates::from_free(here.q, here.stroke), &here.contact, work);
             samples.push(sample);
@@ -331,7 +310,7 @@ struct Stage<'a> {
 }
 
 /// A run under way.
-struct Run<'a> {
+struct MotionRun<'a> {
     scene: &'a Scene,
     drive: Drive,
     /// How long it takes, s.
@@ -356,7 +335,7 @@ struct Drift {
     spent: bool,
 }
 
-impl<'a> Run<'a> {
+impl<'a> MotionRun<'a> {
     fn new(scene: &'a Scene, work: &mut Work) -> Result<Self, SimulationError> {
         let p = &scene.parameters;
         let drive = Drive::new(p.start_mm, p.speed_mm_per_s, p.ramp_mm);

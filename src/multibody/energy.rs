@@ -9,9 +9,8 @@
 //! the drift of the steps.
 
 use super::Scene;
-use super::dynamics::State;
 use super::outcome::Energy;
-use super::state::Forces;
+use super::state::{Forces, State};
 
 /// What flowed during a step, N mm.
 #[derive(Debug, Clone, Copy, Default)]

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use crate::mesh::MeshError;
+use crate::quantity::Rounded;
 
 /// A number of [`Parameters`](super::Parameters).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -112,12 +113,22 @@ impl fmt::Display for ParameterName {
     }
 }
 
+/// A value with its unit, and the domain that it is outside of.
+fn outside(name: ParameterName, value: f64, min: f64, max: f64) -> String {
+    let value = format!("{} {}", Rounded(value), name.unit());
+    if max == f64::MAX {
+        format!("{} is below {}", value.trim_end(), Rounded(min))
+    } else {
+        format!("{} is outside {} .. {}", value.trim_end(), Rounded(min), Rounded(max))
+    }
+}
+
 /// Why there is no simulation, or why it stopped.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulationError {
     /// A parameter outside its domain (NaN and infinities always are).
-    #[error("{name} = {value} {unit} is outside {min} .. {max}", unit = .name.unit())]
+    #[error("{name} = {}", outside(*.name, *.value, *.min, *.max))]
     OutOfDomain {
         /// Which one.
         name: ParameterName,

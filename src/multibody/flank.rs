@@ -68,7 +68,7 @@ pub(super) struct Pose {
 
 /// A flank pair in a position.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placed {
+pub(super) struct FlankPosition {
     pub(super) sign: f64,
     /// Angle of the pinion tooth.
     pub(super) tooth_angle: f64,
@@ -91,7 +91,7 @@ pub(super) struct Placed {
 }
 
 impl FlankPair {
-    pub(super) fn place(&self, pose: &Pose) -> Placed {
+    pub(super) fn place(&self, pose: &Pose) -> FlankPosition {
         let Pose { at, sin_roll, cos_roll, depth, .. } = pose;
         let sign = self.sign;
         let (tooth, partner) = (self.rack_tooth as f64, self.pinion_tooth as f64);
@@ -103,7 +103,7 @@ impl FlankPair {
         let n_xi = nx * cos_shaft - gy * sin_shaft;
         let eccentric = (sign * pose.eccentric.0, pose.eccentric.1);
         let (nu, length) = if *sin_roll == 0.0 { self.level } else { transverse(n_xi, gz) };
-        Placed {
+        FlankPosition {
             sign,
             tooth_angle,
             c: sign * tooth_angle + self.start,
@@ -233,7 +233,7 @@ impl Point {
     }
 }
 
-impl Placed {
+impl FlankPosition {
     /// Maps a point given by ξ, ζ (from the axis of the tooth system) and w.
     pub(super) fn point(&self, pose: &Pose, xi: f64, zeta: f64, w: f64) -> Point {
         let (xi, zeta) = (xi + self.eccentric.0, zeta + self.eccentric.1);
@@ -283,7 +283,7 @@ impl Pose {
         [x, y * cos + z * sin, -y * sin + z * cos]
     }
 
-    pub(super) fn new(at: Coordinates, depth: f64, eccentricity: (f64, f64), shared: &Shared) -> Self {
+    pub(super) fn new(at: Coordinates, depth: f64, eccentricity: (f64, f64), shared: &SceneGeometry) -> Self {
         let (sin_roll, cos_roll) = if at.roll == 0.0 { (0.0, 1.0) } else { trig::sin_cos(at.roll) };
         let eccentric = if eccentricity == (0.0, 0.0) {
             (0.0, 0.0)
@@ -308,7 +308,7 @@ impl Pose {
 
 /// What all flank pairs of a scene share.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shared {
+pub(super) struct SceneGeometry {
     pub(super) pitch: f64,
     pub(super) angular_pitch: f64,
     pub(super) sin_shaft: f64,

@@ -4,7 +4,6 @@
 use super::law::{Force, Law};
 use super::newton::Bend;
 use super::outcome::Counters;
-use super::spheres::Found;
 use super::state::Forces;
 use crate::linear::dot;
 
@@ -53,6 +52,17 @@ pub(super) struct Touching {
     pub(super) by_depth: f64,
 }
 
+/// A sphere that may touch: below the plane, or near it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NearSphere {
+    pub(super) gap: f64,
+    /// Of the angle by which its row is turned.
+    pub(super) sin: f64,
+    pub(super) cos: f64,
+    pub(super) row: usize,
+    pub(super) node: usize,
+}
+
 /// What evaluations share: counters and memory.
 #[derive(Debug, Default)]
 pub(super) struct Work {
@@ -62,7 +72,7 @@ pub(super) struct Work {
     pub(super) near: Vec<Touching>,
     pub(super) margin: f64,
     /// Memory for the spheres of one flank pair.
-    pub(super) found: Vec<Found>,
+    pub(super) found: Vec<NearSphere>,
 }
 
 impl Work {

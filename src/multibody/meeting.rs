@@ -2,7 +2,7 @@
 //! pair of a position; the contact models find the contacts of its rows.
 
 use super::bound::{Bound, Reach, Tip, row_range};
-use super::flank::{FlankPair, Placed, Pose};
+use super::flank::{FlankPair, FlankPosition, Pose};
 use super::template::{EARLY, Row, Template};
 use crate::trig;
 
@@ -12,7 +12,7 @@ pub(super) struct Meeting<'a> {
     pub(super) template: &'a Template,
     pub(super) pose: &'a Pose,
     pub(super) reach: &'a Reach,
-    pub(super) placed: Placed,
+    pub(super) placed: FlankPosition,
     pub(super) bound: Bound,
     pub(super) tip: Tip<'a>,
 }

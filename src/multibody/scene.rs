@@ -4,7 +4,7 @@
 use super::ParameterName;
 use super::bound::Reach;
 use super::error::SimulationError;
-use super::flank::{Bounds, FlankPair, Patch, Pose, Shared, transverse};
+use super::flank::{Bounds, FlankPair, Patch, Pose, SceneGeometry, transverse};
 use super::law::Law;
 use super::load::{Load, Work};
 use super::meeting::Meeting;
@@ -36,7 +36,7 @@ pub struct Scene {
     /// Rack tooth of the first right flank.
     pub(super) first_tooth: i64,
     pub(super) deviating: Vec<bool>,
-    pub(super) shared: Shared,
+    pub(super) shared: SceneGeometry,
     pub(super) depth: f64,
     pub(super) rolls: bool,
     /// Inertias of ψ, a, φ in N s²/mm and N mm s².
@@ -58,7 +58,7 @@ impl Scene {
     ) -> Result<Self, SimulationError> {
         parameters.check()?;
         let (sin_shaft, cos_shaft) = trig::sin_cos(pair.shaft_angle_rad());
-        let shared = Shared {
+        let shared = SceneGeometry {
             pitch: pair.rack().pitch_mm,
             angular_pitch: pair.pinion().angular_pitch_rad(),
             sin_shaft,
@@ -139,7 +139,7 @@ impl Scene {
                 - 2.0 * pair.normal_module_mm(),
             reach: self.deepest(),
         };
-        let Shared { sin_shaft, cos_shaft, .. } = self.shared;
+        let SceneGeometry { sin_shaft, cos_shaft, .. } = self.shared;
         let corner = |y: f64, z: f64| [(offset - normal[1] * y - normal[2] * z) / normal[0], y, z];
         let Bounds { half_width, tip, bottom, .. } = bounds;
         let mut made = FlankPair {

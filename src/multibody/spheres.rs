@@ -5,21 +5,10 @@
 use super::closest;
 use super::face::{Face, OnFace};
 use super::flank::Patch;
-use super::load::{Element, Load, Sliding};
+use super::load::{Element, Load, NearSphere, Sliding};
 use super::meeting::{Meeting, PlacedRow};
 use super::template::{EARLY, Node, Phase, Row, Template};
 use crate::linear::dot;
-
-/// A sphere that may touch: below the plane, or near it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
-    gap: f64,
-    /// Of the angle by which its row is turned.
-    sin: f64,
-    cos: f64,
-    row: usize,
-    node: usize,
-}
 
 struct Plane {
     nx: f64,
@@ -59,7 +48,7 @@ pub(super) fn touch(meeting: &Meeting<'_>, load: &mut Load<'_>) {
 }
 
 /// Finds the spheres of one flank pair that are below the rack flank's plane, or near it.
-fn find(meeting: &Meeting<'_>, found: &mut Vec<Found>, load: &mut Load<'_>) {
+fn find(meeting: &Meeting<'_>, found: &mut Vec<NearSphere>, load: &mut Load<'_>) {
     let Meeting { template, reach, placed, bound, .. } = meeting;
     let plain = meeting.is_plain();
     let margin = if plain { reach.margin.max(0.0) } else { 0.0 };
@@ -86,7 +75,7 @@ fn find(meeting: &Meeting<'_>, found: &mut Vec<Found>, load: &mut Load<'_>) {
         for (node, station) in (from..).zip(&nodes[from..to]) {
             let gap = plane.depth(station);
             if gap < margin {
-                found.push(Found { gap, sin, cos, row: index, node });
+                found.push(NearSphere { gap, sin, cos, row: index, node });
             }
         }
     }
@@ -162,8 +151,8 @@ struct Sphere {
 }
 
 impl Sphere {
-    fn new(template: &Template, row: &Row, found: &Found) -> Self {
-        let Found { gap, sin, cos, .. } = *found;
+    fn new(template: &Template, row: &Row, found: &NearSphere) -> Self {
+        let NearSphere { gap, sin, cos, .. } = *found;
         let node = &template.phases[row.phase].nodes[found.node];
         Self {
             gap,

@@ -64,3 +64,16 @@ impl Forces {
         self.teeth = Some(self.teeth.map_or((tooth, tooth), |(low, high)| (low.min(tooth), high.max(tooth))));
     }
 }
+
+/// Positions and velocities with the forces there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct State {
+    pub(super) time: f64,
+    pub(super) q: [f64; 3],
+    pub(super) v: [f64; 3],
+    pub(super) stroke: f64,
+    pub(super) speed: f64,
+    /// Generalised forces, the closing force included.
+    pub(super) f: [f64; 3],
+    pub(super) contact: Forces,
+}

@@ -12,7 +12,7 @@
 
 use super::bound::BEND;
 use super::face::{Face, OnFace};
-use super::flank::{Placed, Point, removal};
+use super::flank::{FlankPosition, Point, removal};
 use super::load::{Element, Load, Sliding};
 use super::meeting::{Meeting, PlacedRow};
 use super::template::Row;
@@ -69,7 +69,7 @@ struct Direct<'a> {
 
 impl<'a> Direct<'a> {
     fn new(meeting: &'a Meeting<'a>) -> Self {
-        let Placed { sign, n_xi, n_zeta, length, eccentric, .. } = meeting.placed;
+        let FlankPosition { sign, n_xi, n_zeta, length, eccentric, .. } = meeting.placed;
         let base_radius = meeting.template.base_radius;
         Self {
             meeting,
@@ -178,7 +178,7 @@ impl OnProfile {
 
 /// What holds the lowest point of a section.
 #[derive(Clone, Copy, PartialEq)]
-enum Held {
+enum LowestPoint {
     ContactLine,
     RackTip,
     /// An end of the involute.
@@ -190,7 +190,7 @@ struct Section<'a> {
     meeting: &'a Meeting<'a>,
     row: &'a Row,
     at: OnProfile,
-    held: Held,
+    held: LowestPoint,
 }
 
 impl<'a> Section<'a> {
@@ -200,9 +200,9 @@ impl<'a> Section<'a> {
         let at = OnProfile::new(meeting, row.w, tau);
         if at.point.at[2] > meeting.pair.bounds.tip {
             let at = at.down_to_rack_tip(meeting, row.w)?;
-            return Some(Self { meeting, row, at, held: Held::RackTip });
+            return Some(Self { meeting, row, at, held: LowestPoint::RackTip });
         }
-        let held = if tau == crossing && tau > 0.0 { Held::ContactLine } else { Held::Edge };
+        let held = if tau == crossing && tau > 0.0 { LowestPoint::ContactLine } else { LowestPoint::Edge };
         Some(Self { meeting, row, at, held })
     }
 
@@ -242,16 +242,16 @@ impl<'a> Section<'a> {
         let by_roll = [0.0, by_tau[2], -by_tau[1]];
         let bend = placed.direction(pose, r * (sin + tau * cos), r * (tau * sin - cos));
         match self.held {
-            Held::RackTip => {
+            LowestPoint::RackTip => {
                 normal[2] -= dot(n, by_tau) / by_tau[2];
                 moved = std::array::from_fn(|k| -point.motion[k][2] / by_tau[2]);
             }
-            Held::ContactLine => {
+            LowestPoint::ContactLine => {
                 let curvature = dot(n, &bend);
                 moved[0] = -dot(n, &by_angle) / curvature;
                 moved[2] = -dot(n, &by_roll) / curvature;
             }
-            Held::Edge => {}
+            LowestPoint::Edge => {}
         }
         let mut hessian = point.hessian(&normal);
         let curvature = dot(&normal, &bend);

@@ -3,9 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::length::LengthUnit;
 use super::number::{Decimal, Scale, split_number};
-use super::unit::is_spelt;
+use super::unit::{AngleUnit, LengthUnit};
 use super::{QuantityError, grid_quantity};
 
 /// An angle on a grid of nano-arcseconds (2.8e-13°). Base unit: degree.
@@ -24,78 +23,6 @@ use super::{QuantityError, grid_quantity};
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Angle {
     nas: i64,
-}
-
-/// A unit of angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum AngleUnit {
-    /// `deg`, `°`.
-    Degree,
-    /// `arcmin`, `'`: 1/60°.
-    Arcminute,
-    /// `arcsec`, `"`: 1/3600°.
-    Arcsecond,
-    /// `rad`: 180°/π.
-    Radian,
-    /// `mrad`: 0.001 rad.
-    Milliradian,
-    /// `µrad`, `urad`: 0.000001 rad.
-    Microradian,
-    /// `gon`: 0.9°.
-    Gon,
-}
-
-impl AngleUnit {
-    /// Every unit, the usual ones first.
-    pub const ALL: [Self; 7] =
-        [Self::Degree, Self::Arcminute, Self::Arcsecond, Self::Radian, Self::Milliradian, Self::Microradian, Self::Gon];
-
-    /// The units in words, for messages.
-    pub const NAMES: &'static str = "deg, °, ', arcmin, \", arcsec, rad, mrad, µrad or gon";
-
-    /// The unit of that symbol or name, on what is known to be an angle: `min` and `sec` are parts of a degree.
-    #[must_use]
-    pub fn from_symbol(symbol: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
-    }
-
-    /// How the unit is written.
-    pub(crate) const fn spellings(self) -> &'static [&'static str] {
-        match self {
-            Self::Degree => &["deg", "°", "degree", "degrees", "Grad"],
-            Self::Arcminute => &["arcmin", "'", "\u{2032}", "\u{2019}", "min"],
-            Self::Arcsecond => &["arcsec", "\"", "\u{2033}", "\u{201d}", "''", "sec"],
-            Self::Radian => &["rad"],
-            Self::Milliradian => &["mrad"],
-            // the micro sign and the Greek letter look alike and are both typed
-            Self::Microradian => &["urad", "\u{b5}rad", "\u{3bc}rad"],
-            Self::Gon => &["gon"],
-        }
-    }
-
-    /// The unit's symbol, as it stands after a number and a blank.
-    #[must_use]
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Microradian => "µrad",
-            unit => unit.spellings()[0],
-        }
-    }
-
-    /// One of this unit in nano-arcseconds.
-    const fn scale(self) -> Scale {
-        match self {
-            Self::Degree => Scale { factor: 36, exponent: 11 },
-            Self::Arcminute => Scale { factor: 6, exponent: 10 },
-            Self::Arcsecond => Scale { factor: 1, exponent: 9 },
-            // 648000/π arcseconds, to 18 digits
-            Self::Radian => Scale { factor: 206_264_806_247_096_355, exponent: -3 },
-            Self::Milliradian => Scale { factor: 206_264_806_247_096_355, exponent: -6 },
-            Self::Microradian => Scale { factor: 206_264_806_247_096_355, exponent: -9 },
-            Self::Gon => Scale { factor: 324, exponent: 10 },
-        }
-    }
 }
 
 impl Angle {

@@ -3,9 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::angle::AngleUnit;
 use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
-use super::unit::is_spelt;
+use super::unit::{AngleUnit, LengthUnit};
 use super::{QuantityError, grid_quantity};
 
 /// A length on a grid of femtometres (1e-12 mm). Base unit: mm.
@@ -23,84 +22,6 @@ use super::{QuantityError, grid_quantity};
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Length {
     fm: i64,
-}
-
-/// A unit of length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum LengthUnit {
-    /// `nm`: 0.000001 mm.
-    Nanometre,
-    /// `um`, `µm`: 0.001 mm.
-    Micrometre,
-    /// `mm`.
-    Millimetre,
-    /// `cm`: 10 mm.
-    Centimetre,
-    /// `m`: 1000 mm.
-    Metre,
-    /// `in`, `″`: 25.4 mm.
-    Inch,
-    /// `mil`: 0.001 in.
-    Mil,
-}
-
-impl LengthUnit {
-    /// Every unit, the usual ones first.
-    pub const ALL: [Self; 7] =
-        [Self::Millimetre, Self::Micrometre, Self::Inch, Self::Mil, Self::Nanometre, Self::Centimetre, Self::Metre];
-
-    /// The units in words, for messages.
-    pub const NAMES: &'static str = "nm, um, µm, mm, cm, m, in or mil";
-
-    /// The unit of that symbol or name, as a heading has it.
-    #[must_use]
-    pub fn from_symbol(symbol: &str) -> Option<Self> {
-        let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm"]);
-        if thousandth { Some(Self::Micrometre) } else { Self::behind_number(symbol) }
-    }
-
-    /// The unit of that symbol behind a number, where `12 1/1000 mm` could be a mixed fraction.
-    fn behind_number(symbol: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
-    }
-
-    /// How the unit is written behind a number.
-    pub(crate) const fn spellings(self) -> &'static [&'static str] {
-        match self {
-            Self::Nanometre => &["nm", "\u{339a}"],
-            // the micro sign and the Greek letter look alike and are both typed
-            Self::Micrometre => &["um", "\u{b5}m", "\u{3bc}m", "\u{339b}", "micron", "microns"],
-            Self::Millimetre => &["mm", "\u{339c}"],
-            Self::Centimetre => &["cm", "\u{339d}"],
-            Self::Metre => &["m"],
-            Self::Inch => &["in", "inch", "inches", "zoll", "pouce", "pouces", "\u{2033}"],
-            Self::Mil => &["mil", "mils", "thou"],
-        }
-    }
-
-    /// The unit's symbol.
-    #[must_use]
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Micrometre => "µm",
-            unit => unit.spellings()[0],
-        }
-    }
-
-    /// One of this unit in femtometres.
-    const fn scale(self) -> Scale {
-        match self {
-            Self::Nanometre => Scale { factor: 1, exponent: 6 },
-            Self::Micrometre => Scale { factor: 1, exponent: 9 },
-            Self::Millimetre => Scale { factor: 1, exponent: 12 },
-            Self::Centimetre => Scale { factor: 1, exponent: 13 },
-            Self::Metre => Scale { factor: 1, exponent: 15 },
-            // 25.4 mm
-            Self::Inch => Scale { factor: 254, exponent: 11 },
-            Self::Mil => Scale { factor: 254, exponent: 8 },
-        }
-    }
 }
 
 impl Length {

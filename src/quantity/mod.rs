@@ -26,23 +26,23 @@ mod plain;
 mod rounded;
 mod unit;
 
-pub use angle::{Angle, AngleUnit};
+pub use angle::Angle;
 pub use domain::{Bound, Domain, DomainError};
 pub use error::QuantityError;
 #[cfg(feature = "table")]
 pub(crate) use error::shown;
-pub use length::{Length, LengthUnit};
+pub use length::Length;
 pub(crate) use number::Decimal;
 pub use number::NumberError;
 #[cfg(feature = "table")]
 pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
 pub(crate) use number::split_number;
-pub(crate) use plain::{femtometres, of_femtometres, tidy};
+pub(crate) use plain::{FM_PER_MM, femtometres, of_femtometres, tidy};
 #[cfg(feature = "report")]
 pub(crate) use plain::{plain, plain_padded};
 pub(crate) use rounded::{Degrees, Rounded};
-pub use unit::Unit;
+pub use unit::{AngleUnit, LengthUnit, Unit};
 
 impl Decimal {
     /// Reads the number of a quantity; `expected` is what the error calls it, `text` the whole text.

@@ -19,11 +19,12 @@ pub(crate) fn plain_padded(value: f64, decimals: usize) -> String {
     if has >= decimals { text } else { format!("{value:.decimals$}") }
 }
 
-const FEMTOMETRES_PER_MM: f64 = 1e12;
+/// The grid of lengths, 1 fm.
+pub(crate) const FM_PER_MM: f64 = 1e12;
 
 /// A value without the digits that are rounding of the solution (1e-15 of the centre distance) only.
 pub(crate) fn tidy(value: f64) -> f64 {
-    let rounded = (value * FEMTOMETRES_PER_MM).round() / FEMTOMETRES_PER_MM;
+    let rounded = (value * FM_PER_MM).round() / FM_PER_MM;
     // -0 says nothing
     if rounded == 0.0 || !rounded.is_finite() { rounded.abs() } else { rounded }
 }
@@ -31,14 +32,14 @@ pub(crate) fn tidy(value: f64) -> f64 {
 /// What [`tidy`] makes of a length in mm, as a whole number of femtometres; `None` if it is larger than any
 /// [`Length`](super::Length) or no number.
 pub(crate) fn femtometres(mm: f64) -> Option<i64> {
-    let rounded = (mm * FEMTOMETRES_PER_MM).round();
+    let rounded = (mm * FM_PER_MM).round();
     // the conversion saturates
     (rounded.abs() <= super::LARGEST as f64).then_some(rounded as i64)
 }
 
 /// The other way, with parts of a femtometre.
 pub(crate) fn of_femtometres(fm: f64) -> f64 {
-    tidy(fm / FEMTOMETRES_PER_MM)
+    tidy(fm / FM_PER_MM)
 }
 
 #[cfg(test)]

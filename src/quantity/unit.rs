@@ -1,6 +1,156 @@
-//! The unit of a column or of a result: of a length, or of an angle.
+//! Units of lengths and of angles: how they are written, and what they are.
 
-use super::{AngleUnit, LengthUnit};
+use super::number::Scale;
+
+/// A unit of length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LengthUnit {
+    /// `nm`: 0.000001 mm.
+    Nanometre,
+    /// `um`, `µm`: 0.001 mm.
+    Micrometre,
+    /// `mm`.
+    Millimetre,
+    /// `cm`: 10 mm.
+    Centimetre,
+    /// `m`: 1000 mm.
+    Metre,
+    /// `in`, `″`: 25.4 mm.
+    Inch,
+    /// `mil`: 0.001 in.
+    Mil,
+}
+
+impl LengthUnit {
+    /// Every unit, the usual ones first.
+    pub const ALL: [Self; 7] =
+        [Self::Millimetre, Self::Micrometre, Self::Inch, Self::Mil, Self::Nanometre, Self::Centimetre, Self::Metre];
+
+    /// The units in words, for messages.
+    pub const NAMES: &'static str = "nm, um, µm, mm, cm, m, in or mil";
+
+    /// The unit of that symbol or name, as a heading has it.
+    #[must_use]
+    pub fn from_symbol(symbol: &str) -> Option<Self> {
+        let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm"]);
+        if thousandth { Some(Self::Micrometre) } else { Self::behind_number(symbol) }
+    }
+
+    /// The unit of that symbol behind a number, where `12 1/1000 mm` could be a mixed fraction.
+    pub(super) fn behind_number(symbol: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
+    }
+
+    /// How the unit is written behind a number.
+    pub(crate) const fn spellings(self) -> &'static [&'static str] {
+        match self {
+            Self::Nanometre => &["nm", "\u{339a}"],
+            // the micro sign and the Greek letter look alike and are both typed
+            Self::Micrometre => &["um", "\u{b5}m", "\u{3bc}m", "\u{339b}", "micron", "microns"],
+            Self::Millimetre => &["mm", "\u{339c}"],
+            Self::Centimetre => &["cm", "\u{339d}"],
+            Self::Metre => &["m"],
+            Self::Inch => &["in", "inch", "inches", "zoll", "pouce", "pouces", "\u{2033}"],
+            Self::Mil => &["mil", "mils", "thou"],
+        }
+    }
+
+    /// The unit's symbol.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Micrometre => "µm",
+            unit => unit.spellings()[0],
+        }
+    }
+
+    /// One of this unit in femtometres.
+    pub(super) const fn scale(self) -> Scale {
+        match self {
+            Self::Nanometre => Scale { factor: 1, exponent: 6 },
+            Self::Micrometre => Scale { factor: 1, exponent: 9 },
+            Self::Millimetre => Scale { factor: 1, exponent: 12 },
+            Self::Centimetre => Scale { factor: 1, exponent: 13 },
+            Self::Metre => Scale { factor: 1, exponent: 15 },
+            // 25.4 mm
+            Self::Inch => Scale { factor: 254, exponent: 11 },
+            Self::Mil => Scale { factor: 254, exponent: 8 },
+        }
+    }
+}
+
+/// A unit of angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum AngleUnit {
+    /// `deg`, `°`.
+    Degree,
+    /// `arcmin`, `'`: 1/60°.
+    Arcminute,
+    /// `arcsec`, `"`: 1/3600°.
+    Arcsecond,
+    /// `rad`: 180°/π.
+    Radian,
+    /// `mrad`: 0.001 rad.
+    Milliradian,
+    /// `µrad`, `urad`: 0.000001 rad.
+    Microradian,
+    /// `gon`: 0.9°.
+    Gon,
+}
+
+impl AngleUnit {
+    /// Every unit, the usual ones first.
+    pub const ALL: [Self; 7] =
+        [Self::Degree, Self::Arcminute, Self::Arcsecond, Self::Radian, Self::Milliradian, Self::Microradian, Self::Gon];
+
+    /// The units in words, for messages.
+    pub const NAMES: &'static str = "deg, °, ', arcmin, \", arcsec, rad, mrad, µrad or gon";
+
+    /// The unit of that symbol or name, on what is known to be an angle: `min` and `sec` are parts of a degree.
+    #[must_use]
+    pub fn from_symbol(symbol: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
+    }
+
+    /// How the unit is written.
+    pub(crate) const fn spellings(self) -> &'static [&'static str] {
+        match self {
+            Self::Degree => &["deg", "°", "degree", "degrees", "Grad"],
+            Self::Arcminute => &["arcmin", "'", "\u{2032}", "\u{2019}", "min"],
+            Self::Arcsecond => &["arcsec", "\"", "\u{2033}", "\u{201d}", "''", "sec"],
+            Self::Radian => &["rad"],
+            Self::Milliradian => &["mrad"],
+            // the micro sign and the Greek letter look alike and are both typed
+            Self::Microradian => &["urad", "\u{b5}rad", "\u{3bc}rad"],
+            Self::Gon => &["gon"],
+        }
+    }
+
+    /// The unit's symbol, as it stands after a number and a blank.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Microradian => "µrad",
+            unit => unit.spellings()[0],
+        }
+    }
+
+    /// One of this unit in nano-arcseconds.
+    pub(super) const fn scale(self) -> Scale {
+        match self {
+            Self::Degree => Scale { factor: 36, exponent: 11 },
+            Self::Arcminute => Scale { factor: 6, exponent: 10 },
+            Self::Arcsecond => Scale { factor: 1, exponent: 9 },
+            // 648000/π arcseconds, to 18 digits
+            Self::Radian => Scale { factor: 206_264_806_247_096_355, exponent: -3 },
+            Self::Milliradian => Scale { factor: 206_264_806_247_096_355, exponent: -6 },
+            Self::Microradian => Scale { factor: 206_264_806_247_096_355, exponent: -9 },
+            Self::Gon => Scale { factor: 324, exponent: 10 },
+        }
+    }
+}
 
 /// A unit of length or of angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::number::{ends, millimetres, plain};
+use super::number::{ends, grouped, millimetres, plain, unsigned};
 use super::uncertainty::{micrometres, rule_name};
 use super::{Block, Column, Report, Table, judged_without, titled};
 use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Statistics};
@@ -151,7 +151,7 @@ impl<'a> BatchReport<'a> {
             vec![
                 quantity.shown(),
                 mm(statistics.mean_mm()),
-                deviation.map_or_else(|| "-".to_owned(), |s| millimetres(s).trim_start_matches('+').to_owned()),
+                deviation.map_or_else(|| "-".to_owned(), unsigned),
                 mm(statistics.min_mm()),
                 mm(statistics.quantile_mm(0.5)),
                 mm(statistics.quantile_mm(0.99865)),
@@ -285,7 +285,8 @@ impl<'a> BatchReport<'a> {
     fn verdict(&self) -> Block {
         let counts = &self.outcome.counts;
         let rejected = if counts.rejected > 0 {
-            format!("; {} of {} rows make no part", grouped(counts.rejected), grouped(counts.rows))
+            let make = if counts.rejected == 1 { "makes" } else { "make" };
+            format!("; {} of {} rows {make} no part", grouped(counts.rejected), grouped(counts.rows))
         } else {
             String::new()
         };
@@ -362,7 +363,7 @@ impl<'a> BatchReport<'a> {
         if self.outcome.interrupted {
             notes.push("The run is incomplete: it was interrupted, and this is of the rows up to there.".to_owned());
         } else if self.outcome.is_cut {
-            notes.push("The run is incomplete: a table could not be read to its end.".to_owned());
+            notes.push("The run is incomplete: a table was not read to its end.".to_owned());
         }
         notes
     }
@@ -374,19 +375,6 @@ pub(super) fn whereabouts(part: &Part) -> String {
         Some(place) => format!("{}, {place}", part.file),
         None => format!("{}:{}", part.file, part.line),
     }
-}
-
-/// A count with its thousands apart.
-pub(super) fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// What programs read of a batch.
@@ -554,17 +542,5 @@ impl Report for BatchReport<'_> {
         blocks.extend(self.notes().into_iter().map(Block::Note));
         blocks.push(self.verdict());
         blocks
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thousands_stand_apart() {
-        for (count, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
-            assert_eq!(grouped(count), text);
-        }
     }
 }

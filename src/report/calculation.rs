@@ -8,7 +8,7 @@ use super::{Block, Column, Report, Table};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{FormulaPage, Model};
 use crate::judge::Interval;
-use crate::judge::bound::Open;
+use crate::judge::bound::NoBound;
 use crate::quantity::{AngleUnit, Length, LengthUnit};
 
 /// One formula evaluated once.
@@ -42,7 +42,7 @@ pub struct WorstCase {
     /// On which teeth it is.
     pub extent: Extent,
     /// The lowest and the highest ΔCD.
-    pub range: Result<Interval, Open>,
+    pub range: Result<Interval, NoBound>,
 }
 
 impl WorstCase {

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::batch::{Basis, grouped, whereabouts};
+use super::batch::{Basis, whereabouts};
 use super::escape;
-use super::number::{ends, millimetres};
+use super::number::{ends, grouped, unsigned};
 use super::reading::remarks;
 use crate::batch::{Outcome, Part};
 use crate::judge::Verdict;
@@ -19,8 +19,7 @@ fn sentence(part: &Part) -> String {
     if part.verdict == Some(Verdict::Indeterminate) {
         return format!("ΔCD ({on}) {result} mm is too near its limit to be judged");
     }
-    let beyond = millimetres(part.margin_mm.abs());
-    format!("ΔCD ({on}) {result} mm is {} mm outside its limit", beyond.trim_start_matches('+'))
+    format!("ΔCD ({on}) {result} mm is {} mm outside its limit", unsigned(part.margin_mm.abs()))
 }
 
 /// The batch as a JUnit report. The parts that did not pass and the rejected rows are test cases of their own,
@@ -129,7 +128,7 @@ fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Doubt> {
     let incomplete = if outcome.interrupted {
         Some("the run was interrupted: later parts were not checked")
     } else if outcome.is_cut {
-        Some("a table could not be read to its end: not all parts were checked")
+        Some("a table was not read to its end: not all parts were checked")
     } else if outcome.counts.rows == 0 {
         Some("there were no parts to check")
     } else {

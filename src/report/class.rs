@@ -3,11 +3,11 @@
 use serde_json::{Value, json};
 
 use super::evaluation::{IntervalFact, interval_text};
-use super::number::{millimetres, plain};
+use super::number::{plain, unsigned};
 use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
-use crate::judge::class::{DiameterSource, Effect};
-use crate::judge::grade::{GradeSearch, Obtained, overall};
+use crate::judge::class::{ClassEffect, DiameterSource, NoEffect};
+use crate::judge::grade::{GradeSearch, ObtainedGrade, ToleranceError, overall};
 use crate::judge::{Combined, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
@@ -80,7 +80,7 @@ pub struct ClassRow {
     /// The value.
     pub permissible: Permissible,
     /// ΔCD by the formulas, or why there is none.
-    pub delta_cd: Result<Length, String>,
+    pub delta_cd: Result<Length, NoEffect>,
     /// ΔCD by the exact mesh, mm, and how the deviation was put on the teeth.
     pub mesh: Option<(f64, &'static str)>,
 }
@@ -144,8 +144,8 @@ impl Report for ClassReport {
                     "formula": permissible.formula,
                     "ranges": permissible.ranges.iter().map(range_json).collect::<Vec<_>>(),
                     "delta_cd_mm": delta_cd.as_ref().ok().copied().map(Length::mm),
-                    "delta_cd_by": delta_cd.as_ref().ok().map(|_| Effect::of(permissible.deviation).name()),
-                    "delta_cd_missing": delta_cd.as_ref().err(),
+                    "delta_cd_by": delta_cd.as_ref().ok().map(|_| ClassEffect::of(permissible.deviation).name()),
+                    "delta_cd_missing": delta_cd.as_ref().err().map(ToString::to_string),
                     "mesh_delta_cd_mm": mesh.map(|(mm, _)| super::number::tidy(mm)),
                     "mesh_arrangement": mesh.map(|(_, arrangement)| arrangement),
                     "remarks": permissible.remarks.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -207,7 +207,7 @@ impl Report for ClassReport {
                 format!("{:.3}", permissible.unrounded_um()),
                 ranges_text(&permissible.ranges),
                 row.delta_cd.as_ref().map_or_else(|_| "-".to_owned(), |delta_cd| unsigned(delta_cd.mm())),
-                row.delta_cd.as_ref().map_or("-", |_| Effect::of(permissible.deviation).name()).to_owned(),
+                row.delta_cd.as_ref().map_or("-", |_| ClassEffect::of(permissible.deviation).name()).to_owned(),
             ];
             if with_mesh {
                 cells.push(row.mesh.map_or_else(|| "-".to_owned(), |(mm, _)| unsigned(super::number::tidy(mm))));
@@ -234,10 +234,6 @@ impl Report for ClassReport {
     }
 }
 
-fn unsigned(mm: f64) -> String {
-    millimetres(mm).trim_start_matches('+').to_owned()
-}
-
 /// A permissible value for people: as its standard rounds it, or with the digits of the unrounded one where that is
 /// unknown.
 fn shown_um(permissible: &Permissible) -> String {
@@ -255,7 +251,7 @@ pub struct ObtainedReport {
     /// The diameters used, in words.
     pub diameters: Vec<String>,
     /// One per deviation.
-    pub obtained: Vec<Obtained>,
+    pub obtained: Vec<ObtainedGrade>,
     /// Deviations without a grade, and why.
     pub not_graded: Vec<String>,
 }
@@ -331,7 +327,7 @@ impl Report for ObtainedReport {
         blocks.push(Block::Note(match overall(&self.obtained) {
             Some(grade) => format!("Overall: grade {grade} of {}", standards(self.standard)),
             None if self.obtained.is_empty() => "Overall: nothing could be graded".to_owned(),
-            None if self.obtained.iter().any(Obtained::is_beyond_what_is_known) => format!(
+            None if self.obtained.iter().any(ObtainedGrade::is_beyond_what_is_known) => format!(
                 "Overall: not known: this program has not all values of {}, and a deviation is beyond those it has",
                 standards(self.standard)
             ),
@@ -359,16 +355,16 @@ pub struct GradeSearchReport {
 }
 
 /// Why a grade has no worst case.
-fn why_none(combined: &Result<Combined, String>) -> Option<String> {
+fn why_none(combined: &Result<Combined, ToleranceError>) -> Option<String> {
     match combined {
         Ok(combined) => combined.range.err().map(|open| open.to_string()),
-        Err(reason) => Some(reason.clone()),
+        Err(error) => Some(error.to_string()),
     }
 }
 
 impl Report for GradeSearchReport {
     fn json(&self) -> Value {
-        let ends = |combined: &Result<Combined, String>, stack| {
+        let ends = |combined: &Result<Combined, ToleranceError>, stack| {
             let interval = combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
             interval.map(IntervalFact::from)
         };

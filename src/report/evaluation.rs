@@ -3,12 +3,11 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::number::{millimetres, plain, signed, tidy};
+use super::number::{ends, millimetres, plain, signed, tidy, unsigned};
 use super::uncertainty::{DecisionFact, UncertaintyCells, UncertaintyPart, indeterminate_sentence, rule_name};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, Unjudged};
-use crate::formula::Model;
 use crate::formula::law::equation;
 use crate::judge::bound::Note;
 use crate::judge::class::ErrorClass;
@@ -110,7 +109,7 @@ impl EvaluationReport<'_> {
     fn contribution_table(&self) -> Table {
         let evaluation = self.evaluation;
         let model = evaluation.model;
-        let other = if model == Model::Exact { Model::Paper } else { Model::Exact };
+        let other = model.other();
         let both = evaluation.models_differ();
         let mut columns =
             vec![Column::text("error"), Column::number("deviation"), Column::number(format!("ΔCD {model}\n[mm]"))];
@@ -246,7 +245,7 @@ impl EvaluationReport<'_> {
             Some(Unjudged::Lacking) => {
                 return Some(Block::Open("the sum lacks errors that the spec asks for".to_owned()));
             }
-            Some(Unjudged::Open(open)) => return Some(Block::Open(open.to_string())),
+            Some(Unjudged::NoBound(open)) => return Some(Block::Open(open.to_string())),
             None => {}
         }
         if let Some(open) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Indeterminate)) {
@@ -344,7 +343,7 @@ fn unjudged_text(unjudged: Unjudged) -> &'static str {
     match unjudged {
         Unjudged::NotGiven => "not given",
         Unjudged::Lacking => "not complete",
-        Unjudged::Open(_) => "open",
+        Unjudged::NoBound(_) => "open",
     }
 }
 
@@ -362,8 +361,7 @@ impl From<Interval> for IntervalFact {
 }
 
 pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
-    let (lower, upper) = (millimetres(lower.mm()), millimetres(upper.mm()));
-    if lower == upper { upper } else { format!("{lower} … {upper}") }
+    ends(lower.mm(), upper.mm())
 }
 
 /// Which end of the limit is broken and by how much, however little that is.
@@ -383,7 +381,7 @@ fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
             format!(
                 "{} mm is {} mm {side} the limit {} mm",
                 millimetres(result.mm()),
-                millimetres(by.mm()).trim_start_matches('+'),
+                unsigned(by.mm()),
                 plain(limit.mm())
             )
         })

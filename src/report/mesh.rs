@@ -5,13 +5,13 @@ use serde_json::{Value, json};
 use super::evaluation::{IntervalFact, interval_text};
 use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
-use super::number::{plain, signed, tidy};
-use super::{Block, Column, Report, Screen, Table, document, fact, sketch, titled};
+use super::number::{plain, signed, tidy, unsigned};
+use super::{Block, Column, Report, Screen, Table, document, fact, noted, sketch, titled};
 use crate::evaluation::{JudgedBy, LimitCheck, Unjudged};
-use crate::judge::bound::Open;
+use crate::judge::bound::NoBound;
 use crate::judge::{Interval, Limit, LimitTarget, Prediction, Rule, Verdict};
 use crate::mesh::{Curve, Mesh, Summary};
-use crate::quantity::Length;
+use crate::quantity::{Length, Rounded};
 
 /// A solved stroke range.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub struct MeshReport<'a> {
     /// The limit of the combined ΔCD.
     pub limit: Option<&'a Limit>,
     /// What is held against it: over all strokes at which a deviated tooth can carry, or wherever errors are.
-    pub judged: Result<Interval, Open>,
+    pub judged: Result<Interval, NoBound>,
     /// Who says so.
     pub judged_by: JudgedBy,
     /// One for each limit.
@@ -74,7 +74,7 @@ impl MeshReport<'_> {
                 let sentence = format!("{subject} {result} mm{by} is {how} the limit ({}){rule}", check.limit);
                 Block::Verdict(verdict, sentence)
             }
-            (Err(Unjudged::Open(open)), _) => Block::Open(open.to_string()),
+            (Err(Unjudged::NoBound(open)), _) => Block::Open(open.to_string()),
             (Err(Unjudged::NotGiven), _) => {
                 Block::Open(format!("the limit on {subject} is not judged: that error is not given"))
             }
@@ -110,7 +110,7 @@ fn summary_table(summary: &Summary) -> Table {
         vec![name.to_owned(), value, at.map_or_else(String::new, |stroke| format!("{stroke:.4}"))]
     };
     let mm = |value: f64| format!("{} mm", millimetres(value));
-    let plain_mm = |value: f64| mm(value).trim_start_matches('+').to_owned();
+    let plain_mm = |value: f64| format!("{} mm", unsigned(tidy(value)));
     Table {
         columns: vec![Column::text("exact mesh"), Column::number("value"), Column::number("at stroke [mm]")],
         rows: vec![
@@ -208,13 +208,14 @@ impl Report for MeshReport<'_> {
             blocks.push(Block::Table(mesh_points::table(self.listed)));
         }
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
-        blocks.extend(self.trust().and(Trust::of(self.listed)).notes().into_iter().map(Block::Remark));
+        let doubts = self.trust().and(Trust::of(self.listed)).notes();
+        blocks.extend(doubts.iter().map(|doubt| Block::Note(noted(doubt))));
         if !self.curve.resolved {
-            blocks.push(Block::Remark(format!(
+            blocks.push(Block::Note(noted(&format!(
                 "the curve bends too often to be resolved to {} mm everywhere; choose a shorter stroke or a larger \
                  --tolerance",
                 plain(self.curve.tolerance_mm)
-            )));
+            ))));
         }
         blocks.extend(self.checks.iter().map(|check| self.verdict_block(check)));
         blocks
@@ -288,14 +289,18 @@ impl MeasureReport {
     fn note(&self) -> String {
         match self {
             Self::Rack { pin_mm, datum_mm: Some(datum), .. } => {
-                format!("pin {} mm; M from the datum, {} mm below the reference plane", plain(*pin_mm), plain(*datum))
+                format!(
+                    "pin {} mm; M from the datum, {} mm below the reference plane",
+                    Rounded(*pin_mm),
+                    Rounded(*datum)
+                )
             }
             Self::Rack { pin_mm, datum_mm: None, .. } => {
-                format!("pin {} mm; give rack.datum for the measure M itself", plain(*pin_mm))
+                format!("pin {} mm; give rack.datum for the measure M itself", Rounded(*pin_mm))
             }
             Self::Pinion { ball_mm, .. } => format!(
                 "ball {} mm, in the space after each tooth; positions along the reference circle",
-                crate::quantity::Rounded(*ball_mm)
+                Rounded(*ball_mm)
             ),
         }
     }

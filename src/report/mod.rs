@@ -49,10 +49,12 @@ pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
 pub use mesh::{MeasureReport, MeshReport};
-pub use paste::{PartRow, PartsReport, SpacesReport, Together};
+#[cfg(feature = "cli")]
+pub(crate) use number::grouped;
+pub use paste::{FormulaAndMesh, PartRow, PartsReport, SpacesReport};
 #[cfg(feature = "table")]
 pub use qdas::qdas;
-pub use racks::{RACK_COLUMNS, RacksReport, rack_lines, read_study, study_json};
+pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_study, study_json};
 #[cfg(feature = "table")]
 pub use reading::{WithReading, reading_blocks, remarks};
 pub use reproduction::Reproduction;
@@ -111,6 +113,23 @@ pub trait Report {
 
     /// The result for people.
     fn blocks(&self) -> Vec<Block>;
+}
+
+/// A report without the remarks that people read; programs get them all the same.
+pub struct WithoutRemarks<'a>(pub &'a dyn Report);
+
+impl Report for WithoutRemarks<'_> {
+    fn json(&self) -> Value {
+        self.0.json()
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        self.0.rows()
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        self.0.blocks().into_iter().filter(|block| !matches!(block, Block::Remark(_))).collect()
+    }
 }
 
 /// Text that cannot be taken for markup, in an element or in an attribute; XML has no place for most control characters.

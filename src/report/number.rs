@@ -8,11 +8,29 @@ pub(super) fn millimetres(mm: f64) -> String {
     signed(mm, 4)
 }
 
+/// The magnitude of a length that has no sign, in mm for people.
+pub(super) fn unsigned(mm: f64) -> String {
+    millimetres(mm).trim_start_matches('+').to_owned()
+}
+
+/// A count with its thousands apart.
+#[cfg(any(feature = "batch", feature = "cli"))]
+pub(crate) fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// From one length to another, in mm for people; one where they are the same.
-#[cfg(feature = "batch")]
 pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
-    let upper = millimetres(upper_mm);
-    if lower_mm == upper_mm { upper } else { format!("{} … {upper}", millimetres(lower_mm)) }
+    let (lower, upper) = (millimetres(lower_mm), millimetres(upper_mm));
+    if lower == upper { upper } else { format!("{lower} … {upper}") }
 }
 
 /// A signed number with that many decimals, or in powers of ten where they would show nothing or too
@@ -45,6 +63,11 @@ pub(super) fn truncated(value: f64, decimals: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
+    }
 
     #[test]
     fn only_zero_is_printed_as_zero() {

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::number::{millimetres, plain, signed};
+use super::number::{millimetres, plain, signed, tidy};
 use super::uncertainty::micrometres;
 use super::{Block, Column, Report, Table, UncertaintyPart, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -57,13 +57,13 @@ impl PartsReport<'_> {
 
 /// A result that has an uncertainty.
 #[derive(Clone, Copy)]
-enum Of {
+enum UncertainResult {
     Error(DeviationKind),
     Lower,
     Upper,
 }
 
-impl Of {
+impl UncertainResult {
     fn of(self, propagation: &Propagation) -> Option<&Linear> {
         match self {
             Self::Error(kind) => propagation.errors.iter().find(|(of, _)| *of == kind).map(|(_, linear)| linear),
@@ -74,11 +74,18 @@ impl Of {
 }
 
 /// Each error's ΔCD and the ends of the combination, by the names that `batch` gives them.
-fn kinds_and_ends(kinds: &[DeviationKind], stack: Stack) -> Vec<(String, Of)> {
-    let mut all: Vec<_> = kinds.iter().map(|kind| (format!("delta_cd_{}", kind.key()), Of::Error(*kind))).collect();
+fn kinds_and_ends(kinds: &[DeviationKind], stack: Stack) -> Vec<(String, UncertainResult)> {
+    let mut all: Vec<_> =
+        kinds.iter().map(|kind| (format!("delta_cd_{}", kind.key()), UncertainResult::Error(*kind))).collect();
     match stack {
-        Stack::Range => all.extend([("range_lower".to_owned(), Of::Lower), ("range_upper".to_owned(), Of::Upper)]),
-        Stack::Rss => all.extend([("rss_lower".to_owned(), Of::Lower), ("rss_upper".to_owned(), Of::Upper)]),
+        Stack::Range => all.extend([
+            ("range_lower".to_owned(), UncertainResult::Lower),
+            ("range_upper".to_owned(), UncertainResult::Upper),
+        ]),
+        Stack::Rss => all.extend([
+            ("rss_lower".to_owned(), UncertainResult::Lower),
+            ("rss_upper".to_owned(), UncertainResult::Upper),
+        ]),
     }
     all
 }
@@ -149,7 +156,7 @@ impl Report for PartsReport<'_> {
             }
             for (_, result) in &results {
                 let linear = part.uncertainty.as_ref().and_then(|known| result.of(&known.propagation));
-                let cells = linear.map(|linear| [plain(linear.standard_mm), plain(linear.expanded_mm())]);
+                let cells = linear.map(|linear| [linear.standard_mm, linear.expanded_mm()].map(|mm| plain(tidy(mm))));
                 row.extend(cells.unwrap_or_default());
             }
             row.resize(width, String::new());
@@ -360,14 +367,14 @@ impl Report for SpacesReport<'_> {
 }
 
 /// Two reports as one: what the formulas say, and the exact mesh.
-pub struct Together<'a> {
+pub struct FormulaAndMesh<'a> {
     /// By formula.
     pub formula: &'a dyn Report,
     /// By the exact mesh.
     pub mesh: &'a dyn Report,
 }
 
-impl Report for Together<'_> {
+impl Report for FormulaAndMesh<'_> {
     fn json(&self) -> Value {
         json!({ "formula": self.formula.json(), "mesh": self.mesh.json() })
     }

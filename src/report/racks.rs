@@ -8,7 +8,7 @@ use super::number::{millimetres, plain, tidy};
 use super::{Block, Column, Report, Table, titled};
 use crate::chance::racks::{
     Bin, CONFIDENCE, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
-    STEPS_PER_PITCH, Scatter,
+    STEPS_PER_PITCH, Scatter, StudyError,
 };
 use crate::judge::Verdict;
 use crate::judge::class::ErrorClass;
@@ -245,17 +245,34 @@ pub fn study_json(study: &RacksStudy) -> Result<String, serde_json::Error> {
 ///
 /// # Errors
 /// Why the text is no study.
-pub fn read_study(text: &str) -> Result<RacksStudy, String> {
-    let file: StudyFile<RacksStudy> = serde_json::from_str(text).map_err(|error| error.to_string())?;
+pub fn read_study(text: &str) -> Result<RacksStudy, StudyFileError> {
+    let file: StudyFile<RacksStudy> = serde_json::from_str(text)?;
     if file.holds != HOLDS {
-        return Err(format!("it holds {:?}, not {HOLDS:?}", file.holds));
+        return Err(StudyFileError::OtherContent(file.holds));
     }
     if file.format_version != FORMAT_VERSION {
-        let version = file.format_version;
-        return Err(format!("its format_version is {version}, and this program reads {FORMAT_VERSION}"));
+        return Err(StudyFileError::OtherVersion(file.format_version));
     }
-    file.study.check().map_err(|error| error.to_string())?;
+    file.study.check()?;
     Ok(file.study)
+}
+
+/// Why a text is no study.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyFileError {
+    /// No JSON, or not that of a study.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// It holds something else.
+    #[error("it holds {0:?}, not {HOLDS:?}")]
+    OtherContent(String),
+    /// Of another version of the program.
+    #[error("its format_version is {0}, and this program reads {FORMAT_VERSION}")]
+    OtherVersion(u32),
+    /// What it says does not agree.
+    #[error(transparent)]
+    Study(#[from] StudyError),
 }
 
 impl Report for RacksReport<'_> {

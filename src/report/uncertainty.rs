@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::number::{millimetres, plain};
+use super::number::{millimetres, plain, tidy};
 use super::{Block, Column, Table};
 use crate::chance::{PartSimulation, Simulation, Validation, validate};
 use crate::deviation::DeviationKind;
@@ -279,17 +279,17 @@ impl UncertaintyPart {
                             "degrees_of_freedom": finite(c.dof),
                             "sensitivity": c.sensitivity,
                             "sensitivity_unit": if angle { "mm/deg" } else { "mm/mm" },
-                            "contribution_mm": c.contribution_mm,
+                            "contribution_mm": tidy(c.contribution_mm),
                             "share": c.share,
                         })
                     })
                     .collect();
                 json!({
                     "of": key,
-                    "delta_cd_mm": linear.value_mm,
-                    "standard_uncertainty_mm": linear.standard_mm,
+                    "delta_cd_mm": tidy(linear.value_mm),
+                    "standard_uncertainty_mm": tidy(linear.standard_mm),
                     "coverage_factor": linear.coverage_factor,
-                    "expanded_uncertainty_mm": linear.expanded_mm(),
+                    "expanded_uncertainty_mm": tidy(linear.expanded_mm()),
                     "effective_degrees_of_freedom": linear.dof.and_then(finite),
                     "linear": linear.folded.is_empty(),
                     "folded": linear.folded.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
@@ -322,16 +322,16 @@ impl UncertaintyPart {
     pub(super) fn rows(&self) -> impl Iterator<Item = (&'static str, f64, UncertaintyCells)> + '_ {
         self.results().into_iter().map(|(key, _, linear, simulated)| {
             let cells = UncertaintyCells {
-                standard_uncertainty_mm: Some(linear.standard_mm),
-                expanded_uncertainty_mm: Some(linear.expanded_mm()),
+                standard_uncertainty_mm: Some(tidy(linear.standard_mm)),
+                expanded_uncertainty_mm: Some(tidy(linear.expanded_mm())),
                 coverage_factor: Some(linear.coverage_factor),
-                monte_carlo_mean_mm: simulated.map(|simulated| simulated.mean),
-                monte_carlo_standard_mm: simulated.map(|simulated| simulated.standard),
-                monte_carlo_lower_mm: simulated.map(|simulated| simulated.symmetric.0),
-                monte_carlo_upper_mm: simulated.map(|simulated| simulated.symmetric.1),
+                monte_carlo_mean_mm: simulated.map(|simulated| tidy(simulated.mean)),
+                monte_carlo_standard_mm: simulated.map(|simulated| tidy(simulated.standard)),
+                monte_carlo_lower_mm: simulated.map(|simulated| tidy(simulated.symmetric.0)),
+                monte_carlo_upper_mm: simulated.map(|simulated| tidy(simulated.symmetric.1)),
                 linear_validated: simulated.map(|simulated| validate(linear, simulated, self.digits()).validated),
             };
-            (key, linear.value_mm, cells)
+            (key, tidy(linear.value_mm), cells)
         })
     }
 }
@@ -361,10 +361,10 @@ fn finite(value: f64) -> Option<f64> {
 
 fn simulation_json(simulated: &Simulation, validation: &Validation) -> Value {
     json!({
-        "mean_mm": simulated.mean,
-        "standard_uncertainty_mm": simulated.standard,
-        "symmetric_95_mm": { "lower": simulated.symmetric.0, "upper": simulated.symmetric.1 },
-        "shortest_95_mm": { "lower": simulated.shortest.0, "upper": simulated.shortest.1 },
+        "mean_mm": tidy(simulated.mean),
+        "standard_uncertainty_mm": tidy(simulated.standard),
+        "symmetric_95_mm": { "lower": tidy(simulated.symmetric.0), "upper": tidy(simulated.symmetric.1) },
+        "shortest_95_mm": { "lower": tidy(simulated.shortest.0), "upper": tidy(simulated.shortest.1) },
         "end_standard_error_mm": { "lower": simulated.end_errors.0, "upper": simulated.end_errors.1 },
         "linear_half_width_mm": validation.linear_half_width,
         "distance_lower_mm": validation.distances.0,

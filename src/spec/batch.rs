@@ -1,7 +1,7 @@
 //! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
 //! the reader of pasted blocks; reads no table.
 
-use crate::table::{DecimalMark, Field, Given, ValueKind, Want};
+use crate::table::{DecimalMark, Field, GivenColumn, ValueKind, Want};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -209,6 +209,7 @@ impl Spec {
             given: DeviationKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
             module: self.get(keys::PAIR_NORMAL_MODULE),
             face_width: self.get(keys::RACK_FACE_WIDTH),
+            over_pin: self.nominal_over_pin().ok(),
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
             decimal: self.batch.decimal,
             others_ignored: self.batch.others_ignored,
@@ -216,8 +217,13 @@ impl Spec {
         }
     }
 
+    /// The column that the spec says has the names of the parts.
+    pub(crate) fn part_id_column(&self) -> Option<&str> {
+        self.batch.part_id.as_deref()
+    }
+
     /// What the spec says of the column of an error.
-    fn given(&self, kind: DeviationKind) -> Given {
+    fn given(&self, kind: DeviationKind) -> GivenColumn {
         let column = self.batch_column(kind).map(|column| &column.value);
         let stated = column.and_then(|column| column.kind.as_ref()).map(|stated| stated.value);
         let holds = match stated {
@@ -230,7 +236,7 @@ impl Spec {
             Ok(Reading::Deviation) => None,
             Err(problems) => Some(Err(problems)),
         };
-        Given {
+        GivenColumn {
             kind,
             unit: column.and_then(|column| column.unit.as_ref()).map(|unit| unit.value),
             holds,

@@ -205,9 +205,6 @@ pub(super) fn is_of_a_part(form: &[&str]) -> bool {
     form != ["class"] && form != ["nominal"]
 }
 
-/// The coarsest grade of any standard.
-pub(super) const LARGEST_CLASS: u8 = 12;
-
 /// The form that the keys of an entry make, if they make one.
 fn error_form(
     reader: &mut SectionReader<'_>,

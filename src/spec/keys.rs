@@ -10,6 +10,9 @@ use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Bound, Domain, Length};
 use crate::standard::Standard;
 
+/// The coarsest grade of any standard.
+pub(super) const LARGEST_CLASS: u8 = 12;
+
 /// What a key holds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Kind {

@@ -16,6 +16,7 @@ use crate::deviation::{
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
+use crate::judge::PlacedError;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
 use crate::mesh::{Mesh, Support};
@@ -33,13 +34,15 @@ pub struct MeasuredTables {
 }
 
 /// Where the deviations of a mesh come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Origin {
     /// Deviations per tooth: `deviation` and `measured`; none at all is a perfect pair.
     Teeth,
     /// One value per error, from `[errors]`: put on the teeth as the formulas understand them.
     Errors,
+    /// The same, on the worst teeth that a search finds.
+    WorstTeeth(Vec<PlacedError>),
 }
 
 /// A mesh and what its user should know.
@@ -63,6 +66,8 @@ pub struct MeshInput {
     pub pinion_rows: Vec<PinionToothRow>,
     /// The spaces of a measured rack of which everything was measured that its table has a column for.
     pub whole_spaces: BTreeSet<i64>,
+    /// The first space in a row of measured ones of which something was not measured, and the line that tells it.
+    pub unmeasured_space: Option<(i64, u64)>,
     /// The first tooth of a measured pinion of which something was not measured.
     pub unmeasured_tooth: Option<i64>,
 }
@@ -75,10 +80,14 @@ impl MeshInput {
     /// The strokes at which a deviated tooth can carry.
     ///
     /// # Errors
-    /// [`StrokesError`] if measured spaces do not cover one stretch, or a tooth of a measured pinion was left out.
+    /// [`StrokesError`] if measured spaces cover no stroke, or a space between others or a tooth of a measured pinion was
+    /// left out.
     pub fn judged_strokes(&self) -> Result<Vec<Range<f64>>, StrokesError> {
         if let Some(tooth) = self.unmeasured_tooth {
             return Err(StrokesError::Tooth { tooth, teeth: self.mesh.pair().pinion().teeth });
+        }
+        if let Some((space, line)) = self.unmeasured_space {
+            return Err(StrokesError::Gap { space, line });
         }
         if !self.rack_rows.is_empty() && self.whole_spaces.is_empty() {
             return Err(StrokesError::NotMeasured);
@@ -89,14 +98,6 @@ impl MeshInput {
             pinion: !self.pinion_deviations.is_empty() || !self.pinion_rows.is_empty(),
         };
         judged_strokes(self.mesh.pair(), &teeth)
-    }
-
-    /// The first space between the first and the last of a measured rack of which something was not measured.
-    #[must_use]
-    pub fn unmeasured_space(&self) -> Option<i64> {
-        let spaces = || self.rack_rows.iter().map(|row| row.space);
-        let (first, last) = spaces().min().zip(spaces().max())?;
-        (first..=last).find(|space| !self.whole_spaces.contains(space))
     }
 }
 
@@ -197,6 +198,7 @@ impl Spec {
             rack_rows,
             pinion_rows,
             whole_spaces: tables.rack.as_ref().map(RackSpaces::measured_spaces).unwrap_or_default(),
+            unmeasured_space: tables.rack.as_ref().and_then(RackSpaces::unmeasured),
             unmeasured_tooth: tables.pinion.as_ref().and_then(|table| table.unmeasured(i64::from(pair.pinion().teeth))),
         })
     }

@@ -8,9 +8,10 @@ use super::keys::{self, Key};
 use super::resolve::MissingKeys;
 use super::value::KeyType;
 use super::{Located, Spec, WrittenPinionDeviation};
-use crate::deviation::plausible::{self, Doubt, Written};
+use crate::deviation::plausible::{self, Doubt, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::judge::LimitTarget;
 use crate::quantity::{Angle, Length, parse_f64};
 
 /// A doubt about the value of a key.
@@ -46,6 +47,7 @@ impl Spec {
         let mut found = self.doubted_sizes();
         found.extend(self.errors.iter().filter_map(|(kind, written)| self.doubted_error(*kind, written)));
         found.extend(self.doubted_teeth());
+        found.extend(self.doubted_limits());
         found.sort_by_key(|doubted| doubted.span.start);
         found.into_iter().map(|doubted| self.diagnostic(&doubted)).collect()
     }
@@ -58,7 +60,7 @@ impl Spec {
         } else {
             Diagnostic::warning(Code::Implausible, message)
         };
-        let diagnostic = diagnostic.help(doubt.remedy(Written::Spec));
+        let diagnostic = diagnostic.help(doubt.remedy(WrittenIn::Spec));
         if span.is_empty() { diagnostic } else { diagnostic.at(&self.source, span.clone(), "") }
     }
 
@@ -111,6 +113,26 @@ impl Spec {
         let doubt = plausible::deviation(value, self.module())?;
         let doubt = if is_difference { doubt.of_difference() } else { doubt };
         Some(DoubtedKey { name: kind.key().to_owned(), span: written.span.clone(), doubt })
+    }
+
+    /// Limits that no deviation comes near, so that they would let every part pass: µm in place of mm.
+    fn doubted_limits(&self) -> Vec<DoubtedKey> {
+        let doubted = |on: &LimitTarget, end: Option<Length>| {
+            let doubt = plausible::deviation(DeviationValue::Length(end?), self.module())?;
+            let key = match on {
+                LimitTarget::CenterDistance => "center_distance",
+                LimitTarget::Error(kind) => kind.key(),
+            };
+            // it is a choice, and no value of a part
+            let doubt = Doubt { is_impossible: false, ..doubt };
+            Some(DoubtedKey { name: format!("limits.{key}"), span: 0..0, doubt })
+                .filter(|_| plausible::Reach::possible(self.module()).is_exceeded_by(doubt.value))
+        };
+        self.limits()
+            .iter()
+            .flat_map(|(on, limit)| [limit.lower, limit.upper].map(|end| doubted(on, end)))
+            .flatten()
+            .collect()
     }
 
     /// The doubts about deviations of single teeth.

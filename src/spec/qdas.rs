@@ -3,11 +3,42 @@
 
 use super::{Located, Spec};
 use crate::deviation::{DeviationKind, DeviationValue};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
 use crate::judge::{Limit, LimitTarget};
 use crate::quantity::{Angle, Length};
 use crate::table::qdas::{Characteristic, Qdas};
 use crate::uncertainty::{Source, Uncertainty};
+
+/// What to do where parts have limits or uncertainties of their own.
+const APART: &str = "evaluate them apart, or write in the spec what holds for all parts";
+
+/// What a spec says of the values of an error in a table.
+#[derive(PartialEq)]
+struct OfValues {
+    nominal: Option<DeviationValue>,
+    limit: Option<Limit>,
+    uncertainty: Option<Uncertainty>,
+}
+
+impl OfValues {
+    /// The first thing in which another differs, in words.
+    fn difference(&self, other: &Self) -> Option<String> {
+        let in_words = |of: &dyn Fn(&Self) -> Option<String>| {
+            [self, other].map(|one| of(one).unwrap_or_else(|| "none".to_owned())).join(" and ")
+        };
+        if self.nominal != other.nominal {
+            let nominal = |one: &Self| Some(one.nominal?.to_string());
+            return Some(format!("nominal values {}", in_words(&nominal)));
+        }
+        if self.limit != other.limit {
+            let limit = |one: &Self| Some(one.limit?.to_string());
+            return Some(format!("limits of its ΔCD {}", in_words(&limit)));
+        }
+        let standard = |one: &Self| Some(one.uncertainty?.standard.to_string());
+        (self != other).then(|| format!("standard uncertainties {}", in_words(&standard)))
+    }
+}
 
 impl Spec {
     /// The spec with what a file says of the characteristics that are its errors, and remarks on what was taken and
@@ -16,19 +47,59 @@ impl Spec {
     /// Limits of a characteristic are limits of its error. They become limits of its ΔCD: those of an over-roller or
     /// radial error as they are, those of a pitch or lead error by its formula if they lie as far above as below,
     /// because its ΔCD follows from its magnitude.
-    #[must_use]
-    pub fn completed_by(&self, qdas: &Qdas, model: Model) -> (Self, Vec<String>) {
+    ///
+    /// # Errors
+    /// If the file says different things of one error, of which the spec says nothing.
+    pub fn completed_by(&self, qdas: &Qdas, model: Model) -> Result<(Self, Vec<String>), Diagnostic> {
+        let own = self.want().own;
+        let of_errors = qdas.characteristics.iter().map(|found| (Qdas::error_of(found, &own), found));
+        let of_errors: Vec<_> = of_errors.filter_map(|(kind, found)| Some((kind?, found))).collect();
         let mut spec = self.clone();
         let mut notes = Vec::new();
-        let own = self.want().own;
         for kind in DeviationKind::ALL {
-            let found = qdas.characteristics.iter().find(|found| Qdas::error_of(found, &own) == Some(kind));
-            let Some(found) = found else { continue };
-            spec.take_nominal(kind, found, &mut notes);
-            spec.take_limits(kind, found, model, &mut notes);
-            spec.take_uncertainty(kind, found, &mut notes);
+            let mut all = of_errors.iter().filter(|(of, _)| *of == kind).map(|(_, found)| *found);
+            let Some(first) = all.next() else { continue };
+            spec.take(kind, first, model, &mut notes);
+            let taken = spec.of_values(kind);
+            let difference = all.filter(|other| !says_the_same(first, other)).find_map(|other| {
+                let mut alone = self.clone();
+                alone.take(kind, other, model, &mut Vec::new());
+                taken.difference(&alone.of_values(kind))
+            });
+            if let Some(difference) = difference {
+                let message = format!("{} says different things of {kind}: {difference}", qdas.name());
+                return Err(Diagnostic::error(Code::BadTable, message).help(APART));
+            }
         }
-        (spec, notes)
+        Ok((spec, notes))
+    }
+
+    /// Refuses a table `name` after the first one, if its file says otherwise what the spec leaves open.
+    ///
+    /// # Errors
+    /// If parts of both cannot be judged by one spec.
+    pub fn refuse_other(&self, name: &str, first: (&str, &Self)) -> Result<(), Diagnostic> {
+        let of_kind = |kind: DeviationKind| Some((kind, first.1.of_values(kind).difference(&self.of_values(kind))?));
+        let Some((kind, difference)) = DeviationKind::ALL.into_iter().find_map(of_kind) else { return Ok(()) };
+        let message = format!("{} and {name} say different things of {kind}: {difference}", first.0);
+        Err(Diagnostic::error(Code::BadTable, message).help(APART))
+    }
+
+    fn of_values(&self, kind: DeviationKind) -> OfValues {
+        let limit = self.limits.iter().find(|(on, _)| *on == LimitTarget::Error(kind));
+        let uncertainty = self.uncertainties.iter().find(|(of, _)| *of == Source::Error(kind));
+        OfValues {
+            nominal: self.nominals.iter().find(|(of, _)| *of == kind).map(|(_, nominal)| nominal.value),
+            limit: limit.map(|(_, limit)| limit.value),
+            uncertainty: uncertainty.map(|(_, uncertainty)| uncertainty.value),
+        }
+    }
+
+    /// Takes what a characteristic says of its error.
+    fn take(&mut self, kind: DeviationKind, found: &Characteristic, model: Model, notes: &mut Vec<String>) {
+        self.take_nominal(kind, found, notes);
+        self.take_limits(kind, found, model, notes);
+        self.take_uncertainty(kind, found, notes);
     }
 
     fn take_nominal(&mut self, kind: DeviationKind, found: &Characteristic, notes: &mut Vec<String>) {
@@ -46,10 +117,16 @@ impl Spec {
     fn take_uncertainty(&mut self, kind: DeviationKind, found: &Characteristic, notes: &mut Vec<String>) {
         const COVERAGE: f64 = 2.0;
         let source = Source::Error(kind);
-        let Some(expanded) = found.uncertainty.as_deref().and_then(|text| value(kind, text, found)) else { return };
+        let Some(text) = found.uncertainty.as_deref() else { return };
         if self.uncertainties.iter().any(|(of, _)| *of == source) {
             return;
         }
+        let Some(expanded) = value(kind, text, found) else {
+            let unit = found.unit.as_deref().unwrap_or_default();
+            return notes.push(format!(
+                "{kind}: the uncertainty of the file (K2106) is not taken: {text} {unit} is none of it"
+            ));
+        };
         let number = expanded.base();
         if number > 0.0 {
             notes.push(format!("{kind}: expanded uncertainty U = {expanded} (k = 2, assumed) from the file (K2106)"));
@@ -61,8 +138,13 @@ impl Spec {
         let target = LimitTarget::Error(kind);
         let end = |text: &Option<String>| text.as_deref().and_then(|text| value(kind, text, found));
         let (lower, upper) = (end(&found.lower), end(&found.upper));
-        if (lower.is_none() && upper.is_none()) || self.limits.iter().any(|(on, _)| *on == target) {
+        let is_read = lower.is_some() == found.lower.is_some() && upper.is_some() == found.upper.is_some();
+        if (found.lower.is_none() && found.upper.is_none()) || self.limits.iter().any(|(on, _)| *on == target) {
             return;
+        }
+        if !is_read {
+            let unit = found.unit.as_deref().unwrap_or_default();
+            return notes.push(format!("{kind}: the limits of the file are not taken: `{unit}` is not its unit"));
         }
         let nominal = self.nominals.iter().find(|(of, _)| *of == kind).map(|(_, nominal)| nominal.value);
         let nominal = nominal.unwrap_or(DeviationValue::zero(kind));
@@ -95,6 +177,15 @@ impl Spec {
     }
 }
 
+/// Whether two characteristics say the same, as far as a spec takes it.
+fn says_the_same(one: &Characteristic, other: &Characteristic) -> bool {
+    fn said(found: &Characteristic) -> [&Option<String>; 5] {
+        let Characteristic { nominal, lower, upper, unit, uncertainty, .. } = found;
+        [nominal, lower, upper, unit, uncertainty]
+    }
+    said(one) == said(other)
+}
+
 fn value(kind: DeviationKind, text: &str, found: &Characteristic) -> Option<DeviationValue> {
     let text = format!("{text} {}", found.unit.as_deref().unwrap_or(""));
     match kind {
@@ -120,7 +211,7 @@ mod tests {
                     K2002/2 rack_pitch\nK2110/2 -10\nK2111/2 10\nK2142/2 um\nK2002/3 pinion_pitch\nK2110/3 -1\nK2111/3 2\n1\n";
         let qdas = crate::table::qdas::read(&[("lot.dfq", file)]).unwrap();
         let spec = Spec::parse("rack.toml", "[pair]\nnormal_pressure_angle = 45").unwrap();
-        let (completed, notes) = spec.completed_by(&qdas, Model::Exact);
+        let (completed, notes) = spec.completed_by(&qdas, Model::Exact).unwrap();
         let limits: Vec<_> = completed
             .limits()
             .into_iter()
@@ -131,9 +222,37 @@ mod tests {
         assert_eq!(completed.nominals[0].1.value, DeviationValue::Length("25".parse().unwrap()));
         assert_eq!(notes.len(), 5, "{notes:?}");
         let text = "[errors]\nrack_over_roller = { nominal = 24.99 }\n[limits]\nrack_over_roller = \"±1\"";
-        let (completed, _) = Spec::parse("rack.toml", text).unwrap().completed_by(&qdas, Model::Exact);
+        let (completed, _) = Spec::parse("rack.toml", text).unwrap().completed_by(&qdas, Model::Exact).unwrap();
         // the reader of tables refuses what contradicts it
         assert_eq!(completed.nominals[0].1.value, DeviationValue::Length("24.99".parse().unwrap()));
         assert_eq!(completed.limits()[0].1.upper, Some("1".parse().unwrap()));
+    }
+
+    #[test]
+    fn parts_with_limits_of_their_own_are_refused() {
+        let part = |limit: &str, uncertainty: &str| {
+            format!("K0100 1\nK2002/1 rack_pitch\nK2142/1 um\nK2111/1 {limit}\nK2106/1 {uncertainty}\n10\n")
+        };
+        let completed = |spec: &str, file: &str| {
+            let qdas = crate::table::qdas::read(&[("lot.dfq", file)]).unwrap();
+            Spec::parse("rack.toml", &format!("[pair]\nnormal_pressure_angle = 45\n{spec}"))
+                .unwrap()
+                .completed_by(&qdas, Model::Exact)
+        };
+        let refused = |one: &str, other: &str| {
+            let in_one_file = completed("", &(one.to_owned() + other)).err().map(|problem| problem.message);
+            let (first, second) = (completed("", one).unwrap().0, completed("", other).unwrap().0);
+            let between = second.refuse_other("b.dfq", ("a.dfq", &first)).err().map(|problem| problem.message);
+            assert_eq!(in_one_file.is_some(), between.is_some());
+            between.unwrap_or_default()
+        };
+        assert_eq!(refused(&part("20", "1"), &part("20.0", "1")), "");
+        let limits = "a.dfq and b.dfq say different things of rack pitch: limits of its ΔCD at most 0.01 mm and at most 0.0025 mm";
+        assert_eq!(refused(&part("20", "1"), &part("5", "1")), limits);
+        let uncertainties = refused(&part("20", "1"), &part("20", "10"));
+        assert!(uncertainties.ends_with("standard uncertainties 0.0005 and 0.005"), "{uncertainties}");
+        // what the spec says holds for all
+        let both = part("20", "1") + &part("5", "1");
+        assert!(completed("[limits]\nrack_pitch = \"±0.1\"", &both).is_ok());
     }
 }

@@ -10,9 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Located;
-use super::errors::LARGEST_CLASS;
-use super::keys::{AnyKey, Key, Kind, SECTIONS, Section, Unit};
-use super::uncertainty::source_of;
+use super::keys::{AnyKey, Key, Kind, LARGEST_CLASS, SECTIONS, Section, Unit};
 use super::value::{KeyType, Value, Values};
 use crate::deviation::{ToothRange, ToothRangeError};
 use crate::diagnostic::{Code, Diagnostic, Source};
@@ -76,7 +74,7 @@ impl SectionReader<'_> {
         let name = key.name();
         let written = self.table?.get(name)?;
         let written = match key.kind {
-            Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, source_of(key.path))?,
+            Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, UncertainSource::of_gear(key.path))?,
             _ => written,
         };
         let span = written.span();
@@ -166,7 +164,7 @@ impl SectionReader<'_> {
     /// A decision rule, whose refusal says what it is of.
     fn rule_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rule> {
         let rule = self.text_value(name, value)?.parse::<Rule>();
-        rule.map_err(|message| self.report(Diagnostic::error(Code::BadRule, message), value.span(), "")).ok()
+        rule.map_err(|error| self.report(Diagnostic::error(Code::BadRule, error.to_string()), value.span(), "")).ok()
     }
 
     /// Which diameter stands for a rack.

@@ -13,7 +13,7 @@ use crate::evaluation::EvaluationError;
 use crate::formula::law::page_of;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, OVER_PIN, PartDeviation};
-use crate::judge::Limits;
+use crate::judge::{Limit, LimitTarget, Limits};
 use crate::quantity::{DomainError, Length};
 
 impl Spec {
@@ -125,6 +125,12 @@ impl Spec {
     #[must_use]
     pub fn limits(&self) -> Limits {
         self.limits.iter().map(|(target, limit)| (*target, limit.value)).collect()
+    }
+
+    /// The limit on a ΔCD, if the spec gives one.
+    #[must_use]
+    pub fn limit_on(&self, target: LimitTarget) -> Option<&Limit> {
+        self.limits.iter().find(|(on, _)| *on == target).map(|(_, limit)| &limit.value)
     }
 
     /// A failed evaluation as a diagnostic that points at the error concerned.

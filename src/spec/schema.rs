@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
 
-use super::errors::{LARGEST_CLASS, error_table_forms, is_of_a_part};
-use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
-use super::uncertainty::source_of;
+use super::errors::{error_table_forms, is_of_a_part};
+use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use crate::deviation::{DeviationKind, Extent, Unit};
 use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
 use crate::standard::Standard;
@@ -44,7 +43,7 @@ fn object(section: &Section) -> Value {
 }
 
 fn property(key: &AnyKey) -> Value {
-    let source = source_of(key.path);
+    let source = Source::of_gear(key.path);
     let mut schema = match key.kind {
         Kind::Text | Kind::File => json!({ "type": "string" }),
         Kind::Number(domain) => typed("number", &domain),

@@ -17,24 +17,6 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
 use crate::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
 
-/// Every source that a spec can name.
-const SOURCES: [Source; 14] = [
-    Source::Error(DeviationKind::RackOverRoller),
-    Source::Error(DeviationKind::RackPitch),
-    Source::Error(DeviationKind::RackLead),
-    Source::Error(DeviationKind::PinionRadial),
-    Source::Error(DeviationKind::PinionPitch),
-    Source::Error(DeviationKind::PinionLead),
-    Source::NormalModule,
-    Source::NormalPressureAngle,
-    Source::RackHelixAngle,
-    Source::FaceWidth,
-    Source::ToothThickness,
-    Source::Datum,
-    Source::Roller,
-    Source::PinionHelixAngle,
-];
-
 const HELP: &str = "write u = …, or U = … with k = …, or half_width = … with distribution = \"rectangular\", \
                     \"triangular\", \"arcsine\" or \"normal\"";
 
@@ -45,11 +27,6 @@ pub struct WrittenCorrelation {
     pub between: (Source, Source),
     /// The correlation coefficient.
     pub coefficient: f64,
-}
-
-/// The source behind a key, if its uncertainty means anything.
-pub(super) fn source_of(path: &str) -> Option<Source> {
-    SOURCES.into_iter().find(|source| !matches!(source, Source::Error(_)) && source.key() == path)
 }
 
 impl SectionReader<'_> {
@@ -240,16 +217,16 @@ fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> 
     };
     let text = text.as_ref();
     let short = |source: &Source| source.key().split_once('.').map_or(source.key(), |(_, name)| name);
-    if let Some(source) = SOURCES.into_iter().find(|source| source.key() == text) {
+    if let Some(source) = Source::ALL.into_iter().find(|source| source.key() == text) {
         return Some(source);
     }
-    let mut matching = SOURCES.into_iter().filter(|source| short(source) == text);
+    let mut matching = Source::ALL.into_iter().filter(|source| short(source) == text);
     if let (Some(source), None) = (matching.next(), matching.next()) {
         return Some(source);
     }
     let diagnostic = Diagnostic::error(Code::UnknownKey, format!("\"{text}\" names no value that may be uncertain"));
-    let help = similar(text, SOURCES.iter().flat_map(|source| [source.key(), short(source)])).map_or_else(
-        || format!("the names are {}", SOURCES.map(Source::key).join(", ")),
+    let help = similar(text, Source::ALL.iter().flat_map(|source| [source.key(), short(source)])).map_or_else(
+        || format!("the names are {}", Source::ALL.map(Source::key).join(", ")),
         |similar| format!("did you mean `{similar}`?"),
     );
     reader.report(diagnostic.help(help), name.span(), "");

@@ -9,7 +9,7 @@ use super::{Deviation, Size, Standard, StandardError, Wheel, rounding};
 
 /// What a coefficient multiplies; sizes in mm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Of {
+pub(super) enum SizeTerm {
     /// m_n
     M,
     /// √m_n
@@ -28,7 +28,7 @@ pub(super) enum Of {
 
 /// A coefficient, as the standard prints it, and what it multiplies; µm.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Term(pub(super) &'static str, pub(super) Of);
+pub(super) struct Term(pub(super) &'static str, pub(super) SizeTerm);
 
 /// The shape of a formula.
 #[derive(Debug, Clone, Copy)]
@@ -132,13 +132,13 @@ impl Inputs<'_> {
         let mut sum = 0.0;
         for Term(coefficient, of) in terms {
             let number = match of {
-                Of::One => 1.0,
-                Of::M => self.take(Size::NormalModule)?,
-                Of::RootM => self.take(Size::NormalModule)?.sqrt(),
-                Of::D => self.take(Size::Diameter)?,
-                Of::RootD => self.take(Size::Diameter)?.sqrt(),
-                Of::RootB => self.take(Size::FaceWidth)?.sqrt(),
-                Of::RootSector => {
+                SizeTerm::One => 1.0,
+                SizeTerm::M => self.take(Size::NormalModule)?,
+                SizeTerm::RootM => self.take(Size::NormalModule)?.sqrt(),
+                SizeTerm::D => self.take(Size::Diameter)?,
+                SizeTerm::RootD => self.take(Size::Diameter)?.sqrt(),
+                SizeTerm::RootB => self.take(Size::FaceWidth)?.sqrt(),
+                SizeTerm::RootSector => {
                     let pitches = self.sector_pitches()?;
                     (f64::from(pitches - 1) * self.take(Size::NormalModule)?).sqrt()
                 }
@@ -207,13 +207,13 @@ fn text(shape: Shape) -> String {
     let sum = |terms: &[Term]| {
         let terms = terms.iter().map(|Term(coefficient, of)| {
             let symbol = match of {
-                Of::M => "m_n",
-                Of::RootM => "√m_n",
-                Of::D => "d",
-                Of::RootD => "√d",
-                Of::RootB => "√b",
-                Of::RootSector => "√((k - 1) m_n)",
-                Of::One => return (*coefficient).to_owned(),
+                SizeTerm::M => "m_n",
+                SizeTerm::RootM => "√m_n",
+                SizeTerm::D => "d",
+                SizeTerm::RootD => "√d",
+                SizeTerm::RootB => "√b",
+                SizeTerm::RootSector => "√((k - 1) m_n)",
+                SizeTerm::One => return (*coefficient).to_owned(),
             };
             if *coefficient == "1" { symbol.to_owned() } else { format!("{coefficient} {symbol}") }
         });

@@ -5,7 +5,7 @@
 //! take the factor of the grade once.
 
 use super::Deviation;
-use super::formula::{Formula, Of, Reading, Readings, Shape, Term};
+use super::formula::{Formula, Reading, Readings, Shape, SizeTerm, Term};
 use super::range::Ranges;
 
 /// Ranges of the normal module, mm.
@@ -31,21 +31,51 @@ const ANNEX_B: &str = "annex B";
 
 pub(super) const FORMULAS: &[Formula] = &[
     // f_pt = 0.3 (m_n + 0.4 √d) + 4
-    formula(Deviation::SinglePitch, GRADE_5, &[Term("0.3", Of::M), Term("0.12", Of::RootD), Term("4", Of::One)]),
+    formula(
+        Deviation::SinglePitch,
+        GRADE_5,
+        &[Term("0.3", SizeTerm::M), Term("0.12", SizeTerm::RootD), Term("4", SizeTerm::One)],
+    ),
     // F_pk = f_pt + 1.6 √((k − 1) m_n)
     formula(
         Deviation::SectorPitch,
         GRADE_5,
-        &[Term("0.3", Of::M), Term("0.12", Of::RootD), Term("4", Of::One), Term("1.6", Of::RootSector)],
+        &[
+            Term("0.3", SizeTerm::M),
+            Term("0.12", SizeTerm::RootD),
+            Term("4", SizeTerm::One),
+            Term("1.6", SizeTerm::RootSector),
+        ],
     ),
-    formula(Deviation::TotalPitch, GRADE_5, &[Term("0.3", Of::M), Term("1.25", Of::RootD), Term("7", Of::One)]),
-    formula(Deviation::ProfileForm, ANNEX_B, &[Term("2.5", Of::RootM), Term("0.17", Of::RootD), Term("0.5", Of::One)]),
-    formula(Deviation::ProfileSlope, ANNEX_B, &[Term("2", Of::RootM), Term("0.14", Of::RootD), Term("0.5", Of::One)]),
-    formula(Deviation::TotalProfile, GRADE_5, &[Term("3.2", Of::RootM), Term("0.22", Of::RootD), Term("0.7", Of::One)]),
+    formula(
+        Deviation::TotalPitch,
+        GRADE_5,
+        &[Term("0.3", SizeTerm::M), Term("1.25", SizeTerm::RootD), Term("7", SizeTerm::One)],
+    ),
+    formula(
+        Deviation::ProfileForm,
+        ANNEX_B,
+        &[Term("2.5", SizeTerm::RootM), Term("0.17", SizeTerm::RootD), Term("0.5", SizeTerm::One)],
+    ),
+    formula(
+        Deviation::ProfileSlope,
+        ANNEX_B,
+        &[Term("2", SizeTerm::RootM), Term("0.14", SizeTerm::RootD), Term("0.5", SizeTerm::One)],
+    ),
+    formula(
+        Deviation::TotalProfile,
+        GRADE_5,
+        &[Term("3.2", SizeTerm::RootM), Term("0.22", SizeTerm::RootD), Term("0.7", SizeTerm::One)],
+    ),
     formula(Deviation::HelixForm, ANNEX_B, HELIX_FORM_AND_SLOPE),
     formula(Deviation::HelixSlope, ANNEX_B, HELIX_FORM_AND_SLOPE),
-    formula(Deviation::TotalHelix, GRADE_5, &[Term("0.1", Of::RootD), Term("0.63", Of::RootB), Term("4.2", Of::One)]),
+    formula(
+        Deviation::TotalHelix,
+        GRADE_5,
+        &[Term("0.1", SizeTerm::RootD), Term("0.63", SizeTerm::RootB), Term("4.2", SizeTerm::One)],
+    ),
 ];
 
 /// f_fβ = f_Hβ
-const HELIX_FORM_AND_SLOPE: &[Term] = &[Term("0.07", Of::RootD), Term("0.45", Of::RootB), Term("3", Of::One)];
+const HELIX_FORM_AND_SLOPE: &[Term] =
+    &[Term("0.07", SizeTerm::RootD), Term("0.45", SizeTerm::RootB), Term("3", SizeTerm::One)];

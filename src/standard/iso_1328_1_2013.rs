@@ -5,7 +5,7 @@
 //! square of the unrounded slope and form tolerances; F_rT = 0.9 F_pT of the unrounded F_pT. The standard
 //! forbids extrapolation beyond its scope (clause 1).
 
-use super::formula::{Formula, Of, Reading, Readings, Shape, Term, out_of_scope};
+use super::formula::{Formula, Reading, Readings, Shape, SizeTerm, Term, out_of_scope};
 use super::range::Ranges;
 use super::{Deviation, Size, Standard, StandardError, Wheel};
 
@@ -35,14 +35,18 @@ const fn formula(deviation: Deviation, shape: Shape) -> Formula {
     Formula { deviation, clause: "clause 5.3", shape, readings: &READINGS, informative: false }
 }
 
-const TOTAL_PITCH: &[Term] = &[Term("0.002", Of::D), Term("0.55", Of::RootD), Term("0.7", Of::M), Term("12", Of::One)];
-const PROFILE_FORM: &[Term] = &[Term("0.55", Of::M), Term("5", Of::One)];
-const PROFILE_SLOPE: &[Term] = &[Term("0.4", Of::M), Term("0.001", Of::D), Term("4", Of::One)];
-const HELIX_FORM: &[Term] = &[Term("0.07", Of::RootD), Term("0.45", Of::RootB), Term("4", Of::One)];
-const HELIX_SLOPE: &[Term] = &[Term("0.05", Of::RootD), Term("0.35", Of::RootB), Term("4", Of::One)];
+const TOTAL_PITCH: &[Term] =
+    &[Term("0.002", SizeTerm::D), Term("0.55", SizeTerm::RootD), Term("0.7", SizeTerm::M), Term("12", SizeTerm::One)];
+const PROFILE_FORM: &[Term] = &[Term("0.55", SizeTerm::M), Term("5", SizeTerm::One)];
+const PROFILE_SLOPE: &[Term] = &[Term("0.4", SizeTerm::M), Term("0.001", SizeTerm::D), Term("4", SizeTerm::One)];
+const HELIX_FORM: &[Term] = &[Term("0.07", SizeTerm::RootD), Term("0.45", SizeTerm::RootB), Term("4", SizeTerm::One)];
+const HELIX_SLOPE: &[Term] = &[Term("0.05", SizeTerm::RootD), Term("0.35", SizeTerm::RootB), Term("4", SizeTerm::One)];
 
 pub(super) const FORMULAS: &[Formula] = &[
-    formula(Deviation::SinglePitch, Shape::Sum(&[Term("0.001", Of::D), Term("0.4", Of::M), Term("5", Of::One)])),
+    formula(
+        Deviation::SinglePitch,
+        Shape::Sum(&[Term("0.001", SizeTerm::D), Term("0.4", SizeTerm::M), Term("5", SizeTerm::One)]),
+    ),
     formula(Deviation::TotalPitch, Shape::Sum(TOTAL_PITCH)),
     formula(Deviation::ProfileForm, Shape::Sum(PROFILE_FORM)),
     formula(Deviation::ProfileSlope, Shape::Sum(PROFILE_SLOPE)),

@@ -5,7 +5,7 @@
 //! and so does this one, with a remark: a public report of such a program prints F_i'' = 133 µm for m_n = 21.
 
 use super::Deviation;
-use super::formula::{Formula, Of, Reading, Readings, Shape, Term};
+use super::formula::{Formula, Reading, Readings, Shape, SizeTerm, Term};
 use super::iso_1328_1_1995;
 use super::range::Ranges;
 
@@ -25,21 +25,21 @@ pub(super) const FORMULAS: &[Formula] = &[
     Formula {
         deviation: Deviation::Runout,
         clause: "annex B",
-        shape: Shape::Part("0.8", &[Term("0.3", Of::M), Term("1.25", Of::RootD), Term("7", Of::One)]),
+        shape: Shape::Part("0.8", &[Term("0.3", SizeTerm::M), Term("1.25", SizeTerm::RootD), Term("7", SizeTerm::One)]),
         readings: &iso_1328_1_1995::READINGS,
         informative: true,
     },
     Formula {
         deviation: Deviation::RadialComposite,
         clause: "clause 7",
-        shape: Shape::Sum(&[Term("3.2", Of::M), Term("1.01", Of::RootD), Term("6.4", Of::One)]),
+        shape: Shape::Sum(&[Term("3.2", SizeTerm::M), Term("1.01", SizeTerm::RootD), Term("6.4", SizeTerm::One)]),
         readings: &READINGS,
         informative: false,
     },
     Formula {
         deviation: Deviation::ToothRadialComposite,
         clause: "clause 7",
-        shape: Shape::Sum(&[Term("2.96", Of::M), Term("0.01", Of::RootD), Term("0.8", Of::One)]),
+        shape: Shape::Sum(&[Term("2.96", SizeTerm::M), Term("0.01", SizeTerm::RootD), Term("0.8", SizeTerm::One)]),
         readings: &READINGS,
         informative: false,
     },

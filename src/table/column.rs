@@ -2,11 +2,10 @@
 
 use super::cell::{Cell, Content};
 use super::companions::Companions;
-use super::grid::bare_unit;
+use super::grid::{bare_unit, unit_in};
 use super::names::{Field, ValueKind};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
-use super::strangers::unit_in;
 use super::want::Want;
 use crate::deviation::plausible::{self, Reach};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -89,7 +88,7 @@ pub(crate) struct Companion {
 
 /// All that is asked of a plain number: what makes a deviation of it, and how large that may be.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Plain {
+pub(crate) struct PlainNumbers {
     unit: Unit,
     nominal: DeviationValue,
     farthest: Reach,
@@ -97,7 +96,7 @@ pub(crate) struct Plain {
     over: Option<Length>,
 }
 
-impl Plain {
+impl PlainNumbers {
     /// The deviation of a number; `None` where it is too large to be one.
     #[inline]
     pub(crate) fn deviation(&self, number: Decimal) -> Option<DeviationValue> {
@@ -192,8 +191,9 @@ impl Column {
             unit: beside.unit.as_ref().map(|units| Companion { place: units.place, unit }),
             ..Companions::default()
         };
-        if let Some(kind) = kind {
-            column.take_nominal(kind, measurement, want)?;
+        match kind {
+            Some(kind) => column.take_nominal(kind, measurement, want)?,
+            None => column.take_nominal_of_space(measurement, want),
         }
         Ok(column)
     }
@@ -227,6 +227,29 @@ impl Column {
         Ok(())
     }
 
+    /// Decides what is taken from a value of a space or tooth: what stands beside it, or what the spec says where the
+    /// deviation stands beside it. The spec has the nominal value of any other.
+    fn take_nominal_of_space(&mut self, measurement: &Measurement, want: &Want) {
+        if self.holds == Some(ValueKind::Deviation) {
+            return;
+        }
+        let given = measurement.field.kind().and_then(|kind| want.given(kind));
+        let in_spec = given.and_then(|given| given.nominal.clone()).and_then(Result::ok);
+        let over_pin = want.over_pin.filter(|_| self.field == Field::OverPin).map(DeviationValue::Length);
+        let in_spec = in_spec.or(over_pin);
+        if measurement.beside.nominal.is_some() {
+            self.nominal = Nominal::Beside;
+            self.stated = in_spec;
+        } else if let Some(nominal) = in_spec.filter(|_| measurement.beside.deviation.is_some()) {
+            self.nominal = Nominal::Fixed(nominal);
+        }
+    }
+
+    /// Whether, without a word, a space has measures of it; a part has deviations where no nominal value is known.
+    pub(crate) fn is_of_space(&self) -> bool {
+        matches!(self.field, Field::OverPin | Field::Position | Field::Error(DeviationKind::RackOverRoller))
+    }
+
     /// The nominal value that every part has; 0 of deviations.
     pub(crate) fn nominal_of_every_part(&self) -> Option<DeviationValue> {
         match (self.nominal, self.unit) {
@@ -243,14 +266,14 @@ impl Column {
     }
 
     /// What a plain number of this column is; `None` if a row has more to say.
-    pub(crate) fn plain(&self) -> Option<Plain> {
+    pub(crate) fn plain(&self) -> Option<PlainNumbers> {
         let nominal = self.nominal_of_every_part()?;
         let over = match self.evaluated {
             Evaluated::No => None,
             Evaluated::Over(over) => Some(over),
             Evaluated::Beside => return None,
         };
-        self.is_plain().then_some(Plain { unit: self.unit, nominal, farthest: self.farthest, over })
+        self.is_plain().then_some(PlainNumbers { unit: self.unit, nominal, farthest: self.farthest, over })
     }
 
     /// The deviation that a cell means; `None` if it says that there is none.
@@ -356,7 +379,11 @@ impl Column {
             );
             return Err(Problem::OtherMark(message));
         }
+        let whole = text;
         let text = measured(text, unit);
+        if text.is_empty() {
+            return Err(Problem::Bad(format!("`{}` is a tolerance, and no value", shown(whole))));
+        }
         let text = text.as_ref();
         let not_a_number = || Problem::Bad(format!("`{}` is not a number with a {}", shown(text), self.mark.name()));
         let number = normalise(text, self.mark).ok_or_else(not_a_number)?;
@@ -428,14 +455,23 @@ impl Column {
         }
     }
 
+    /// Whether what is read of a space or tooth are deviations.
+    pub(crate) fn deviates(&self) -> bool {
+        self.holds == Some(ValueKind::Deviation) || self.nominal != Nominal::None
+    }
+
+    /// Whether a value is held against a deviation beside it: of a space, nothing need tell the nominal value.
+    pub(crate) fn checks_deviation(&self) -> bool {
+        self.deviates() || self.kind.is_some() || !self.is_of_space()
+    }
+
     /// Holds a deviation against what stands beside the value: the deviation, and the tolerances.
     fn check(&self, cell: &Cell, deviation: DeviationValue, beside: &Companions<&Cell>) -> Result<(), Problem> {
         /// Values this much beyond a tolerance have another unit.
         const TIMES: f64 = 100.0;
         let of = self.beside;
         let stated = self.quantity_beside(beside.deviation, of.deviation)?;
-        // the places of teeth have a nominal value that no table tells
-        if let Some(stated) = stated.filter(|_| self.nominal != Nominal::None || self.kind.is_some())
+        if let Some(stated) = stated.filter(|_| self.checks_deviation())
             && (stated.base() - deviation.base()).abs() > self.rounding(cell, beside)
         {
             return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
@@ -500,7 +536,6 @@ fn companion(series: Option<&Series>, unit_of_value: Unit) -> Result<Option<Comp
 /// What is measured in a text: without the uncertainty behind ±, and with the inch for the quotes that stand for it.
 fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
     let text = match text.split_once('±').or_else(|| text.split_once("+/-")) {
-        Some((value, tolerance)) if value.trim().is_empty() => tolerance.trim_start(),
         Some((value, _)) => value.trim_end(),
         None => text,
     };
@@ -529,7 +564,7 @@ fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> 
     let beside = measurement.beside.unit.as_ref().and_then(|units| units.cells.iter().find(|cell| !cell.is_missing()));
     let beside = beside.map(Cell::text);
     let unit_from = if value.unit.is_none() && beside.is_some() { UnitFrom::Beside } else { UnitFrom::Table };
-    let stated = kind.and_then(|kind| want.given(kind)).and_then(|given| given.unit);
+    let stated = kind.and_then(|kind| want.stated_unit(kind, &value.title));
     let written = match value.unit.as_deref().or(beside.as_deref()) {
         Some(symbol) => {
             let Some(unit) = dimension(symbol) else {

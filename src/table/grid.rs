@@ -219,6 +219,20 @@ fn joined(text: &str, tokens: Vec<Cell>) -> Vec<Cell> {
     cells
 }
 
+/// The unit behind a number.
+pub(crate) fn unit_in(text: &str) -> Option<String> {
+    let last = text.rfind(|c: char| c.is_numeric() || matches!(c, '.' | ','))?;
+    let unit = text[last..].trim_start_matches(|c: char| c.is_numeric() || matches!(c, '.' | ',')).trim();
+    (!unit.is_empty()).then(|| unit.to_owned())
+}
+
+/// Whether two units are both there and are not the same.
+pub(crate) fn differ(one: Option<&str>, other: Option<&str>) -> bool {
+    let Some((one, other)) = one.zip(other) else { return false };
+    let (one, other) = (bare_unit(one), bare_unit(other));
+    one != other && (Unit::from_symbol(one).is_none() || Unit::from_symbol(one) != Unit::from_symbol(other))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

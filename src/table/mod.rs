@@ -20,7 +20,7 @@
 //! | `shape` | where the names stand, which cells belong to them |
 //! | `number`, `column`, `companions` | what a cell means |
 //! | `understand` | separator and decimal mark: one reading, or a refusal |
-//! | `strangers` | what names nothing known, and may be a measurement |
+//! | `unknown`, `strangers` | what names nothing known, and may be a measurement |
 //! | `rows`, `gathered`, `pieces`, `block` | rows to columns |
 //! | `reading` | how it was read, for the result |
 //! | `teeth` | rows that are spaces of a rack or teeth of a pinion |
@@ -65,6 +65,7 @@ mod teeth;
 mod text;
 mod typed;
 mod understand;
+mod unknown;
 mod want;
 pub mod workbook;
 
@@ -72,16 +73,17 @@ pub use block::{Block, Contradiction, Fault};
 pub use container::{Container, Source};
 pub use encoding::{Encoding, decode};
 pub use grid::Separator;
-pub use names::{Field, ValueKind};
+pub use names::{Field, UnknownField, ValueKind};
 pub use number::DecimalMark;
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;
 pub use strangers::{Stranger, refusal};
-pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, Teeth, of_one_part};
-pub use want::{Given, Orientation, Want};
+pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, of_one_part};
+pub use want::{GivenColumn, Orientation, Want};
 
 pub(crate) use column::{Column, Nominal};
 pub(crate) use encoding::text as cell_text;
+pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use rows::{Rows, Wanted};
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
@@ -91,7 +93,7 @@ pub(crate) use understand::in_words;
 use std::sync::Arc;
 
 use crate::deviation::DeviationKind;
-use crate::quantity::Unit;
+use crate::quantity::{Unit, shown};
 use column::{Evaluated, UnitFrom};
 use shape::Measurement;
 use understand::Understood;
@@ -149,7 +151,7 @@ impl Table {
         for (measurement, column) in shape.measurements.iter().zip(&understood.columns) {
             reading.notes.extend(doubts(name, measurement, column));
             reading.columns.push(column_reading(column));
-            reading.columns.extend(companions(measurement));
+            reading.columns.extend(companions(measurement, column.checks_deviation()));
             if let Some(uncertainty) = &measurement.beside.uncertainty {
                 reading.notes.push(format!(
                     "{name}: `{}` is an uncertainty, and is not used: uncertainties stand in the spec",
@@ -232,6 +234,21 @@ impl Table {
         let needed = vec![true; self.columns.len()];
         self.rows(Wanted { needed, ..Wanted::default() }).collect()
     }
+
+    /// Its columns as a message lists them, as many as it has room for; one without a name (the margin of a
+    /// sheet) is none to choose.
+    pub(crate) fn titles_in_words(&self) -> String {
+        const MOST: usize = 30;
+        let titles = || {
+            let in_rows = self.titles.iter().filter(|title| !title.is_empty());
+            in_rows.chain(self.columns.iter().map(|column| &column.title).filter(|_| self.titles.is_empty()))
+        };
+        let mut list = titles().take(MOST).map(|title| shown(title)).collect::<Vec<_>>().join(", ");
+        if let more @ 1.. = titles().count().saturating_sub(MOST) {
+            list += &format!(" and {more} more");
+        }
+        list
+    }
 }
 
 impl Column {
@@ -265,12 +282,9 @@ fn named_only(title: &str, role: &str) -> ColumnReading {
 
 fn column_reading(column: &Column) -> ColumnReading {
     let is_angle = column.field.is_angle();
-    // without a word, a space has measures; a part has deviations where no nominal value is known
-    let of_space =
-        [Field::OverPin, Field::Position, Field::Error(DeviationKind::RackOverRoller)].contains(&column.field);
     let holds = match (column.nominal, column.holds) {
         (Nominal::None, Some(ValueKind::Deviation)) => "deviation",
-        (Nominal::None, None) if column.kind.is_some() || !of_space => "deviation",
+        (Nominal::None, None) if column.kind.is_some() || !column.is_of_space() => "deviation",
         _ => "measured",
     };
     let is_slope = is_angle && matches!(column.unit, Unit::Length(_));
@@ -288,11 +302,11 @@ fn column_reading(column: &Column) -> ColumnReading {
     }
 }
 
-/// The columns that stand beside a value.
-fn companions(measurement: &Measurement) -> impl Iterator<Item = ColumnReading> + '_ {
+/// The columns that stand beside a value. `is_checked` tells whether the value is held against a deviation beside it.
+fn companions(measurement: &Measurement, is_checked: bool) -> impl Iterator<Item = ColumnReading> + '_ {
     let key = measurement.field.key();
     let beside = [
-        (&measurement.beside.deviation, "deviation", ", checked"),
+        (&measurement.beside.deviation, "deviation", if is_checked { ", checked" } else { ", not used" }),
         (&measurement.beside.nominal, "nominal", ""),
         (&measurement.beside.upper, "upper tolerance", ", not judged"),
         (&measurement.beside.lower, "lower tolerance", ", not judged"),

@@ -9,7 +9,7 @@ use super::chunk::{ChunkContent, Chunker};
 use super::parquet::{OpenGroup, ParquetTable, RowRange};
 use super::rows::{Rows, Setup, Wanted};
 use super::split::next_record;
-use super::text::as_io;
+use crate::diagnostic::Diagnostic;
 
 /// What the number of a row's place counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -202,4 +202,9 @@ fn records_in(bytes: &[u8], holds: ChunkContent, separator: u8) -> u64 {
         count += 1;
     }
     count
+}
+
+/// An error of reading, as one that is raised later.
+pub(crate) fn as_io(problem: &Diagnostic) -> io::Error {
+    io::Error::other(problem.message.clone())
 }

@@ -9,10 +9,10 @@ pub(crate) use stored::stored_record;
 use super::block::{Block, Contradiction, Span, as_line, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
-use super::column::{Column, Plain, Problem};
+use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::is_unit;
-use super::names::{Role, heading, is_statistic, role};
+use super::names::{Role, heading, is_statistic, is_value_heading, role};
 use super::reading::AsideReading;
 use super::split::{Field, next_record};
 use crate::deviation::DeviationValue;
@@ -26,7 +26,7 @@ enum PlainField {
     /// A value of the column with that number.
     Value {
         column: usize,
-        plain: Plain,
+        plain: PlainNumbers,
     },
 }
 
@@ -300,7 +300,7 @@ impl Rows {
                 help: "say in the spec what it is, under [batch.columns], or leave it out with --ignore",
             });
         }
-        self.other_header(record).or_else(|| self.other_nominal(record))
+        self.other_header(record).or_else(|| self.other_nominal(record)).or_else(|| self.error_as_part(record))
     }
 
     /// Why the cells of a record are not those of a row.
@@ -353,6 +353,20 @@ impl Rows {
             column: other.title.clone(),
             message: format!("the nominal value here is not the column's: {}", record.in_words()),
             help: "give the nominal value in the spec, or in a column beside the values",
+        })
+    }
+
+    /// A line such as `rack_pitch;0.2` below the parts, which names no part.
+    fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
+        let name = record.cells.get(self.setup.id?)?.text();
+        if !may_be_statistic(name.as_bytes()) || record.numbers() == 0 || !is_value_heading(&name, &[]) {
+            return None;
+        }
+        Some(Contradiction {
+            line: record.line,
+            column: self.setup.id.and_then(|id| self.setup.titles.get(id)).cloned().unwrap_or_default(),
+            message: format!("an error stands here where parts have their names: {}", record.in_words()),
+            help: "write a table with a row per part, or one with a row per error",
         })
     }
 
@@ -521,6 +535,6 @@ fn may_be_statistic(name: &[u8]) -> bool {
         && !last.is_ascii_digit()
         && matches!(
             first.to_ascii_lowercase(),
-            b'm' | b'a' | b's' | b'r' | b't' | b'c' | b'u' | b'l' | b'o' | b'n' | b'd' | b' ' | 0x80..
+            b'a' | b'c' | b'd' | b'e' | b'g' | b'l'..=b'p' | b'r'..=b'v' | b'x' | b' ' | 0x80..
         )
 }

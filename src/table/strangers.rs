@@ -5,13 +5,14 @@ use serde::Serialize;
 
 use super::cell::Cell;
 use super::grid::{Separator, records};
-use super::names::{Field, Role, is_context, is_evaluation_length, near, role, split_unit};
+use super::names::{Field, Role, is_context, near, role, split_unit};
 use super::reading::{AsideReading, NotUsed};
-use super::shape::{Shape, Unknown, is_part_name, uncounted};
+use super::shape::{Shape, has_digit, is_part_name, uncounted};
+use super::unknown::Unknown;
 use super::want::Want;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Unit, shown};
+use crate::quantity::shown;
 
 /// A column, line or characteristic that may be a measurement and is not understood.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -46,7 +47,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, want: &Want, complete: bool) -> So
     }
     for aside in &shape.asides {
         match labelled(aside) {
-            Some(unknown) if could_be_measured(&unknown) || want.ignores(&unknown.title) => {
+            Some(unknown) if unknown.could_be_measured() || want.ignores(&unknown.title) => {
                 sorted.take(file, &unknown, want, complete);
             }
             _ => sorted.asides.push(aside.clone()),
@@ -64,7 +65,7 @@ impl Sorted {
             self.not_used.push(not_used("ignored by the user"));
         } else if role(title) == Some(Role::Uncertainty) {
             self.not_used.push(not_used("an uncertainty: those that count stand in the spec"));
-        } else if !could_be_measured(unknown) {
+        } else if !unknown.could_be_measured() {
             if !title.is_empty() || unknown.cells.iter().any(Cell::is_number) {
                 self.not_used.push(not_used("no measurement"));
             }
@@ -79,81 +80,36 @@ impl Sorted {
 /// A line of words and numbers as a name and its values.
 fn labelled(aside: &AsideReading) -> Option<Unknown> {
     let record = uncounted(records(&aside.text, Separator::Blanks).first()?);
-    let words = record.cells.iter().take_while(|cell| !cell.is_measure()).count();
-    let (label, numbers) = record.cells.split_at(words);
+    named_values(&record.cells, aside.line)
+}
+
+/// The first name in a line that is more than context, and the values behind it.
+fn named_values(cells: &[Cell], line: u64) -> Option<Unknown> {
+    let words = cells.iter().take_while(|cell| !cell.is_measure() && !has_digit(&cell.text())).count();
+    // a time, a number in a list, or the value stands before the name
+    if words == 0 {
+        let (first, rest) = cells.split_first()?;
+        let mut found = named_values(rest, line)?;
+        found.cells.push(first.clone());
+        return Some(found);
+    }
+    let (label, values) = cells.split_at(words);
     let text = label.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
-    let unknown = |title: &str, numbers: &[Cell]| {
-        let cells: Vec<_> = numbers.iter().filter(|cell| cell.is_number()).cloned().collect();
-        (!cells.is_empty()).then(|| Unknown::line(title, aside.line, cells))
-    };
     // an order, a page, a date: the word before the number says what it is
-    let last = text.split_whitespace().next_back()?;
-    if is_context(last) {
+    if is_context(text.split_whitespace().next_back()?) {
+        let rest = values.get(1..)?;
         // Part 2: 25.2 mm
-        return unknown("", numbers.get(1..)?).filter(|_| is_part_name(&text));
+        let of_part = || Unknown::numbers("", line, rest).filter(|_| is_part_name(&text));
+        return named_values(rest, line).or_else(of_part);
     }
-    unknown(&text, numbers)
-}
-
-/// Whether it holds numbers, and its name or unit is that of a measurement.
-pub(crate) fn could_be_measured(unknown: &Unknown) -> bool {
-    let title = &unknown.title;
-    let (_, in_title) = split_unit(title);
-    let unit = in_title.as_deref().or(unknown.unit.as_deref());
-    let mut values = unknown.cells.iter().filter(|cell| cell.is_number() || is_bounded(&cell.text())).peekable();
-    // the evaluation length of a lead that was not measured says nothing
-    let is_other = is_context(title) || is_evaluation_length(title) || unit.is_some_and(is_foreign_unit);
-    if values.peek().is_none() || is_other {
-        return false;
-    }
-    let measures = |symbol: &str| Unit::from_symbol(symbol).is_some();
-    unknown.is_measurement
-        || unit.is_some_and(measures)
-        || title.contains('[') && unit.is_some()
-        || has_unit(title)
-        || values.any(|cell| unit_in(&cell.text()).is_some_and(|symbol| measures(&symbol)))
-        || !near(title).is_empty()
-        || unknown.column.is_some_and(|place| title.is_empty() && !counts_rows(unknown, place))
-}
-
-/// A number with a mark before it, which no reader of numbers takes: `>200`.
-fn is_bounded(text: &str) -> bool {
-    let text = text.trim();
-    let rest = text.trim_start_matches(['<', '>', '≤', '≥', '~', '≈', '±', '=']).trim_start();
-    rest.len() < text.len() && rest.starts_with(|c: char| c.is_ascii_digit())
-}
-
-/// Whether a first column without a name counts the rows.
-fn counts_rows(unknown: &Unknown, place: usize) -> bool {
-    place == 0 && unknown.cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()))
-}
-
-/// Whether a unit stands anywhere among the words of a name.
-fn has_unit(title: &str) -> bool {
-    let is_clear = |word: &&str| word.chars().count() > 1 && !matches!(word.to_lowercase().as_str(), "in" | "min");
-    title
-        .split(|c: char| !c.is_alphanumeric() && c != 'µ')
-        .filter(is_clear)
-        .any(|word| Unit::from_symbol(word).is_some() || Unit::from_symbol(&word.to_lowercase()).is_some())
-}
-
-/// Units of what is neither a length nor an angle.
-const FOREIGN_UNITS: [&str; 38] = [
-    "-", "1", "pcs", "stk", "°c", "c", "°f", "k", "n", "kn", "mn", "nm", "nmm", "ncm", "kg", "g", "s", "ms", "sec",
-    "h", "%", "‰", "bar", "mbar", "mpa", "hpa", "pa", "hrc", "hv", "hb", "rpm", "1/min", "min-1", "hz", "v", "a",
-    "n/mm", "n/mm²",
-];
-
-/// Whether a unit measures neither lengths nor angles.
-fn is_foreign_unit(unit: &str) -> bool {
-    Unit::from_symbol(unit).is_none() && FOREIGN_UNITS.contains(&unit.trim().to_lowercase().as_str())
-}
-
-/// The unit behind a number.
-pub(crate) fn unit_in(text: &str) -> Option<String> {
-    let last = text.rfind(|c: char| c.is_numeric() || matches!(c, '.' | ','))?;
-    let unit = text[last..].trim_start_matches(|c: char| c.is_numeric() || matches!(c, '.' | ',')).trim();
-    (!unit.is_empty()).then(|| unit.to_owned())
+    // a known name counts, whatever stands in place of its number: `rack pitch 12...15 µm`
+    let is_known = !near(&text).is_empty() || role(&text) == Some(Role::Nominal);
+    let unread = || {
+        let whole = values.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+        Unknown::line(&text, line, vec![Cell::of_text(&whole, 0..0)])
+    };
+    let numbers = Unknown::numbers(&text, line, values);
+    numbers.or_else(|| is_known.then(unread)).map(|unknown| unknown.measured(is_known))
 }
 
 fn stranger(file: &str, unknown: &Unknown) -> Stranger {
@@ -216,6 +172,12 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
             each(&|stranger| format!("--ignore {}", shell_quoted(&stranger.name())), " "),
         )
     };
+    let help = if named.iter().any(|stranger| stranger.near.is_empty()) {
+        let keys: Vec<_> = DeviationKind::ALL.into_iter().map(DeviationKind::key).collect();
+        format!("{help}; {KEY} is one of {}", keys.join(", "))
+    } else {
+        help
+    };
     let names: Vec<_> = still_missing.iter().map(|kind| kind.key()).collect();
     let help = if names.is_empty() {
         help
@@ -228,6 +190,9 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
     Some(Diagnostic::error(Code::NotUnderstood, message).help(help))
 }
 
+/// Stands in a remedy for the error that a column may be.
+const KEY: &str = "KEY";
+
 impl Stranger {
     /// What it is called, without its unit.
     fn name(&self) -> String {
@@ -236,7 +201,8 @@ impl Stranger {
 
     /// The line of the spec that says what it is, if that is the nearest name.
     fn mapping(&self) -> String {
-        let key = self.near.first().copied().unwrap_or("rack_pitch");
+        // nothing tells which error it is, if it is one
+        let key = self.near.first().copied().unwrap_or(KEY);
         let unit = self.unit.as_ref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
         format!("{key} = {{ name = {}{unit} }}", quoted(&self.name()))
     }

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use super::block::{Block, Fault};
-use super::column::Column;
+use super::column::{Column, Nominal};
 use super::names::{Field, ValueKind};
 use super::{Container, Source, Table, Want};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -33,8 +33,21 @@ pub struct RackSpace {
     pub position: Option<Measured>,
     /// Helix angle deviation.
     pub lead: Option<Angle>,
+    /// What of it was measured.
+    pub extent: RowExtent,
     /// The line of the row.
     pub line: u64,
+}
+
+/// How many of the values that a table has columns for a row has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RowExtent {
+    /// Every one.
+    Whole,
+    /// Some.
+    Part,
+    /// None: the space or tooth was not measured.
+    Nothing,
 }
 
 /// A rack's spaces.
@@ -50,15 +63,23 @@ impl RackSpaces {
     /// The spaces of which everything was measured that the table has a column for.
     #[must_use]
     pub fn measured_spaces(&self) -> BTreeSet<i64> {
-        let values = |row: &RackSpace| [row.over_pin.is_some(), row.position.is_some(), row.lead.is_some()];
-        whole(&self.rows, values).map(|row| row.space).collect()
+        self.rows.iter().filter(|row| row.extent == RowExtent::Whole).map(|row| row.space).collect()
     }
-}
 
-/// The rows that have a value in every column in which some row has one; `values` tells where a row has one.
-fn whole<R, const N: usize>(rows: &[R], values: impl Fn(&R) -> [bool; N]) -> impl Iterator<Item = &R> {
-    let has: [bool; N] = std::array::from_fn(|column| rows.iter().any(|row| values(row)[column]));
-    rows.iter().filter(move |row| values(row) == has)
+    /// The first space, from the first that was measured to the last, of which something was not, and the line of the row
+    /// that tells it: its own, or that of the next space.
+    #[must_use]
+    pub fn unmeasured(&self) -> Option<(i64, u64)> {
+        let mut rows: Vec<_> = self.rows.iter().filter(|row| row.extent != RowExtent::Nothing).collect();
+        rows.sort_by_key(|row| row.space);
+        let mut rows = rows.into_iter();
+        let mut before = None;
+        rows.find_map(|row| {
+            let wanted = before.map_or(row.space, |before: i64| before.saturating_add(1));
+            before = Some(row.space);
+            (row.space != wanted || row.extent != RowExtent::Whole).then_some((wanted, row.line))
+        })
+    }
 }
 
 /// One tooth of a pinion and the space after it.
@@ -76,6 +97,8 @@ pub struct PinionTooth {
     pub right_pitch: Option<Length>,
     /// Helix angle deviation of its flanks.
     pub lead: Option<Angle>,
+    /// What of it was measured.
+    pub extent: RowExtent,
     /// The line of the row.
     pub line: u64,
 }
@@ -93,11 +116,8 @@ impl PinionTeeth {
     /// The first of so many teeth of which something was not measured that the table has a column for.
     #[must_use]
     pub fn unmeasured(&self, teeth: i64) -> Option<i64> {
-        let values = |row: &PinionTooth| {
-            let pitches = [row.left_pitch.is_some(), row.right_pitch.is_some()];
-            [row.radial.is_some(), row.position.is_some(), pitches[0], pitches[1], row.lead.is_some()]
-        };
-        let measured: BTreeSet<i64> = whole(&self.rows, values).map(|row| row.tooth).collect();
+        let whole = self.rows.iter().filter(|row| row.extent == RowExtent::Whole);
+        let measured: BTreeSet<i64> = whole.map(|row| row.tooth).collect();
         (0..teeth).find(|tooth| !measured.contains(tooth))
     }
 }
@@ -154,6 +174,9 @@ struct Layout {
     /// Whether each column holds deviations.
     deviates: Vec<bool>,
 }
+
+/// A space or tooth has no higher number: racks have some thousands at most.
+const FARTHEST: u64 = 100_000;
 
 const OVER_PIN: &[Field] = &[Field::OverPin, Field::Error(DeviationKind::RackOverRoller)];
 const POSITION: &[Field] = &[Field::Position];
@@ -274,10 +297,11 @@ impl Gatherer {
         let part = &mut self.parts[part];
         let number = if self.is_numbered { index } else { i64::try_from(part.numbers.len()).ok() };
         let Some(number) = number else { return };
+        let extent = layout.extent(value);
         let what = match &mut part.teeth {
             Teeth::Rack(rack) => {
                 let (over_pin, position) = (measured(OVER_PIN), measured(POSITION));
-                rack.rows.push(RackSpace { space: number, over_pin, position, lead, line });
+                rack.rows.push(RackSpace { space: number, over_pin, position, lead, extent, line });
                 "space"
             }
             Teeth::Pinion(pinion) => {
@@ -288,11 +312,16 @@ impl Gatherer {
                     left_pitch: length(&[Field::LeftPitch]),
                     right_pitch: length(&[Field::RightPitch]),
                     lead,
+                    extent,
                     line,
                 });
                 "tooth"
             }
         };
+        if number.unsigned_abs() > FARTHEST {
+            let message = format!("{number} is no number of a {what}, which is at most {FARTHEST}: check the column");
+            part.fault.get_or_insert(LineFault { line, message });
+        }
         if !part.numbers.insert(number) {
             part.fault.get_or_insert(LineFault { line, message: format!("{what} {number} has two rows") });
         }
@@ -317,12 +346,9 @@ impl Layout {
         let columns = &table.columns;
         let find = |fields: &[Field]| columns.iter().position(|column| fields.contains(&column.field));
         let is_rack = is_rack(columns, table.index_field);
-        let pitch = find(&[Field::Error(DeviationKind::PinionPitch), Field::Error(DeviationKind::RackPitch)]);
-        if let Some(pitch) = pitch {
-            let title = &columns[pitch].title;
-            let message = format!("{}: `{title}` of a tooth could be that of its left or its right flank", table.name);
-            return Err(Diagnostic::error(Code::AmbiguousBlock, message)
-                .help("name it left_pitch or right_pitch; of a rack's spaces, give positions"));
+        columns.iter().try_for_each(|column| refuse_unused(&table.name, column))?;
+        for fields in [OVER_PIN, RADIAL, LEAD] {
+            refuse_two(&table.name, columns, fields)?;
         }
         let mixes = !is_rack && (find(OVER_PIN).is_some() || table.index_field == Some(Field::Space));
         if mixes {
@@ -346,14 +372,61 @@ impl Layout {
         Ok(Self {
             is_rack,
             fields: columns.iter().map(|column| column.field).collect(),
-            deviates: columns.iter().map(|column| column.holds == Some(ValueKind::Deviation)).collect(),
+            deviates: columns.iter().map(Column::deviates).collect(),
         })
+    }
+
+    /// How many of its columns a row has a value of.
+    fn extent(&self, value: &dyn Fn(usize) -> Option<DeviationValue>) -> RowExtent {
+        match (0..self.fields.len()).filter(|column| value(*column).is_some()).count() {
+            0 => RowExtent::Nothing,
+            all if all == self.fields.len() => RowExtent::Whole,
+            _ => RowExtent::Part,
+        }
     }
 
     /// The column of one of some fields.
     fn column(&self, fields: &[Field]) -> Option<usize> {
         self.fields.iter().position(|field| fields.contains(field))
     }
+}
+
+/// Refuses a column that says nothing of a space or tooth, or whose companions could not be used.
+fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
+    let title = &column.title;
+    let refused = |code: Code, what: &str, help: &str| {
+        Err(Diagnostic::error(code, format!("{name}: `{title}` {what}")).help(help.to_owned()))
+    };
+    let is_place = column.field == Field::Position;
+    match column.field {
+        Field::Error(DeviationKind::PinionPitch) => refused(
+            Code::AmbiguousBlock,
+            "of a tooth could be that of its left or its right flank",
+            "name it left_pitch or right_pitch",
+        ),
+        Field::Error(DeviationKind::RackPitch) => refused(
+            Code::BadTable,
+            "is a pitch, and spaces of a rack have positions",
+            "write columns space and position_deviation, which is the sum of the pitch errors up to that space",
+        ),
+        Field::Error(DeviationKind::PinionLead) => {
+            refused(Code::BadTable, "is the lead of a whole pinion", "name that of a tooth lead_deviation")
+        }
+        _ if is_place && column.nominal != Nominal::None => refused(
+            Code::BadTable,
+            "has nominal positions beside it, and space j stands nominally at (j + 1/2) p_x",
+            "give position_deviation, or leave the nominal positions out with --ignore",
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses two columns of the same quantity.
+fn refuse_two(name: &str, columns: &[Column], fields: &[Field]) -> Result<(), Diagnostic> {
+    let mut same = columns.iter().filter(|column| fields.contains(&column.field)).map(|column| &column.title);
+    let (Some(one), Some(other)) = (same.next(), same.next()) else { return Ok(()) };
+    let message = format!("{name}: `{one}` and `{other}` are the same quantity of a space or tooth");
+    Err(Diagnostic::error(Code::BadTable, message).help("leave one of them out with --ignore"))
 }
 
 /// Reads a table of the teeth or spaces of one part, as a spec names it.

@@ -28,8 +28,8 @@ fn want() -> Want {
     }
 }
 
-fn given(kind: DeviationKind, nominal: Option<DeviationValue>) -> Given {
-    Given { kind, unit: None, holds: None, nominal: nominal.map(Ok), length: None }
+fn given(kind: DeviationKind, nominal: Option<DeviationValue>) -> GivenColumn {
+    GivenColumn { kind, unit: None, holds: None, nominal: nominal.map(Ok), length: None }
 }
 
 /// A spec that asks for these errors and knows nothing of them.

@@ -1,7 +1,7 @@
 //! A table that is text. A short one is read as a whole, whatever its shape; a long one with a row per part is understood
 //! from its start, and its rows are streamed. Called by [`Container::table`](super::Container::table).
 
-use std::io::{self, Read};
+use std::io::Read;
 use std::sync::Arc;
 
 use super::Table;
@@ -238,9 +238,4 @@ fn stated_separator(start: &[u8]) -> Option<(u8, usize)> {
         [separator, b'\n' | b'\r', ..] => Some((*separator, 6)),
         _ => None,
     }
-}
-
-/// An error of reading, as one that is raised later.
-pub(crate) fn as_io(problem: &Diagnostic) -> io::Error {
-    io::Error::other(problem.message.clone())
 }

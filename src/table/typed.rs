@@ -5,17 +5,21 @@ use super::Table;
 use super::block::{Block, line_of};
 use super::cell::{Cell, Content, Record};
 use super::gathered::gathered;
-use super::names::{Field, ValueKind, is_value_heading};
+use super::grid::Separator;
+use super::names::{Field, ValueKind, heading, is_value_heading, role};
 use super::number::quantity;
-use super::parquet::ParquetTable;
-use super::pieces::{Blocks, Pieces, Place};
+use super::parquet::{ParquetTable, Unread};
+use super::pieces::{Blocks, Pieces, Place, as_io};
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
 use super::rows::{Rows, Setup, stored_record};
+use super::shape::shape;
 use super::stored::Stored;
-use super::text::{as_io, setup};
+use super::strangers;
+use super::text::setup;
 use super::understand::{Understood, in_words, understand_records};
-use super::want::{Given, Want};
+use super::unknown::Unknown;
+use super::want::{GivenColumn, Want};
 use super::workbook::{Shown, Workbook};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -62,8 +66,14 @@ struct Sheet {
     head: Vec<Record>,
 }
 
+/// The sheet that is read, and the others.
+struct Sheets {
+    read: Sheet,
+    others: Vec<Sheet>,
+}
+
 pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics> {
-    let Sheet { name: sheet, head } = sheet_with_columns(&mut book, want)?;
+    let Sheets { read: Sheet { name: sheet, head }, others } = sheets(&mut book, want)?;
     let records = book.records(&sheet, want.range);
     let name = records.name.clone();
     let mut rest = records.records;
@@ -90,6 +100,9 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
         table
     };
     table.place = Place::SheetRow;
+    for other in &others {
+        table.take_other(other, want);
+    }
     if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {
         table.reading.notes.push(format!(
             "{name}: {} hidden rows and {} hidden columns are read like the others",
@@ -100,31 +113,55 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
 }
 
 /// The one sheet that has columns that are known, or the only one with anything in it.
-fn sheet_with_columns(book: &mut Workbook, want: &Want) -> Result<Sheet, Diagnostic> {
+fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
     let names = book.candidates(want.sheet.as_deref())?;
     let listed = |names: &[String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let is_known = |record: &Record| record.cells.iter().any(|cell| is_value_heading(&cell.text(), &want.own));
     let mut found: Option<Sheet> = None;
-    let mut all: Vec<String> = Vec::new();
+    let (mut all, mut others) = (Vec::new(), Vec::new());
     for name in &names {
-        let head = book.head(name, want.range, HEAD)?;
-        if !head.iter().any(is_known) && (names.len() > 1 || head.is_empty()) {
+        let sheet = Sheet { name: name.clone(), head: book.head(name, want.range, HEAD)? };
+        if !sheet.head.iter().any(is_known) && (names.len() > 1 || sheet.head.is_empty()) {
+            others.push(sheet);
             continue;
         }
-        if found.is_none() || head.iter().any(|record| record.numbers() > 0) {
+        if found.is_none() || sheet.has_numbers() {
             all.push(name.clone());
         }
-        found.get_or_insert(Sheet { name: name.clone(), head });
+        found.get_or_insert(sheet);
     }
     if all.len() > 1 {
         let message = format!("{} sheets have columns that are known: {}", all.len(), listed(&all));
         return Err(Diagnostic::error(Code::AmbiguousBlock, message)
             .help("say which is meant with --sheet; each is read by itself"));
     }
-    found.ok_or_else(|| {
+    let read = found.ok_or_else(|| {
         Diagnostic::error(Code::BadTable, "no sheet of the workbook has a column that is known")
             .help(format!("its sheets are {}; say which with --sheet, and where with --range", listed(&names)))
-    })
+    })?;
+    Ok(Sheets { read, others })
+}
+
+impl Sheet {
+    fn has_numbers(&self) -> bool {
+        self.head.iter().any(|record| record.numbers() > 0)
+    }
+}
+
+impl Table {
+    /// What another sheet of the workbook holds is not used; what of it may be measured is a stranger.
+    fn take_other(&mut self, sheet: &Sheet, want: &Want) {
+        if !sheet.has_numbers() {
+            return;
+        }
+        let title = format!("sheet {}", sheet.name);
+        if let Ok(shape) = shape(&sheet.head, Separator::TAB, want) {
+            let sorted =
+                strangers::sort(&format!("{}, {title}", self.name), &shape, want, self.still_missing.is_empty());
+            self.strangers.extend(sorted.strangers);
+        }
+        self.reading.not_used.push(NotUsed { title, why: "another sheet is read" });
+    }
 }
 
 /// The refusal of numbers that are shown with another unit than the one they are read in, by their number format.
@@ -198,7 +235,7 @@ fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
         let Some(nominal) = nominal else { continue };
         let known = want.given.iter().position(|given| given.kind == kind);
         let at = known.unwrap_or_else(|| {
-            want.given.push(Given { kind, unit: None, holds: None, nominal: None, length: None });
+            want.given.push(GivenColumn { kind, unit: None, holds: None, nominal: None, length: None });
             want.given.len() - 1
         });
         let given = &mut want.given[at];
@@ -231,26 +268,78 @@ fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want)
 }
 
 pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
-    let (read, not_read): (Vec<_>, Vec<_>) = file.columns().iter().partition(|column| column.is_read());
-    let titles: Vec<_> = read.iter().map(|column| column.name.clone()).collect();
-    let not_used: Vec<_> = not_read.iter().map(|column| column.name.clone()).collect();
+    let not_used = not_read(&file, want)?;
+    let read = file.columns().iter().filter(|column| column.is_read());
+    let titles: Vec<_> = read.map(|column| column.name.clone()).collect();
     let all = vec![true; titles.len()];
     file.check(&all)?;
     let head = match file.ranges().first() {
         Some(range) => file.read(&mut None, range.first(HEAD), &all)?,
         None => Vec::new(),
     };
-    let StoredTable { mut table, setup } = stored_table(name, "Parquet", &titles, &head, want)?;
-    table.pieces = Pieces::Parquet { setup, file };
-    let not_used = not_used.into_iter().map(|title| NotUsed { title, why: "its type is no number" });
+    let StoredTable { mut table, setup, in_rows } = stored_table(name, "Parquet", &titles, &head, want)?;
+    if in_rows {
+        table.pieces = Pieces::Parquet { setup, file };
+    } else {
+        let understood = understand_records(name, &whole(name, &file, &titles)?, want)?;
+        table = Table::new(name, "Parquet", &understood, want);
+        table.place = Place::Record;
+        table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
+    }
     table.reading.not_used.extend(not_used);
     Ok(table)
+}
+
+/// The columns that are not read.
+///
+/// # Errors
+/// The first that may be a measurement, or say something of one.
+fn not_read(file: &ParquetTable, want: &Want) -> Result<Vec<NotUsed>, Diagnostic> {
+    let mut not_used = Vec::new();
+    for (place, column) in file.columns().iter().enumerate() {
+        let Some(why) = &column.unread else { continue };
+        let title = column.name.clone();
+        let is_known = heading(&title, &want.own).is_some() || role(&title).is_some();
+        let number = Cell::from(Content::Number(Decimal::of_i64(1, 0)));
+        let may_matter = is_known || Unknown::column(&title, place, vec![number]).could_be_measured();
+        if may_matter && !want.ignores(&title) {
+            return Err(file.refused(&title, why));
+        }
+        let why = if matches!(why, Unread::Type(_)) { "its type is no number" } else { "its packing is not read" };
+        not_used.push(NotUsed { title, why });
+    }
+    Ok(not_used)
+}
+
+/// All records of a file whose parts are not in rows, the header first.
+fn whole(name: &str, file: &ParquetTable, titles: &[String]) -> Result<Vec<Record>, Diagnostic> {
+    const MOST_ROWS: usize = 200_000;
+    let mut records = vec![header(titles)];
+    let all = vec![true; titles.len()];
+    let mut open = None;
+    for range in file.ranges() {
+        let columns = file.read(&mut open, range, &all)?;
+        let rows = columns.iter().flatten().map(Stored::rows).max().unwrap_or(0);
+        records.extend((0..rows).map(|row| stored_record(&columns, row, range.before)));
+        if records.len() > MOST_ROWS {
+            let message = format!("{name} has more than {MOST_ROWS} rows, and its parts are not in rows");
+            return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part"));
+        }
+    }
+    Ok(records)
+}
+
+/// The names of stored columns.
+fn header(titles: &[String]) -> Record {
+    Record::new(titles.iter().map(|title| Cell::from(Content::of_text(title))).collect(), 0)
 }
 
 /// A table of stored columns, whose rows are not given yet.
 pub(crate) struct StoredTable {
     pub(crate) table: Table,
     pub(crate) setup: Setup,
+    /// Whether each row is a part, a space or a tooth.
+    pub(crate) in_rows: bool,
 }
 
 /// A table of stored columns, of which these are the first rows.
@@ -261,14 +350,16 @@ pub(crate) fn stored_table(
     head: &[Option<Stored<'_>>],
     want: &Want,
 ) -> Result<StoredTable, Diagnostics> {
-    let titles = titles.iter().map(|title| Cell::from(Content::of_text(title)));
-    let mut records = vec![Record::new(titles.collect(), 0)];
+    let mut records = vec![header(titles)];
     let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(HEAD);
     records.extend((0..rows).map(|row| stored_record(head, row, 0)));
     let understood = understand_records(name, &records, want)?;
     let mut table = Table::new(name, format, &understood, want);
     table.header_raw = line_of(table.titles.iter().map(String::as_str));
     table.reading.header_line = None;
+    // rows that are no part say so themselves when they are read
+    table.reading.asides.clear();
     table.place = Place::Record;
-    Ok(StoredTable { table, setup: setup(understood, b',', false, want) })
+    let in_rows = understood.has_row_per_part();
+    Ok(StoredTable { table, setup: setup(understood, b',', false, want), in_rows })
 }

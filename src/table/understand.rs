@@ -13,7 +13,7 @@ use super::names::{Field, Role, role};
 use super::number::{DecimalMark, Marks};
 use super::shape::{Measurement, NoShape, Shape, has_digit, located, shape};
 use super::want::{Orientation, Want};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{LengthUnit, Unit, shown};
 
@@ -203,7 +203,7 @@ fn readings(
 ) -> Result<Vec<Understood>, Diagnostics> {
     let choices = choices(source, separator, shape, want)?;
     let several = choices.len() > 1;
-    let has_mark = |cell: &Cell| matches!(&cell.content, Content::Text(text) if text.contains(['.', ',']));
+    let has_mark = |cell: &Cell| matches!(&cell.content, Content::Text(text) if text.contains(['.', ',', '．', '，']));
     let has_decimals = shape.number_cells().any(has_mark);
     let mut candidates = Vec::new();
     let mut failure = None;
@@ -313,9 +313,10 @@ fn choices(
 fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> Result<Understood, Diagnostics> {
     let is_teeth = want.teeth.unwrap_or_else(|| is_teeth(shape));
     let mut columns = Vec::with_capacity(shape.measurements.len());
-    let mut problems = Vec::new();
+    let mut problems: Vec<_> =
+        shape.index.iter().filter(|_| !is_teeth).map(|index| numbers_teeth(&index.title)).collect();
     for measurement in &shape.measurements {
-        let kind = if is_teeth { None } else { kind_of(measurement.field) };
+        let kind = if is_teeth { None } else { measurement.field.kind() };
         if !is_teeth && kind.is_none() {
             problems.push(
                 Diagnostic::error(
@@ -335,6 +336,7 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
             Err(diagnostics) => problems.extend(diagnostics.0),
         }
     }
+    problems.extend(twice(&columns));
     problems.extend(columns.iter().find_map(|column| other_unit(shape, column, want)));
     if !problems.is_empty() {
         let in_file =
@@ -352,6 +354,31 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
         doubt: None,
         ruled_out: None,
     })
+}
+
+/// Two columns of one error: nothing tells which of them counts.
+fn twice(columns: &[Column]) -> Option<Diagnostic> {
+    let later = |(index, column): (usize, &Column)| {
+        let kind = column.kind?;
+        let first = columns[..index].iter().find(|first| first.kind == Some(kind))?;
+        let message = format!("two columns for `{}`: `{}` and `{}`", kind.key(), first.title, column.title);
+        let help = format!(
+            "say which counts, and leave the other out: [batch.columns] {} = {{ name = \"{}\" }}, [batch] ignore = [\"{}\"]",
+            kind.key(),
+            first.title,
+            column.title
+        );
+        Some(Diagnostic::error(Code::BadTable, message).help(help))
+    };
+    columns.iter().enumerate().find_map(later)
+}
+
+/// The refusal of a table of parts with a column that numbers their spaces or teeth.
+fn numbers_teeth(title: &str) -> Diagnostic {
+    let message = format!("`{title}` numbers spaces or teeth: each row is a tooth or a space, and not a part");
+    Diagnostic::error(Code::BadTable, message).help(format!(
+        "put the exact mesh to work: --teeth; or leave the column out, if each row is a part: --ignore \"{title}\""
+    ))
 }
 
 /// A line beside the table that states another unit than the one that is assumed for a column.
@@ -439,17 +466,6 @@ impl Measurement {
     /// What stands beside the value of a row.
     pub(crate) fn beside_row(&self, row: usize) -> Companions<&Cell> {
         self.beside.map(|series| series.cells.get(row))
-    }
-}
-
-/// The error that a field is, in a table with a row per part.
-pub(crate) fn kind_of(field: Field) -> Option<DeviationKind> {
-    match field {
-        Field::Error(kind) => Some(kind),
-        Field::OverPin => Some(DeviationKind::RackOverRoller),
-        Field::Lead => Some(DeviationKind::RackLead),
-        Field::Radial => Some(DeviationKind::PinionRadial),
-        Field::PartId | Field::Space | Field::Position | Field::Tooth | Field::LeftPitch | Field::RightPitch => None,
     }
 }
 

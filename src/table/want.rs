@@ -2,7 +2,7 @@
 //! Filled by the spec and the command line; asked by every step of the reading.
 
 use super::encoding::Encoding;
-use super::names::{Field, ValueKind};
+use super::names::{Field, ValueKind, is_called};
 use super::number::DecimalMark;
 use super::workbook::CellRange;
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -32,7 +32,7 @@ impl Orientation {
 
 /// What the spec says of the column of an error.
 #[derive(Debug, Clone)]
-pub struct Given {
+pub struct GivenColumn {
     /// The error.
     pub kind: DeviationKind,
     /// The unit of its numbers.
@@ -55,11 +55,13 @@ pub struct Want {
     /// Names that the spec gives to columns.
     pub own: Vec<(String, Field)>,
     /// What the spec says of columns.
-    pub given: Vec<Given>,
+    pub given: Vec<GivenColumn>,
     /// The normal module: a measured value that is further from its nominal one is not meant.
     pub module: Option<Length>,
     /// The rack's face width, over which f_Hβ is evaluated where nothing else is said.
     pub face_width: Option<Length>,
+    /// The nominal measure over the pin, if the spec tells it.
+    pub over_pin: Option<Length>,
     /// Patterns of columns and lines that the user leaves out.
     pub ignored: Vec<String>,
     /// Whether what is not understood is left out once every error of the spec is found.
@@ -84,7 +86,7 @@ pub struct Want {
 
 impl Want {
     /// What the spec says of the column of an error.
-    pub(crate) fn given(&self, kind: DeviationKind) -> Option<&Given> {
+    pub(crate) fn given(&self, kind: DeviationKind) -> Option<&GivenColumn> {
         self.given.iter().find(|given| given.kind == kind)
     }
 
@@ -94,12 +96,16 @@ impl Want {
         self.ignored.iter().any(|pattern| matches(pattern, title) || matches(pattern, &name))
     }
 
+    /// The unit that the spec gives to a column, if this is the column that it means.
+    pub(crate) fn stated_unit(&self, kind: DeviationKind, title: &str) -> Option<Unit> {
+        let mut names = self.own.iter().filter(|(_, field)| field.kind() == Some(kind)).peekable();
+        let is_meant = names.peek().is_none() || names.any(|(own, _)| is_called(title, own));
+        self.given(kind).and_then(|given| given.unit).filter(|_| is_meant)
+    }
+
     /// Whether a title is a name that the spec gives, which needs no unit: it has that of the spec or the key.
     pub(crate) fn is_own(&self, title: &str) -> bool {
-        let (name, _) = super::names::split_unit(title);
-        let is_so =
-            |own: &str| own.trim().eq_ignore_ascii_case(title.trim()) || own.trim().eq_ignore_ascii_case(name.trim());
-        self.own.iter().any(|(own, _)| is_so(own))
+        self.own.iter().any(|(own, _)| is_called(title, own))
     }
 }
 

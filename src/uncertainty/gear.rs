@@ -6,7 +6,7 @@ use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartDeviation};
 use crate::judge::Stack;
-use crate::judge::bound::{Basis, ExtendedError, Open, Range};
+use crate::judge::bound::{Basis, ExtendedError, NoBound, Range};
 use crate::quantity::Length;
 
 /// The gear data of a part, mm and degrees; what no error needs is 0.
@@ -63,12 +63,12 @@ impl Gear {
 
 /// One error of a part, whose value and gear data may vary.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Varied {
+pub(crate) struct VariedError {
     pub(crate) law: Law,
     error: ExtendedError,
 }
 
-impl Varied {
+impl VariedError {
     /// Of an error; `None` if no bound can be given for it.
     pub(crate) fn new(error: &PartDeviation) -> Option<Self> {
         Some(Self { law: error.law(), error: ExtendedError::of(error).ok()? })
@@ -91,6 +91,6 @@ impl Varied {
 
 /// Both ends of a combination, not numbers if there are none.
 pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
-    let none = |_: Open| Range { lower: f64::NAN, upper: f64::NAN };
+    let none = |_: NoBound| Range { lower: f64::NAN, upper: f64::NAN };
     stack.ends(&basis.together(errors)).unwrap_or_else(none)
 }

@@ -11,7 +11,7 @@
 //! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
-use super::gear::{Gear, Varied, ends};
+use super::gear::{Gear, VariedError, ends};
 use super::{
     EndWeights, FOLD, InputContribution, Linear, Propagation, Source, TeethSensitivity, Uncertainties, UncertaintyError,
 };
@@ -99,7 +99,7 @@ struct Derivatives {
     /// Its extent.
     extent: Extent,
     /// The error for the bound; `None` if it is too large for one.
-    varied: Option<Varied>,
+    varied: Option<VariedError>,
     /// The input that is the error itself, and its standard uncertainty, mm or degrees.
     own: Option<(usize, f64)>,
     /// ∂(ln ΔCD)/∂x of each input.
@@ -417,7 +417,7 @@ impl Derivatives {
             }
         }
         let own = index(Source::Error(kind)).map(|own| (own, inputs[own].1.standard));
-        Ok(Self { law, extent: error.extent(), varied: Varied::new(error), own, relative, constant })
+        Ok(Self { law, extent: error.extent(), varied: VariedError::new(error), own, relative, constant })
     }
 }
 

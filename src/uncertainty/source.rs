@@ -28,6 +28,30 @@ pub enum Source {
 }
 
 impl Source {
+    /// All of them.
+    pub const ALL: [Self; 14] = [
+        Self::Error(DeviationKind::RackOverRoller),
+        Self::Error(DeviationKind::RackPitch),
+        Self::Error(DeviationKind::RackLead),
+        Self::Error(DeviationKind::PinionRadial),
+        Self::Error(DeviationKind::PinionPitch),
+        Self::Error(DeviationKind::PinionLead),
+        Self::NormalModule,
+        Self::NormalPressureAngle,
+        Self::RackHelixAngle,
+        Self::FaceWidth,
+        Self::ToothThickness,
+        Self::Datum,
+        Self::Roller,
+        Self::PinionHelixAngle,
+    ];
+
+    /// The quantity of the gear whose size stands under a key of a spec.
+    #[must_use]
+    pub fn of_gear(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|source| !matches!(source, Self::Error(_)) && source.key() == key)
+    }
+
     /// Its key in specs and results: `errors.rack_pitch`, `pair.normal_pressure_angle`.
     #[must_use]
     pub const fn key(self) -> &'static str {

@@ -137,6 +137,15 @@ fn bad_rows_are_reported_kept_and_counted() {
     assert_eq!(strict.status.code(), Some(2));
     assert!(text(&strict.stderr).contains("2 rows: 1 pass, 0 fail, 1 rejected"), "{}", text(&strict.stderr));
     assert_eq!(text(&strict.stdout).lines().count(), 2);
+    let (rows, junit) = (path("strict.csv"), path("strict.xml"));
+    std::fs::write(&rows, "old").unwrap();
+    let summary = batch(&[SPEC, "--strict", "--summary", "--format", "json", "--junit", &junit], table.as_bytes());
+    let summary: serde_json::Value = serde_json::from_slice(&summary.stdout).expect("the summary is JSON");
+    assert_eq!((&summary["complete"], &summary["interrupted"]), (&false.into(), &false.into()));
+    assert!(std::fs::read_to_string(&junit).unwrap().contains("type=\"incomplete\""));
+    let strict = batch(&[SPEC, "--strict", "-o", &rows], table.as_bytes());
+    assert!(text(&strict.stderr).contains("strict.csv.partial"), "{}", text(&strict.stderr));
+    assert_eq!(std::fs::read_to_string(&rows).unwrap(), "old");
     let unclosed = batch(&[SPEC], b"part_id,over_roller,dp\nP1,25,0\nP2,\"25,0\n");
     assert_eq!(unclosed.status.code(), Some(2));
     assert!(text(&unclosed.stderr).contains("line 3: a quote is not closed"), "{}", text(&unclosed.stderr));
@@ -323,7 +332,7 @@ fn several_tables_and_what_pipelines_show() {
         messages.contains(",line=2,title=record 1 rejected::record 1 (part Q1), column `dp [mm]`: `x`"),
         "{messages}"
     );
-    assert!(messages.contains("::error title=rackmesh batch::a table could not be read to its end"), "{messages}");
+    assert!(messages.contains("::error title=rackmesh batch::a table was not read to its end"), "{messages}");
     assert!(messages.contains("::notice title=rackmesh batch::5 rows: 2 pass, 2 fail"), "{messages}");
     let junit = std::fs::read_to_string(&junit).unwrap();
     assert!(junit.contains("tests=\"5\" failures=\"2\" errors=\"2\""), "{junit}");
@@ -407,4 +416,66 @@ fn parquet_holds_what_csv_holds() {
         }
     }
     assert!(rows.next().is_none());
+}
+
+/// Whoever looks at the first line only gets the verdict of all parts, and the other files.
+#[test]
+fn a_reader_that_has_seen_enough_changes_no_verdict() {
+    let (table, junit, rejects) = (path("long.csv"), path("closed.xml"), path("closed.csv"));
+    let mut rows = "part_id,over_roller,dp\n".to_owned();
+    for row in 0..20_000 {
+        let _ = writeln!(rows, "P{row},25,0");
+    }
+    for (last, status) in [("P,26,0\n", 1), ("P,x,0\n", 2), ("P,25,0\n", 0)] {
+        std::fs::write(&table, rows.clone() + last).unwrap();
+        let _ = std::fs::remove_file(&junit);
+        let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
+            .args(["batch", SPEC, &table, "--quiet", "--junit", &junit, "--rejects", &rejects])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        drop(child.stdout.take());
+        let ended = child.wait_with_output().expect("the program ends");
+        assert_eq!(ended.status.code(), Some(status), "{}", text(&ended.stderr));
+        assert!(!text(&ended.stderr).to_lowercase().contains("pipe"), "{}", text(&ended.stderr));
+        assert!(std::fs::read_to_string(&junit).unwrap().contains("name=\"rows\" value=\"20001\""));
+        assert_eq!(std::fs::read_to_string(&rejects).unwrap().contains("P,x,0"), status == 2);
+    }
+}
+
+/// What files say where the spec is silent holds for their own parts only.
+#[test]
+fn files_with_limits_of_their_own_are_not_judged_together() {
+    let spec = path("silent.toml");
+    std::fs::write(&spec, "[pair]\nnormal_pressure_angle = 20\n").unwrap();
+    let file = |name: &str, more: &str| {
+        let header = "K0100 1\nK2002/1 Teilungsabweichung Zahnstange\nK2142/1 um\n";
+        std::fs::write(path(name), format!("{header}{more}\n10\u{14}0\n")).unwrap();
+        path(name)
+    };
+    let (wide, narrow) = (file("wide.dfq", "K2111/1 20"), file("narrow.dfq", "K2111/1 5"));
+    assert_eq!(batch(&[&spec, &wide, &wide], b"").status.code(), Some(0));
+    assert_eq!(batch(&[&spec, &narrow], b"").status.code(), Some(1));
+    let refused = batch(&[&spec, &wide, &narrow], b"");
+    let said = "wide.dfq and ";
+    assert!(text(&refused.stderr).contains(said) && text(&refused.stderr).contains("limits of its ΔCD at most"));
+    assert_eq!(refused.status.code(), Some(2));
+    let (sure, unsure) = (file("sure.dfq", "K2106/1 1"), file("unsure.dfq", "K2106/1 10"));
+    let refused = batch(&[&spec, &sure, &unsure, "--rule", "iso14253"], b"");
+    assert!(text(&refused.stderr).contains("standard uncertainties 0.0005 and 0.005"), "{}", text(&refused.stderr));
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+#[test]
+fn what_a_file_cannot_hold_is_refused() {
+    for (options, expected) in [
+        (&["--columns", "verdict,part_id,verdict"][..], "--columns names `verdict` twice"),
+        (&["--rejects", &path("rejects.parquet")], "rejected rows are written as lines of text, and not as .parquet"),
+    ] {
+        let refused = batch(&[&[SPEC], options].concat(), TABLE.as_bytes());
+        assert!(text(&refused.stderr).contains(expected), "{}", text(&refused.stderr));
+        assert_eq!((refused.status.code(), text(&refused.stdout)), (Some(2), ""));
+    }
+    assert!(!std::path::Path::new(&path("rejects.parquet")).exists());
 }

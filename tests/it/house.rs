@@ -13,6 +13,8 @@ const MOST_LONG_FUNCTIONS: usize = 10;
 const MOST_WIDE_FUNCTIONS: usize = 0;
 /// Rooms that use each other, directly or through others.
 const MOST_ROOMS_IN_CYCLES: usize = 0;
+/// Files that import each other, directly or through others.
+const MOST_FILES_IN_CIRCLES: usize = 0;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -213,22 +215,90 @@ fn uses(code: &[Code]) -> BTreeMap<String, BTreeSet<String>> {
     uses
 }
 
+/// Those that reach themselves through what they use.
+fn in_cycles<T: Ord + AsRef<Path>>(uses: &BTreeMap<T, BTreeSet<T>>) -> Vec<String> {
+    let reaches_itself = |from: &T| {
+        let mut reached = BTreeSet::new();
+        let mut open: Vec<&T> = uses[from].iter().collect();
+        while let Some(next) = open.pop() {
+            if reached.insert(next) {
+                open.extend(&uses[next]);
+            }
+        }
+        reached.contains(from)
+    };
+    uses.keys().filter(|from| reaches_itself(from)).map(|from| from.as_ref().display().to_string()).collect()
+}
+
 #[test]
 fn rooms_use_each_other_one_way() {
     let uses = uses(&code());
     for (room, used) in &uses {
         println!("{room} → {}", used.iter().cloned().collect::<Vec<_>>().join(", "));
     }
-    let reach = |room: &String| {
-        let mut reached = BTreeSet::new();
-        let mut open: Vec<&String> = uses[room].iter().collect();
-        while let Some(next) = open.pop() {
-            if reached.insert(next) {
-                open.extend(&uses[next]);
+    let in_cycles = in_cycles(&uses);
+    hold("rooms that use each other", &in_cycles, MOST_ROOMS_IN_CYCLES);
+}
+
+/// The `use` statements of a file outside its tests, each group spelled out.
+fn imports(file: &Code) -> Vec<String> {
+    fn spell(path: &str, found: &mut Vec<String>) {
+        let Some((before, group)) = path.split_once('{') else {
+            return found.push(path.trim().to_owned());
+        };
+        let (mut depth, mut start) = (0, 0);
+        let inside = &group[..group.rfind('}').unwrap()];
+        for (at, sign) in inside.char_indices().chain([(inside.len(), ',')]) {
+            match sign {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    spell(&format!("{}{}", before.trim(), inside[start..at].trim()), found);
+                    start = at + 1;
+                }
+                _ => {}
             }
         }
-        reached
+    }
+    let text = file.lines.join(" ");
+    let uses = text.split(';').filter_map(|statement| statement.rsplit_once("use ").map(|(_, path)| path));
+    let mut found = Vec::new();
+    uses.filter(|path| path.trim_start().starts_with("super::") || path.trim_start().starts_with("crate::"))
+        .for_each(|path| spell(path, &mut found));
+    found
+}
+
+/// The file that an import names: the longest module that there is; a folder's `mod.rs` only hands names on.
+fn imported(file: &Code, import: &str, files: &BTreeSet<PathBuf>) -> Option<PathBuf> {
+    let mut module = if file.path.ends_with("mod.rs") {
+        file.path.parent().unwrap().to_owned()
+    } else {
+        file.path.with_extension("")
     };
-    let in_cycles: Vec<String> = uses.keys().filter(|room| reach(room).contains(room)).cloned().collect();
-    hold("rooms that use each other", &in_cycles, MOST_ROOMS_IN_CYCLES);
+    let mut found = None;
+    for name in import.split("::") {
+        match name {
+            "crate" => module = PathBuf::new(),
+            "super" => module = module.parent()?.to_owned(),
+            name => module.push(name),
+        }
+        let as_file = module.with_extension("rs");
+        if files.contains(&as_file) {
+            found = Some(as_file);
+        }
+    }
+    found.filter(|found| *found != file.path)
+}
+
+#[test]
+fn files_do_not_import_in_circles() {
+    let code = code();
+    let files: BTreeSet<PathBuf> = code.iter().map(|file| file.path.clone()).collect();
+    let of_file = |file: &Code| imports(file).iter().filter_map(|import| imported(file, import, &files)).collect();
+    let uses: BTreeMap<PathBuf, BTreeSet<PathBuf>> =
+        code.iter().map(|file| (file.path.clone(), of_file(file))).collect();
+    let arrows = uses.values().map(BTreeSet::len).sum::<usize>();
+    assert!(arrows > 400, "{arrows} imports of files");
+    let in_circles = in_cycles(&uses);
+    hold("files that import each other", &in_circles, MOST_FILES_IN_CIRCLES);
 }

@@ -110,6 +110,11 @@ fn a_closed_pipe_is_success() {
         assert!(expected.contains(&status.code()), "{arguments:?}: {status:?} {messages}");
         assert_eq!(messages, "", "{arguments:?}");
     }
+    // a list that goes on for hours ends with its reader
+    let arguments = ["mesh", "examples/mesh.toml", "--points", "100000000", "--format", "csv"];
+    let mut child: Child = rackmesh(&arguments).spawn().expect("the program starts");
+    drop(child.stdout.take());
+    assert!(child.wait().expect("the program ends").code().is_some());
 }
 
 #[test]
@@ -323,13 +328,28 @@ fn pause() {
     std::thread::sleep(std::time::Duration::from_millis(500));
 }
 
+/// Waits until the program sees signals itself, where the system tells, and then for some of its work.
+#[cfg(unix)]
+fn pause_at_work(child: &Child) {
+    const SIGINT: u64 = 1 << 1;
+    let status = format!("/proc/{}/status", child.id());
+    let sees_signals = |status: &str| {
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        caught.is_none_or(|mask| u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & SIGINT != 0))
+    };
+    while std::fs::read_to_string(&status).is_ok_and(|status| !sees_signals(&status)) {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    pause();
+}
+
 #[test]
 #[cfg(unix)]
 fn racks_that_a_signal_ends_are_shown_and_said_to_be_some() {
     let run = |signal: &str, format: &str| {
         let arguments = ["monte-carlo", "examples/scatter.toml", "--racks", "300000", "--format", format];
         let child = rackmesh(&arguments).spawn().expect("the program starts");
-        pause();
+        pause_at_work(&child);
         send(signal, &child);
         child.wait_with_output().expect("the program ends")
     };
@@ -398,7 +418,27 @@ fn racks_in_ranges_are_one_run() {
     let text = std::fs::read_to_string(&a.0).expect("the study is there");
     std::fs::write(&seed, text.replacen("\"racks\":17", "\"racks\":16", 1)).expect("it can be written");
     refused(&["--merge", &seed], "damaged");
+    std::fs::write(&seed, text.replacen(",\"inside\":17", "", 1)).expect("it can be written");
+    refused(&["--merge", &seed], "damaged");
     refused(&["--first-rack", "18446744073709551615", "--racks", "2"], "with numbers up to");
+}
+
+/// A rack that cannot be solved ends the run with its error; those before it are shown and kept.
+#[test]
+fn racks_before_one_that_fails_are_kept() {
+    let folder = Folder::new("failing-rack");
+    let file = folder.path("study.json");
+    let racks = |more: &[&str]| {
+        let wide = ["monte-carlo", "examples/scatter.toml", "--set", "scatter.rack_pitch=0.7 mm", "-f", "json"];
+        run(&[&wide, more].concat(), "")
+    };
+    let ended = racks(&["--racks", "60", "--study", &file]);
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("error[no-mesh]: rack 25:"), "{}", ended.stderr);
+    let shown = ended.json();
+    assert_eq!((&shown["racks"], &shown["interrupted"]), (&25.into(), &true.into()));
+    let kept = racks(&["--merge", &file]);
+    assert_eq!(kept.json()["delta_cd"], shown["delta_cd"], "{}", kept.stderr);
 }
 
 #[test]
@@ -422,7 +462,7 @@ fn strokes_that_a_signal_ends_are_whole_json_and_said_to_be_some() {
 fn a_simulation_that_a_signal_ends_is_shown_up_to_there() {
     let arguments = ["simulate", "examples/mesh.toml", "--spacing", "0.0001", "--format", "json"];
     let mut child = rackmesh(&arguments).spawn().expect("the program starts");
-    pause();
+    pause_at_work(&child);
     send("-INT", &child);
     let mut stdout = Vec::new();
     child.stdout.take().expect("stdout is piped").read_to_end(&mut stdout).expect("stdout is read");
@@ -438,7 +478,7 @@ fn a_second_signal_ends_at_once() {
     for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
         let strokes = ["mesh", "examples/mesh.toml", "--points", "100000000", "--format", "csv"];
         let mut child = rackmesh(&strokes).spawn().expect("the program starts");
-        pause();
+        pause_at_work(&child);
         send("-INT", &child);
         pause();
         assert_eq!(child.try_wait().expect("the program is known"), None);
@@ -455,7 +495,7 @@ fn a_picture_of_a_run_that_did_not_end_has_a_name_of_its_own() {
     std::fs::write(&picture, "old").expect("the file can be written");
     let arguments = ["simulate", "examples/mesh.toml", "--spacing", "0.0001", "--plot", &picture];
     let child = rackmesh(&arguments).spawn().expect("the program starts");
-    pause();
+    pause_at_work(&child);
     send("-INT", &child);
     let output = child.wait_with_output().expect("the program ends");
     assert_eq!(output.status.code(), Some(130));
@@ -506,4 +546,33 @@ fn pipes_and_standard_output_are_written_as_they_are() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(reader.join().expect("the pipe is read").starts_with("kind,name"));
     assert!(!std::fs::metadata(&pipe).expect("the pipe is there").is_file());
+}
+
+/// The old page stays, and what was computed stands beside it.
+#[test]
+#[cfg(unix)]
+fn a_report_that_a_signal_ends_leaves_the_old_page() {
+    let folder = Folder::new("interrupted-report");
+    let (table, page) = (folder.path("lot.csv"), folder.path("lot.html"));
+    let rows = (0..1_500_000).map(|row| format!("P{row},25.01,0\n")).collect::<Vec<_>>().concat();
+    std::fs::write(&table, "part_id,over_roller,dp\n".to_owned() + &rows).expect("it can be written");
+    std::fs::write(&page, "old").expect("it can be written");
+    let partial = folder.path("lot.html.partial");
+    // a signal before the first row finds nothing to keep
+    for pauses in [0, 1, 2, 4, 8, 16] {
+        let mut child =
+            rackmesh(&["report", "tests/specs/batch.toml", &table, "-o", &page]).spawn().expect("it starts");
+        pause_at_work(&child);
+        (0..pauses).for_each(|_| pause());
+        send("-INT", &child);
+        let mut messages = String::new();
+        child.stderr.take().expect("stderr is piped").read_to_string(&mut messages).expect("stderr is read");
+        assert_eq!(child.wait().expect("the program ends").code(), Some(130), "{messages}");
+        assert_eq!(std::fs::read_to_string(&page).expect("the page is there"), "old");
+        if let Ok(kept) = std::fs::read_to_string(&partial) {
+            assert!(messages.contains("lot.html.partial") && kept.contains("incomplete"), "{messages}");
+            return;
+        }
+    }
+    panic!("nothing is kept");
 }

@@ -27,6 +27,7 @@ struct Case {
     file: Option<String>,
     #[serde(default)]
     more: Vec<String>,
+    text: Option<String>,
     cells: Option<Vec<Vec<toml::Value>>>,
     format: Option<String>,
     #[serde(default)]
@@ -64,8 +65,11 @@ fn folder() -> PathBuf {
 }
 
 fn cases() -> Vec<Case> {
-    let text = std::fs::read_to_string(folder().join("cases.toml")).unwrap();
-    toml::from_str::<Cases>(&text).unwrap().case
+    let of_manifest = |manifest: &str| {
+        let text = std::fs::read_to_string(folder().join(manifest)).unwrap();
+        toml::from_str::<Cases>(&text).unwrap().case
+    };
+    ["cases.toml", "silent.toml"].into_iter().flat_map(of_manifest).collect()
 }
 
 /// What a case is called in a message.
@@ -87,7 +91,11 @@ fn table(case: &Case, number: usize) -> String {
             }
             path.display().to_string()
         }
-        _ => panic!("a case has a file or cells"),
+        (None, None) => {
+            let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("table-{number}.csv"));
+            std::fs::write(&path, case.text.as_ref().expect("a case has a file, a text or cells")).unwrap();
+            path.display().to_string()
+        }
     }
 }
 

@@ -95,18 +95,209 @@ fn a_tooth_that_was_not_measured_passes_nowhere() {
     assert_eq!(batch(&folder, &spec, &whole, &[]).code, Some(0));
     for (part, table) in racks.iter().map(|table| ("rack", table)).chain(pinions.iter().map(|table| ("pinion", table)))
     {
+        passes_nowhere(&folder, part, table);
+    }
+}
+
+/// A table of a part by every command that judges teeth: none says a verdict.
+fn passes_nowhere(folder: &Folder, part: &str, table: &str) {
+    let spec = format!("{PAIR}{LIMIT}");
+    let is_open = |command: &str, ended: &Ended| {
+        assert_eq!(ended.code, Some(2), "{command} {table}: {} {}", ended.stdout, ended.stderr);
+    };
+    is_open("batch", &batch(folder, &spec, table, &[]));
+    is_open("paste", &paste(folder, &spec, table, &[]));
+    is_open("report", &run(&["report", &folder.path("spec.toml"), &folder.path("spaces.csv"), "--teeth"], ""));
+    std::fs::write(folder.path("measured.csv"), table).unwrap();
+    let beside = spec.replace(&format!("[{part}]\n"), &format!("[{part}]\nmeasured = \"measured.csv\"\n"));
+    std::fs::write(folder.path("beside.toml"), beside).unwrap();
+    for command in ["eval", "mesh"] {
+        is_open(command, &run(&[command, &folder.path("beside.toml")], ""));
+    }
+}
+
+/// Spaces 0 to 4 that are all right, and rows of others.
+fn spaces_and(others: &[&str]) -> String {
+    let table: Vec<_> = spaces(|_| 0).lines().take(6).map(str::to_owned).collect();
+    format!("{}\n{}\n", table.join("\n"), others.join("\n"))
+}
+
+/// Values behind a gap count, however few they are.
+#[test]
+fn a_gap_leaves_no_verdict_however_short_the_runs_are() {
+    let folder = Folder::new("teeth-gap");
+    for others in [&["6,500,500", "7,500,500"][..], &["6,500,500"], &["-3,500,500"], &["6,0,0", "7,0,0", "8,,500"]] {
+        passes_nowhere(&folder, "rack", &spaces_and(others));
+    }
+    // a value in one column only is no measured space at the end, either; a row without any value is none at all
+    passes_nowhere(&folder, "rack", &spaces_and(&["5,n.a.,500"]));
+    let passed = batch(&folder, &format!("{PAIR}{LIMIT}"), &spaces_and(&["5,,", "6,n.a.,n.a."]), &[]);
+    assert_eq!(passed.code, Some(0), "{} {}", passed.stdout, passed.stderr);
+}
+
+/// A quantity that nobody measured is not zero.
+#[test]
+fn a_column_without_a_value_leaves_no_verdict() {
+    let folder = Folder::new("teeth-no-value");
+    let rack = spaces(|_| 0);
+    passes_nowhere(&folder, "rack", &rack.replace(",0,", ",n.a.,"));
+    passes_nowhere(&folder, "rack", &rack.replace(",0\n", ",\n"));
+    for (radial, position) in [("n.a.", "0"), ("0", "")] {
+        let mut pinion = "tooth,radial_deviation [um],position_deviation [um]\n".to_owned();
+        (0..8).for_each(|tooth| writeln!(pinion, "{tooth},{radial},{position}").unwrap());
+        passes_nowhere(&folder, "pinion", &pinion);
+    }
+    let rows = |part: &str, over_pin: &str| -> String {
+        (0..12).map(|space| format!("{part},{space},{over_pin},0\n")).collect::<Vec<_>>().concat()
+    };
+    let lot = format!(
+        "part_id,space,over_pin_deviation [um],position_deviation [um]\n{}{}{}",
+        rows("A", "0"),
+        rows("B", "-"),
+        rows("C", "0")
+    );
+    let ended = batch(&folder, &format!("{PAIR}{LIMIT}"), &lot, &[]);
+    assert_eq!(ended.code, Some(2), "{} {}", ended.stdout, ended.stderr);
+    assert!(ended.stderr.contains("2 pass") && ended.stderr.contains("1 rejected"), "{}", ended.stderr);
+}
+
+/// A date in the column of numbers costs no time, and its line is named.
+#[test]
+fn a_number_that_no_space_has_is_refused() {
+    let folder = Folder::new("teeth-far");
+    let spec = format!("{PAIR}{LIMIT}");
+    for far in ["20260401123", "-9223372036854775808", "9223372036854775807"] {
+        let ended = batch(&folder, &spec, &spaces_and(&[&format!("{far},0,0")]), &[]);
+        assert_eq!(ended.code, Some(2), "{} {}", ended.stdout, ended.stderr);
+        assert!(ended.stderr.contains("spaces.csv:7") && ended.stderr.contains(far), "{}", ended.stderr);
+        passes_nowhere(&folder, "rack", &spaces_and(&[&format!("{far},0,0")]));
+    }
+    passes_nowhere(&folder, "rack", &spaces_and(&["90000,0,0"]));
+}
+
+/// Rows that are teeth are no parts.
+#[test]
+fn a_table_that_numbers_teeth_is_none_of_parts() {
+    let folder = Folder::new("teeth-no-parts");
+    let spec_path = folder.path("spec.toml");
+    std::fs::write(&spec_path, format!("{PAIR}{LIMIT}")).unwrap();
+    for (heading, told) in [
+        ("part_id;Zahn;Teilung Zahnstange [µm]", "position_deviation"),
+        ("part_id;Lücke;Teilung Zahnstange [µm]", "position_deviation"),
+        ("part_id;Zahn-Nr.;Teilung Ritzel [µm]", "left_pitch or right_pitch"),
+        ("part_id;Lücke;Rollenmaß Abw. [µm]", ""),
+    ] {
+        let mut table = format!("{heading}\n");
+        (1..=9).for_each(|tooth| writeln!(table, "A;{tooth};3").unwrap());
+        let table_path = folder.path("teeth.csv");
+        std::fs::write(&table_path, table).unwrap();
+        let ended = run(&["batch", &spec_path, &table_path], "");
+        assert_eq!(ended.code, Some(2), "{heading}: {} {}", ended.stdout, ended.stderr);
+        assert!(ended.stdout.is_empty() && ended.stderr.contains("--teeth"), "{heading}: {}", ended.stderr);
+        let with_teeth = run(&["batch", &spec_path, &table_path, "--teeth"], "");
+        let code = if told.is_empty() { 0 } else { 2 };
+        assert_eq!(with_teeth.code, Some(code), "{heading}: {} {}", with_teeth.stdout, with_teeth.stderr);
+        assert!(with_teeth.stderr.contains(told), "{heading}: {}", with_teeth.stderr);
+    }
+}
+
+/// What stands beside a value is used or checked, as it is in a table with a row per part.
+#[test]
+fn what_stands_beside_a_value_of_a_space_counts() {
+    let folder = Folder::new("teeth-beside");
+    let without = format!("{PAIR}{LIMIT}");
+    let nominal = format!("{PAIR}[errors]\nrack_over_roller = {{ nominal = 25 }}\n{LIMIT}");
+    let pin = without.replace("addendum = 1.7\n", "addendum = 1.7\npin = 3.5\ndatum = 20\n");
+    let both = "over_pin [mm],over_pin_deviation [um],position_deviation [um]";
+    let beside = "over_pin [mm],nominal [mm],position_deviation [um]";
+    let in_words = "M [mm],over_pin_deviation [um],position_deviation [um]";
+    let place = "over_pin_deviation [um],position [mm],nominal [mm]";
+    for (spec, heading, row, code) in [
+        (&nominal, both, "25,300,0", 2),
+        (&nominal, both, "25,0,0", 0),
+        (&nominal, both, "25.3,300,0", 1),
+        (&without, both, "25,300,0", 2),
+        (&pin, both, "25,300,0", 2),
+        (&nominal, beside, "25,24.7,0", 2),
+        (&nominal, beside, "25,25,0", 0),
+        (&without, beside, "25,24.7,0", 1),
+        (&without, beside, "25,25,0", 0),
+        (&nominal, in_words, "25,300,0", 2),
+        (&without, place, "0,3.2,3.2", 2),
+    ] {
+        let mut table = format!("space,{heading}\n");
+        (0..9).for_each(|space| writeln!(table, "{space},{row}").unwrap());
         for command in [batch, paste] {
-            let ended = command(&folder, &spec, table, &[]);
-            assert_eq!(ended.code, Some(2), "{table}: {} {}", ended.stdout, ended.stderr);
-        }
-        std::fs::write(folder.path("measured.csv"), table).unwrap();
-        let beside = spec.replace(&format!("[{part}]\n"), &format!("[{part}]\nmeasured = \"measured.csv\"\n"));
-        std::fs::write(folder.path("beside.toml"), beside).unwrap();
-        for command in ["eval", "mesh"] {
-            let ended = run(&[command, &folder.path("beside.toml")], "");
-            assert_eq!(ended.code, Some(2), "{command} {table}: {} {}", ended.stdout, ended.stderr);
+            let ended = command(&folder, spec, &table, &[]);
+            assert_eq!(ended.code, Some(code), "{heading} {row}: {} {}", ended.stdout, ended.stderr);
         }
     }
+}
+
+/// The strokes between two halves of a part are judged, or nothing of it passes.
+#[test]
+fn a_part_stands_in_one_table() {
+    let folder = Folder::new("teeth-two-tables");
+    let (spec, first, second) = (folder.path("spec.toml"), folder.path("s1.csv"), folder.path("s2.csv"));
+    std::fs::write(&spec, format!("{PAIR}{LIMIT}")).unwrap();
+    let half = |part: &str, from: i64, position: i64| {
+        let header = "part_id,space,over_pin_deviation [um],position_deviation [um]\n";
+        (from..from + 5).fold(header.to_owned(), |table, space| format!("{table}{part},{space},0,{position}\n"))
+    };
+    std::fs::write(&first, half("A", 0, 0)).unwrap();
+    std::fs::write(&second, half("A", 5, 60)).unwrap();
+    for command in [&["batch", &spec, &first, &second, "--teeth"][..], &["report", &spec, &first, &second, "--teeth"]] {
+        let ended = run(command, "");
+        assert_eq!(ended.code, Some(2), "{} {}", ended.stdout, ended.stderr);
+        assert!(ended.stderr.contains("s2.csv has rows of this part, too"), "{}", ended.stderr);
+        assert!(!ended.stdout.contains(",pass"), "{}", ended.stdout);
+    }
+    std::fs::write(&second, half("B", 0, 0)).unwrap();
+    assert_eq!(run(&["batch", &spec, &first, &second, "--teeth"], "").code, Some(0));
+    // without names, each file is a part of its own
+    for path in [&first, &second] {
+        std::fs::write(path, spaces(|_| 0)).unwrap();
+    }
+    let ended = run(&["batch", &spec, &first, &second, "--teeth"], "");
+    assert_eq!((ended.code, ended.stdout.matches("pass").count()), (Some(0), 2), "{}", ended.stdout);
+}
+
+/// X and P are names of parts, and not of columns.
+#[test]
+fn parts_may_be_called_like_columns() {
+    let folder = Folder::new("teeth-names");
+    for parts in [&["X"][..], &["P"], &["M"], &["X", "P", "M"], &["A", "X"]] {
+        let mut table = "part_id,tooth,radial_deviation [um]\n".to_owned();
+        for part in parts {
+            (0..8).for_each(|tooth| writeln!(table, "{part},{tooth},1").unwrap());
+        }
+        let ended = batch(&folder, &format!("{PAIR}{LIMIT}"), &table, &[]);
+        assert_eq!(ended.code, Some(0), "{table} {} {}", ended.stdout, ended.stderr);
+        assert_eq!(ended.stdout.matches("pass").count(), parts.len(), "{}", ended.stdout);
+    }
+}
+
+/// A stroke that ends before it begins is no fault of the parts.
+#[test]
+fn strokes_the_wrong_way_round_are_refused() {
+    let folder = Folder::new("teeth-from-to");
+    let ended = batch(&folder, &format!("{PAIR}{LIMIT}"), &spaces(|_| 0), &["--from", "10", "--to", "5"]);
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{}", ended.stderr);
+    assert!(ended.stderr.contains("error[usage]: --from 10 lies beyond --to 5"), "{}", ended.stderr);
+}
+
+/// Rejected rows stand as they stood.
+#[test]
+fn rejected_teeth_keep_their_encoding() {
+    let folder = Folder::new("teeth-utf16");
+    let (spec, table, rejects) = (folder.path("spec.toml"), folder.path("spaces.csv"), folder.path("rejects.csv"));
+    std::fs::write(&spec, format!("{PAIR}{LIMIT}")).unwrap();
+    let utf16: Vec<u8> =
+        format!("\u{feff}{}", spaces_and(&["7,0,0"])).encode_utf16().flat_map(u16::to_le_bytes).collect();
+    std::fs::write(&table, &utf16).unwrap();
+    let ended = run(&["batch", &spec, &table, "--teeth", "--rejects", &rejects], "");
+    assert_eq!(ended.code, Some(2), "{} {}", ended.stdout, ended.stderr);
+    assert_eq!(std::fs::read(&rejects).unwrap(), utf16);
 }
 
 /// A limit on one error of the other part is judged, too, and one on what was measured tooth by tooth is open.

@@ -7,8 +7,8 @@ use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, evaluate};
 use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::{Basis, KnownTeeth, Open};
-use crate::judge::strokes::Followed;
+use crate::judge::bound::{Basis, KnownTeeth, NoBound};
+use crate::judge::strokes::CurveSearch;
 use crate::judge::{Interval, LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::spec::{MeasuredTables, MeshInput, Spec};
 use crate::uncertainty::{self, propagate};
@@ -38,7 +38,7 @@ pub struct JudgedTeeth {
     /// From the first to the last stroke that was judged, mm.
     pub strokes: Range<f64>,
     /// What is held against the limit.
-    pub range: Result<Interval, Open>,
+    pub range: Result<Interval, NoBound>,
     /// Who says so.
     pub by: JudgedBy,
     /// One for each limit of the spec.
@@ -114,7 +114,7 @@ impl TeethJudge {
     pub fn judge(&self, input: &MeshInput, tables: &MeasuredTables) -> Result<JudgedTeeth, Diagnostics> {
         let no_mesh = |message: String| Diagnostic::error(Code::NoMesh, message);
         let strokes = input.judged_strokes().map_err(|error| no_mesh(error.to_string()))?;
-        let followed = Followed::of(&input.mesh);
+        let followed = CurveSearch::of(&input.mesh);
         let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| no_mesh(error.to_string()))?;
         let spec = &self.measured_only;
         let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, followed.tolerance_mm)?;

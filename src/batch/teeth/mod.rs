@@ -1,11 +1,11 @@
 //! Tables with many rows per part: each part's teeth or spaces, through the exact mesh.
 //!
 //! The command line makes one [`Teeth`] per run and hands it table after table. The rows of a part may stand anywhere in
-//! its table. They take the place of what the spec says is wrong with that part, and are judged at the strokes at which
+//! its table, and in no other: a part is judged when all tables are read, and rejected if two of them name it. They take the place of what the spec says is wrong with that part, and are judged at the strokes at which
 //! every flank that can carry was measured. A part of which a row is bad is rejected with all of its rows. Parts are
 //! solved side by side and written in the order of their first rows.
 
-use std::collections::BTreeSet;
+use std::collections::HashMap;
 use std::io;
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,18 +16,18 @@ mod judge;
 pub use judge::{JudgedTeeth, TeethJudge};
 
 use super::columns::{ColumnKind, ResultCell, ResultColumns};
-use super::number::Decimals;
-use super::outcome::{Kept, Outcome, Part, Problem, keep_worst};
-use super::request::{RowFormat, Rows};
-use super::run::{Progress, RowSink, RunError, Sinks};
-use super::statistics::{Moving, Statistics};
+use super::ledger::{Ledger, RowSink, Sinks};
+use super::outcome::{KeptPart, Outcome, Part, Problem, keep_worst};
+use super::request::Request;
+use super::run::{Progress, RunError};
+use super::statistics::MovingRange;
 use super::{buffer::Buffer, write};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::judge::{Limit, LimitTarget, Rule, Verdict};
-use crate::mesh::{CarryingStrokes, Summary};
+use crate::judge::{Limit, LimitTarget, Verdict};
+use crate::mesh::Summary;
 use crate::parallel;
 use crate::quantity::Length;
-use crate::spec::{MeasuredTables, Spec, keys};
+use crate::spec::{MeasuredTables, Spec};
 use crate::table::{self, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
 
 /// What is asked of a batch of parts with their teeth.
@@ -37,26 +37,9 @@ pub struct TeethRequest {
     pub stroke_mm: (f64, f64),
     /// How near the curve between its points is, mm.
     pub tolerance_mm: f64,
-    /// Decimals of the lengths written.
-    pub decimals: Decimals,
-    /// The format of the rows written.
-    pub format: RowFormat,
-    /// The columns to write, by name; those of every part if `None`.
-    pub columns: Option<Vec<String>>,
-    /// Which parts are written.
-    pub rows: Rows,
-    /// Whether statistics and the worst parts are kept.
-    pub statistics: bool,
-    /// How a verdict is reached.
-    pub rule: Rule,
-    /// Whether parts are judged without what the spec asks for and nobody knows of them.
-    pub partial: bool,
-    /// Whether the run ends at the first rejected part.
-    pub strict: bool,
-    /// How many parts that do not pass are kept with their results.
-    pub failures_kept: usize,
-    /// How many rejected parts are kept with what is wrong with them.
-    pub problems_kept: usize,
+    /// What is written and kept, the rule, and whether parts are judged without what the spec asks for. The formulas'
+    /// model, their stack and the simulation of results are not asked for.
+    pub rows: Request,
 }
 
 /// A column that is written.
@@ -65,6 +48,15 @@ enum Column {
     Id,
     Number(Number),
     Verdict,
+}
+
+impl Column {
+    const fn kind(self) -> ColumnKind {
+        match self {
+            Self::Id | Self::Verdict => ColumnKind::Text,
+            Self::Number(_) => ColumnKind::Number,
+        }
+    }
 }
 
 /// A result, mm.
@@ -128,6 +120,18 @@ const COLUMNS: [(&str, Column); 14] = [
 ];
 const WRITTEN: usize = 11;
 
+/// The columns of these names; those that are written unless others are asked for, if none are.
+fn columns_asked(names: Option<&[String]>) -> Result<Vec<(&'static str, Column)>, Diagnostic> {
+    let Some(names) = names else { return Ok(COLUMNS[..WRITTEN].to_vec()) };
+    let column = |name: &String| {
+        COLUMNS.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
+            Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
+                .help(format!("the results are {}", COLUMNS.map(|(name, _)| name).join(", ")))
+        })
+    };
+    names.iter().map(column).collect()
+}
+
 /// The results of which there are statistics.
 const QUANTITIES: [(&str, Number); 7] = [
     ("mean_delta_cd_mm", Number::Mean),
@@ -143,18 +147,16 @@ const QUANTITIES: [(&str, Number); 7] = [
 pub struct Teeth<'a> {
     spec: &'a Spec,
     tables: &'a MeasuredTables,
+    /// The parts of the tables that were read.
+    lots: Vec<Lot>,
     request: TeethRequest,
     columns: Vec<(&'static str, Column)>,
     limit: Option<&'a Limit>,
-    sinks: Sinks<'a>,
+    ledger: Ledger<'a>,
     workers: usize,
-    outcome: Outcome,
-    worst: Vec<Kept>,
-    moving: [Moving; QUANTITIES.len()],
+    moving: [MovingRange; QUANTITIES.len()],
     /// Parts of which not every stroke that was asked for is covered.
     cut: u64,
-    wrote_header: bool,
-    rejects_header: Option<Vec<u8>>,
 }
 
 impl<'a> Teeth<'a> {
@@ -169,58 +171,30 @@ impl<'a> Teeth<'a> {
         sinks: Sinks<'a>,
         workers: usize,
     ) -> Result<Self, Diagnostic> {
-        let columns = match &request.columns {
-            None => COLUMNS[..WRITTEN].to_vec(),
-            Some(names) => {
-                let column = |name: &String| {
-                    COLUMNS.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
-                        let known: Vec<_> = COLUMNS.iter().map(|(name, _)| *name).collect();
-                        Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
-                            .help(format!("the results are {}", known.join(", ")))
-                    })
-                };
-                names.iter().map(column).collect::<Result<_, _>>()?
-            }
-        };
+        let columns = columns_asked(request.rows.columns.as_deref())?;
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
-        let mut outcome = Outcome::default();
-        if request.statistics {
-            outcome.quantities = QUANTITIES.map(|(name, _)| name.to_owned()).to_vec();
-            outcome.statistics = vec![Statistics::default(); QUANTITIES.len()];
-        }
+        let quantities = request.rows.statistics.then(|| QUANTITIES.map(|(name, _)| name.to_owned()).to_vec());
         Ok(Self {
             spec,
             tables,
+            lots: Vec::new(),
             request,
             columns,
             limit: limit.map(|(_, limit)| &limit.value),
-            sinks,
+            ledger: Ledger::new(sinks, quantities),
             workers: workers.max(1),
-            outcome,
-            worst: Vec::new(),
-            moving: [Moving::default(); QUANTITIES.len()],
+            moving: [MovingRange::default(); QUANTITIES.len()],
             cut: 0,
-            wrote_header: false,
-            rejects_header: None,
         })
     }
 
     /// The columns that are written of those that `columns` asks for: their names, and what they hold.
-    #[must_use]
-    pub fn columns_written(columns: Option<&[String]>) -> Vec<(String, ColumnKind)> {
-        let written = |(name, column): &(&str, Column)| {
-            let kind = match column {
-                Column::Id | Column::Verdict => ColumnKind::Text,
-                Column::Number(_) => ColumnKind::Number,
-            };
-            ((*name).to_owned(), kind)
-        };
-        match columns {
-            None => COLUMNS[..WRITTEN].iter().map(written).collect(),
-            Some(names) => {
-                names.iter().filter_map(|name| COLUMNS.iter().find(|(known, _)| known == name)).map(written).collect()
-            }
-        }
+    ///
+    /// # Errors
+    /// A diagnostic if a column is asked for that there is not.
+    pub fn columns_written(columns: Option<&[String]>) -> Result<Vec<(String, ColumnKind)>, Diagnostic> {
+        let written = |(name, column): (&str, Column)| (name.to_owned(), column.kind());
+        Ok(columns_asked(columns)?.into_iter().map(written).collect())
     }
 
     /// The limits (mm, lower and upper) that each quantity is held against, if it is.
@@ -233,48 +207,35 @@ impl<'a> Teeth<'a> {
         QUANTITIES.map(|(_, number)| if held(number) { ends } else { (None, None) }).to_vec()
     }
 
-    /// Runs one table. `stop` ends the run after the parts that were begun.
+    /// Reads the parts of one table.
     ///
     /// # Errors
-    /// Diagnostics if the table's columns are not those of a rack or a pinion; [`RunError`] if it cannot be read to
-    /// its end, or the results cannot be written. What was computed before is kept.
-    pub fn run(
-        &mut self,
-        table: Table,
-        stop: &AtomicBool,
-        progress: &mut dyn FnMut(&Progress),
-    ) -> Result<Result<(), RunError>, Diagnostics> {
+    /// Diagnostics if the table's columns are not those of a rack or a pinion; [`RunError`] if it cannot be read to its end.
+    pub fn take(&mut self, table: Table) -> Result<Result<(), RunError>, Diagnostics> {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
         let is_rack = gatherer.is_rack();
-        let judge = TeethJudge::new(self.spec, is_rack, self.request.rule.clone(), self.request.partial)?;
-        let spec = judge.measured_only();
-        let strokes = if is_rack { Some(carrying(spec)?) } else { None };
+        let judge = TeethJudge::new(self.spec, is_rack, self.request.rows.rule.clone(), self.request.rows.partial)?;
         for note in judge.notes() {
-            if !self.outcome.notes.contains(&note) {
-                self.outcome.notes.push(note);
+            if !self.ledger.outcome.notes.contains(&note) {
+                self.ledger.outcome.notes.push(note);
             }
         }
         let mut reading = table.reading.clone();
         if self.spec.has_other_deviations(is_rack) {
             reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
         }
-        let place = Where { file: &name, unit: table.place };
-        let (encoding, header) = (table.encoding, table.header_raw.clone());
-        let read = self.gathered(table, gatherer);
-        let run = read.map_err(RunError::Read).and_then(|parts| match parts {
-            Ok(parts) => {
-                self.start(encoding, &header).map_err(RunError::Write)?;
-                let request = &self.request;
-                let (stroke_mm, tolerance_mm, tables) = (request.stroke_mm, request.tolerance_mm, self.tables);
-                let solver = Solver { judge: &judge, tables, stroke_mm, tolerance_mm, strokes: strokes.as_ref() };
-                self.all(&parts, &solver, &place, stop, progress)
+        self.ledger.outcome.readings.push(reading);
+        let place = Where { file: name, unit: table.place, encoding: table.encoding };
+        let (header, has_names) = (table.header_raw.clone(), table.has_id);
+        Ok(match self.gathered(table, gatherer).map_err(RunError::Read) {
+            Ok(Ok(parts)) => {
+                self.lots.push(Lot { parts, is_rack, has_names, place, header, judge });
+                Ok(())
             }
-            Err(contradiction) => Err(RunError::Contradiction(contradiction)),
-        });
-        self.outcome.interrupted |= stop.load(Ordering::Relaxed);
-        self.outcome.readings.push(reading);
-        Ok(run)
+            Ok(Err(contradiction)) => Err(RunError::Contradiction(contradiction)),
+            Err(unread) => Err(unread),
+        })
     }
 
     /// The rows of a table, put together to parts.
@@ -283,7 +244,7 @@ impl<'a> Teeth<'a> {
         table: Table,
         mut gatherer: Gatherer,
     ) -> io::Result<Result<Vec<ToothedPart>, table::Contradiction>> {
-        let keeps_raw = self.sinks.rejects.is_some();
+        let keeps_raw = self.ledger.sinks.rejects.is_some();
         let needed = vec![true; table.columns.len()];
         for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
             let block = block?;
@@ -295,112 +256,103 @@ impl<'a> Teeth<'a> {
         Ok(Ok(gatherer.finish()))
     }
 
-    /// Solves and settles every part.
-    fn all(
-        &mut self,
-        parts: &[ToothedPart],
-        solver: &Solver<'_>,
-        place: &Where<'_>,
-        stop: &AtomicBool,
-        progress: &mut dyn FnMut(&Progress),
-    ) -> Result<(), RunError> {
+    /// Judges the parts of all tables. `stop` ends the run after the parts that were begun.
+    fn judge(&mut self, stop: &AtomicBool, progress: &mut dyn FnMut(&Progress)) -> io::Result<()> {
+        let mut lots = std::mem::take(&mut self.lots);
+        refuse_in_two(&mut lots);
+        for lot in &lots {
+            let names = || {
+                let names: Vec<_> = self.columns.iter().map(|(name, _)| (*name).to_owned()).collect();
+                write::header(&names, self.request.rows.format)
+            };
+            self.ledger.start(names, lot.place.encoding, &lot.header)?;
+            self.lot(lot, stop, progress)?;
+        }
+        self.ledger.outcome.interrupted |= stop.load(Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Solves and settles every part of a table.
+    fn lot(&mut self, lot: &Lot, stop: &AtomicBool, progress: &mut dyn FnMut(&Progress)) -> io::Result<()> {
+        let (stroke_mm, tolerance_mm) = (self.request.stroke_mm, self.request.tolerance_mm);
+        let solver = Solver { judge: &lot.judge, tables: self.tables, stroke_mm, tolerance_mm };
         // some parts for each worker, so that a slow one holds nobody up for long
-        for parts in parts.chunks(8 * self.workers) {
-            if stop.load(Ordering::Relaxed) {
+        for parts in lot.parts.chunks(8 * self.workers) {
+            if self.ledger.is_over(self.request.rows.strict) || stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
             let solved =
                 parallel::map(self.workers, parts.len(), || (), |(): &mut (), index| solver.one(&parts[index])).0;
             for (part, solved) in parts.iter().zip(solved) {
-                self.settle(part, solved, place).map_err(RunError::Write)?;
-                if self.is_over() {
+                self.settle(part, solved, &lot.place)?;
+                if self.ledger.is_over(self.request.rows.strict) {
                     return Ok(());
                 }
             }
-            let counts = self.outcome.counts;
+            let counts = self.ledger.outcome.counts;
             let (rows, failures, rejected) = (counts.rows, counts.fail, counts.rejected);
             progress(&Progress { rows, failures, rejected, bytes: 0 });
         }
         Ok(())
     }
 
-    /// Whether the run has come to its end before that of the input.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
-        self.outcome.interrupted || (self.request.strict && self.outcome.counts.rejected > 0)
-    }
-
-    /// Ends the batch: what it came to.
+    /// Judges the parts of all tables: what they came to. `stop` ends the run after the parts that were begun.
     ///
     /// # Errors
-    /// If the results cannot be written.
-    pub fn finish(mut self) -> (Outcome, io::Result<()>) {
+    /// If the results cannot be written. What was computed before is kept.
+    pub fn finish(mut self, stop: &AtomicBool, progress: &mut dyn FnMut(&Progress)) -> (Outcome, io::Result<()>) {
+        let judged = self.judge(stop, progress);
         let limits = Self::quantity_limits(self.spec);
-        for ((statistics, moving), limit) in self.outcome.statistics.iter_mut().zip(&self.moving).zip(limits) {
+        for ((statistics, moving), limit) in self.ledger.outcome.statistics.iter_mut().zip(&self.moving).zip(limits) {
             if limit != (None, None) {
                 statistics.add_moving(moving);
             }
         }
-        self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
+        self.ledger.outcome.is_cut |= self.ledger.is_over(self.request.rows.strict);
         if self.cut > 0 {
             let (from, to) = self.request.stroke_mm;
-            self.outcome.notes.push(format!(
+            self.ledger.outcome.notes.push(format!(
                 "the curve of {} parts is that of the strokes whose contacts were measured, and not from {from} to {to} mm: see \
                  from_stroke_mm and to_stroke_mm; lower_mm and upper_mm, which are judged, are those of all such strokes",
                 self.cut
             ));
         }
-        (self.outcome, self.sinks.flush())
-    }
-
-    /// Writes what stands before the first part, or before the first rejected row of another header.
-    fn start(&mut self, encoding: Encoding, header: &[u8]) -> io::Result<()> {
-        if let Some(RowSink::Text(rows)) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
-            let names: Vec<_> = self.columns.iter().map(|(name, _)| (*name).to_owned()).collect();
-            rows.writer.write_all(&rows.packing.pack(write::header(&names, self.request.format))?)?;
-            self.wrote_header = true;
-        }
-        if let Some(rejects) = &mut self.sinks.rejects
-            && self.rejects_header.as_deref() != Some(header)
-        {
-            rejects.writer.write_all(&rejects.packing.pack(encoding.original(header).into_owned())?)?;
-            self.rejects_header = Some(header.to_vec());
-        }
-        Ok(())
+        let (outcome, written) = self.ledger.finish();
+        (outcome, judged.and(written))
     }
 
     /// Judges, counts and writes a part.
-    fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, place: &Where<'_>) -> io::Result<()> {
-        self.outcome.counts.rows += 1;
+    fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, place: &Where) -> io::Result<()> {
+        self.ledger.outcome.counts.rows += 1;
         let solved = match solved {
             Ok(solved) => solved,
             Err(fault) => return self.reject(part, &fault, place),
         };
         let verdict = solved.judged.verdict;
         for note in &solved.judged.notes {
-            if !self.outcome.notes.contains(note) {
-                self.outcome.notes.push(note.clone());
+            if !self.ledger.outcome.notes.contains(note) {
+                self.ledger.outcome.notes.push(note.clone());
             }
         }
-        self.outcome.counts.judge(verdict);
+        self.ledger.outcome.counts.judge(verdict);
         if solved.is_cut {
             self.cut += 1;
         }
         let failed = matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate));
-        if failed && self.outcome.failures.len() < self.request.failures_kept {
-            self.outcome.failures.push(self.part(part, &solved, place));
+        if failed && self.ledger.outcome.failures.len() < self.request.rows.failures_kept {
+            self.ledger.outcome.failures.push(self.part(part, &solved, place));
         }
-        if self.request.statistics {
+        if self.request.rows.statistics {
             self.count(&solved);
             let kept = self.part(part, &solved, place);
             let margin = Length::from_mm(kept.margin_mm).unwrap_or(Length::ZERO);
-            keep_worst(&mut self.worst, Kept { part: kept, margin });
+            keep_worst(&mut self.ledger.worst, KeptPart { part: kept, margin });
         }
-        if self.request.rows.has(verdict) { self.write(part, &solved) } else { Ok(()) }
+        if self.request.rows.rows.has(verdict) { self.write(part, &solved) } else { Ok(()) }
     }
 
     fn count(&mut self, solved: &Solved) {
-        let quantities = self.outcome.statistics.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
+        let quantities = self.ledger.outcome.statistics.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
         for ((statistics, moving), (_, number)) in quantities {
             let Some(Ok(value)) = number.of(solved).map(Length::from_mm) else { continue };
             statistics.add(value);
@@ -408,18 +360,18 @@ impl<'a> Teeth<'a> {
         }
     }
 
-    fn reject(&mut self, part: &ToothedPart, fault: &LineFault, place: &Where<'_>) -> io::Result<()> {
-        self.outcome.counts.rejected += 1;
-        if let Some(rejects) = &mut self.sinks.rejects {
+    fn reject(&mut self, part: &ToothedPart, fault: &LineFault, place: &Where) -> io::Result<()> {
+        self.ledger.outcome.counts.rejected += 1;
+        if let Some(rejects) = &mut self.ledger.sinks.rejects {
             let mut raw = part.raw.clone();
             if !raw.ends_with(b"\n") && !raw.ends_with(b"\r") {
                 raw.push(b'\n');
             }
-            rejects.writer.write_all(&rejects.packing.pack(raw)?)?;
+            rejects.writer.write_all(&rejects.packing.pack(place.encoding.original(&raw).into_owned())?)?;
         }
-        if self.outcome.problems.len() < self.request.problems_kept {
-            self.outcome.problems.push(Problem {
-                file: Arc::clone(place.file),
+        if self.ledger.outcome.problems.len() < self.request.rows.problems_kept {
+            self.ledger.outcome.problems.push(Problem {
+                file: Arc::clone(&place.file),
                 line: fault.line,
                 record: part.record,
                 place: place.unit.in_words(fault.line),
@@ -433,7 +385,7 @@ impl<'a> Teeth<'a> {
     }
 
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
-    fn part(&self, part: &ToothedPart, solved: &Solved, place: &Where<'_>) -> Part {
+    fn part(&self, part: &ToothedPart, solved: &Solved, place: &Where) -> Part {
         let JudgedTeeth { range, verdict, .. } = &solved.judged;
         // what is open stands nearest to any limit
         let open = f64::INFINITY;
@@ -443,7 +395,7 @@ impl<'a> Teeth<'a> {
         let nearest = above.into_iter().chain(below).reduce(f64::min);
         Part {
             id: part.name.clone(),
-            file: Arc::clone(place.file),
+            file: Arc::clone(&place.file),
             line: part.line,
             record: part.record,
             place: place.unit.in_words(part.line),
@@ -456,7 +408,7 @@ impl<'a> Teeth<'a> {
 
     /// Writes the row of a part.
     fn write(&mut self, part: &ToothedPart, solved: &Solved) -> io::Result<()> {
-        let TeethRequest { format, decimals, .. } = self.request;
+        let Request { format, decimals, .. } = self.request.rows;
         let cells = self.columns.iter().map(|(_, column)| match column {
             Column::Id => ResultCell::Text(part.name.as_bytes().into()),
             Column::Number(of) => of.of(solved).map_or(ResultCell::Nothing, ResultCell::Number),
@@ -465,12 +417,10 @@ impl<'a> Teeth<'a> {
                 None => ResultCell::Nothing,
             },
         });
-        match &mut self.sinks.rows {
+        match &mut self.ledger.sinks.rows {
             None => Ok(()),
             Some(RowSink::Columns(sink)) => {
-                let mut row = ResultColumns::new(
-                    Self::columns_written(self.request.columns.as_deref()).iter().map(|(_, kind)| *kind),
-                );
+                let mut row = ResultColumns::new(self.columns.iter().map(|(_, column)| column.kind()));
                 row.push(cells, decimals);
                 sink.take(row)
             }
@@ -489,15 +439,41 @@ impl<'a> Teeth<'a> {
 }
 
 /// Where the rows of a table are.
-struct Where<'a> {
-    file: &'a Arc<str>,
+struct Where {
+    file: Arc<str>,
     unit: Place,
+    encoding: Encoding,
 }
 
-/// Where the flanks of a rack carry.
-fn carrying(spec: &Spec) -> Result<CarryingStrokes, Diagnostics> {
-    let pair = spec.pair("the exact mesh")?;
-    CarryingStrokes::of(&pair).map_err(|error| Diagnostic::error(Code::NoMesh, error.to_string()).into())
+/// The parts of one table.
+struct Lot {
+    parts: Vec<ToothedPart>,
+    is_rack: bool,
+    /// Whether the table names its parts.
+    has_names: bool,
+    place: Where,
+    /// The header as it stands in the file.
+    header: Vec<u8>,
+    judge: TeethJudge,
+}
+
+/// Refuses parts that two tables name: neither has all of their rows.
+fn refuse_in_two(lots: &mut [Lot]) {
+    let mut tables: HashMap<(bool, String), Vec<usize>> = HashMap::new();
+    for (number, lot) in lots.iter().enumerate().filter(|(_, lot)| lot.has_names) {
+        for part in &lot.parts {
+            tables.entry((lot.is_rack, part.name.clone())).or_default().push(number);
+        }
+    }
+    let files: Vec<_> = lots.iter().map(|lot| Arc::clone(&lot.place.file)).collect();
+    for (number, lot) in lots.iter_mut().enumerate() {
+        for part in &mut lot.parts {
+            let named = tables.get(&(lot.is_rack, part.name.clone())).filter(|_| lot.has_names);
+            let Some(other) = named.and_then(|tables| tables.iter().find(|other| **other != number)) else { continue };
+            let message = format!("{} has rows of this part, too: put all of them into one table", files[*other]);
+            part.fault.get_or_insert(LineFault { line: part.line, message });
+        }
+    }
 }
 
 /// Solves parts.
@@ -506,8 +482,6 @@ struct Solver<'a> {
     tables: &'a MeasuredTables,
     stroke_mm: (f64, f64),
     tolerance_mm: f64,
-    /// Where a rack's flanks carry; `None` for a pinion, of which every tooth must be measured.
-    strokes: Option<&'a CarryingStrokes>,
 }
 
 /// A part's curve in short.
@@ -528,43 +502,29 @@ impl Solver<'_> {
         let bad = |message: String| LineFault { line: part.line, message };
         let (from, to) = self.stroke_mm;
         let mut tables = self.tables.clone();
-        let covered = match &part.teeth {
-            table::Teeth::Rack(rack) => {
-                let spaces: BTreeSet<i64> = rack.measured_spaces();
-                tables.rack = Some(rack.clone());
-                self.strokes.map_or_else(|| vec![from..to], |strokes| strokes.measured(&spaces, from, to))
-            }
-            table::Teeth::Pinion(pinion) => {
-                let teeth = i64::from(self.judge.measured_only().or_zero(keys::PINION_TEETH));
-                if let Some(tooth) = pinion.unmeasured(teeth) {
-                    return Err(bad(format!("tooth {tooth} was not measured: a turn needs all {teeth}")));
-                }
-                tables.pinion = Some(pinion.clone());
-                vec![from..to]
-            }
-        };
+        let is_rack = matches!(part.teeth, table::Teeth::Rack(_));
+        match &part.teeth {
+            table::Teeth::Rack(rack) => tables.rack = Some(rack.clone()),
+            table::Teeth::Pinion(pinion) => tables.pinion = Some(pinion.clone()),
+        }
         let first = |problems: Diagnostics| {
             bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
         };
         let input = self.judge.measured_only().mesh(&tables).map_err(first)?;
-        let strokes = match covered.as_slice() {
-            [strokes] => strokes.clone(),
-            [] => {
-                let message = "there is no stroke at which every flank that can carry was measured";
-                return Err(bad(format!("{message}: more spaces in a row are needed")));
-            }
-            [first, .., last] => {
-                return Err(bad(format!(
-                    "a space was not measured between the strokes {:.3} and {:.3} mm: give each run of spaces by itself",
-                    first.end, last.start
-                )));
-            }
-        };
+        let judged = self.judge.judge(&input, &tables).map_err(first)?;
+        // every tooth of a pinion is measured; of a rack there are the strokes at which measured spaces carry
+        let covered = if is_rack { judged.strokes.clone() } else { from..to };
+        let strokes = from.max(covered.start)..to.min(covered.end);
+        if strokes.start > strokes.end {
+            return Err(bad(format!(
+                "the strokes whose contacts were measured are {:.3} to {:.3} mm, and none of them is asked for: see --from and --to",
+                covered.start, covered.end
+            )));
+        }
         let curve = input.mesh.curve(strokes.start, strokes.end, self.tolerance_mm);
         let curve = curve.map_err(|error| bad(error.to_string()))?;
         let summary = curve.summary(&input.mesh);
         let summary = summary.ok_or_else(|| bad("the exact mesh has no points along the stroke".to_owned()))?;
-        let judged = self.judge.judge(&input, &tables).map_err(first)?;
         Ok(Solved { summary, judged, is_cut: strokes != (from..to), strokes })
     }
 }

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::study::StudyError;
+use super::range::StudyError;
 #[cfg(feature = "report")]
 use crate::quantity::LARGEST;
 use crate::quantity::{femtometres, of_femtometres};

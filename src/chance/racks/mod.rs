@@ -17,12 +17,14 @@
 
 mod counts;
 mod quantiles;
+mod range;
 mod study;
 mod summary;
 
 pub use counts::{Bin, MOST_BINS};
 pub use quantiles::{CONFIDENCE, Quantile, share};
-pub use study::{RackRange, RacksStudy, StudyError, StudyOf};
+pub use range::{RackRange, StudyError};
+pub use study::{RacksStudy, StudyOf};
 pub use summary::{Inside, RackStatistics, RacksSummary};
 
 use std::collections::BTreeMap;
@@ -174,7 +176,7 @@ impl Racks<'_> {
     }
 
     /// Draws and solves racks, and counts them. `each` is shown the results in order, with the number of the first one;
-    /// they are not kept. Once `stop` is set, the study has the first racks only.
+    /// they are not kept. Once `stop` is set, the study has the first racks only; and beside an error those before it.
     ///
     /// # Errors
     /// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
@@ -184,15 +186,15 @@ impl Racks<'_> {
         settings: &RackSettings,
         stop: &AtomicBool,
         mut each: impl FnMut(u64, &[RackResult]) -> Result<(), E>,
-    ) -> Result<RacksStudy, E> {
+    ) -> (RacksStudy, Result<(), E>) {
         let of = self.study_of(settings);
         let mut study = RacksStudy::new(of.clone(), settings.range, self.limit.is_some());
-        simulate_racks(self.base, self.scatter, settings, stop, |first_rack, results| {
+        let ended = simulate_racks(self.base, self.scatter, settings, stop, |first_rack, results| {
             let block = RacksStudy::of(of.clone(), first_rack, results, self.limit).map_err(RacksError::from)?;
             study.merge(&block).map_err(RacksError::from)?;
             each(first_rack, results)
-        })?;
-        Ok(study)
+        });
+        (study, ended)
     }
 }
 

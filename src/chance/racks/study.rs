@@ -3,46 +3,11 @@
 
 use std::fmt::{self, Write as _};
 
-use thiserror::Error;
-
 use super::counts::Counts;
+use super::range::{RackRange, StudyError};
 use super::{RackResult, RackSettings, Racks};
 use crate::judge::Limit;
 use crate::quantity::{Length, tidy};
-
-/// Successive racks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "report", serde(deny_unknown_fields))]
-pub struct RackRange {
-    /// The number of the first one, from 0.
-    pub first_rack: u64,
-    /// How many.
-    pub racks: u64,
-}
-
-impl RackRange {
-    /// The number behind the last one.
-    #[must_use]
-    pub fn end(self) -> u64 {
-        self.first_rack.saturating_add(self.racks)
-    }
-
-    fn between(first_rack: u64, end: u64) -> Self {
-        Self { first_rack, racks: end.saturating_sub(first_rack) }
-    }
-}
-
-/// `racks 3 … 7`, or `rack 3`.
-impl fmt::Display for RackRange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.racks {
-            0 => f.write_str("no racks"),
-            1 => write!(f, "rack {}", self.first_rack),
-            _ => write!(f, "racks {} … {}", self.first_rack, self.end() - 1),
-        }
-    }
-}
 
 /// What the racks of a study are of: only studies of the same may be merged.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,50 +73,8 @@ impl fmt::Write for Fingerprint {
     }
 }
 
-/// Why results cannot be put together.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum StudyError {
-    /// Studies of different things.
-    #[error("the studies are not of the same racks: the {what} is {here} in one and {there} in the other")]
-    Other {
-        /// What differs.
-        what: &'static str,
-        /// As one has it.
-        here: String,
-        /// As the other has it.
-        there: String,
-    },
-    /// Racks that both studies have.
-    #[error("both studies have {both}, which would count twice")]
-    Overlap {
-        /// The first range of them.
-        both: RackRange,
-    },
-    /// Racks that were not asked for.
-    #[error("the studies have {has}, and {asked} are asked for")]
-    NotAsked {
-        /// What they have.
-        has: RackRange,
-        /// What is asked for.
-        asked: RackRange,
-    },
-    /// A ΔCD that is none.
-    #[error("a ΔCD of {length_mm} mm cannot be counted")]
-    NoLength {
-        /// The ΔCD, mm.
-        length_mm: f64,
-    },
-    /// Sums that do not fit 128 bits.
-    #[error("these are more racks than one study can hold: the sum of ΔCD² has more than 128 bits")]
-    TooMany,
-    /// A study that no run has made.
-    #[error("the study is damaged: {what}")]
-    Damaged {
-        /// What does not agree.
-        what: &'static str,
-    },
-}
+/// A study of racks with limits counts those inside.
+const COUNTED_WITHOUT_LIMITS: &str = "it counts the racks inside limits that are not those of its racks, or does not";
 
 /// How ΔCD of many racks is distributed, and which racks these are.
 ///
@@ -216,6 +139,9 @@ impl RacksStudy {
     /// this one is as it was.
     pub fn merge(&mut self, other: &Self) -> Result<(), StudyError> {
         self.of.refuse_other(&other.of)?;
+        if self.inside.is_some() != other.inside.is_some() {
+            return Err(StudyError::Damaged { what: COUNTED_WITHOUT_LIMITS });
+        }
         let both = self.ranges.iter().flat_map(|mine| other.ranges.iter().map(|theirs| common(*mine, *theirs)));
         if let Some(both) = both.into_iter().flatten().next() {
             return Err(StudyError::Overlap { both });
@@ -254,11 +180,15 @@ impl RacksStudy {
     /// Refuses a study that is not of these racks, whatever their seed and stroke.
     ///
     /// # Errors
-    /// [`StudyError::Other`] says what differs.
+    /// [`StudyError`] says what differs.
     pub fn refuse_other_racks(&self, racks: &Racks<'_>) -> Result<(), StudyError> {
         let StudyOf { seed, from_mm, to_mm, .. } = self.of;
         let settings = RackSettings { seed, range: self.asked, from_mm, to_mm, threads: None };
-        StudyOf::new(racks, &settings).refuse_other(&self.of)
+        StudyOf::new(racks, &settings).refuse_other(&self.of)?;
+        if self.inside.is_some() != racks.limit.is_some() {
+            return Err(StudyError::Damaged { what: COUNTED_WITHOUT_LIMITS });
+        }
+        Ok(())
     }
 
     /// What its racks are of.
@@ -481,6 +411,9 @@ mod tests {
         let fingerprint = "other teeth".to_owned();
         let other = RacksStudy::of(StudyOf { fingerprint, ..study_of(1) }, 100, &[result(100)], None).unwrap();
         assert!(study.merge(&other).unwrap_err().to_string().contains("fingerprint is teeth"));
+        assert!(study == before);
+        let without_count = RacksStudy { inside: None, ..range(100, 150) };
+        assert!(matches!(study.merge(&without_count), Err(StudyError::Damaged { .. })));
         assert!(study == before);
         let far = RackResult { mean_mm: 1e300, ..result(0) };
         let refused = RacksStudy::of(study_of(1), 0, &[far], None).unwrap_err();

@@ -2,7 +2,8 @@
 
 use super::counts::{Bin, Counts, Moments};
 use super::quantiles::quantiles;
-use super::study::{RackRange, RacksStudy};
+use super::range::RackRange;
+use super::study::RacksStudy;
 use super::{Quantile, share};
 use crate::judge::Verdict;
 

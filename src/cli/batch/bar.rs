@@ -3,6 +3,7 @@
 use crate::batch::{Packing, Progress};
 use crate::cli::long;
 use crate::cli::output::Output;
+use crate::report::grouped;
 
 /// How far the run is, where somebody watches.
 pub(super) struct Bar {
@@ -32,12 +33,12 @@ impl Bar {
         let (seconds, unit) = (self.shown.seconds(), self.unit);
         self.shown.show(share, || {
             let rate = if seconds > 0.0 { (progress.rows as f64 / seconds) as u64 } else { 0 };
-            let mut message = format!("{} {}  {}/s", long::counted(progress.rows), unit, long::counted(rate));
+            let mut message = format!("{} {}  {}/s", grouped(progress.rows), unit, grouped(rate));
             if progress.failures > 0 {
-                message.push_str(&format!("  {} failed", long::counted(progress.failures)));
+                message.push_str(&format!("  {} failed", grouped(progress.failures)));
             }
             if progress.rejected > 0 {
-                message.push_str(&format!("  {} rejected", long::counted(progress.rejected)));
+                message.push_str(&format!("  {} rejected", grouped(progress.rejected)));
             }
             message
         });

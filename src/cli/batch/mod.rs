@@ -4,20 +4,22 @@ mod bar;
 mod targets;
 mod teeth;
 
+use super::spec_files;
 use std::io;
 use std::sync::Arc;
 
 use clap::ValueEnum;
 
-use super::decision::DecisionArgs;
-use super::eval::{ModelArg, StackArg};
+use super::decision::JudgeArgs;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, ReadArgs};
 use super::teeth::with_known_teeth;
-use super::{mesh, stream, target};
-use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError, Teeth};
+use super::{stream, target};
+use crate::batch::{
+    Batch, Counts, Decimals, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError, Teeth,
+};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
@@ -38,6 +40,8 @@ pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdi
 
 Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row rejected or
 not judged, 3 indeterminate and none worse, 130 or 143 interrupted.")]
+// the stroke is that of the exact mesh
+#[command(mut_args(with_teeth))]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
@@ -62,12 +66,8 @@ pub(super) struct Args {
     /// Write the parts that do not pass only.
     #[arg(long)]
     only_failures: bool,
-    /// How errors add up.
-    #[arg(long, value_enum, default_value_t)]
-    stack: StackArg,
-    /// Formulas exact for rigid teeth, or as the paper prints them.
-    #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    #[command(flatten)]
+    judge: JudgeArgs,
     /// Put each part's errors on the worst teeth found: columns reached_….
     #[arg(long, alias = "mesh", conflicts_with = "teeth")]
     worst_teeth: bool,
@@ -76,8 +76,6 @@ pub(super) struct Args {
     partial: bool,
     #[command(flatten)]
     set: SetArgs,
-    #[command(flatten)]
-    decision: DecisionArgs,
     /// One row per tooth or space: each part through the exact mesh.
     #[arg(long, conflicts_with_all = ["stack", "model", "monte_carlo"])]
     teeth: bool,
@@ -118,12 +116,41 @@ enum BatchFormat {
     Markdown,
     /// One JSON object (summary).
     Json,
+    /// Workbook or Q-DAS file (rows), as the output's name says.
+    #[value(skip)]
+    Office,
+}
+
+impl BatchFormat {
+    /// The format that the ending of a name tells.
+    fn of_ending(ending: &str) -> Option<Self> {
+        Some(match ending {
+            "csv" => Self::Csv,
+            "tsv" => Self::Tsv,
+            "jsonl" | "ndjson" => Self::Jsonl,
+            "parquet" => Self::Parquet,
+            "xlsx" | "dfq" => Self::Office,
+            "json" => Self::Json,
+            "md" => Self::Markdown,
+            "txt" => Self::Table,
+            _ => return None,
+        })
+    }
+
+    /// What it is called on the command line.
+    fn name(self) -> String {
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Annotations {
     /// Workflow commands of GitHub Actions.
     Github,
+}
+
+fn with_teeth(arg: clap::Arg) -> clap::Arg {
+    if matches!(arg.get_id().as_str(), "from" | "to" | "tolerance") { arg.requires("teeth") } else { arg }
 }
 
 /// Rejected rows shown on standard error; the others are counted.
@@ -153,7 +180,7 @@ struct Ending<'a> {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
-        let interruption = long::interrupted();
+        let interruption = long::interrupted(output);
         let mut files = self.files.iter().map(String::as_str).collect::<Vec<_>>();
         if files.is_empty() {
             files.push("-");
@@ -164,7 +191,7 @@ impl Args {
             );
         }
         let (rows_format, summary_format) = self.formats()?;
-        let model: Model = self.model.into();
+        let model: Model = self.judge.model.into();
         let is_teeth = self.teeth;
         let adjust = |want: Want| Want { teeth: Some(is_teeth), ..want };
         let look = || self.reading.look(&files, &spec, model, interruption.stop(), &adjust);
@@ -177,16 +204,13 @@ impl Args {
         let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
         self.remarks(&plan, output);
         let notes = [first.notes.clone(), notes(&spec, &plan)].concat();
-        let inputs = self.inputs(&spec, &files);
-        let mut targets = self.targets(&inputs, &|| plan.columns_written())?;
+        let inputs = spec_files::inputs(&spec, &self.spec, &files);
+        let mut targets = self.targets(rows_format, &inputs, &|| plan.columns_written())?;
         let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
         let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "rows", output);
         for path in found.paths() {
-            let opened = match found.take_first() {
-                Some(opened) => Ok(opened),
-                None => self.reading.open(&path, &spec, model, interruption.stop(), &adjust),
-            };
+            let opened = found.next(|| self.reading.open(&path, &spec, model, interruption.stop(), &adjust));
             let table = opened.map(|opened| opened.table).map_err(tables::diagnostics);
             let ready = table.and_then(|table| {
                 let layout = Layout::new(&plan, &table).map_err(|diagnostics| diagnostics.0)?;
@@ -216,14 +240,6 @@ impl Args {
             inputs: &inputs,
         };
         self.end(ending, (outcome, written), summary_format, output)
-    }
-
-    /// Every file that is read.
-    fn inputs(&self, spec: &Spec, files: &[&str]) -> Vec<String> {
-        let mut inputs = mesh::files_read(spec, &self.spec);
-        let files: Vec<String> = files.iter().map(|file| (*file).to_owned()).collect();
-        inputs.extend(tables::files_read(&files));
-        inputs
     }
 
     /// Ends the files that are written, and says what came of it all.
@@ -272,47 +288,64 @@ impl Args {
 
     /// The format of the rows, and of a summary.
     fn formats(&self) -> Result<(RowFormat, Format), Failure> {
-        let ending = self.ending()?;
-        let rows = match self.format {
-            _ if self.is_parquet() => RowFormat::Columns,
-            Some(BatchFormat::Csv) => RowFormat::Csv,
-            Some(BatchFormat::Tsv) => RowFormat::Tsv,
-            Some(BatchFormat::Jsonl) => RowFormat::JsonLines,
-            Some(format) if !self.summary => {
-                let name = format.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
+        let format = self.format()?;
+        let name = format.name();
+        if self.summary {
+            let summary = match format {
+                BatchFormat::Table => Format::Table,
+                BatchFormat::Csv => Format::Csv,
+                BatchFormat::Json => Format::Json,
+                BatchFormat::Markdown => Format::Markdown,
+                _ => {
+                    return Err(Diagnostic::error(Code::Usage, format!("a summary cannot be written as {name}"))
+                        .help("write table, markdown, json or csv")
+                        .into());
+                }
+            };
+            return Ok((RowFormat::Csv, summary));
+        }
+        let rows = match format {
+            BatchFormat::Csv | BatchFormat::Office => RowFormat::Csv,
+            BatchFormat::Tsv => RowFormat::Tsv,
+            BatchFormat::Jsonl => RowFormat::JsonLines,
+            BatchFormat::Parquet => RowFormat::Columns,
+            _ => {
                 return Err(Diagnostic::error(Code::Usage, format!("rows cannot be written as {name}"))
                     .help("write csv, tsv, jsonl or parquet; or ask for the --summary")
                     .into());
             }
-            None if ending == Some("tsv") => RowFormat::Tsv,
-            None if matches!(ending, Some("jsonl" | "ndjson")) => RowFormat::JsonLines,
-            _ => RowFormat::Csv,
         };
-        let summary = match self.format {
-            Some(BatchFormat::Csv) => Format::Csv,
-            Some(BatchFormat::Json) => Format::Json,
-            Some(BatchFormat::Markdown) => Format::Markdown,
-            Some(BatchFormat::Tsv | BatchFormat::Jsonl | BatchFormat::Parquet) if self.summary => {
-                return Err(Diagnostic::error(Code::Usage, "a summary has no such format")
-                    .help("write table, markdown, json or csv")
-                    .into());
-            }
-            None if ending == Some("json") => Format::Json,
-            None if ending == Some("csv") => Format::Csv,
-            None if ending == Some("md") => Format::Markdown,
-            _ => Format::Table,
-        };
-        Ok((rows, summary))
+        Ok((rows, Format::Table))
     }
 
-    /// The format that the name of the output tells, where no other is given.
-    fn ending(&self) -> Result<Option<&'static str>, Failure> {
-        let ending = match (&self.output, self.format, self.summary) {
-            (Some(path), None, false) => {
-                target::known_ending_unpacked(path, &["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"])
+    /// The format: that of the option, of the output's name, or the usual one.
+    fn format(&self) -> Result<BatchFormat, Failure> {
+        let Some(format) = self.format else {
+            let usual = if self.summary { BatchFormat::Table } else { BatchFormat::Csv };
+            return Ok(self.known_ending()?.and_then(BatchFormat::of_ending).unwrap_or(usual));
+        };
+        let Some(path) = &self.output else { return Ok(format) };
+        match BatchFormat::of_ending(&target::ending(Packing::of_name(path).1)) {
+            // .txt is any text
+            Some(named) if named != format && named != BatchFormat::Table => {
+                let message = format!("--format {} does not fit the name {path}", format.name());
+                Err(Diagnostic::error(Code::Usage, message)
+                    .help("leave out --format, or end the name otherwise")
+                    .into())
             }
-            (Some(path), None, true) => target::known_ending(path, &["txt", "json", "csv", "md"]),
-            _ => Ok(None),
+            _ => Ok(format),
+        }
+    }
+
+    /// The ending of the output's name, which tells the format.
+    fn known_ending(&self) -> Result<Option<&'static str>, Failure> {
+        let ending = match &self.output {
+            Some(path) if self.summary => target::known_ending(path, &["txt", "json", "csv", "md"]),
+            Some(path) if Packing::of_name(path).0 == Packing::None => {
+                target::known_ending(path, &["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"])
+            }
+            Some(path) => target::known_ending_unpacked(path, &["csv", "tsv", "jsonl", "ndjson"]),
+            None => Ok(None),
         };
         ending.map_err(|failure| {
             let or_format = |diagnostic: Diagnostic| {
@@ -323,12 +356,23 @@ impl Args {
         })
     }
 
+    /// Refuses columns that are asked for twice: rows have one of each name.
+    fn refuse_repeated_columns(&self) -> Result<(), Diagnostic> {
+        let columns = self.columns.as_deref().unwrap_or_default();
+        let repeated = columns.iter().enumerate().find(|(place, name)| columns[..*place].contains(name));
+        repeated.map_or(Ok(()), |(_, name)| {
+            let message = format!("--columns names `{name}` twice");
+            Err(Diagnostic::error(Code::Usage, message).help("name each column once"))
+        })
+    }
+
     fn request(&self, format: RowFormat, spec: &Spec) -> Result<Request, Failure> {
+        self.refuse_repeated_columns()?;
         Ok(Request {
-            model: self.model.into(),
-            stack: self.stack.into(),
-            rule: self.decision.rule(spec),
-            monte_carlo: self.decision.settings()?,
+            model: self.judge.model.into(),
+            stack: self.judge.stack.into(),
+            rule: self.judge.decision.rule(spec),
+            monte_carlo: self.judge.decision.settings()?,
             decimals: self.decimals,
             format,
             columns: self.columns.clone(),
@@ -399,7 +443,7 @@ impl Args {
         }
         let more = outcome.counts.rejected.saturating_sub(PROBLEMS_SHOWN as u64);
         if more > 0 {
-            output.message(&format!("… and {} more rejected", long::counted(more)));
+            output.message(&format!("… and {} more rejected", report::grouped(more)));
         }
         if self.annotations == Some(Annotations::Github) {
             output.message(report::github_annotations(basis, outcome).trim_end());
@@ -421,18 +465,18 @@ fn in_words(counts: &Counts, row: &str) -> String {
         (counts.rejected, "rejected"),
     ] {
         if count > 0 || (what == "fail" && counts.pass > 0) {
-            parts.push(format!("{} {what}", long::counted(count)));
+            parts.push(format!("{} {what}", report::grouped(count)));
         }
     }
     let plural = if counts.rows == 1 { "" } else { "s" };
-    let mut line = format!("{} {row}{plural}", long::counted(counts.rows));
+    let mut line = format!("{} {row}{plural}", report::grouped(counts.rows));
     if !parts.is_empty() {
         line.push_str(": ");
         line.push_str(&parts.join(", "));
     }
     if counts.blank_lines > 0 {
         let lines = if counts.blank_lines == 1 { "line" } else { "lines" };
-        line.push_str(&format!("; {} blank {lines}", long::counted(counts.blank_lines)));
+        line.push_str(&format!("; {} blank {lines}", report::grouped(counts.blank_lines)));
     }
     line
 }

@@ -4,11 +4,12 @@
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{Args, BatchFormat};
-use crate::batch::{ColumnKind, Packing, ParquetRows, RowSink, Sink, Sinks};
+use super::Args;
+use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink, Sinks};
 use crate::cli::output::{Failure, Output};
 use crate::cli::target::{self, Target};
 use crate::cli::{office, stream};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::Spec;
 
 /// A file that a writer of its own format writes, and that is ended here.
@@ -78,17 +79,14 @@ impl Targets {
         let file = self.file.and_then(|file| file.take());
         let file = match (self.collected, path, file) {
             (Some(collected), Some(path), Some(mut file)) => {
-                file.write_all(&office::rows_as(path, &collected.rows()?, spec)?)?;
+                let title = spec.title.as_deref().unwrap_or("rackmesh");
+                file.write_all(&office::rows_as(path, &collected.rows()?, title, &spec.limits())?)?;
                 Some(file)
             }
             (_, _, file) => file,
         };
         for target in [file, self.rejects].into_iter().flatten() {
-            if is_complete {
-                target.finish()?;
-            } else if let Some(name) = target.keep_partial()? {
-                output.remark(&format!("incomplete: what there is stands in {name}"));
-            }
+            target.end(is_complete, output)?;
         }
         Ok(())
     }
@@ -98,6 +96,7 @@ impl Args {
     /// Where rows and rejected rows go.
     pub(super) fn targets(
         &self,
+        format: RowFormat,
         inputs: &[String],
         columns: &dyn Fn() -> Vec<(String, ColumnKind)>,
     ) -> Result<Targets, Failure> {
@@ -108,6 +107,7 @@ impl Args {
         for path in &written {
             target::refuse_inputs(path, &inputs)?;
         }
+        self.rejects.as_deref().map_or(Ok(()), refuse_other_format)?;
         let rejects = self.rejects.as_ref().map(|path| Target::create(path, &inputs)).transpose()?;
         let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
         let mut targets = Targets {
@@ -136,17 +136,22 @@ impl Args {
             }
             None => Box::new(stream::Stdout),
         };
-        if self.is_parquet() {
+        if format == RowFormat::Columns {
             targets.parquet = Some(ParquetRows::new(rows, &columns())?);
         } else {
             targets.rows = Some(rows);
         }
         Ok(targets)
     }
+}
 
-    /// Whether the rows become a Parquet file.
-    pub(super) fn is_parquet(&self) -> bool {
-        let named = || self.output.as_deref().is_some_and(|path| path.to_ascii_lowercase().ends_with(".parquet"));
-        !self.summary && (self.format == Some(BatchFormat::Parquet) || (self.format.is_none() && named()))
+/// Rejected rows are text: a name that says otherwise is refused.
+fn refuse_other_format(path: &str) -> Result<(), Failure> {
+    const OTHERS: [&str; 7] = ["parquet", "xlsx", "xlsm", "dfq", "json", "jsonl", "ndjson"];
+    let ending = target::ending(path);
+    if !OTHERS.contains(&ending.as_str()) {
+        return Ok(());
     }
+    let message = format!("--rejects {path}: rejected rows are written as lines of text, and not as .{ending}");
+    Err(Diagnostic::error(Code::Usage, message).help("give a name that ends in .csv or .txt").into())
 }

@@ -4,8 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use super::known::KnownTeeth;
 use super::single::range_of;
-use super::sum::{Together, bound, reached_at_least, together};
-use super::{Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, Open, Range, Reach};
+use super::sum::{CombinedBound, bound, reached_at_least, together};
+use super::{Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, NoBound, Range, Reach};
 use crate::formula::PartDeviation;
 
 /// What a bound rests on.
@@ -37,7 +37,7 @@ pub enum GivenGeometry {
 #[derive(Debug, Clone)]
 pub struct KnownPairs {
     given: Arc<GivenPair>,
-    steps: Arc<[OnceLock<Result<KnownPair, Open>>; STEPS]>,
+    steps: Arc<[OnceLock<Result<KnownPair, NoBound>>; STEPS]>,
 }
 
 /// Sizes of errors, mm: four steps until they are doubled, up to 1 m.
@@ -66,10 +66,10 @@ impl KnownPairs {
     /// What is known for these errors beside known teeth, of the first step that holds them: the same for the same errors, whatever else was asked.
     ///
     /// # Errors
-    /// [`Open`] if errors as large leave no pair.
-    pub fn for_errors(&self, errors: &[ExtendedError], teeth: Option<KnownTeeth>) -> Result<&KnownPair, Open> {
+    /// [`NoBound`] if errors as large leave no pair.
+    pub fn for_errors(&self, errors: &[ExtendedError], teeth: Option<KnownTeeth>) -> Result<&KnownPair, NoBound> {
         let least = reached_at_least(errors);
-        let mut step = (0..STEPS).find(|&step| reach(step).range.upper >= least).ok_or(Open::BeyondReach)?;
+        let mut step = (0..STEPS).find(|&step| reach(step).range.upper >= least).ok_or(NoBound::BeyondReach)?;
         loop {
             let known = self.step(step)?;
             let reached = known.reached(errors).with(teeth);
@@ -77,13 +77,12 @@ impl KnownPairs {
                 return Ok(known);
             }
             let wider = step + 1..STEPS;
-            step = wider.into_iter().find(|&step| reach(step).holds(&reached)).ok_or(Open::BeyondReach)?;
+            step = wider.into_iter().find(|&step| reach(step).holds(&reached)).ok_or(NoBound::BeyondReach)?;
         }
     }
 
-    fn step(&self, step: usize) -> Result<&KnownPair, Open> {
-        let known =
-            self.steps[step].get_or_init(|| KnownPair::new(*self.given, reach(step)).map_err(|_| Open::NoFlanks));
+    fn step(&self, step: usize) -> Result<&KnownPair, NoBound> {
+        let known = self.steps[step].get_or_init(|| KnownPair::new(*self.given, reach(step)).map_err(NoBound::from));
         known.as_ref().map_err(|open| *open)
     }
 }
@@ -92,8 +91,8 @@ impl Basis {
     /// What is known, for these errors.
     ///
     /// # Errors
-    /// [`Open`] as [`KnownPairs::for_errors`].
-    pub fn knowledge(&self, errors: &[ExtendedError]) -> Result<Knowledge<'_>, Open> {
+    /// [`NoBound`] as [`KnownPairs::for_errors`].
+    pub fn knowledge(&self, errors: &[ExtendedError]) -> Result<Knowledge<'_>, NoBound> {
         let geometry = match &self.geometry {
             GivenGeometry::Unknown => Geometry::Unknown,
             GivenGeometry::BothFlanks => Geometry::BothFlanks,
@@ -119,24 +118,24 @@ impl Basis {
         match extended {
             Ok(extended) => self.bound(&extended),
             // a value of the wrong dimension has no ΔCD either
-            Err(_) => Bound::open(errors.len(), Open::TooLarge),
+            Err(_) => Bound::open(errors.len(), NoBound::TooLarge),
         }
     }
 
     /// What one error can do alone, the pair's own curve not counted.
     ///
     /// # Errors
-    /// [`Open`] if there is no bound.
-    pub fn alone(&self, error: &ExtendedError) -> Result<ErrorRange, Open> {
+    /// [`NoBound`] if there is no bound.
+    pub fn alone(&self, error: &ExtendedError) -> Result<ErrorRange, NoBound> {
         range_of(error, &self.knowledge(std::slice::from_ref(error))?)
     }
 
     /// Its sums alone.
     #[must_use]
-    pub fn together(&self, errors: &[ExtendedError]) -> Together {
+    pub fn together(&self, errors: &[ExtendedError]) -> CombinedBound {
         match self.knowledge(errors) {
             Ok(knowledge) => together(errors, &knowledge),
-            Err(open) => Together { total: Err(open), statistical: Err(open) },
+            Err(open) => CombinedBound { total: Err(open), statistical: Err(open) },
         }
     }
 }

@@ -12,14 +12,14 @@ fn whole(pitches: f64) -> f64 {
 
 /// Steps of a part one way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum StepDirection {
     RackGrows,
     RackShrinks,
     PinionGrows,
     PinionShrinks,
 }
 
-impl Way {
+impl StepDirection {
     pub(super) const ALL: [Self; 4] = [Self::RackGrows, Self::RackShrinks, Self::PinionGrows, Self::PinionShrinks];
 
     /// The length within which its steps add up, in pitches, of a path of contact.
@@ -47,7 +47,7 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    pub(super) fn new(way: Way, levels: &Levels, line: &ContactPath, gap_mm: f64) -> Self {
+    pub(super) fn new(way: StepDirection, levels: &Levels, line: &ContactPath, gap_mm: f64) -> Self {
         let length = |path: &ContactPath| way.length(path);
         let at_least = |path: &ContactPath| whole(length(path) + SLACK);
         let nominal = at_least(&levels.nominal().path);

@@ -2,7 +2,7 @@
 //! bound; computes no range.
 
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
-use crate::formula::law::RADIANS_PER_DEGREE;
+use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
 use crate::formula::{Law, Model, PartDeviation};
 use crate::gear::Pair;
 use crate::quantity::Length;
@@ -11,7 +11,7 @@ use crate::trig;
 /// An error that may be on any teeth that its extent allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExtendedError {
-    pub(in crate::judge) effect: Effect,
+    pub(in crate::judge) effect: ErrorEffect,
     pub(super) extent: Extent,
     /// Whether its sign is not known: it is any from minus to plus the value, wherever it is.
     pub(in crate::judge) either_sign: bool,
@@ -19,7 +19,7 @@ pub struct ExtendedError {
 
 /// What an error does, in mm and rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::judge) enum Effect {
+pub(in crate::judge) enum ErrorEffect {
     /// Both flanks of a space stand out so that the space sits higher by this.
     Size { part: Part, value: f64 },
     /// Steps from tooth to tooth.
@@ -58,7 +58,7 @@ impl RackLines {
 
     /// mm of ΔCD per rad of a small lead, by the formula.
     pub(super) fn gain(&self) -> f64 {
-        self.face_width / (2.0 * trig::cos(self.helix) * self.tan_alpha)
+        self.face_width * unit_gain(DeviationKind::RackLead, Model::Exact, self.tan_alpha, trig::cos(self.helix))
     }
 }
 
@@ -87,7 +87,7 @@ const LONGEST: f64 = 1e6;
 impl ExtendedError {
     /// An error of nothing, for lists of a fixed length.
     pub(crate) const NONE: Self =
-        Self { effect: Effect::Size { part: Part::Rack, value: 0.0 }, extent: Extent::All, either_sign: false };
+        Self { effect: ErrorEffect::Size { part: Part::Rack, value: 0.0 }, extent: Extent::All, either_sign: false };
 
     /// An error of a kind with a [`Law`]. Signed if it is measured; of a tolerance
     /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
@@ -98,15 +98,15 @@ impl ExtendedError {
         let value = value.into();
         let effect = match (law.kind(), law.geometry(), value) {
             (DeviationKind::RackOverRoller, _, DeviationValue::Length(value)) => {
-                Effect::Size { part: Part::Rack, value: value.mm() }
+                ErrorEffect::Size { part: Part::Rack, value: value.mm() }
             }
             (DeviationKind::PinionRadial, _, DeviationValue::Length(value)) => {
-                Effect::Size { part: Part::Pinion, value: value.mm() }
+                ErrorEffect::Size { part: Part::Pinion, value: value.mm() }
             }
             (DeviationKind::RackPitch | DeviationKind::PinionPitch, _, DeviationValue::Length(value)) => {
                 let part = if law.kind() == DeviationKind::RackPitch { Part::Rack } else { Part::Pinion };
                 let gain = law.slope(1.0, Model::Exact);
-                Effect::Pitch(PitchEffect { part, value: value.mm(), gain, cap: None })
+                ErrorEffect::Pitch(PitchEffect { part, value: value.mm(), gain, cap: None })
             }
             (DeviationKind::RackLead, Some(gear), DeviationValue::Angle(_) | DeviationValue::Slope(_)) => {
                 let value = match value {
@@ -119,10 +119,10 @@ impl ExtendedError {
                     helix: gear.helix_angle.radians(),
                     face_width: gear.face_width.map_or(0.0, Length::mm),
                 };
-                Effect::RackLead { value, rack }
+                ErrorEffect::RackLead { value, rack }
             }
             (DeviationKind::PinionLead, _, DeviationValue::Length(value)) => {
-                Effect::PinionLead { value: value.mm(), gain: law.slope(1.0, Model::Exact) }
+                ErrorEffect::PinionLead { value: value.mm(), gain: law.slope(1.0, Model::Exact) }
             }
             _ => return Err(ErrorInputError::WrongDimension),
         };
@@ -142,17 +142,17 @@ impl ExtendedError {
     /// The same error of a gear whose data lie on no grid, as they are drawn or varied, in degrees and mm.
     pub(crate) fn of_gear(mut self, law: Law, pressure_angle: f64, helix_angle: f64, face_width_mm: f64) -> Self {
         match &mut self.effect {
-            Effect::Pitch(pitch) => {
+            ErrorEffect::Pitch(pitch) => {
                 pitch.gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
             }
-            Effect::PinionLead { gain, .. } => {
+            ErrorEffect::PinionLead { gain, .. } => {
                 *gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
             }
-            Effect::RackLead { rack, .. } => {
+            ErrorEffect::RackLead { rack, .. } => {
                 let tan_alpha = trig::tan(pressure_angle * RADIANS_PER_DEGREE);
                 *rack = RackLines { tan_alpha, helix: helix_angle * RADIANS_PER_DEGREE, face_width: face_width_mm };
             }
-            Effect::Size { .. } => {}
+            ErrorEffect::Size { .. } => {}
         }
         self
     }
@@ -169,20 +169,20 @@ impl ExtendedError {
 
     /// The same error at a share of its value.
     pub(super) fn scaled(self, share: f64) -> Self {
-        let (Effect::Size { value, .. }
-        | Effect::Pitch(PitchEffect { value, .. })
-        | Effect::RackLead { value, .. }
-        | Effect::PinionLead { value, .. }) = self.effect;
+        let (ErrorEffect::Size { value, .. }
+        | ErrorEffect::Pitch(PitchEffect { value, .. })
+        | ErrorEffect::RackLead { value, .. }
+        | ErrorEffect::PinionLead { value, .. }) = self.effect;
         self.with_value(share * value)
     }
 
     /// The same error with another value, in mm or rad.
     pub(crate) fn with_value(mut self, new: f64) -> Self {
         match &mut self.effect {
-            Effect::Size { value, .. }
-            | Effect::Pitch(PitchEffect { value, .. })
-            | Effect::RackLead { value, .. }
-            | Effect::PinionLead { value, .. } => *value = new,
+            ErrorEffect::Size { value, .. }
+            | ErrorEffect::Pitch(PitchEffect { value, .. })
+            | ErrorEffect::RackLead { value, .. }
+            | ErrorEffect::PinionLead { value, .. } => *value = new,
         }
         self
     }
@@ -191,21 +191,21 @@ impl ExtendedError {
     /// no more than [`Extent::Total`] of F_p.
     #[must_use]
     pub fn within_total(mut self, total_mm: f64) -> Self {
-        if let Effect::Pitch(pitch) = &mut self.effect {
+        if let ErrorEffect::Pitch(pitch) = &mut self.effect {
             pitch.cap = Some(total_mm.abs());
         }
         self
     }
 
     fn checked(self) -> Result<Self, ErrorInputError> {
-        if self.extent == Extent::Total && !matches!(self.effect, Effect::Pitch(_)) {
+        if self.extent == Extent::Total && !matches!(self.effect, ErrorEffect::Pitch(_)) {
             return Err(ErrorInputError::NoTotal);
         }
         let (value, largest) = match self.effect {
-            Effect::Size { value, .. }
-            | Effect::Pitch(PitchEffect { value, .. })
-            | Effect::PinionLead { value, .. } => (value, LONGEST),
-            Effect::RackLead { value, rack } => {
+            ErrorEffect::Size { value, .. }
+            | ErrorEffect::Pitch(PitchEffect { value, .. })
+            | ErrorEffect::PinionLead { value, .. } => (value, LONGEST),
+            ErrorEffect::RackLead { value, rack } => {
                 (value, LARGEST_LEAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
             }
         };
@@ -220,9 +220,9 @@ impl ExtendedError {
 
     pub(in crate::judge) const fn part(&self) -> Part {
         match self.effect {
-            Effect::Size { part, .. } | Effect::Pitch(PitchEffect { part, .. }) => part,
-            Effect::RackLead { .. } => Part::Rack,
-            Effect::PinionLead { .. } => Part::Pinion,
+            ErrorEffect::Size { part, .. } | ErrorEffect::Pitch(PitchEffect { part, .. }) => part,
+            ErrorEffect::RackLead { .. } => Part::Rack,
+            ErrorEffect::PinionLead { .. } => Part::Pinion,
         }
     }
 }

@@ -138,6 +138,11 @@ impl Field {
         self.clipped(|spot| spot.stroke - strokes.lower).clipped(|spot| strokes.upper - spot.stroke)
     }
 
+    /// Those of lines between two roll angles.
+    pub(in crate::judge) fn within(&self, rolls: Rolls) -> Self {
+        self.clipped(|spot| spot.roll - rolls.low).clipped(|spot| rolls.high - spot.roll)
+    }
+
     /// The least and the most of a linear function; `None` of an empty field.
     pub(in crate::judge) fn extremes(&self, function: impl Fn(&Spot) -> f64) -> Option<Range> {
         let ranges = self.corners.iter().map(function).map(|value| Range { lower: value, upper: value });

@@ -3,12 +3,13 @@
 
 use std::f64::consts::PI;
 
-use super::Range;
-use super::counts::{Counts, Way};
+use super::counts::{Counts, StepDirection};
 use super::field::{ContactPath, Field, line_distance, shift_rad, skew, thickness_deviation, thickness_offset};
 use super::lead_tables::LeadTables;
 use super::levels::Levels;
 use super::profile::{Profile, Rolls};
+use super::undercut::Undercut;
+use super::{NoBound, Range};
 use crate::deviation::{DeviationError, Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
@@ -39,17 +40,30 @@ pub struct KnownPair {
     pub(super) line: ContactPath,
     /// Where flanks carry that stand out by so much: in rising order.
     pub(super) levels: Levels,
-    /// What error-free parts do.
-    pub(super) own: Range,
-    /// How many steps act at once, of each [`Way`].
+    pub(super) own: Own,
+    /// How many steps act at once, of each [`StepDirection`].
     counts: Vec<Counts>,
     /// How much less one space of the rack, and of the pinion, lifts because edges stand back.
     space_stands_back: [f64; 2],
+    /// What flanks of two teeth lift together.
+    pub(super) undercut: Undercut,
     /// Leads at the nodes that were asked for.
     pub(super) leads: LeadTables,
     /// Half the rack's width, and half the pinion's, over which profiles alone always carry; `None` if they do not.
     pub(super) rack_sections: Option<f64>,
     pub(super) pinion_sections: Option<f64>,
+}
+
+/// What error-free parts do.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Own {
+    pub(super) range: Range,
+    /// Where only lines of contact carry, mm.
+    pub(super) of_lines: f64,
+    /// The upper end if no error of the pinion shifts the sides against each other, mm.
+    pub(super) unshifted_upper: f64,
+    /// The upper end with rack tips that stand out as much more as errors lower a flank, mm.
+    pub(super) upper_of_sunk_flanks: f64,
 }
 
 /// Teeth that are known one by one.
@@ -108,9 +122,21 @@ pub enum KnownPairError {
     /// A form that does not fit.
     #[error(transparent)]
     Form(#[from] DeviationError),
+    /// No line of contact lies on both flanks.
+    #[error("the flanks touch nowhere but at their edges")]
+    EdgesOnly,
     /// The pair has no curve.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+}
+
+impl From<KnownPairError> for NoBound {
+    fn from(error: KnownPairError) -> Self {
+        match error {
+            KnownPairError::EdgesOnly => Self::EdgesOnly,
+            KnownPairError::Geometry { .. } | KnownPairError::Form(_) | KnownPairError::Mesh(_) => Self::NoFlanks,
+        }
+    }
 }
 
 /// Tolerance of an own curve, mm: of one that is told apart by sides, and of a rack that may roll, which is slow.
@@ -148,7 +174,17 @@ impl KnownPair {
     /// [`KnownPairError`] if errors as large leave no flanks or the pair does not mesh.
     pub fn new(given: GivenPair, reach: Reach) -> Result<Self, KnownPairError> {
         let mut known = Self::of_lines(given, reach);
-        known.own = Range { lower: known.lowest()?, upper: known.highest()? };
+        if known.nominal.ratio <= 0.0 {
+            return Err(KnownPairError::EdgesOnly);
+        }
+        let of_pinion_mm = known.reach.of_pinion_mm;
+        let range = Range { lower: known.lowest()?, upper: known.highest(0.0, of_pinion_mm)? };
+        known.own = Own {
+            range,
+            of_lines: known.of_lines_mm(),
+            unshifted_upper: known.highest(0.0, 0.0)?,
+            upper_of_sunk_flanks: known.highest(-known.reach.range.lower, of_pinion_mm)?,
+        };
         known.count();
         Ok(known)
     }
@@ -158,22 +194,23 @@ impl KnownPair {
         let pair = &given.pair;
         let range = Range { lower: reach.range.lower.min(0.0), upper: reach.range.upper.max(0.0) };
         let reach = Reach { range, ..reach };
-        let raised = range.upper + excess(pair, &reach);
+        let raised = range.upper + excess(pair, -range.lower);
         let shift = SHORTENING * shift_rad(pair, raised.max(-range.lower));
         let shorter = Profile::new(pair, line_distance(pair), -raised);
         let rolls = Rolls { low: shorter.lowest_line() + shift, high: pair.pinion().tip_roll_rad - shift };
         let narrower = skew(pair, shift);
         let line = Field::new(pair, rolls, -narrower).path();
-        let (levels, own) = (Levels::new(pair, -reach.range.lower, reach.largest()), Range { lower: 0.0, upper: 0.0 });
+        let levels = Levels::new(pair, -reach.range.lower, reach.largest());
         let mut known = Self {
             given,
             reach,
             nominal: ContactPath::nominal(pair),
             line,
             levels,
-            own,
+            own: Own::default(),
             counts: Vec::new(),
             space_stands_back: [0.0; 2],
+            undercut: Undercut::None,
             leads: LeadTables::default(),
             rack_sections: None,
             pinion_sections: None,
@@ -184,13 +221,15 @@ impl KnownPair {
 
     /// Counts what errors of any size take from the levels.
     fn count(&mut self) {
-        self.counts = Way::ALL.into_iter().map(|way| Counts::new(way, &self.levels, &self.line, self.gap())).collect();
+        self.counts =
+            StepDirection::ALL.into_iter().map(|way| Counts::new(way, &self.levels, &self.line, self.gap())).collect();
         let space = |part| self.levels.stands_back(|path| path.ratio - flanks_apart(part, path), 0.0);
         self.space_stands_back = [space(Part::Rack), space(Part::Pinion)];
         self.leads = LeadTables::new(&self.given.pair, self.reach.largest());
+        self.undercut = if self.is_undercut() { Undercut::not_yet() } else { Undercut::None };
     }
 
-    pub(super) fn counts(&self, way: Way) -> &Counts {
+    pub(super) fn counts(&self, way: StepDirection) -> &Counts {
         &self.counts[way as usize]
     }
 
@@ -211,7 +250,7 @@ impl KnownPair {
         if self.carries_lines() {
             return Ok(offset);
         }
-        let raised = self.reach.range.upper + excess(&pair, &self.reach);
+        let raised = self.reach.range.upper + excess(&pair, -self.reach.range.lower);
         let less = shortened(&pair, raised, raised.max(-self.reach.range.lower));
         let pair = Pair::new(&less).map_err(|source| KnownPairError::Geometry { reach: self.reach, source })?;
         rack_form.tip_relief_start_mm -= raised;
@@ -242,26 +281,37 @@ impl KnownPair {
         (relief + slope + 4.0 * crowning * across) / trig::sin(pair.normal_pressure_angle_rad())
     }
 
-    /// The highest ΔCD without errors, with rack teeth that stand out more by what errors may lower a flank.
-    fn highest(&self) -> Result<f64, KnownPairError> {
+    /// ΔCD without errors where only lines of contact carry, with the form that adds material: a negative profile slope.
+    fn of_lines_mm(&self) -> f64 {
         let GivenPair { pair, pinion_form, .. } = &self.given;
-        // a form that adds material: a negative profile slope
         let added = (-pinion_form.profile_slope_mm).max(0.0) / trig::sin(pair.normal_pressure_angle_rad());
-        let offset = thickness_offset(pair) + added;
-        let excess = excess(pair, &self.reach);
+        thickness_offset(pair) + added
+    }
+
+    /// Whether undercut lifts the pair at some strokes, and lines carry at every one.
+    fn is_undercut(&self) -> bool {
+        self.own.unshifted_upper > self.own.of_lines && self.carries_lines()
+    }
+
+    /// The highest ΔCD without errors, with rack teeth whose tips stand out more by `deeper_mm`, and both sides shifted
+    /// against each other by what errors of the pinion do that move ΔCD by `of_pinion_mm`.
+    fn highest(&self, deeper_mm: f64, of_pinion_mm: f64) -> Result<f64, KnownPairError> {
+        let pair = &self.given.pair;
+        let offset = self.of_lines_mm();
+        let excess = excess(pair, deeper_mm);
         if excess == 0.0 {
             return Ok(offset);
         }
         let mut data = data_of(pair);
-        data.rack.addendum_mm -= self.reach.range.lower;
+        data.rack.addendum_mm += deeper_mm;
         let Ok(deeper) = Pair::new(&data) else { return Ok(offset + excess) };
-        let both = both_sides(&Mesh::nominal(deeper)?, shift_rad(pair, self.reach.of_pinion_mm))?;
+        let both = both_sides(&Mesh::nominal(deeper)?, shift_rad(pair, of_pinion_mm))?;
         Ok(offset + excess.min(both.upper.max(0.0)))
     }
 
     /// How far the pair alone sinks at most because lines of contact leave gaps, mm.
     pub(super) fn gap(&self) -> f64 {
-        (thickness_offset(&self.given.pair) - self.own.lower).max(0.0)
+        (thickness_offset(&self.given.pair) - self.own.range.lower).max(0.0)
     }
 
     /// The nominal path of contact.
@@ -273,7 +323,7 @@ impl KnownPair {
     /// The pair's own range without errors, as wide as errors up to the reach may make it, mm.
     #[must_use]
     pub const fn own_mm(&self) -> Range {
-        self.own
+        Range { lower: self.own.range.lower, upper: self.own.upper_of_sunk_flanks }
     }
 
     /// The errors that this holds for.
@@ -316,9 +366,9 @@ pub(super) const fn flanks_apart(part: Part, path: &ContactPath) -> f64 {
     }
 }
 
-/// The most that one side can ask for beyond its contact lines, mm.
-fn excess(pair: &Pair, reach: &Reach) -> f64 {
-    Profile::new(pair, line_distance(pair), -reach.range.lower).largest_excess()
+/// The most that one side can ask for beyond its contact lines, with rack tips that stand out more by `deeper_mm`; mm.
+fn excess(pair: &Pair, deeper_mm: f64) -> f64 {
+    Profile::new(pair, line_distance(pair), deeper_mm).largest_excess()
 }
 
 /// The least and the most that both sides together ask for beyond their contact lines, if errors shift one against the other
@@ -348,7 +398,7 @@ fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, MeshError> {
             }
         }
     }
-    Ok(Range { lower: both.lower - SWINGS * swing, upper: both.upper + swing })
+    Ok(Range { lower: both.lower - SWINGS * swing, upper: both.upper + SIDES_CURVE_MM })
 }
 
 /// The same pair with less of its flanks: what is left of them when errors raise the pinion and

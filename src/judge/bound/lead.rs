@@ -2,10 +2,12 @@
 //! point by what is linear in the point's place; the field of contact says which points there are at a stroke. Read by the
 //! bound; knows no other error.
 
-use super::error::{Effect, RackLines};
-use super::field::Spot;
-use super::lead_tables::{Asked, NODES_A_SIDE};
+use super::error::{ErrorEffect, RackLines};
+use super::field::{Field, Spot, line_distance, shift_rad};
+use super::lead_tables::{LeadDemand, NODES_A_SIDE};
 use super::levels::Level;
+use super::profile::{Profile, Rolls};
+use super::undercut::{CELLS, Cell, UndercutTable};
 use super::{ErrorRange, ExtendedError, Extent, KnownPair, Range};
 use crate::deviation::Part;
 use crate::trig;
@@ -36,8 +38,28 @@ pub(super) struct Leads {
 
 /// Cosines of turned tooth lines are not taken to be smaller.
 const SMALLEST_COSINE: f64 = 0.1;
-/// Parts of a pitch in which the field of contact is looked at.
-const CELLS: i32 = 96;
+/// Parts of a cell's roll angles in which undercut is looked at.
+const STRIPS: i32 = 8;
+
+/// What is sought of the flanks that carry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LeadEnd {
+    /// How much they ask for at most.
+    Upper,
+    /// The same with what undercut lifts them beyond their lines.
+    UpperWithUndercut,
+    /// How much they give way at most.
+    Lower,
+}
+
+impl LeadEnd {
+    fn sign(self) -> f64 {
+        match self {
+            Self::Upper | Self::UpperWithUndercut => 1.0,
+            Self::Lower => -1.0,
+        }
+    }
+}
 
 impl Leads {
     /// No lead of a part.
@@ -59,9 +81,9 @@ impl Leads {
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
         let extent = if error.either_sign { Extent::Each } else { error.extent };
         let leads = match error.effect {
-            Effect::RackLead { value, rack } => self.with_value(value, extent, Some(rack)),
-            Effect::PinionLead { value, gain } => self.with_value(gain * value, extent, None),
-            Effect::Size { .. } | Effect::Pitch(_) => return self,
+            ErrorEffect::RackLead { value, rack } => self.with_value(value, extent, Some(rack)),
+            ErrorEffect::PinionLead { value, gain } => self.with_value(gain * value, extent, None),
+            ErrorEffect::Size { .. } | ErrorEffect::Pitch(_) => return self,
         };
         Self { unsigned: (is_first && error.either_sign).then_some(*error), ..leads }
     }
@@ -133,7 +155,8 @@ impl Leads {
         if self.values.lower == 0.0 && self.values.upper == 0.0 {
             return ErrorRange::either_way(0.0);
         }
-        let Asked { most: upper_mm, gives_way, at_any_time } = self.asked(known);
+        let LeadDemand { most: upper_mm, with_undercut: upper_with_undercut_mm, gives_way, at_any_time } =
+            self.asked(known);
         let raw_lower_mm = -if known.carries_lines() {
             gives_way
         } else if known.given.rolls() {
@@ -142,12 +165,13 @@ impl Leads {
             self.at_any_time(known, known.levels.level(2.0 * known.gap()))
         };
         let lower_mm = self.kept(known).unwrap_or(raw_lower_mm).max(raw_lower_mm);
-        ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm: at_any_time.max(upper_mm), in_contact: None }
+        let raw_upper_mm = at_any_time.max(upper_mm);
+        ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm, upper_with_undercut_mm, in_contact: None }
     }
 
     /// What a single lead asks for, between the nodes on either side of it: a bound of a line in the slopes of flanks is convex
     /// in them, so that its chord holds it, and what the slopes bend between two nodes is added. Of several leads, themselves.
-    fn asked(&self, known: &KnownPair) -> Asked {
+    fn asked(&self, known: &KnownPair) -> LeadDemand {
         let Some(extent) = self.extent else { return self.asked_itself(known) };
         let value =
             if extent == Extent::Each || self.values.upper > 0.0 { self.values.upper } else { self.values.lower };
@@ -165,15 +189,20 @@ impl Leads {
         let bend = self.bend(known, (f64::from(below) * spacing).abs().max((f64::from(below + 1) * spacing).abs()));
         let bent = bend * spacing * spacing / 8.0;
         let between = |a: f64, b: f64| a + share * (b - a) + bent;
-        Asked {
+        LeadDemand {
             most: between(a.most, b.most),
+            with_undercut: if known.undercut.is_some() {
+                between(a.with_undercut, b.with_undercut)
+            } else {
+                f64::INFINITY
+            },
             gives_way: between(a.gives_way, b.gives_way),
             at_any_time: between(a.at_any_time, b.at_any_time),
         }
     }
 
     /// A node of the table, computed when it is first needed.
-    fn node(&self, known: &KnownPair, extent: Extent, index: i32) -> Asked {
+    fn node(&self, known: &KnownPair, extent: Extent, index: i32) -> LeadDemand {
         let table = &known.leads.nodes[Extent::EVERY.len() * self.part as usize + extent as usize];
         let node = &table[(index + NODES_A_SIDE) as usize];
         let value = f64::from(index) * known.leads.spacing[self.part as usize];
@@ -192,23 +221,29 @@ impl Leads {
         across * 0.5 * pair.rack().face_width_mm + up * height
     }
 
-    fn asked_itself(&self, known: &KnownPair) -> Asked {
-        let gives_way = if known.carries_lines() { self.most(known, -1.0) } else { 0.0 };
-        let at_any_time = self.at_any_time(known, known.levels.last());
-        Asked { most: self.most(known, 1.0), gives_way, at_any_time }
+    fn asked_itself(&self, known: &KnownPair) -> LeadDemand {
+        let most = |sought| self.most(known, sought);
+        LeadDemand {
+            most: most(LeadEnd::Upper),
+            with_undercut: if known.undercut.is_some() { most(LeadEnd::UpperWithUndercut) } else { f64::INFINITY },
+            gives_way: if known.carries_lines() { most(LeadEnd::Lower) } else { 0.0 },
+            at_any_time: self.at_any_time(known, known.levels.last()),
+        }
     }
 
-    /// The most that both sides ask for at any one stroke; with the sign −1 the most that they give way.
-    fn most(&self, known: &KnownPair, sign: f64) -> f64 {
-        let cells = self.cells(known, sign);
-        let time = |index: i32| index.rem_euclid(CELLS) as usize;
-        let mut same_time = [f64::NEG_INFINITY; CELLS as usize];
-        for cell in &cells {
-            same_time[time(cell.index)] = same_time[time(cell.index)].max(cell.most);
-        }
+    /// The most that both sides ask for, or give way, at any one stroke.
+    fn most(&self, known: &KnownPair, sought: LeadEnd) -> f64 {
+        let cells = self.cells(known, sought);
+        let same_time = at_same_time(&cells);
+        // what teeth ask for that are not turned
+        let of_others = match sought {
+            LeadEnd::UpperWithUndercut if self.one_tooth => at_same_time(&Self::none(self.part).cells(known, sought)),
+            _ => [0.0; CELLS as usize],
+        };
         let at = |index: i32| {
             if self.one_tooth {
-                cells.iter().find(|cell| cell.index == index).map_or(0.0, |cell| cell.most.max(0.0))
+                let turned = cells.iter().find(|cell| cell.index == index);
+                turned.map_or(f64::NEG_INFINITY, |cell| cell.most).max(of_others[time(index)])
             } else {
                 same_time[time(index)]
             }
@@ -221,7 +256,7 @@ impl Leads {
     }
 
     /// What a right flank asks for at most in each part of its path.
-    fn cells(&self, known: &KnownPair, sign: f64) -> Vec<Cell> {
+    pub(super) fn cells(&self, known: &KnownPair, sought: LeadEnd) -> Vec<Cell> {
         let last = known.levels.last();
         let (start, end) = (last.path.offset - 0.5 * last.path.ratio, last.path.offset + 0.5 * last.path.ratio);
         let mut candidates = self.candidates().to_vec();
@@ -242,9 +277,14 @@ impl Leads {
                     break;
                 }
                 let field = level.field.between(cell(index));
+                if sought == LeadEnd::UpperWithUndercut && stands_back == 0.0 {
+                    found = turns.iter().map(|turned| turned.beyond_lines(known, &field)).fold(found, f64::max);
+                    stands_back = level.error;
+                    continue;
+                }
                 for turned in &turns {
                     let loose = turned.loose(known, level.off_line);
-                    let range = field.extremes(|spot| sign * turned.at(spot));
+                    let range = field.extremes(|spot| sought.sign() * turned.at(spot));
                     let asked = range.map(|range| (range.upper + loose).min(turned.at_most(known, level)));
                     found = found.max(asked.map_or(f64::NEG_INFINITY, |asked| asked - stands_back));
                 }
@@ -284,11 +324,23 @@ impl Leads {
     }
 }
 
-/// What a right flank asks for at most in one part of its path.
-#[derive(Debug, Clone, Copy)]
-struct Cell {
-    index: i32,
-    most: f64,
+/// What undercut lifts of a pair.
+pub(super) fn undercut(known: &KnownPair) -> Option<&UndercutTable> {
+    known.undercut.table(|| Leads::none(Part::Rack).cells(known, LeadEnd::UpperWithUndercut))
+}
+
+/// The place of a cell within its pitch.
+fn time(index: i32) -> usize {
+    index.rem_euclid(CELLS) as usize
+}
+
+/// What any right flank asks for at most in each part of a pitch.
+fn at_same_time(cells: &[Cell]) -> [f64; CELLS as usize] {
+    let mut most = [f64::NEG_INFINITY; CELLS as usize];
+    for cell in cells {
+        most[time(cell.index)] = most[time(cell.index)].max(cell.most);
+    }
+    most
 }
 
 impl Slopes {
@@ -322,6 +374,25 @@ impl Slopes {
         self.across.abs() * half_width
             + self.up.abs() * (heights + known.reach.largest())
             + self.along.abs() * half_face(known)
+    }
+
+    /// The most that flanks of a part of the field ask for, with what undercut lifts them beyond their lines.
+    fn beyond_lines(&self, known: &KnownPair, field: &Field) -> f64 {
+        let Some(Range { lower, upper }) = field.extremes(|spot| spot.roll) else { return f64::NEG_INFINITY };
+        let pair = &known.given.pair;
+        let profile = Profile::new(pair, line_distance(pair), 0.0).beside_lines();
+        let pinion = pair.pinion();
+        let shift = shift_rad(pair, known.reach.largest());
+        let strip = |index: i32| {
+            let at = |index: i32| lower + (upper - lower) * f64::from(index) / f64::from(STRIPS);
+            let rolls = Rolls { low: at(index), high: at(index + 1) };
+            let asked = field.within(rolls).extremes(|spot| self.at(spot))?.upper;
+            // below the start of the involute, this carries
+            let off_line = pinion.base_radius_mm * (pinion.start_roll_rad - rolls.low + shift).max(0.0);
+            let moved = Rolls { low: rolls.low - shift, high: rolls.high + shift };
+            Some(asked + self.loose(known, off_line) + profile.most_beyond(moved))
+        };
+        (0..STRIPS).filter_map(strip).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// What a point may ask for besides that lies off its contact line or at another centre distance.

@@ -12,7 +12,7 @@ use crate::trig;
 pub(super) struct LeadTables {
     /// From one node to the next: rad of the rack, mm of the pinion.
     pub(super) spacing: [f64; 2],
-    pub(super) nodes: Arc<[[OnceLock<Asked>; NODES]; TABLES]>,
+    pub(super) nodes: Arc<[[OnceLock<LeadDemand>; NODES]; TABLES]>,
 }
 
 /// Nodes of a table: as many as this to either side of nothing.
@@ -21,10 +21,11 @@ const NODES: usize = 2 * NODES_A_SIDE as usize + 1;
 /// A table for each part and extent.
 const TABLES: usize = 2 * Extent::EVERY.len();
 
-/// What leads ask for at most, what they give way at most, and either way at any one time.
+/// What leads ask for at most, alone and with undercut, what they give way at most, and either way at any one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Asked {
+pub(super) struct LeadDemand {
     pub(super) most: f64,
+    pub(super) with_undercut: f64,
     pub(super) gives_way: f64,
     pub(super) at_any_time: f64,
 }

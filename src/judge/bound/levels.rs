@@ -23,7 +23,7 @@ pub(super) struct Levels(Vec<Level>);
 
 /// The first level, mm, and the ratio from one to the next, up to four times the reach.
 const FIRST_LEVEL_MM: f64 = 1e-5;
-const LEVEL_RATIO: f64 = 1.4;
+const LEVEL_RATIO: f64 = 1.2;
 /// Lengths this near to a whole number of pitches are taken for it.
 const SLACK: f64 = 1e-9;
 

@@ -20,6 +20,7 @@ mod single;
 mod sum;
 #[cfg(test)]
 pub(in crate::judge) mod tests;
+mod undercut;
 
 pub use basis::{Basis, GivenGeometry, KnownPairs};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
@@ -27,12 +28,12 @@ pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownPairError, KnownTeeth, Reach};
 pub use moments::{Moments, moments};
 pub use scales::Scales;
-pub use sum::{Bound, Together, bound};
+pub use sum::{Bound, CombinedBound, bound};
 
 use crate::deviation::Extent;
 
 /// A range of ΔCD in mm, computed in f64: whoever holds it against decimal limits takes the nearest decimals.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Range {
     /// The lower end.
     pub lower: f64,
@@ -51,6 +52,8 @@ pub struct ErrorRange {
     pub upper_mm: f64,
     /// The highest ΔCD that it can add to other errors.
     pub raw_upper_mm: f64,
+    /// The highest ΔCD of this error and what undercut lifts at the same stroke; infinite where that is not looked at.
+    pub upper_with_undercut_mm: f64,
     /// How many steps between teeth add up in it, at most; of a pitch whose extent counts teeth.
     pub in_contact: Option<u32>,
 }
@@ -61,7 +64,15 @@ impl ErrorRange {
     }
 
     fn within(lower: f64, upper: f64) -> Self {
-        Self { raw_lower_mm: lower, lower_mm: lower, upper_mm: upper, raw_upper_mm: upper, in_contact: None }
+        let upper_with_undercut_mm = f64::INFINITY;
+        Self {
+            raw_lower_mm: lower,
+            lower_mm: lower,
+            upper_mm: upper,
+            raw_upper_mm: upper,
+            upper_with_undercut_mm,
+            in_contact: None,
+        }
     }
 
     fn signed(value: f64) -> Self {
@@ -75,6 +86,7 @@ impl ErrorRange {
             lower_mm: self.lower_mm.min(other.lower_mm).min(0.0),
             upper_mm: self.upper_mm.max(other.upper_mm).max(0.0),
             raw_upper_mm: self.raw_upper_mm.max(other.raw_upper_mm).max(0.0),
+            upper_with_undercut_mm: self.upper_with_undercut_mm.max(other.upper_with_undercut_mm),
             in_contact: self.in_contact.max(other.in_contact),
         }
     }
@@ -132,7 +144,7 @@ impl<'a> Knowledge<'a> {
 /// Why there is no finite bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
-pub enum Open {
+pub enum NoBound {
     /// Pitches add up over the teeth in contact, and how many those are is not known.
     #[error("errors of many pitches add up over the teeth in contact: the pair's geometry is missing")]
     TeethInContactUnknown,
@@ -145,6 +157,9 @@ pub enum Open {
     /// Errors as large leave nothing of the pair's flanks.
     #[error("errors as large as these leave no flanks that mesh")]
     NoFlanks,
+    /// Edges alone carry, of which no bound is known.
+    #[error("the flanks of this pair touch nowhere but at their edges: check the addendum and the tip diameter")]
+    EdgesOnly,
 }
 
 /// What a bound rests on, and what would narrow it.

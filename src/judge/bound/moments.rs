@@ -1,8 +1,8 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
-use super::error::{Effect, PitchEffect};
+use super::error::{ErrorEffect, PitchEffect};
 use super::single::range_of;
-use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, Open};
+use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, NoBound};
 use crate::deviation::Part;
 
 /// Mean and standard deviation of ΔCD, mm.
@@ -34,8 +34,12 @@ impl Moments {
 /// geometry is not known.
 ///
 /// # Errors
-/// [`Open`] if it follows from a range that there is not.
-pub fn moments(error: &ExtendedError, range: Result<ErrorRange, Open>, knowledge: &Knowledge) -> Result<Moments, Open> {
+/// [`NoBound`] if it follows from a range that there is not.
+pub fn moments(
+    error: &ExtendedError,
+    range: Result<ErrorRange, NoBound>,
+    knowledge: &Knowledge,
+) -> Result<Moments, NoBound> {
     if let Some([one, other]) = error.signs() {
         let of = |error: &ExtendedError| moments(error, range_of(error, knowledge), knowledge);
         return Ok(of(&one)?.or(of(&other)?));
@@ -43,22 +47,22 @@ pub fn moments(error: &ExtendedError, range: Result<ErrorRange, Open>, knowledge
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
     let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
     Ok(match (error.effect, error.extent) {
-        (Effect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
-        (Effect::Size { value, .. }, _) => fixed(value),
-        (Effect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range?.upper_mm / 3.0 },
-        (Effect::Pitch(PitchEffect { value, gain, .. }), Extent::Each) => folded(gain * value.abs()),
-        (Effect::Pitch(PitchEffect { part, value, gain, .. }), Extent::One) => {
+        (ErrorEffect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
+        (ErrorEffect::Size { value, .. }, _) => fixed(value),
+        (ErrorEffect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range?.upper_mm / 3.0 },
+        (ErrorEffect::Pitch(PitchEffect { value, gain, .. }), Extent::Each) => folded(gain * value.abs()),
+        (ErrorEffect::Pitch(PitchEffect { part, value, gain, .. }), Extent::One) => {
             let share = share_of_stroke(part, value, knowledge);
             let step = gain * value.abs();
             Moments { mean_mm: step * share, deviation_mm: step * (share * (1.0 - share)).sqrt() }
         }
         // between the least and the most of what adds up
-        (Effect::Pitch(_), _) => {
+        (ErrorEffect::Pitch(_), _) => {
             let ErrorRange { lower_mm, upper_mm, .. } = range?;
             fixed(0.5 * (lower_mm + upper_mm))
         }
-        (Effect::RackLead { .. } | Effect::PinionLead { .. }, Extent::Each) => folded(range?.upper_mm),
-        (Effect::RackLead { .. } | Effect::PinionLead { .. }, _) => fixed(range?.upper_mm),
+        (ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. }, Extent::Each) => folded(range?.upper_mm),
+        (ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. }, _) => fixed(range?.upper_mm),
     })
 }
 

@@ -1,6 +1,6 @@
 //! What steps between teeth do: how many of them act at once. Read by the bound; knows no other error.
 
-use super::counts::{Counts, Way};
+use super::counts::{Counts, StepDirection};
 use super::known::KnownPair;
 use super::{ErrorRange, Extent};
 use crate::deviation::Part;
@@ -12,8 +12,11 @@ const SLACK: f64 = 1e-9;
 pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known: &KnownPair) -> ErrorRange {
     let range = match (part, extent) {
         (Part::Rack, Extent::One | Extent::Part | Extent::All) => {
-            let (way, other) =
-                if grows { (Way::RackGrows, Way::RackShrinks) } else { (Way::RackShrinks, Way::RackGrows) };
+            let (way, other) = if grows {
+                (StepDirection::RackGrows, StepDirection::RackShrinks)
+            } else {
+                (StepDirection::RackShrinks, StepDirection::RackGrows)
+            };
             let counts = known.counts(way);
             let raw_lower_mm = -known.counts(other).least_raw(step);
             let on_lines = (counts.on_lines - 1.0) * step;
@@ -23,16 +26,16 @@ pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known:
                 lower_mm,
                 upper_mm: counts.most(step),
                 raw_upper_mm: counts.most_raw(step),
-                in_contact: None,
+                ..ErrorRange::either_way(0.0)
             }
         }
         (Part::Rack, _) => {
             let keeps = known.carries_lines() && known.line.has_both_flanks_of_a_rack_tooth();
-            either_sign(known, [Way::RackGrows, Way::RackShrinks], step, keeps)
+            either_sign(known, [StepDirection::RackGrows, StepDirection::RackShrinks], step, keeps)
         }
         (Part::Pinion, _) => {
             let keeps = known.carries_lines() && known.line.has_both_flanks_of_a_pinion_tooth();
-            either_sign(known, [Way::PinionGrows, Way::PinionShrinks], step, keeps)
+            either_sign(known, [StepDirection::PinionGrows, StepDirection::PinionShrinks], step, keeps)
         }
     };
     limited(range, extent, step)
@@ -44,7 +47,7 @@ pub(super) fn one_of_any_pair(step: f64, both_flanks: bool) -> ErrorRange {
     ErrorRange { lower_mm, ..ErrorRange::either_way(step) }
 }
 
-fn either_sign(known: &KnownPair, ways: [Way; 2], step: f64, keeps: bool) -> ErrorRange {
+fn either_sign(known: &KnownPair, ways: [StepDirection; 2], step: f64, keeps: bool) -> ErrorRange {
     let largest =
         |of: fn(&Counts, f64) -> f64| ways.map(|way| of(known.counts(way), step)).into_iter().fold(0.0, f64::max);
     let raw = largest(Counts::least_raw);
@@ -53,7 +56,7 @@ fn either_sign(known: &KnownPair, ways: [Way; 2], step: f64, keeps: bool) -> Err
         lower_mm: if keeps { 0.0 } else { -raw },
         upper_mm: largest(Counts::most),
         raw_upper_mm: largest(Counts::most_raw),
-        in_contact: None,
+        ..ErrorRange::either_way(0.0)
     }
 }
 
@@ -71,7 +74,7 @@ fn limited(range: ErrorRange, extent: Extent, step: f64) -> ErrorRange {
         lower_mm: low(range.lower_mm),
         upper_mm: high(range.upper_mm),
         raw_upper_mm: high(range.raw_upper_mm),
-        in_contact: None,
+        ..range
     }
     .counted(step)
 }

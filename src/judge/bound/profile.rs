@@ -22,6 +22,8 @@ pub(in crate::judge) struct Profile {
     tip_roll: f64,
     /// Rack addendum less centre distance, mm.
     tip_plane: f64,
+    /// What is asked for at the tip plane counts so many times.
+    tip_counts: f64,
 }
 
 /// Roll angles are searched this far beyond a flank's ends, rad: at more its neighbours carry.
@@ -39,7 +41,14 @@ impl Profile {
             start_roll: pinion.start_roll_rad,
             tip_roll: pinion.tip_roll_rad,
             tip_plane: pair.rack().addendum_mm + deeper_mm - center_distance_mm,
+            tip_counts: 1.0,
         }
+    }
+
+    /// Of one side of a pair whose other side touches along its lines at least. Both sides share what they ask for by their
+    /// flanks, and the tip plane is only asked for half as much: what it asks for counts twice.
+    pub(in crate::judge) fn beside_lines(self) -> Self {
+        Self { tip_counts: 2.0, ..self }
     }
 
     fn by_flank(&self, roll: f64, delta: f64) -> f64 {
@@ -49,7 +58,7 @@ impl Profile {
 
     fn by_tip(&self, roll: f64, delta: f64) -> f64 {
         let (sin, cos) = trig::sin_cos(self.alpha_t + delta);
-        self.tip_plane + self.base_radius * (cos + roll * sin)
+        self.tip_counts * (self.tip_plane + self.base_radius * (cos + roll * sin))
     }
 
     /// ν: what the flank pair asks for beyond its contact line at the roll angle t. Past the generator nearest to the
@@ -86,9 +95,22 @@ impl Profile {
     /// The largest ν: above 0 where the rack reaches below the base circle. It is that of the involute's start, where the
     /// flank and the tip plane ask for the same: a higher point of the involute loses more by A than it gains by B.
     pub(in crate::judge) fn largest_excess(&self) -> f64 {
+        self.highest_line().map_or(0.0, |roll| self.by_flank(self.start_roll, self.start_roll - roll).max(0.0))
+    }
+
+    /// The roll angle of the contact line beyond which a flank pair asks for most; `None` where none asks for more.
+    fn highest_line(&self) -> Option<f64> {
         let flank = |delta: f64| self.by_flank(self.start_roll, delta).max(0.0);
         let reaches = |delta: f64| self.by_tip(self.start_roll, delta) >= flank(delta);
-        if reaches(0.0) { flank(last_within(FAR, reaches)) } else { 0.0 }
+        reaches(0.0).then(|| self.start_roll - last_within(FAR, reaches))
+    }
+
+    /// The largest ν of contact lines between two roll angles: it falls on either side of its peak.
+    pub(in crate::judge) fn most_beyond(&self, rolls: Rolls) -> f64 {
+        match self.highest_line() {
+            Some(peak) if rolls.low <= peak && peak <= rolls.high => self.largest_excess(),
+            _ => self.beyond_line(rolls.low).max(self.beyond_line(rolls.high)),
+        }
     }
 
     /// The roll angles of contact lines at which a flank pair still carries that stands out by `error` mm more than its

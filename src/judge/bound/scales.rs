@@ -1,16 +1,17 @@
 //! The bound of errors that are shares of given ones, for many shares: a table of each error's range. Read by
 //! simulations; computes no range of its own.
 
+use super::known::Own;
 use super::single::range_of;
 use super::sum::Sum;
-use super::{Basis, ErrorRange, ExtendedError, Geometry, Knowledge, Open, Range};
+use super::{Basis, ErrorRange, ExtendedError, Geometry, Knowledge, NoBound, Range};
 use crate::deviation::Part;
 use crate::formula::PartDeviation;
 
 /// Ranges of errors at shares −1 … +1 of their values.
 #[derive(Debug, Clone)]
 pub struct Scales {
-    own: Range,
+    own: Own,
     errors: Vec<Scale>,
 }
 
@@ -28,14 +29,14 @@ impl Basis {
     /// The ranges of these errors, each at every share of its value.
     ///
     /// # Errors
-    /// [`Open`] if there is no bound.
-    pub fn scales(&self, errors: &[PartDeviation]) -> Result<Scales, Open> {
+    /// [`NoBound`] if there is no bound.
+    pub fn scales(&self, errors: &[PartDeviation]) -> Result<Scales, NoBound> {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
-        let extended = extended.map_err(|_| Open::TooLarge)?;
+        let extended = extended.map_err(|_| NoBound::TooLarge)?;
         let knowledge = self.knowledge(&extended)?;
         let own = match knowledge.geometry {
-            Geometry::Known(known) => known.own_mm(),
-            Geometry::Unknown | Geometry::BothFlanks => Range { lower: 0.0, upper: 0.0 },
+            Geometry::Known(known) => known.own,
+            Geometry::Unknown | Geometry::BothFlanks => Own::default(),
         };
         let errors = extended.iter().map(|error| Scale::new(error, &knowledge)).collect::<Result<_, _>>()?;
         Ok(Scales { own, errors })
@@ -43,7 +44,7 @@ impl Basis {
 }
 
 impl Scale {
-    fn new(error: &ExtendedError, knowledge: &Knowledge) -> Result<Self, Open> {
+    fn new(error: &ExtendedError, knowledge: &Knowledge) -> Result<Self, NoBound> {
         let at = |index: usize| range_of(&error.scaled(index as f64 / (INTERVALS / 2) as f64 - 1.0), knowledge);
         Ok(Self { part: error.part(), ranges: (0..=INTERVALS).map(at).collect::<Result<_, _>>()? })
     }
@@ -59,6 +60,7 @@ impl Scale {
             lower_mm: between(a.lower_mm, b.lower_mm),
             upper_mm: between(a.upper_mm, b.upper_mm),
             raw_upper_mm: between(a.raw_upper_mm, b.raw_upper_mm),
+            upper_with_undercut_mm: a.upper_with_undercut_mm.max(b.upper_with_undercut_mm),
             in_contact: None,
         }
     }

@@ -1,10 +1,11 @@
 //! What one error can do alone. Reads what steps and leads do from the rooms beside it; adds nothing up.
 
-use super::error::{Effect, PitchEffect, RackLines};
-use super::known::flanks_apart;
-use super::lead::Leads;
+use super::error::{ErrorEffect, PitchEffect, RackLines};
+use super::known::{KnownPair, flanks_apart};
+use super::lead::{Leads, undercut};
 use super::pitch;
-use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, Open};
+use super::undercut::UndercutTable;
+use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, NoBound};
 use crate::deviation::Part;
 use crate::mesh::LARGEST_ROLL_RAD;
 use crate::trig;
@@ -15,14 +16,14 @@ const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 
 /// What one error can do alone.
-pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     if let Some([one, other]) = error.signs() {
         return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
     }
     let range = match error.effect {
-        Effect::Size { part, value } => size(part, value, error.extent, knowledge),
-        Effect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
-        Effect::RackLead { .. } | Effect::PinionLead { .. } => {
+        ErrorEffect::Size { part, value } => size(part, value, error.extent, knowledge),
+        ErrorEffect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
+        ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. } => {
             of_leads(&Leads::none(error.part()).with(error), knowledge)
         }
     };
@@ -36,7 +37,12 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
         (Extent::All, _) => ErrorRange::signed(value),
         (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
         (Extent::One, Some(known)) if value > 0.0 => {
-            ErrorRange { upper_mm: (value - known.space_stands_back(part)).max(0.5 * value), ..sometimes }
+            let with_undercut = undercut(known).map(|table| table.with_one_space(part, value));
+            ErrorRange {
+                upper_mm: (value - known.space_stands_back(part)).max(0.5 * value),
+                upper_with_undercut_mm: with_undercut.unwrap_or(f64::INFINITY),
+                ..sometimes
+            }
         }
         (Extent::One, Some(known)) if known.carries_lines() => {
             let path = &known.line;
@@ -53,7 +59,7 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
     }
 }
 
-fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, Open> {
+fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     let PitchEffect { part, value, gain, cap } = *pitch;
     let known = knowledge.pair();
     let teeth = known.map(|known| known.given.pair.pinion().teeth);
@@ -70,14 +76,30 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
             pitch::one_of_any_pair(step, knowledge.geometry == Geometry::BothFlanks && !knowledge.rolls)
         }
         (_, None) if cap.is_some() => ErrorRange::either_way(limit),
-        (_, None) => return Err(Open::TeethInContactUnknown),
+        (_, None) => return Err(NoBound::TeethInContactUnknown),
     };
     Ok(ErrorRange {
         raw_lower_mm: range.raw_lower_mm.max(-limit),
         lower_mm: range.lower_mm.max(-limit),
         upper_mm: range.upper_mm.min(limit),
         raw_upper_mm: range.raw_upper_mm.min(limit),
+        upper_with_undercut_mm: known.map_or(f64::INFINITY, |known| with_undercut(pitch, extent, limit, known)),
         ..range
+    })
+}
+
+/// What steps lift together with undercut, up to a limit of the steps.
+fn with_undercut(pitch: &PitchEffect, extent: Extent, limit: f64, known: &KnownPair) -> f64 {
+    let Some(table) = undercut(known).filter(|_| extent != Extent::Total) else { return f64::INFINITY };
+    let PitchEffect { part, value, gain, .. } = *pitch;
+    table.with_steps(part, |steps| {
+        let acting = match part {
+            Part::Rack => UndercutTable::acting(extent, steps * value.signum()),
+            // a step one way is taken back elsewhere on the turn
+            Part::Pinion if extent == Extent::One => steps.abs().min(1.0),
+            Part::Pinion => steps.abs(),
+        };
+        (acting * gain * value.abs()).min(limit)
     })
 }
 

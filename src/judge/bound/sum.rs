@@ -1,39 +1,41 @@
 //! The bound of each error and of their sum. Reads what the errors do from the rooms beside it; solves no mesh.
 
-use super::error::{Effect, PitchEffect};
+use super::error::{ErrorEffect, PitchEffect};
 use super::field::thickness_offset;
+use super::known::Own;
 use super::lead::Leads;
 use super::moments::{Moments, moments};
 use super::single::{assumed_height, of_leads, range_of, supported};
-use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, Note, Open, Range, Reach};
+use super::{
+    ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, NoBound, Note, Range, Reach,
+};
 use crate::deviation::Part;
 
 /// The bound of errors whose teeth are not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
     /// What each error can do alone, in the order given; the pair's own curve not counted.
-    pub errors: Vec<Result<ErrorRange, Open>>,
+    pub errors: Vec<Result<ErrorRange, NoBound>>,
     /// What all can do together, the pair's own curve counted.
-    pub total: Result<Range, Open>,
+    pub total: Result<Range, NoBound>,
     /// No bound: mean ± 3 standard deviations of ΔCD at one stroke, see [`moments`](super::moments()).
-    pub statistical: Result<Range, Open>,
+    pub statistical: Result<Range, NoBound>,
     /// What it rests on.
     pub notes: Vec<Note>,
 }
 
 /// [`Bound::total`] and [`Bound::statistical`] alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Together {
+pub struct CombinedBound {
     /// What all can do together, the pair's own curve counted.
-    pub total: Result<Range, Open>,
+    pub total: Result<Range, NoBound>,
     /// No bound: mean ± 3 standard deviations of ΔCD at one stroke.
-    pub statistical: Result<Range, Open>,
+    pub statistical: Result<Range, NoBound>,
 }
 
 /// Errors move points of contact over the known teeth, whose own leads and steps they then meet elsewhere: by this share
 /// of what both do together. Found by trials, not proven.
 const MOVED: f64 = 2e-3;
-const NOTHING: Range = Range { lower: 0.0, upper: 0.0 };
 /// A statistical sum reaches so many standard deviations to either side of its mean.
 const DEVIATIONS: f64 = 3.0;
 /// Pairs are prepared for so much more than errors need.
@@ -42,13 +44,13 @@ const SPARE_MM: f64 = 1e-6;
 /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
 #[must_use]
 pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
-    let Together { total, statistical } = together(errors, knowledge);
+    let CombinedBound { total, statistical } = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
     Bound { errors: each, total, statistical, notes: notes(errors, knowledge) }
 }
 
 /// What errors of both parts add up to, mm.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Sum {
     raw_lower: f64,
     raw_upper: f64,
@@ -58,8 +60,13 @@ pub(super) struct Sum {
     /// How much better the lower end of one error is than its raw one, at most, and how much lower its upper end.
     better: f64,
     spared: f64,
+    /// How much lower the upper end of one error is with what undercut lifts at the same stroke than its raw one without,
+    /// at most.
+    spared_with_undercut: f64,
     /// Of the pinion's errors, either way.
     of_pinion: f64,
+    /// The raw upper end of the pinion's errors, without signs: how far these shift flanks that lift.
+    pinion_lifts: f64,
 }
 
 /// Errors on the way to their sum: sizes and pitches one by one, leads one for each part.
@@ -71,11 +78,11 @@ struct Adding {
 }
 
 impl Adding {
-    fn add(&mut self, error: &ExtendedError, range: Result<ErrorRange, Open>) -> Result<(), Open> {
+    fn add(&mut self, error: &ExtendedError, range: Result<ErrorRange, NoBound>) -> Result<(), NoBound> {
         let (part, range) = (error.part(), range?);
         match error.effect {
-            Effect::Size { .. } | Effect::Pitch(_) => self.sum.add(part, range),
-            Effect::RackLead { .. } | Effect::PinionLead { .. } => {
+            ErrorEffect::Size { .. } | ErrorEffect::Pitch(_) => self.sum.add(part, range),
+            ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. } => {
                 let before = self.leads[part as usize].map_or_else(|| Leads::none(part), |(leads, _)| leads);
                 self.leads[part as usize] = Some((before.with(error), range));
             }
@@ -93,8 +100,25 @@ impl Adding {
     }
 }
 
+impl Default for Sum {
+    /// Of no errors.
+    fn default() -> Self {
+        Self {
+            raw_lower: 0.0,
+            raw_upper: 0.0,
+            sinks: 0.0,
+            lifts: 0.0,
+            better: 0.0,
+            spared: 0.0,
+            spared_with_undercut: f64::NEG_INFINITY,
+            of_pinion: 0.0,
+            pinion_lifts: 0.0,
+        }
+    }
+}
+
 impl Sum {
-    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, Open> {
+    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, NoBound> {
         let mut adding = Adding::default();
         for error in errors {
             adding.add(error, range_of(error, knowledge))?;
@@ -109,8 +133,10 @@ impl Sum {
         self.raw_upper += range.raw_upper_mm;
         self.better = self.better.max(range.lower_mm - range.raw_lower_mm);
         self.spared = self.spared.max(range.raw_upper_mm - range.upper_mm);
+        self.spared_with_undercut = self.spared_with_undercut.max(range.raw_upper_mm - range.upper_with_undercut_mm);
         if part == Part::Pinion {
             self.of_pinion += range.raw_upper_mm.max(-range.raw_lower_mm);
+            self.pinion_lifts += range.raw_upper_mm.abs();
         }
     }
 
@@ -123,33 +149,42 @@ impl Sum {
     /// no less there, but for no more either, because its tip plane stays. So what lifts raises no lower end, what
     /// lowers no upper one. Every end is raw, and what undercut and gaps do counts once more: errors may shift them
     /// against what the known teeth do.
-    fn beside(&self, teeth: KnownTeeth, own: Range, knowledge: &Knowledge) -> Range {
+    fn beside(&self, teeth: KnownTeeth, own: Own, knowledge: &Knowledge) -> Range {
         let offset = knowledge.pair().map_or(0.0, |known| thickness_offset(&known.given.pair));
         let moved = MOVED * self.reach().with(Some(teeth)).largest();
         Range {
-            lower: teeth.range.lower + self.sinks + (own.lower - offset).min(0.0) - moved,
-            upper: teeth.range.upper + self.lifts + (own.upper - offset).max(0.0) + moved,
+            lower: teeth.range.lower + self.sinks + (own.range.lower - offset).min(0.0) - moved,
+            upper: teeth.range.upper + self.lifts + (own.upper_of_sunk_flanks - offset).max(0.0) + moved,
         }
     }
 
-    /// Of the lower ends one is taken, all others are raw; likewise of the upper ends.
-    pub(super) fn with_own(&self, own: Range) -> Range {
-        Range { lower: own.lower + self.raw_lower + self.better, upper: own.upper + self.raw_upper - self.spared }
+    /// Of the lower ends one is taken, all others are raw; likewise of the upper ends. Flanks that sink ask for no more
+    /// than without errors, and for less only if the rack's tips, which stay, do not carry in their place.
+    pub(super) fn with_own(&self, own: Own) -> Range {
+        let lifted = self.raw_upper - self.spared;
+        let own_upper = if self.pinion_lifts == 0.0 { own.unshifted_upper } else { own.range.upper };
+        let at_one_stroke = own.of_lines + self.raw_upper - self.spared_with_undercut;
+        Range {
+            lower: own.range.lower + self.raw_lower + self.better,
+            upper: (own_upper + lifted.max(0.0))
+                .min(own.upper_of_sunk_flanks + lifted)
+                .min(own_upper.max(at_one_stroke)),
+        }
     }
 }
 
 /// The pair's own range, if these errors are within what the pair is known for.
-fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Range, Open> {
+fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
     match knowledge.pair() {
-        Some(known) if !known.reach.holds(&sum.reach().with(knowledge.known_teeth)) => Err(Open::BeyondReach),
+        Some(known) if !known.reach.holds(&sum.reach().with(knowledge.known_teeth)) => Err(NoBound::BeyondReach),
         Some(known) => Ok(known.own),
-        None => Ok(NOTHING),
+        None => Ok(Own::default()),
     }
 }
 
 /// What errors do together; what each does alone is computed once.
-pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Together {
-    let (mut adding, mut scatter) = (Adding::default(), Scatter::default());
+pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> CombinedBound {
+    let (mut adding, mut scatter) = (Adding::default(), StatisticalSum::default());
     let (mut summed, mut scattered) = (Ok(()), Ok(()));
     for error in errors {
         let range = range_of(error, knowledge);
@@ -165,22 +200,22 @@ pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Toget
     };
     let of_pair = match (knowledge.known_teeth, knowledge.geometry) {
         (Some(teeth), _) => Ok(teeth.range),
-        (None, Geometry::Known(_)) => own,
-        (None, Geometry::Unknown | Geometry::BothFlanks) => Ok(NOTHING),
+        (None, Geometry::Known(_)) => own.map(|own| own.range),
+        (None, Geometry::Unknown | Geometry::BothFlanks) => Ok(Range::default()),
     };
     let statistical = scattered.and_then(|()| Ok(scatter.around(of_pair?, total)));
-    Together { total, statistical }
+    CombinedBound { total, statistical }
 }
 
 /// Means and variances of errors, which are independent.
 #[derive(Default)]
-struct Scatter {
+struct StatisticalSum {
     mean: f64,
     variance: f64,
 }
 
-impl Scatter {
-    fn add(&mut self, moments: Result<Moments, Open>) -> Result<(), Open> {
+impl StatisticalSum {
+    fn add(&mut self, moments: Result<Moments, NoBound>) -> Result<(), NoBound> {
         let Moments { mean_mm, deviation_mm } = moments?;
         self.mean += mean_mm;
         self.variance += deviation_mm * deviation_mm;
@@ -188,7 +223,7 @@ impl Scatter {
     }
 
     /// Where ΔCD lies at one stroke for all but a few parts, around the pair's own range.
-    fn around(&self, own: Range, total: Result<Range, Open>) -> Range {
+    fn around(&self, own: Range, total: Result<Range, NoBound>) -> Range {
         let spread = DEVIATIONS * self.variance.sqrt();
         let range = Range { lower: own.lower + self.mean - spread, upper: own.upper + self.mean + spread };
         // nothing goes beyond the worst case
@@ -216,16 +251,18 @@ impl KnownPair {
 /// How far errors move ΔCD at least, whatever the pair, mm: no need to ask what is known of a pair for smaller ones.
 pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
     let least = |error: &ExtendedError| match error.effect {
-        Effect::Size { value, .. } => value.abs(),
-        Effect::Pitch(PitchEffect { value, gain, .. }) | Effect::PinionLead { value, gain } => gain * value.abs(),
-        Effect::RackLead { .. } => Leads::none(Part::Rack).with(error).of_any_pair(0.0).upper_mm,
+        ErrorEffect::Size { value, .. } => value.abs(),
+        ErrorEffect::Pitch(PitchEffect { value, gain, .. }) | ErrorEffect::PinionLead { value, gain } => {
+            gain * value.abs()
+        }
+        ErrorEffect::RackLead { .. } => Leads::none(Part::Rack).with(error).of_any_pair(0.0).upper_mm,
     };
     errors.iter().map(least).sum()
 }
 
 impl Bound {
     /// Of errors that have none.
-    pub(super) fn open(errors: usize, open: Open) -> Self {
+    pub(super) fn open(errors: usize, open: NoBound) -> Self {
         Self { errors: vec![Err(open); errors], total: Err(open), statistical: Err(open), notes: Vec::new() }
     }
 }
@@ -233,7 +270,8 @@ impl Bound {
 fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     let mut notes = Vec::new();
     let whole_teeth = |error: &ExtendedError| {
-        matches!(error.effect, Effect::Pitch(_)) && matches!(error.extent, Extent::Each | Extent::All | Extent::Part)
+        matches!(error.effect, ErrorEffect::Pitch(_))
+            && matches!(error.extent, Extent::Each | Extent::All | Extent::Part)
     };
     if errors.iter().any(whole_teeth) {
         notes.push(Note::WholeTeeth);
@@ -245,12 +283,12 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     if !errors.is_empty() {
         notes.push(Note::GeometryNarrows);
     }
-    let is_step = |error: &ExtendedError| matches!(error.effect, Effect::Pitch(_)) && error.extent == Extent::One;
+    let is_step = |error: &ExtendedError| matches!(error.effect, ErrorEffect::Pitch(_)) && error.extent == Extent::One;
     if knowledge.geometry == Geometry::Unknown && !knowledge.rolls && errors.iter().any(is_step) {
         notes.push(Note::BothFlanksNarrows);
     }
     notes.extend(errors.iter().find_map(|error| match &error.effect {
-        Effect::RackLead { rack, .. } => Some(Note::AssumedHeight(assumed_height(rack, knowledge))),
+        ErrorEffect::RackLead { rack, .. } => Some(Note::AssumedHeight(assumed_height(rack, knowledge))),
         _ => None,
     }));
     notes

@@ -20,10 +20,11 @@ pub use placed::ReachedError;
 pub use seat::Run;
 
 use super::bound::{ExtendedError, GivenPair};
+use super::strokes::CurveExtreme;
 use crate::deviation::{PinionFlanks, RackFlanks};
 use crate::mesh::{Mesh, MeshPoint, Support};
 use placed::{Flanks, Placed};
-use search::{Candidate, Search, Which};
+use search::{Candidate, RangeEnd, Search};
 use sketch::{Sketch, is_solved, stroke};
 
 /// How far some errors push ΔCD when they sit at the worst places found.
@@ -63,13 +64,6 @@ const TOLERANCE_MM: f64 = 1e-5;
 const WIDE: f64 = 0.5;
 const FINE_MM: f64 = 1e-7;
 
-/// An extreme of the exact mesh.
-#[derive(Debug, Clone, Copy)]
-struct Extreme {
-    stroke_mm: f64,
-    delta_cd_mm: f64,
-}
-
 /// How far these errors push ΔCD of a pair, each on the worst teeth that its extent allows; `None` if the rack may roll.
 /// Solves up to 19 meshes over parts of a pitch.
 ///
@@ -82,8 +76,8 @@ pub fn reached(errors: &[ExtendedError], given: &GivenPair) -> Result<Option<Rea
     let sketch = Sketch::new(given, errors)?;
     let search = Search::new(given, errors, &sketch);
     let mut solver = Solver { given, errors, search: &search, meshes: 1 };
-    let lower = solver.end(Which::Lower)?;
-    let upper = solver.end(Which::Upper)?;
+    let lower = solver.end(RangeEnd::Lower)?;
+    let upper = solver.end(RangeEnd::Upper)?;
     Ok(Some(Reached {
         lower_mm: lower.delta_cd_mm,
         upper_mm: upper.delta_cd_mm,
@@ -109,9 +103,9 @@ struct End {
 
 impl Solver<'_> {
     /// The candidates are solved in the order of what is expected of them, until no other is expected to be better.
-    fn end(&mut self, which: Which) -> Result<End, ReachedError> {
+    fn end(&mut self, which: RangeEnd) -> Result<End, ReachedError> {
         let sign = which.sign();
-        let mut best: Option<(Candidate, Extreme)> = None;
+        let mut best: Option<(Candidate, CurveExtreme)> = None;
         let mut failure = ReachedError::Unsolved { stroke_mm: 0.0 };
         for candidate in self.search.candidates(which, PLACEMENTS) {
             let is_better =
@@ -148,20 +142,26 @@ impl Solver<'_> {
     fn solve(
         &mut self,
         candidate: &Candidate,
-        which: Which,
+        which: RangeEnd,
         pitches: f64,
         tolerance_mm: f64,
-    ) -> Result<Extreme, ReachedError> {
+    ) -> Result<CurveExtreme, ReachedError> {
         self.meshes += 1;
         let mesh = self.placed(candidate).mesh(self.given)?;
         extreme(&mesh, which, stroke(candidate.stroke), pitches, tolerance_mm)
     }
 }
 
-fn extreme(mesh: &Mesh, which: Which, stroke: f64, pitches: f64, tolerance_mm: f64) -> Result<Extreme, ReachedError> {
+fn extreme(
+    mesh: &Mesh,
+    which: RangeEnd,
+    stroke: f64,
+    pitches: f64,
+    tolerance_mm: f64,
+) -> Result<CurveExtreme, ReachedError> {
     let pitch = mesh.pair().rack().pitch_mm;
     let curve = mesh.curve(pitch * (stroke - pitches), pitch * (stroke + pitches), tolerance_mm)?;
-    let of = |point: &MeshPoint| Extreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
+    let of = |point: &MeshPoint| CurveExtreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
     let sign = which.sign();
     let extremes = curve.points.iter().filter(|point| is_solved(point)).map(of);
     let extreme = extremes.max_by(|a, b| (sign * a.delta_cd_mm).total_cmp(&(sign * b.delta_cd_mm)));

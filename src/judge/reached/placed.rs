@@ -63,7 +63,7 @@ pub(in crate::judge) struct Flanks {
 
 /// What a flank of a rack tooth asks for, with the pinion flank that it meets.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Asked {
+pub(super) struct FlankDemand {
     /// Of both sides, mm of ΔCD.
     pub(super) by_mm: f64,
     /// Turn of the rack's flank, rad.
@@ -72,7 +72,7 @@ pub(super) struct Asked {
     pub(super) pinion_slope_mm: f64,
 }
 
-impl Asked {
+impl FlankDemand {
     /// Whether a tooth line is turned.
     pub(super) const fn turns(&self) -> bool {
         self.rack_turn_rad != 0.0 || self.pinion_slope_mm != 0.0
@@ -181,10 +181,10 @@ impl Placed {
     }
 
     /// What the right flank of a rack tooth asks for. It meets the left flank of the pinion's tooth with the same number.
-    pub(super) fn asked_right(&self, tooth: i64) -> Asked {
+    pub(super) fn asked_right(&self, tooth: i64) -> FlankDemand {
         let rack = self.rack_or_nominal(tooth).right;
         let pinion = self.pinion_index(tooth);
-        Asked {
+        FlankDemand {
             by_mm: self.asked_by_x(rack.along_x_mm) + rack.along_z_mm
                 - self.asked_by_arc(self.pinion[pinion].left.arc_mm),
             rack_turn_rad: rack.lead_rad,
@@ -193,10 +193,10 @@ impl Placed {
     }
 
     /// What its left flank asks for, which meets the right flank of the pinion's tooth before.
-    pub(super) fn asked_left(&self, tooth: i64) -> Asked {
+    pub(super) fn asked_left(&self, tooth: i64) -> FlankDemand {
         let rack = self.rack_or_nominal(tooth).left;
         let pinion = self.pinion_index(tooth - 1);
-        Asked {
+        FlankDemand {
             by_mm: rack.along_z_mm - self.asked_by_x(rack.along_x_mm)
                 + self.asked_by_arc(self.pinion[pinion].right.arc_mm),
             rack_turn_rad: rack.lead_rad,

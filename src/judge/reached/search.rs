@@ -2,19 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use super::placed::{Asked, Placed};
+use super::placed::{FlankDemand, Placed};
 use super::seat::{self, Run, Seat, Window};
 use super::sketch::{STEPS, Sketch};
 use crate::judge::bound::{ExtendedError, GivenPair};
 
 /// Which end of the range is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Which {
+pub(super) enum RangeEnd {
     Lower,
     Upper,
 }
 
-impl Which {
+impl RangeEnd {
     /// What is looked for is the largest of this times ΔCD.
     pub(super) const fn sign(self) -> f64 {
         match self {
@@ -48,8 +48,8 @@ pub(super) struct Search<'a> {
 /// What right and left flanks of the rack teeth ask for.
 #[derive(Debug, Clone, PartialEq)]
 struct Flanks {
-    right: Vec<Asked>,
-    left: Vec<Asked>,
+    right: Vec<FlankDemand>,
+    left: Vec<FlankDemand>,
 }
 
 /// The flanks that can carry at a stroke.
@@ -61,7 +61,7 @@ struct Carrying {
 
 impl Flanks {
     fn none(count: usize) -> Self {
-        Self { right: vec![Asked::default(); count], left: vec![Asked::default(); count] }
+        Self { right: vec![FlankDemand::default(); count], left: vec![FlankDemand::default(); count] }
     }
 
     fn add(&mut self, other: &Self, times: f64) {
@@ -72,8 +72,9 @@ impl Flanks {
 
     /// What tells two of them apart at some flanks.
     fn key(&self, carrying: &Carrying) -> Vec<[u64; 3]> {
-        let bits =
-            |asked: &Asked| [asked.by_mm, asked.rack_turn_rad, asked.pinion_slope_mm].map(|v| (v + 0.0).to_bits());
+        let bits = |asked: &FlankDemand| {
+            [asked.by_mm, asked.rack_turn_rad, asked.pinion_slope_mm].map(|v| (v + 0.0).to_bits())
+        };
         let right = carrying.right.iter().map(|&index| bits(&self.right[index]));
         right.chain(carrying.left.iter().map(|&index| bits(&self.left[index]))).collect()
     }
@@ -116,13 +117,13 @@ impl<'a> Search<'a> {
     }
 
     /// So many different placements, the most promising one first.
-    pub(super) fn candidates(&self, which: Which, count: usize) -> Vec<Candidate> {
+    pub(super) fn candidates(&self, which: RangeEnd, count: usize) -> Vec<Candidate> {
         let mut candidates: Vec<Candidate> = (0..STEPS)
             .flat_map(|stroke| {
                 let carrying = self.carrying(stroke);
                 match which {
-                    Which::Upper => self.highest(&carrying),
-                    Which::Lower => self.lowest(&carrying).into_iter().collect(),
+                    RangeEnd::Upper => self.highest(&carrying),
+                    RangeEnd::Lower => self.lowest(&carrying).into_iter().collect(),
                 }
             })
             .collect();
@@ -135,7 +136,7 @@ impl<'a> Search<'a> {
     }
 
     fn carrying(&self, stroke: i64) -> Carrying {
-        let nothing = Asked::default();
+        let nothing = FlankDemand::default();
         let those = |carries: &dyn Fn(i64) -> bool| {
             self.teeth.iter().enumerate().filter(|&(_, &tooth)| carries(tooth)).map(|(index, _)| index).collect()
         };
@@ -147,11 +148,11 @@ impl<'a> Search<'a> {
     }
 
     /// What a right flank asks for.
-    fn right(&self, stroke: i64, index: usize, asked: &Asked) -> f64 {
+    fn right(&self, stroke: i64, index: usize, asked: &FlankDemand) -> f64 {
         self.sketch.right(stroke, self.teeth[index], asked).unwrap_or(f64::NEG_INFINITY)
     }
 
-    fn left(&self, stroke: i64, index: usize, asked: &Asked) -> f64 {
+    fn left(&self, stroke: i64, index: usize, asked: &FlankDemand) -> f64 {
         self.sketch.left(stroke, self.teeth[index], asked).unwrap_or(f64::NEG_INFINITY)
     }
 
@@ -160,7 +161,7 @@ impl<'a> Search<'a> {
         let pairs = carrying.right.iter().flat_map(|&right| carrying.left.iter().map(move |&left| (right, left)));
         let stroke = carrying.stroke;
         let one = |(right, left): (usize, usize)| {
-            let (mut of_right, mut of_left) = (Asked::default(), Asked::default());
+            let (mut of_right, mut of_left) = (FlankDemand::default(), FlankDemand::default());
             let mut choices = Vec::with_capacity(self.seats.len());
             for effects in &self.effects {
                 let turns = effects.iter().any(|effect| effect.right[right].turns() || effect.left[left].turns());
@@ -186,8 +187,8 @@ impl<'a> Search<'a> {
 
     /// ΔCD at a stroke under some effects together, mm.
     fn delta_cd(&self, carrying: &Carrying, effects: &[&Flanks]) -> f64 {
-        let sum = |of: &dyn Fn(&Flanks) -> Asked| {
-            let mut sum = Asked::default();
+        let sum = |of: &dyn Fn(&Flanks) -> FlankDemand| {
+            let mut sum = FlankDemand::default();
             for effect in effects {
                 sum.add(&of(effect), 1.0);
             }

@@ -8,7 +8,7 @@ use crate::deviation::Extent;
 use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::judge::bound::ExtendedError;
-use crate::judge::bound::error::{Effect, PitchEffect};
+use crate::judge::bound::error::{ErrorEffect, PitchEffect};
 use crate::mesh::FlankSide;
 
 /// A value on successive spaces, steps or teeth.
@@ -94,9 +94,9 @@ pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, window: Window) -> Ve
 
 /// The lead of either sign that takes back the leads which all teeth of the same part have.
 fn balance(errors: &[ExtendedError], error: &ExtendedError) -> Vec<f64> {
-    let lead = |effect: &Effect| match *effect {
-        Effect::RackLead { value, .. } | Effect::PinionLead { value, .. } => Some(value),
-        Effect::Size { .. } | Effect::Pitch(_) => None,
+    let lead = |effect: &ErrorEffect| match *effect {
+        ErrorEffect::RackLead { value, .. } | ErrorEffect::PinionLead { value, .. } => Some(value),
+        ErrorEffect::Size { .. } | ErrorEffect::Pitch(_) => None,
     };
     let Some(value) = lead(&error.effect) else { return Vec::new() };
     let of_all = errors.iter().filter(|one| one.part() == error.part() && one.extent() == Extent::All);
@@ -110,9 +110,9 @@ fn choices(error: &ExtendedError, leads: &[f64], places: &Places) -> Vec<Vec<Vec
         return vec![signs.iter().flat_map(|error| choices(error, leads, places)).flatten().collect()];
     }
     match error.effect {
-        Effect::Size { value, .. } => vec![places.of_teeth(value, error.extent())],
-        Effect::Pitch(pitch) => places.of_pitch(&pitch, error.extent()),
-        Effect::RackLead { value, .. } | Effect::PinionLead { value, .. } => {
+        ErrorEffect::Size { value, .. } => vec![places.of_teeth(value, error.extent())],
+        ErrorEffect::Pitch(pitch) => places.of_pitch(&pitch, error.extent()),
+        ErrorEffect::RackLead { value, .. } | ErrorEffect::PinionLead { value, .. } => {
             places.of_lead(value, error.extent(), leads)
         }
     }
@@ -294,14 +294,14 @@ fn limit(runs: &mut [Run], cap: f64) {
 pub(super) fn put(placed: &mut Placed, error: &ExtendedError, runs: &[Run]) {
     let part = error.part();
     match error.effect {
-        Effect::Size { .. } => {
+        ErrorEffect::Size { .. } => {
             for run in runs {
                 (run.first..=run.last).for_each(|space| placed.raise_space(part, space, run.value));
             }
         }
-        Effect::Pitch(_) if error.extent() == Extent::Total => put_total(placed, part, runs),
-        Effect::Pitch(_) => put_steps(placed, part, runs),
-        Effect::RackLead { .. } | Effect::PinionLead { .. } => {
+        ErrorEffect::Pitch(_) if error.extent() == Extent::Total => put_total(placed, part, runs),
+        ErrorEffect::Pitch(_) => put_steps(placed, part, runs),
+        ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. } => {
             for run in runs {
                 (run.first..=run.last).for_each(|tooth| placed.turn(part, tooth, run.by_side()));
             }

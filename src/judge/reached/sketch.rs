@@ -4,10 +4,10 @@
 //! With ν(p) for what the flank pair of tooth 0 asks for at the stroke p beyond its error, the flank pair of tooth i asks
 //! for its error + ν(s − i) at the stroke s, and ΔCD is half the sum of the most that right and left flanks ask for.
 
-use super::placed::{Asked, BySide, Placed, ReachedError};
+use super::placed::{BySide, FlankDemand, Placed, ReachedError};
 use crate::deviation::Part;
 use crate::gear::Pair;
-use crate::judge::bound::error::Effect;
+use crate::judge::bound::error::ErrorEffect;
 use crate::judge::bound::field::{ContactPath, Field};
 use crate::judge::bound::lead::Slopes;
 use crate::judge::bound::{ExtendedError, GivenPair, Range};
@@ -52,8 +52,9 @@ impl Sketch {
     pub(super) fn new(given: &GivenPair, errors: &[ExtendedError]) -> Result<Self, ReachedError> {
         let pair = given.pair;
         let path = ContactPath::nominal(&pair);
-        let turns =
-            errors.iter().any(|error| matches!(error.effect, Effect::RackLead { .. } | Effect::PinionLead { .. }));
+        let turns = errors
+            .iter()
+            .any(|error| matches!(error.effect, ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. }));
         let out_mm = (TIMES * size(errors)).max(LEAST_MM).min(MOST_MODULES * pair.normal_module_mm());
         let tan = trig::tan(pair.normal_pressure_angle_rad());
         let along_x = out_mm * tan / trig::cos(pair.rack().helix_angle_rad);
@@ -87,13 +88,13 @@ impl Sketch {
     }
 
     /// What a right flank asks for at a stroke, mm; `None` if it does not carry there.
-    pub(super) fn right(&self, stroke: i64, tooth: i64, asked: &Asked) -> Option<f64> {
+    pub(super) fn right(&self, stroke: i64, tooth: i64, asked: &FlankDemand) -> Option<f64> {
         let place = stroke - STEPS * tooth;
         Some(self.sample(place)?.right? + asked.by_mm + self.turned(place, asked))
     }
 
     /// What a left flank asks for: it is a right one turned half about the vertical.
-    pub(super) fn left(&self, stroke: i64, tooth: i64, asked: &Asked) -> Option<f64> {
+    pub(super) fn left(&self, stroke: i64, tooth: i64, asked: &FlankDemand) -> Option<f64> {
         let place = stroke - STEPS * tooth;
         Some(self.sample(place)?.left? + asked.by_mm + self.turned(-place, asked))
     }
@@ -103,7 +104,7 @@ impl Sketch {
     }
 
     /// The most that a turned right flank asks for, mm.
-    fn turned(&self, place: i64, asked: &Asked) -> f64 {
+    fn turned(&self, place: i64, asked: &FlankDemand) -> f64 {
         if !asked.turns() {
             return 0.0;
         }
@@ -138,10 +139,10 @@ fn carrier(point: &MeshPoint, side: FlankSide) -> i64 {
 /// What the errors raise if each acts once, mm.
 fn size(errors: &[ExtendedError]) -> f64 {
     let of_one = |error: &ExtendedError| match error.effect {
-        Effect::Size { value, .. } => value.abs(),
-        Effect::PinionLead { value, gain } => (gain * value).abs(),
-        Effect::Pitch(pitch) => 2.0 * pitch.gain * pitch.value.abs(),
-        Effect::RackLead { value, rack } => 0.5 * rack.face_width * value.abs() / rack.tan_alpha,
+        ErrorEffect::Size { value, .. } => value.abs(),
+        ErrorEffect::PinionLead { value, gain } => (gain * value).abs(),
+        ErrorEffect::Pitch(pitch) => 2.0 * pitch.gain * pitch.value.abs(),
+        ErrorEffect::RackLead { value, rack } => 0.5 * rack.face_width * value.abs() / rack.tan_alpha,
     };
     errors.iter().map(of_one).sum()
 }

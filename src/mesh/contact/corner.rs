@@ -52,7 +52,7 @@ pub(super) const SETTLED: f64 = 1e-8;
 
 /// What ends the edge of constant roll angle at a place.
 #[derive(Clone, Copy, PartialEq)]
-enum Held {
+enum EdgeEnd {
     PinionEnd,
     RackEnd,
 }
@@ -154,19 +154,19 @@ impl FlankContact {
 
     /// The end of the flank with the largest roll angle and generator, or with the smallest ones; `None` if the faces
     /// miss each other there.
-    fn end(&self, pose: &Pose, hint: Option<Hint>, towards_tip: bool) -> Option<(Place, Held)> {
+    fn end(&self, pose: &Pose, hint: Option<Hint>, towards_tip: bool) -> Option<(Place, EdgeEnd)> {
         let (half_face, k) = (self.half_face, self.across.half_width);
         let roll = if towards_tip { self.tip_roll } else { self.start_roll };
         if self.kappa == 0.0 {
             // the edge lies on one generator
             let middle = self.place(pose, roll, 0.0);
             let (low, high) = self.widths_at(middle.y);
-            return (low <= high).then_some((Place { w: 0.5 * (low + high), ..middle }, Held::PinionEnd));
+            return (low <= high).then_some((Place { w: 0.5 * (low + high), ..middle }, EdgeEnd::PinionEnd));
         }
         let end = if towards_tip { -1.0_f64 } else { 1.0 } * 1.0_f64.copysign(self.kappa);
         let mut place = self.place(pose, roll, end * half_face);
         if end * place.y <= k {
-            return (end * place.y >= -k).then_some((place, Held::PinionEnd));
+            return (end * place.y >= -k).then_some((place, EdgeEnd::PinionEnd));
         }
         // along the edge to where the rack's face ends
         if let Some(hint) = hint {
@@ -181,7 +181,7 @@ impl FlankContact {
             let step = (end * k - place.y) / slope;
             place = self.place(pose, roll, place.w + step);
             if (self.kappa * step).abs() <= SETTLED {
-                return (place.w.abs() <= half_face).then_some((place, Held::RackEnd));
+                return (place.w.abs() <= half_face).then_some((place, EdgeEnd::RackEnd));
             }
         }
         None
@@ -195,7 +195,7 @@ impl FlankContact {
     }
 
     /// The touch at the flank's end, unless more than it could touch.
-    fn settled(&self, pose: &Pose, floor: f64, place: &Place, held: Held) -> Option<Touch> {
+    fn settled(&self, pose: &Pose, floor: f64, place: &Place, held: EdgeEnd) -> Option<Touch> {
         let Place { roll, w, generator: Turned { delta, sin_delta, versine, lag, sin, cos }, .. } = *place;
         let demand = self.unbounded(pose) + self.scale * (lag - roll * versine);
         let rest = self.rest(pose, delta < 0.0);
@@ -208,15 +208,15 @@ impl FlankContact {
         let swept = along + pose.offset_rate.0;
         let by_delta = versine - roll * sin_delta;
         let rate = match held {
-            Held::PinionEnd => by_delta,
-            Held::RackEnd => {
+            EdgeEnd::PinionEnd => by_delta,
+            EdgeEnd::RackEnd => {
                 let slope = self.across.w - self.kappa * self.across.t * along;
                 by_delta * (1.0 + self.kappa * self.across.t * swept / slope)
             }
         };
         let kind = match (held, self.kappa == 0.0, delta < 0.0) {
-            (Held::PinionEnd, true, true) => ContactKind::TipEdge,
-            (Held::PinionEnd, true, false) => ContactKind::RootEdge,
+            (EdgeEnd::PinionEnd, true, true) => ContactKind::TipEdge,
+            (EdgeEnd::PinionEnd, true, false) => ContactKind::RootEdge,
             _ => ContactKind::Corner,
         };
         Some(Touch {

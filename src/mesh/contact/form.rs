@@ -139,7 +139,7 @@ struct Rates {
 
 /// What holds the place of the largest demand on a generator.
 #[derive(Debug, Clone, Copy)]
-enum Held {
+enum PeakHeldBy {
     /// Nothing along it: the surfaces ask for the same all along.
     Level,
     Low,
@@ -153,7 +153,7 @@ enum Held {
 struct Peak {
     demand: f64,
     w: f64,
-    held: Held,
+    held: PeakHeldBy,
     surfaces: [Polynomial; 3],
     /// The one of them that asks for the least there, of two that cross the first.
     least: usize,
@@ -215,31 +215,31 @@ impl FlankContact {
         let mut best = if hi.w - lo.w <= SMALLEST * self.half_face {
             // at a vertex the bound that counts is the one towards which the demand rises
             if surfaces[least(middle)].slope_at(middle) > 0.0 {
-                (demand(hi.w), hi.w, Held::High)
+                (demand(hi.w), hi.w, PeakHeldBy::High)
             } else {
-                (demand(lo.w), lo.w, Held::Low)
+                (demand(lo.w), lo.w, PeakHeldBy::Low)
             }
         } else {
-            (at_middle, middle, if level { Held::Level } else { Held::Top })
+            (at_middle, middle, if level { PeakHeldBy::Level } else { PeakHeldBy::Top })
         };
-        let mut consider = |w: f64, held: Held| {
+        let mut consider = |w: f64, held: PeakHeldBy| {
             let value = demand(w);
             if w >= lo.w && w <= hi.w && value > best.0 + tie {
                 best = (value, w, held);
             }
         };
-        consider(lo.w, Held::Low);
-        consider(hi.w, Held::High);
+        consider(lo.w, PeakHeldBy::Low);
+        consider(hi.w, PeakHeldBy::High);
         for (index, surface) in surfaces.iter().enumerate() {
-            consider(-surface.b / (2.0 * surface.a), Held::Top);
+            consider(-surface.b / (2.0 * surface.a), PeakHeldBy::Top);
             for (before, crossed) in surfaces[..index].iter().enumerate() {
                 for w in (*crossed - *surface).roots() {
-                    consider(w, Held::Crossing(before, index));
+                    consider(w, PeakHeldBy::Crossing(before, index));
                 }
             }
         }
         let (demand, w, held) = best;
-        let least = if let Held::Crossing(first, _) = held { first } else { least(w) };
+        let least = if let PeakHeldBy::Crossing(first, _) = held { first } else { least(w) };
         Peak { demand, w, held, surfaces, least }
     }
 
@@ -249,10 +249,10 @@ impl FlankContact {
         let along = |index: usize| peak.surfaces[index].slope_at(peak.w);
         let [lo, hi] = ends;
         match peak.held {
-            Held::Level | Held::Top => rates[peak.least],
-            Held::Low => rates[peak.least] + along(peak.least) * lo,
-            Held::High => rates[peak.least] + along(peak.least) * hi,
-            Held::Crossing(i, j) => rates[i] + along(i) * (rates[i] - rates[j]) / (along(j) - along(i)),
+            PeakHeldBy::Level | PeakHeldBy::Top => rates[peak.least],
+            PeakHeldBy::Low => rates[peak.least] + along(peak.least) * lo,
+            PeakHeldBy::High => rates[peak.least] + along(peak.least) * hi,
+            PeakHeldBy::Crossing(i, j) => rates[i] + along(i) * (rates[i] - rates[j]) / (along(j) - along(i)),
         }
     }
 
@@ -268,11 +268,11 @@ impl FlankContact {
             rate: rate(&Rates { lines: lines.map(|line| line.p_rate), roll: -1.0 }, [lo.rate, hi.rate]),
             w,
             kind: match peak.held {
-                Held::Low => lo.kind,
-                Held::High => hi.kind,
-                Held::Crossing(_, other) if SURFACES[other] == Surface::Tip => ContactKind::RackEdge,
-                Held::Level => ContactKind::Line,
-                Held::Top | Held::Crossing(..) => ContactKind::Point,
+                PeakHeldBy::Low => lo.kind,
+                PeakHeldBy::High => hi.kind,
+                PeakHeldBy::Crossing(_, other) if SURFACES[other] == Surface::Tip => ContactKind::RackEdge,
+                PeakHeldBy::Level => ContactKind::Line,
+                PeakHeldBy::Top | PeakHeldBy::Crossing(..) => ContactKind::Point,
             },
             surface: SURFACES[peak.least],
         }

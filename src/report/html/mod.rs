@@ -3,6 +3,8 @@
 //! The command line fills a [`Page`] with the blocks of other reports and with charts; [`Page::html`] writes it.
 //! Colours follow the reader's light or dark setting, and print is always light. All text is escaped.
 
+use std::fmt;
+
 use sha2::{Digest as _, Sha256};
 
 use super::chart::{self, Chart};
@@ -64,6 +66,13 @@ pub struct Headline {
     pub verdict: Option<Verdict>,
     /// Of what, and why.
     pub sentence: String,
+}
+
+impl fmt::Display for Headline {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = self.verdict.map_or_else(|| "No verdict".to_owned(), |verdict| verdict.name().to_uppercase());
+        write!(f, "{word}: {}", self.sentence)
+    }
 }
 
 /// A page.

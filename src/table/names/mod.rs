@@ -11,7 +11,7 @@ mod unit;
 mod vocabulary;
 mod words;
 
-pub(crate) use near::{is_context, near};
+pub(crate) use near::{is_context, is_gear_size, near};
 pub(crate) use role::{is_evaluation_length, is_statistic, role};
 pub(crate) use unit::split_unit;
 
@@ -93,16 +93,29 @@ impl Field {
     pub const fn is_angle(self) -> bool {
         matches!(self, Self::Lead | Self::Error(DeviationKind::RackLead))
     }
+
+    /// The error that it is, in a table with a row per part.
+    pub(crate) const fn kind(self) -> Option<DeviationKind> {
+        match self {
+            Self::Error(kind) => Some(kind),
+            Self::OverPin => Some(DeviationKind::RackOverRoller),
+            Self::Lead => Some(DeviationKind::RackLead),
+            Self::Radial => Some(DeviationKind::PinionRadial),
+            Self::PartId | Self::Space | Self::Position | Self::Tooth | Self::LeftPitch | Self::RightPitch => None,
+        }
+    }
 }
 
-impl std::str::FromStr for Field {
-    type Err = String;
+/// A name that is that of no field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("it is none of {}", Field::ALL.map(Field::key).join(", "))]
+pub struct UnknownField;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|field| field.key() == text).ok_or_else(|| {
-            let names: Vec<_> = Self::ALL.iter().map(|field| field.key()).collect();
-            format!("it is none of {}", names.join(", "))
-        })
+impl std::str::FromStr for Field {
+    type Err = UnknownField;
+
+    fn from_str(text: &str) -> Result<Self, UnknownField> {
+        Self::ALL.into_iter().find(|field| field.key() == text).ok_or(UnknownField)
     }
 }
 
@@ -175,9 +188,18 @@ fn bare(text: &str) -> &str {
     text.trim().trim_end_matches([':', '=', '.', '：', '…']).trim()
 }
 
+fn same(a: &str, b: &str) -> bool {
+    a.trim().to_lowercase() == b.trim().to_lowercase()
+}
+
+/// Whether a title is a name that the spec gives, with its unit or without.
+pub(crate) fn is_called(title: &str, own: &str) -> bool {
+    let name = split_unit(bare(title)).0;
+    same(own, title) || same(own, bare(title)) || same(own, &name) || same(&split_unit(own).0, &name)
+}
+
 /// The field of a name that the spec gives, with its unit or without.
 fn own_field(text: &str, name: &str, own: &[(String, Field)]) -> Option<Field> {
-    let same = |a: &str, b: &str| a.trim().to_lowercase() == b.trim().to_lowercase();
     let with = |matches: &dyn Fn(&str) -> bool| own.iter().find(|(own, _)| matches(own)).map(|(_, field)| *field);
     with(&|own| same(own, text))
         .or_else(|| with(&|own| same(own, name)))

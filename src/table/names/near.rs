@@ -35,8 +35,16 @@ pub(crate) fn is_context(text: &str) -> bool {
     known.iter().any(says_it) && known.iter().all(|word| says_it(word) || silent(word))
 }
 
+/// Whether a name is known to be a size of the gear, such as its module or the diameter of the roller.
+pub(crate) fn is_gear_size(text: &str) -> bool {
+    is_context(text)
+        && Words::of(&name_of(text))
+            .known()
+            .is_some_and(|known| known.iter().any(|word| word.senses.contains(&Sense::Gear)))
+}
+
 const fn is_of_context(sense: Sense) -> bool {
-    matches!(sense, Sense::Context | Sense::Alone([Field::PartId]))
+    matches!(sense, Sense::Context | Sense::Gear | Sense::Alone([Field::PartId]))
 }
 
 fn name_of(text: &str) -> String {
@@ -46,7 +54,7 @@ fn name_of(text: &str) -> String {
 
 /// Whether it says nothing of what was measured.
 const fn is_silent(sense: Sense) -> bool {
-    !matches!(sense, Sense::Name(_) | Sense::Error(_) | Sense::Alone(_) | Sense::Near(_) | Sense::Context)
+    !matches!(sense, Sense::Name(_) | Sense::Error(_) | Sense::Alone(_) | Sense::Near(_) | Sense::Context | Sense::Gear)
 }
 
 /// What the words of a name can mean that are known; not the words that count only by themselves.
@@ -119,7 +127,7 @@ fn misspelt(words: &Words) -> Vec<Field> {
     let unknown: Vec<String> = words.tokens.iter().filter_map(|token| unknown_part(token)).collect();
     let of_context = |token: &String| {
         let known = Words::of_tokens(vec![token.clone()]).known().unwrap_or_default();
-        known.iter().any(|word| word.senses.contains(&Sense::Context))
+        known.iter().any(|word| word.senses.iter().any(|sense| matches!(sense, Sense::Context | Sense::Gear)))
     };
     let beside_context = words.tokens.iter().any(of_context);
     let mut nearest = usize::MAX;

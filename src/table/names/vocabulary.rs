@@ -73,6 +73,8 @@ pub(super) enum Sense {
     Filling,
     /// What no error is called.
     Context,
+    /// What a gear is, rather than what is wrong with it.
+    Gear,
     /// It looks like a known word and is none.
     Other,
     /// What a column of a table with a row per characteristic is called.
@@ -104,7 +106,14 @@ impl Sense {
     pub(super) const fn is_foreign(self) -> bool {
         matches!(
             self,
-            Self::Near(_) | Self::Least | Self::Context | Self::Other | Self::Role(_) | Self::Ordinal | Self::Number
+            Self::Near(_)
+                | Self::Least
+                | Self::Context
+                | Self::Gear
+                | Self::Other
+                | Self::Role(_)
+                | Self::Ordinal
+                | Self::Number
         )
     }
 }

@@ -47,7 +47,7 @@ impl Words {
     pub(super) fn known(&self) -> Option<Vec<&'static Entry>> {
         let end = self.letters.len();
         // from the end: the word that starts at each place on the shortest way to the end
-        let mut ways: Vec<Option<Way>> = vec![None; end + 1];
+        let mut ways: Vec<Option<Route>> = vec![None; end + 1];
         for start in (0..end).rev().filter(|start| self.letters.is_char_boundary(*start)) {
             ways[start] = self.best_way(start, &ways);
         }
@@ -61,13 +61,13 @@ impl Words {
         (!found.is_empty()).then_some(found)
     }
 
-    fn best_way(&self, start: usize, ways: &[Option<Way>]) -> Option<Way> {
-        let mut best: Option<Way> = None;
+    fn best_way(&self, start: usize, ways: &[Option<Route>]) -> Option<Route> {
+        let mut best: Option<Route> = None;
         let mut consider = |word: &'static Entry, next: usize| {
             let rest = if next == self.letters.len() { Some(0) } else { ways[next].map(|way| way.count) };
             let Some(rest) = rest else { return };
             if best.is_none_or(|best| (rest + 1, best.next) < (best.count, next)) {
-                best = Some(Way { word, next, count: rest + 1 });
+                best = Some(Route { word, next, count: rest + 1 });
             }
         };
         let rest = &self.letters[start..];
@@ -103,7 +103,7 @@ impl Words {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Way {
+struct Route {
     word: &'static Entry,
     next: usize,
     /// Words from here to the end.

@@ -1,7 +1,8 @@
 //! What the columns of a Parquet file hold. Found from its schema; reads no value.
 
-use ::parquet::basic::{ConvertedType, LogicalType, Type as Physical};
+use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use ::parquet::schema::types::{ColumnDescriptor, SchemaDescriptor, TypePtr};
+use half::f16;
 
 use crate::quantity::Decimal;
 use crate::table::cell::Content;
@@ -11,9 +12,19 @@ use crate::table::cell::Content;
 pub(crate) struct StoredColumn {
     /// Its name.
     pub(crate) name: String,
-    /// Where its values are; `None` of lists, maps and records, and of values of a type that is not read:
-    /// half-precision and very long numbers, bytes.
+    /// Where its values are; `None` if they are not read.
     pub(super) leaf: Option<Leaf>,
+    /// Why they are not read.
+    pub(crate) unread: Option<Unread>,
+}
+
+/// Why the values of a column are not read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Unread {
+    /// It is a list, a map or a record, or its values are neither numbers nor texts nor moments: what they are.
+    Type(String),
+    /// How it is packed.
+    Packing(String),
 }
 
 impl StoredColumn {
@@ -34,7 +45,7 @@ pub(super) struct Leaf {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Values {
     /// As they are stored.
-    Plain,
+    PlainNumbers,
     /// Integers without a sign.
     Unsigned,
     /// Integers, of which this many digits are decimals.
@@ -42,6 +53,10 @@ pub(super) enum Values {
         scale: i32,
     },
     Moment(Moment),
+    /// Numbers of half precision, in two bytes.
+    Halves,
+    /// Sixteen bytes that name something.
+    Uuids,
 }
 
 impl Values {
@@ -74,20 +89,76 @@ pub(super) enum Moment {
 impl Moment {
     /// As a message shows it.
     pub(super) fn shown(self, count: i64) -> String {
-        const DAY: i64 = 86_400;
-        let clock = |seconds: i64| {
-            let seconds = seconds.rem_euclid(DAY);
-            format!("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
-        };
         match self {
             Self::Date => shown_day(count),
-            Self::Time { per_second } => clock(count.div_euclid(per_second)),
+            Self::Time { per_second } => shown_clock(count, per_second),
             Self::Timestamp { per_second } => {
-                let seconds = count.div_euclid(per_second);
-                format!("{} {}", shown_day(seconds.div_euclid(DAY)), clock(seconds))
+                let day = count.div_euclid(per_second).div_euclid(DAY);
+                format!("{} {}", shown_day(day), shown_clock(count, per_second))
             }
         }
     }
+}
+
+/// Seconds of a day.
+const DAY: i64 = 86_400;
+
+/// The time of day, with a fraction of a second that is not zero.
+fn shown_clock(count: i64, per_second: i64) -> String {
+    let (seconds, fraction) = (count.div_euclid(per_second).rem_euclid(DAY), count.rem_euclid(per_second));
+    let clock = format!("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if fraction == 0 {
+        return clock;
+    }
+    let places = per_second.ilog10() as usize;
+    format!("{clock}.{}", format!("{fraction:0places$}").trim_end_matches('0'))
+}
+
+/// A timestamp of older files: nanoseconds of a day, and its number in the Julian calendar.
+pub(super) fn shown_int96([low, high, day]: [u32; 3]) -> String {
+    const EPOCH: i64 = 2_440_588;
+    const PER_SECOND: i64 = 1_000_000_000;
+    let nanoseconds = (i64::from(high & 0x7fff_ffff) << 32) | i64::from(low);
+    let days = i64::from(day) - EPOCH + nanoseconds / PER_SECOND / DAY;
+    format!("{} {}", shown_day(days), shown_clock(nanoseconds, PER_SECOND))
+}
+
+/// A number of half precision as its shortest decimal; `None` if it is not finite.
+pub(super) fn half(bytes: [u8; 2]) -> Option<Decimal> {
+    /// No number of 11 binary digits needs more decimals behind its first digit.
+    const PLACES: usize = 5;
+    let number = f16::from_le_bytes(bytes);
+    let magnitude = number.to_f64().abs();
+    let decimal = |places| format!("{magnitude:.places$e}");
+    let is_it = |text: &String| text.parse().is_ok_and(|decimal| f16::from_f64(decimal).to_f64() == magnitude);
+    let shortest = Decimal::parse(&(0..=PLACES).map(decimal).find(is_it)?).ok()?;
+    Some(Decimal { negative: number < f16::ZERO, ..shortest })
+}
+
+/// Bytes of a fixed length as the text that they are, or else in hexadecimal digits.
+pub(super) fn shown_bytes(bytes: &[u8]) -> String {
+    let text = std::str::from_utf8(bytes).map(|text| text.trim_end_matches('\0'));
+    match text.ok().filter(|text| !text.contains(char::is_control)) {
+        Some(text) => text.to_owned(),
+        None => hexadecimal(bytes, &[]),
+    }
+}
+
+/// 16 bytes as they are written as a name: 8-4-4-4-12 hexadecimal digits.
+pub(super) fn shown_uuid(bytes: &[u8]) -> String {
+    hexadecimal(bytes, &[4, 6, 8, 10])
+}
+
+/// Bytes in hexadecimal digits, with hyphens before some.
+fn hexadecimal(bytes: &[u8], hyphens: &[usize]) -> String {
+    let mut digits = String::with_capacity(2 * bytes.len() + hyphens.len());
+    for (place, byte) in bytes.iter().enumerate() {
+        if hyphens.contains(&place) {
+            digits.push('-');
+        }
+        digits.extend([byte >> 4, byte & 0xf].map(|digit| char::from_digit(digit.into(), 16).unwrap_or_default()));
+    }
+    digits
 }
 
 /// Year, month and day, of days since the beginning of 1970.
@@ -120,15 +191,30 @@ pub(super) fn columns(schema: &SchemaDescriptor) -> Vec<StoredColumn> {
         let first = (0..schema.num_columns()).find(|leaf| schema.get_column_root_idx(*leaf) == root);
         let index = first.filter(|index| field.is_primitive() && schema.column(*index).max_rep_level() == 0);
         let leaf = index.and_then(|index| Some(Leaf { index, values: values(&schema.column(index))? }));
-        StoredColumn { name: field.name().to_owned(), leaf }
+        let unread = leaf.is_none().then(|| Unread::Type(type_in_words(field)));
+        StoredColumn { name: field.name().to_owned(), leaf, unread }
     };
     schema.root_schema().get_fields().iter().enumerate().map(column).collect()
+}
+
+/// What a column is whose type is not read.
+fn type_in_words(field: &TypePtr) -> String {
+    let info = field.get_basic_info();
+    let is_repeated = info.has_repetition() && info.repetition() == Repetition::REPEATED;
+    match info.converted_type() {
+        ConvertedType::LIST => "a list".to_owned(),
+        ConvertedType::MAP | ConvertedType::MAP_KEY_VALUE => "a map".to_owned(),
+        _ if is_repeated => "a list".to_owned(),
+        _ if !field.is_primitive() => "a record".to_owned(),
+        ConvertedType::NONE => format!("of type {}", field.get_physical_type()),
+        converted => format!("of type {converted}"),
+    }
 }
 
 /// How the values of a column are meant; `None` if they are not read.
 fn values(column: &ColumnDescriptor) -> Option<Values> {
     match column.physical_type() {
-        Physical::DOUBLE | Physical::FLOAT | Physical::BOOLEAN | Physical::INT96 => Some(Values::Plain),
+        Physical::DOUBLE | Physical::FLOAT | Physical::BOOLEAN | Physical::INT96 => Some(Values::PlainNumbers),
         Physical::INT32 | Physical::INT64 => of_integers(column),
         Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => of_bytes(column),
     }
@@ -142,7 +228,7 @@ fn of_integers(column: &ColumnDescriptor) -> Option<Values> {
             Some(Values::Unsigned)
         }
         (ConvertedType::INT_8 | ConvertedType::INT_16 | ConvertedType::INT_32 | ConvertedType::INT_64, _)
-        | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => Some(Values::Plain),
+        | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => Some(Values::PlainNumbers),
         (ConvertedType::DATE, _) => moment(Moment::Date),
         (ConvertedType::TIME_MILLIS, _) => moment(Moment::Time { per_second: 1000 }),
         (ConvertedType::TIME_MICROS, _) => moment(Moment::Time { per_second: 1_000_000 }),
@@ -158,16 +244,12 @@ fn of_integers(column: &ColumnDescriptor) -> Option<Values> {
 }
 
 fn of_bytes(column: &ColumnDescriptor) -> Option<Values> {
-    /// Digits of a number that fits an `i128`.
-    const MOST_DIGITS: i32 = 38;
-    let has_any_length = column.physical_type() == Physical::BYTE_ARRAY;
     match (column.converted_type(), column.logical_type_ref()) {
-        (ConvertedType::DECIMAL, _) => {
-            let fits = column.type_precision() <= MOST_DIGITS;
-            fits.then_some(Values::Decimal { scale: column.type_scale() })
-        }
+        (ConvertedType::DECIMAL, _) => Some(Values::Decimal { scale: column.type_scale() }),
         (ConvertedType::UTF8 | ConvertedType::ENUM | ConvertedType::JSON, _)
-        | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => has_any_length.then_some(Values::Plain),
+        | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => Some(Values::PlainNumbers),
+        (_, Some(LogicalType::Float16)) => Some(Values::Halves),
+        (_, Some(LogicalType::Uuid)) => Some(Values::Uuids),
         _ => None,
     }
 }
@@ -189,9 +271,41 @@ mod tests {
         ] {
             assert_eq!(Moment::Date.shown(days), date);
         }
-        assert_eq!(Moment::Timestamp { per_second: 1000 }.shown(-1), "1969-12-31 23:59:59");
-        assert_eq!(Moment::Time { per_second: 1_000_000 }.shown(45_296_000_001), "12:34:56");
+        assert_eq!(Moment::Timestamp { per_second: 1000 }.shown(-1), "1969-12-31 23:59:59.999");
+        assert_eq!(Moment::Time { per_second: 1_000_000 }.shown(45_296_000_001), "12:34:56.000001");
+        assert_eq!(Moment::Timestamp { per_second: 1_000_000_000 }.shown(1_250_000_000), "1970-01-01 00:00:01.25");
+        assert_eq!(Moment::Timestamp { per_second: 1000 }.shown(2000), "1970-01-01 00:00:02");
+        assert_eq!(shown_int96([500_000_000, 0, 2_440_588]), "1970-01-01 00:00:00.5");
         assert!(!Moment::Timestamp { per_second: 1 }.shown(i64::MIN).is_empty());
         assert!(!Moment::Date.shown(i64::MAX).is_empty());
+    }
+
+    #[test]
+    fn halves_are_their_shortest_decimals() {
+        for (bits, text) in [
+            (0x3c00, "1"),
+            (0x2e66, "0.1"),
+            (0xae66, "-0.1"),
+            (0x4e40, "25"),
+            (0x7bff, "65500"),
+            (0x0001, "6e-8"),
+            (0x0400, "6.104e-5"),
+            (0x0000, "0"),
+            (0x8000, "0"),
+        ] {
+            let decimal = Decimal::parse(text).unwrap();
+            let number = half(u16::to_le_bytes(bits)).unwrap();
+            assert_eq!(Content::Number(number).to_string(), Content::Number(decimal).to_string(), "{bits:x}");
+        }
+        assert_eq!([0x7c00, 0xfc00, 0x7e00].map(|bits: u16| half(bits.to_le_bytes())), [None; 3]);
+    }
+
+    #[test]
+    fn bytes_that_name_something() {
+        assert_eq!(shown_bytes(b"P001"), "P001");
+        assert_eq!(shown_bytes(b"P1\0\0"), "P1");
+        assert_eq!(shown_bytes(&[0xff, 0x01]), "ff01");
+        let uuid = [0x12, 0x3e, 0x45, 0x67, 0xe8, 0x9b, 0x12, 0xd3, 0xa4, 0x56, 0x42, 0x66, 0x14, 0x17, 0x40, 0x00];
+        assert_eq!(shown_uuid(&uuid), "123e4567-e89b-12d3-a456-426614174000");
     }
 }

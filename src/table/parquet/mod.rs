@@ -9,21 +9,23 @@ mod column;
 mod pages;
 mod shared;
 
+pub(crate) use column::Unread;
 pub(crate) use shared::SharedFile;
 
 use std::sync::Arc;
 
-use ::parquet::basic::Compression;
+use ::parquet::basic::{Compression, Encoding};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
-use ::parquet::data_type::{ByteArray, DataType};
+use ::parquet::data_type::{ByteArray, DataType, Int96};
 use ::parquet::errors::ParquetError;
+use ::parquet::file::metadata::ColumnChunkMetaData;
 use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 
 use super::cell::Content;
 use super::stored::{Stored, number};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Decimal;
-use column::{Moment, StoredColumn, Values};
+use column::{StoredColumn, Values};
 use pages::CheckedPages;
 
 /// Rows that are read together.
@@ -47,7 +49,14 @@ impl ParquetTable {
         check_marks(name, &source)?;
         let length = source.len();
         let reader = SerializedFileReader::new(source).map_err(|error| Diagnostic::unreadable(name, &error))?;
-        let columns = column::columns(reader.metadata().file_metadata().schema_descr());
+        let mut columns = column::columns(reader.metadata().file_metadata().schema_descr());
+        for column in &mut columns {
+            let Some(leaf) = column.leaf else { continue };
+            let mut chunks = reader.metadata().row_groups().iter().map(|group| group.column(leaf.index));
+            if let Some(packing) = chunks.find_map(packing_not_read) {
+                (column.leaf, column.unread) = (None, Some(Unread::Packing(packing)));
+            }
+        }
         Ok(Self { name: name.to_owned(), length, reader: Arc::new(reader), columns })
     }
 
@@ -59,7 +68,7 @@ impl ParquetTable {
     /// Whether the columns at these places can be read, of those that can be read at all.
     ///
     /// # Errors
-    /// If one of them lies beyond the file's end, or is compressed in a way that is not read.
+    /// If one of them lies beyond the file's end.
     pub(crate) fn check(&self, places: &[bool]) -> Result<(), Diagnostic> {
         let read = self.columns.iter().filter_map(|column| Some((column, column.leaf?)));
         for ((column, leaf), _) in read.zip(places).filter(|(_, is_wanted)| **is_wanted) {
@@ -143,28 +152,47 @@ impl ParquetTable {
             if !in_file {
                 return Err(Diagnostic::unreadable(&self.name, &format!("column `{column}` lies beyond its end")));
             }
-            if let Some(problem) = self.refused(column, chunk.compression()) {
-                return Err(problem);
-            }
         }
         Ok(())
     }
 
-    /// Why a compression is not read; `None` if it is.
-    fn refused(&self, column: &str, compression: Compression) -> Option<Diagnostic> {
-        let name = match compression {
-            Compression::UNCOMPRESSED
-            | Compression::SNAPPY
-            | Compression::GZIP(_)
-            | Compression::BROTLI(_)
-            | Compression::LZ4
-            | Compression::LZ4_RAW => return None,
-            Compression::ZSTD(_) => "ZSTD",
-            Compression::LZO => "LZO",
-        };
-        let message = format!("cannot read {}: column `{column}` is compressed with {name}", self.name);
-        let help = "write the file with SNAPPY, GZIP, BROTLI or LZ4, or without compression";
-        Some(Diagnostic::error(Code::FileAccess, message).help(help))
+    /// The refusal of a column that is not read.
+    pub(crate) fn refused(&self, column: &str, why: &Unread) -> Diagnostic {
+        let name = &self.name;
+        match why {
+            Unread::Type(what) => {
+                let message = format!("{name}: column `{column}` is {what}, which is not read");
+                let help = format!("write it as DOUBLE, DECIMAL or text; or leave it out: --ignore '{column}'");
+                Diagnostic::error(Code::BadTable, message).help(help)
+            }
+            Unread::Packing(how) => {
+                let message = format!("cannot read {name}: column `{column}` is {how}");
+                let help = "write the file with SNAPPY, GZIP, BROTLI or LZ4, or without compression; texts plain or with a dictionary";
+                Diagnostic::error(Code::FileAccess, message).help(help)
+            }
+        }
+    }
+}
+
+/// How the values of a column in a group are packed, if that is not read.
+fn packing_not_read(chunk: &ColumnChunkMetaData) -> Option<String> {
+    let is_delta =
+        |encoding: &Encoding| [Encoding::DELTA_BYTE_ARRAY, Encoding::DELTA_LENGTH_BYTE_ARRAY].contains(encoding);
+    let packed = chunk.encodings().find(is_delta).map(pages::packed_by_differences);
+    codec_not_read(chunk.compression()).map(|codec| format!("compressed with {codec}")).or(packed)
+}
+
+/// A compression that is not read.
+fn codec_not_read(compression: Compression) -> Option<&'static str> {
+    match compression {
+        Compression::UNCOMPRESSED
+        | Compression::SNAPPY
+        | Compression::GZIP(_)
+        | Compression::BROTLI(_)
+        | Compression::LZ4
+        | Compression::LZ4_RAW => None,
+        Compression::ZSTD(_) => Some("ZSTD"),
+        Compression::LZO => Some("LZO"),
     }
 }
 
@@ -239,10 +267,10 @@ fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stor
     match (reader, values) {
         (ColumnReader::DoubleColumnReader(reader), _) => read(reader, rows, Stored::doubles),
         (ColumnReader::FloatColumnReader(reader), _) => read(reader, rows, |values| Stored::singles(&values)),
-        (ColumnReader::Int64ColumnReader(reader), Values::Plain | Values::Decimal { .. }) => {
+        (ColumnReader::Int64ColumnReader(reader), Values::PlainNumbers | Values::Decimal { .. }) => {
             read(reader, rows, |unscaled| Stored::integers(unscaled, values.scale()))
         }
-        (ColumnReader::Int32ColumnReader(reader), Values::Plain | Values::Decimal { .. }) => {
+        (ColumnReader::Int32ColumnReader(reader), Values::PlainNumbers | Values::Decimal { .. }) => {
             let long = |unscaled: Vec<i32>| unscaled.into_iter().map(i64::from).collect::<Vec<_>>();
             read(reader, rows, |unscaled| Stored::integers(long(unscaled), values.scale()))
         }
@@ -266,11 +294,11 @@ fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stor
             Stored::texts(bytes, ends)
         }),
         (ColumnReader::FixedLenByteArrayColumnReader(reader), _) => {
-            read_each(reader, rows, |value| of_bytes(value.data(), values.scale()))
+            read_each(reader, rows, |value| of_fixed(value.data(), values))
         }
         (ColumnReader::Int96ColumnReader(reader), _) => {
-            let moment = Moment::Timestamp { per_second: 1000 };
-            read_each(reader, rows, |value| Content::Other(moment.shown(value.to_millis())))
+            let parts = |value: &Int96| value.data().try_into().unwrap_or_default();
+            read_each(reader, rows, |value| Content::Other(column::shown_int96(parts(value))))
         }
         (ColumnReader::BoolColumnReader(reader), _) => {
             read_each(reader, rows, |value| Content::Other(value.to_string()))
@@ -303,6 +331,16 @@ fn read<T: DataType>(
         return Ok(stored(values));
     }
     Ok(stored(values).spread(levels.into_iter().map(|level| level > 0).collect()))
+}
+
+/// Bytes of a fixed length.
+fn of_fixed(bytes: &[u8], values: Values) -> Content {
+    match values {
+        Values::Decimal { scale } => of_bytes(bytes, scale),
+        Values::Halves => number(bytes.try_into().ok().and_then(column::half)),
+        Values::Uuids => Content::of_text(&column::shown_uuid(bytes)),
+        _ => Content::of_text(&column::shown_bytes(bytes)),
+    }
 }
 
 /// A `DECIMAL` from its two's complement, the highest byte first.

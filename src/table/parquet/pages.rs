@@ -37,7 +37,7 @@ impl CheckedPages {
             }
             _ if matches!(page.encoding(), Encoding::DELTA_BYTE_ARRAY | Encoding::DELTA_LENGTH_BYTE_ARRAY) => {
                 // the decoder takes their lengths for granted, and ends the program where they are wrong
-                return Err(broken("its texts are packed by differences (DELTA_BYTE_ARRAY), which is not read"));
+                return Err(broken(&format!("a column is {}", packed_by_differences(page.encoding()))));
             }
             _ => page.encoding() == Encoding::PLAIN,
         };
@@ -65,6 +65,11 @@ impl CheckedPages {
             }
         }
     }
+}
+
+/// Texts whose packing is not read.
+pub(super) fn packed_by_differences(encoding: Encoding) -> String {
+    format!("packed by differences ({encoding}), which is not read")
 }
 
 fn broken(problem: &str) -> ParquetError {

@@ -187,7 +187,7 @@ fn texts_dates_and_what_is_no_measurement() {
     let table = opened(&bytes).unwrap();
     let not_read: Vec<_> =
         table.columns().iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
-    assert_eq!(not_read, ["half", "list", "several"]);
+    assert_eq!(not_read, ["list", "several"]);
     let other = |text: &str| vec![Content::Other(text.to_owned())];
     let text = |text: &str| vec![Content::Text(text.to_owned())];
     let expected = [
@@ -196,7 +196,8 @@ fn texts_dates_and_what_is_no_measurement() {
         other("true"),
         other("2025-12-31"),
         other("1970-01-02 00:00:00"),
-        other("1970-01-01 00:00:01"),
+        other("1970-01-01 00:00:01.5"),
+        vec![decimal("1")],
         vec![Content::Empty],
     ];
     assert_eq!(read_all(&bytes).unwrap(), expected);
@@ -300,12 +301,94 @@ fn a_codec_that_is_not_read_is_named() {
     let schema = message("message parts { required double a; }");
     let bytes = file(schema, Compression::SNAPPY, &[vec![Stored::Doubles(&[1.0], &[])]]);
     let table = opened(&bytes).unwrap();
-    let problem = |compression| table.refused("a", compression).map(|problem| problem.to_string());
     for (compression, name) in [(Compression::ZSTD(ZstdLevel::default()), "ZSTD"), (Compression::LZO, "LZO")] {
+        let packing = codec_not_read(compression).map(|codec| format!("compressed with {codec}")).unwrap();
         let expected = format!("error[file-access]: cannot read lot.parquet: column `a` is compressed with {name}");
-        assert_eq!(problem(compression), Some(expected));
+        assert_eq!(table.refused("a", &Unread::Packing(packing)).to_string(), expected);
     }
-    assert_eq!(problem(Compression::LZ4), None);
+    assert_eq!(codec_not_read(Compression::LZ4), None);
+}
+
+/// What becomes of a file with a column `part_id`, one of pitch errors, and another one.
+fn with_column(name: &str, properties: WriterProperties) -> Result<String, String> {
+    use crate::table::{Container, Source, Want};
+    let schema = message(&format!(
+        "message parts {{ required binary part_id (STRING); required double rack_pitch_um; \
+         required binary {name} (STRING); }}"
+    ));
+    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties)).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    for column in [Stored::Texts(&["P1"], &[]), Stored::Doubles(&[1.0], &[]), Stored::Texts(&["12"], &[])] {
+        let mut open = group.next_column().unwrap().unwrap();
+        write(open.untyped(), &column);
+        open.close().unwrap();
+    }
+    group.close().unwrap();
+    let bytes = writer.into_inner().unwrap();
+    let want = Want::default();
+    let container = Container::open("lot.parquet", Source::bytes(bytes), &want).unwrap();
+    match container.table("lot.parquet", &want) {
+        Ok(table) => {
+            let unused = &table.reading.not_used[0];
+            Ok(format!("{}: {}", unused.title, unused.why))
+        }
+        Err(problems) => Err(problems.to_string()),
+    }
+}
+
+/// Only a column that may be looked at ends the run.
+#[test]
+fn how_a_column_is_packed_matters_where_it_is_looked_at() {
+    let packed = |name: &str, encoding| {
+        let of = ::parquet::schema::types::ColumnPath::from(name);
+        let builder = WriterProperties::builder().set_column_dictionary_enabled(of.clone(), false);
+        with_column(name, builder.set_column_encoding(of, encoding).build())
+    };
+    for encoding in [Encoding::DELTA_BYTE_ARRAY, Encoding::DELTA_LENGTH_BYTE_ARRAY] {
+        assert_eq!(packed("operator", encoding).unwrap(), "operator: its packing is not read");
+        let refused = packed("rack_lead", encoding).unwrap_err();
+        let expected = format!("column `rack_lead` is packed by differences ({encoding}), which is not read");
+        assert!(refused.contains(&expected), "{refused}");
+    }
+}
+
+#[test]
+fn a_type_that_is_not_read_matters_where_it_may_be_a_measurement() {
+    use crate::table::{Container, Source, Want};
+    let found = |name: &str, want: &Want| {
+        let schema = message(&format!(
+            "message parts {{ required double rack_pitch_um; required group {name} {{ required double value; }} }}"
+        ));
+        let columns = vec![Stored::Doubles(&[1.0], &[]), Stored::Doubles(&[2.0], &[])];
+        let bytes = file(schema, Compression::SNAPPY, &[columns]);
+        let container = Container::open("lot.parquet", Source::bytes(bytes), want).unwrap();
+        let table = container.table("lot.parquet", want).map_err(|problems| problems.to_string())?;
+        Ok::<_, String>(table.reading.not_used.len())
+    };
+    for name in ["rack_lead", "rack_pich", "thickness_mm", "part_id", "nominal"] {
+        let refused = found(name, &Want::default()).unwrap_err();
+        assert!(refused.contains(&format!("column `{name}` is a record, which is not read")), "{refused}");
+    }
+    assert_eq!(found("rack_lead", &Want { ignored: vec!["rack_lead".to_owned()], ..Want::default() }), Ok(1));
+    assert_eq!(found("operator", &Want::default()), Ok(1));
+}
+
+/// As CMM programs export it.
+#[test]
+fn a_file_with_a_row_per_characteristic() {
+    let schema = message(
+        "message parts { required binary part (STRING); required binary characteristic (STRING); \
+         required double actual; required double nominal; required binary unit (STRING); }",
+    );
+    let group = vec![
+        Stored::Texts(&["P1", "P1", "P2", "P2"], &[]),
+        Stored::Texts(&["rack_over_roller", "rack_pitch", "rack_over_roller", "rack_pitch"], &[]),
+        Stored::Doubles(&[25.013, 0.012, 24.99, 0.001], &[]),
+        Stored::Doubles(&[25.0, 0.0, 25.0, 0.0], &[]),
+        Stored::Texts(&["mm"; 4], &[]),
+    ];
+    let bytes = file(schema, Compression::SNAPPY, &[group]);
+    assert_eq!(parts(&bytes), ["P1: 0.013 mm", "P2: -0.01 mm"]);
 }
 
 #[test]

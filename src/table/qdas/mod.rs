@@ -9,7 +9,8 @@
 //! characteristic, K2101 is its nominal value, K2110 and K2111 its limits (K2112 and K2113 as allowances from nominal),
 //! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. Values are either K0001
 //! lines, with attribute K0002, date K0004 and the part's name K0014, or lines without a key: characteristics in their
-//! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. Numbers have a decimal point or
+//! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. What is said of a value stands behind
+//! it. Where K0100 stands behind values, another header begins: the values behind it are of its parts and characteristics. Numbers have a decimal point or
 //! comma and no thousands marks; text is UTF-8 or Latin-1. Keys that are not listed are passed over.
 //!
 //! # Which values count
@@ -17,6 +18,7 @@
 //! format, "Defined contents K00xx"), and none but 0 enters a calculation. Whatever has another attribute, one that is
 //! not in that list included, is no value; [`Qdas::left_out`] lists them.
 
+mod definition;
 mod read;
 mod table;
 mod write;
@@ -147,6 +149,12 @@ impl LeftOut {
 }
 
 impl Qdas {
+    /// What messages call the file of its values.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.sources.last().map_or("the file", |source| &source.name)
+    }
+
     /// The text of the value of a sample; `None` if it does not count or there is none.
     fn text(&self, characteristic: &Characteristic, sample: u32) -> Option<&str> {
         let value = characteristic.sample(sample).filter(|value| !value.is_none)?;

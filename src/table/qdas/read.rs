@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::definition::{Definition, NUMBERS, Said};
 use super::{Characteristic, LeftOut, PartDefinition, Qdas, Value};
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::{Length, parse_f64};
+use crate::quantity::parse_f64;
 use crate::table::number::{DecimalMark, normalise};
 
-/// Characteristics and parts at most: more is a broken index, not a measuring plan.
+/// Characteristics and parts of a header at most: more is a broken index, not a measuring plan.
 const MOST_CHARACTERISTICS: usize = 10_000;
+/// Characteristics of all headers at most.
+const MOST_IN_ALL: usize = 500_000;
 /// The longest text of one value.
 const LONGEST_VALUE: usize = 200;
 /// Values of a file at most: a lot of a million parts has some millions.
@@ -18,13 +21,12 @@ const MOST_VALUES: usize = 8_000_000;
 /// What keys with `/0` may say in all, one for each characteristic.
 const MOST_WORK: usize = 100_000_000;
 
-/// What a file says of a characteristic before its lines are put together.
+/// A characteristic of the header that is being read, and its values so far.
 #[derive(Debug, Clone, Default)]
 struct Draft {
-    characteristic: Characteristic,
-    allowances: [Option<String>; 2],
-    /// K2120 and K2121: whether there is a limit.
-    limit_types: [Option<i64>; 2],
+    definition: Definition,
+    part: usize,
+    values: Vec<Value>,
     defined: bool,
 }
 
@@ -32,12 +34,22 @@ struct Draft {
 struct Reader {
     sources: Vec<Arc<Source>>,
     parts: Vec<PartDefinition>,
+    /// Those of the headers before this one.
+    characteristics: Vec<Characteristic>,
+    /// Those of this header.
     drafts: Vec<Draft>,
-    count: Option<usize>,
+    /// How many there are to be, and where that is said.
+    count: Option<(usize, Said)>,
+    /// The first part of this header.
+    first_part: usize,
     part: usize,
     /// Lines of values so far.
     samples: u32,
+    /// Those before this header.
+    first_sample: u32,
     values: usize,
+    /// Whether this header has values.
+    has_values: bool,
     work: usize,
     part_names: Vec<String>,
     /// By attribute.
@@ -106,9 +118,9 @@ impl Reader {
     }
 
     fn draft(&mut self, index: usize, line: &Line<'_>) -> Result<&mut Draft, Diagnostic> {
-        let most = self.count.unwrap_or(MOST_CHARACTERISTICS);
-        if index == 0 || index > most {
-            let message = match self.count {
+        let count = self.counted();
+        if index == 0 || index > count.unwrap_or(MOST_CHARACTERISTICS) {
+            let message = match count {
                 Some(count) => format!("K{:04}/{index}: the file has {count} characteristics (K0100)", line.key),
                 None => format!("K{:04}/{index}: there is no characteristic of that number", line.key),
             };
@@ -121,82 +133,99 @@ impl Reader {
         let draft = &mut self.drafts[index - 1];
         if !draft.defined {
             draft.defined = true;
-            draft.characteristic.part = part;
+            draft.part = part;
         }
         Ok(&mut self.drafts[index - 1])
     }
 
+    /// How many characteristics this header has, if it says so.
+    fn counted(&self) -> Option<usize> {
+        self.count.as_ref().map(|(count, _)| *count)
+    }
+
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
         match line.key {
-            100 => {
-                let count = line.text.trim().parse::<usize>().ok().filter(|count| *count <= MOST_CHARACTERISTICS);
-                let Some(count) = count else {
-                    let message = format!(
-                        "K0100: `{}` is not a number of characteristics (0 to {MOST_CHARACTERISTICS})",
-                        line.text
-                    );
-                    return Err(self.bad(line.span(), message));
-                };
-                self.count = Some(count);
-            }
-            1..=99 => self.value_field(line, number)?,
-            1000..=1999 => {
-                let index = line.index.max(1);
-                if index > MOST_CHARACTERISTICS {
-                    let message = format!("K{:04}/{index}: there is no part of that number", line.key);
-                    return Err(self.bad(line.span(), message));
-                }
-                if self.parts.len() < index {
-                    self.parts.resize(index, PartDefinition::default());
-                }
-                self.part = index - 1;
-                match line.key {
-                    1001 => line.text.trim().clone_into(&mut self.parts[index - 1].number),
-                    1002 => line.text.trim().clone_into(&mut self.parts[index - 1].name),
-                    _ => {}
-                }
-            }
-            2000..=2999 => self.characteristic_field(line)?,
-            _ => {}
+            100 => self.count_field(line),
+            1..=99 => self.value_field(line, number),
+            1000..=1999 => self.part_field(line),
+            2000..=2999 => self.characteristic_field(line),
+            _ => Ok(()),
         }
+    }
+
+    /// K0100 starts a header; behind values it starts the next one.
+    fn count_field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
+        let count = line.text.trim().parse::<usize>().ok().filter(|count| *count <= MOST_CHARACTERISTICS);
+        let Some(count) = count else {
+            let message =
+                format!("K0100: `{}` is not a number of characteristics (0 to {MOST_CHARACTERISTICS})", line.text);
+            return Err(self.bad(line.span(), message));
+        };
+        if self.has_values {
+            self.end_header()?;
+        }
+        if let Some(other) = self.counted().filter(|other| *other != count) {
+            let message = format!("K0100 counts {count} characteristics, and {other} before it in the same header");
+            return Err(self.bad(line.span(), message));
+        }
+        self.count = self.said(line).map(|said| (count, said));
         Ok(())
     }
 
+    /// What a line says, with its place.
+    fn said(&self, line: &Line<'_>) -> Option<Said> {
+        let source = Arc::clone(self.sources.last()?);
+        Some(Said { text: line.text.trim().to_owned(), of_all: line.index == 0, source, span: line.span() })
+    }
+
+    fn part_field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
+        let index = line.index.max(1);
+        if index > MOST_CHARACTERISTICS {
+            let message = format!("K{:04}/{index}: there is no part of that number", line.key);
+            return Err(self.bad(line.span(), message));
+        }
+        self.part = self.first_part + index - 1;
+        if self.parts.len() <= self.part {
+            self.parts.resize(self.part + 1, PartDefinition::default());
+        }
+        let part = &mut self.parts[self.part];
+        let known = match line.key {
+            1001 => &mut part.number,
+            1002 => &mut part.name,
+            _ => return Ok(()),
+        };
+        let text = line.text.trim();
+        if known.is_empty() {
+            text.clone_into(known);
+        }
+        if known == text || text.is_empty() {
+            return Ok(());
+        }
+        let message = format!("K{:04}/{index} says `{text}`, and `{known}` before it", line.key);
+        Err(self
+            .bad(line.span(), message)
+            .help("a header of another part starts with K0100, or the part has its own /i"))
+    }
+
     fn characteristic_field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
-        const NUMBERS: [u16; 6] = [2101, 2106, 2110, 2111, 2112, 2113];
-        let indices = match (line.index, self.count) {
+        let indices = match (line.index, self.counted()) {
             (0, count) => 1..=count.unwrap_or(self.drafts.len()).max(1),
             (index, _) => index..=index,
         };
-        let text = line.text.trim();
         self.work(indices.clone().count(), line)?;
-        let mut number = None;
-        if NUMBERS.contains(&line.key) && !text.is_empty() {
+        let Some(mut said) = self.said(line) else { return Ok(()) };
+        if NUMBERS.contains(&line.key) && !said.text.is_empty() {
             // no thousands marks, so that a comma is a decimal comma
-            let plain = text.replace(',', ".");
+            let plain = said.text.replace(',', ".");
             if !is_number(&plain) || normalise(&plain, DecimalMark::Point).is_none() {
-                let message = format!("K{:04}/{}: `{text}` is not a number", line.key, line.index);
+                let message = format!("K{:04}/{}: `{}` is not a number", line.key, line.index, said.text);
                 return Err(self.bad(line.span(), message));
             }
-            number = Some(plain);
+            said.text = plain;
         }
         for index in indices {
-            let draft = self.draft(index, line)?;
-            let characteristic = &mut draft.characteristic;
-            match line.key {
-                2001 => text.clone_into(&mut characteristic.number),
-                2002 => text.clone_into(&mut characteristic.name),
-                2101 => characteristic.nominal.clone_from(&number),
-                2106 => characteristic.uncertainty.clone_from(&number),
-                2110 => characteristic.lower.clone_from(&number),
-                2111 => characteristic.upper.clone_from(&number),
-                2112 => draft.allowances[0].clone_from(&number),
-                2113 => draft.allowances[1].clone_from(&number),
-                2120 => draft.limit_types[0] = text.parse().ok(),
-                2121 => draft.limit_types[1] = text.parse().ok(),
-                2142 if !text.is_empty() => characteristic.unit = Some(text.to_owned()),
-                _ => {}
-            }
+            let Draft { definition, values, .. } = self.draft(index, line)?;
+            definition.say(line.key, said.clone(), !values.is_empty())?;
         }
         Ok(())
     }
@@ -207,8 +236,9 @@ impl Reader {
         if line.key == 1 {
             let index = if line.index == 0 { 1 } else { line.index };
             let mut value = self.value(line.text, line.start, number)?;
-            let values = &mut self.draft(index, line)?.characteristic.values;
-            value.sample = values.last().map_or(0, |last| last.sample + 1);
+            let first = self.first_sample;
+            let values = &mut self.draft(index, line)?.values;
+            value.sample = values.last().map_or(first, |last| last.sample + 1);
             values.push(value);
             return Ok(());
         }
@@ -224,8 +254,10 @@ impl Reader {
         let indices = if line.index == 0 { all } else { line.index..=line.index };
         self.work(indices.clone().count(), line)?;
         let counts = line.key != 2 || counts(text);
+        let mut has_value = false;
         for index in indices {
-            let Some(last) = self.draft(index, line)?.characteristic.values.last_mut() else { continue };
+            let Some(last) = self.draft(index, line)?.values.last_mut() else { continue };
+            has_value = true;
             last.is_none |= !counts;
             if line.key == 14 {
                 last.part_name = name;
@@ -233,6 +265,12 @@ impl Reader {
             if !counts {
                 self.leave_out(text, number);
             }
+        }
+        if !has_value && matches!(line.key, 2 | 14) {
+            let message = format!("K{:04}/{}: there is no value before it that it belongs to", line.key, line.index);
+            return Err(self
+                .bad(line.span(), message)
+                .help("attributes (K0002) and names (K0014) stand behind their values"));
         }
         Ok(())
     }
@@ -263,6 +301,7 @@ impl Reader {
             return Err(self.bad(span, "K0001: the value is longer than any number".to_owned()));
         }
         self.values += 1;
+        self.has_values = true;
         if self.values > MOST_VALUES {
             return Err(self.bad(span, format!("the file has more than {MOST_VALUES} values; split it")));
         }
@@ -284,7 +323,7 @@ impl Reader {
         if self.count.is_none() && self.drafts.is_empty() {
             return Err(self.bad(span, "the file does not start with K0100 or another key of the format".to_owned()));
         }
-        let count = self.count.unwrap_or(self.drafts.len());
+        let count = self.counted().unwrap_or(self.drafts.len());
         let mut at = start;
         for (index, field) in line_text.split('\u{f}').enumerate() {
             if index >= count {
@@ -302,36 +341,48 @@ impl Reader {
             }
             value.sample = self.samples;
             let line = Line { key: 1, index: index + 1, text, start: at };
-            self.draft(index + 1, &line)?.characteristic.values.push(value);
+            self.draft(index + 1, &line)?.values.push(value);
             at += field.len() + 1;
         }
         self.samples = self.samples.saturating_add(1);
         Ok(())
     }
 
+    /// A header and its values are complete: what follows is of the next one.
+    fn end_header(&mut self) -> Result<(), Diagnostic> {
+        let drafts = std::mem::take(&mut self.drafts);
+        if let Some((count, said)) = self.count.take().filter(|(count, _)| *count > drafts.len()) {
+            let message = format!("K0100 counts {count} characteristics, and the file has {}", drafts.len());
+            return Err(said.bad(message).help("correct K0100, or give the characteristics that are missing"));
+        }
+        if self.parts.len() == self.first_part {
+            self.parts.push(PartDefinition::default());
+        }
+        for Draft { definition, part, values, .. } in drafts {
+            self.samples = self.samples.max(values.last().map_or(0, |last| last.sample + 1));
+            self.characteristics.push(Characteristic { values, ..definition.characteristic(part)? });
+        }
+        if self.characteristics.len() > MOST_IN_ALL {
+            let name = self.sources.last().map_or("the file", |source| &source.name);
+            let message = format!("{name} has more than {MOST_IN_ALL} characteristics in its headers");
+            return Err(Diagnostic::error(Code::BadTable, message).help("split it"));
+        }
+        (self.first_part, self.part) = (self.parts.len(), self.parts.len());
+        (self.first_sample, self.has_values) = (self.samples, false);
+        Ok(())
+    }
+
     fn finish(mut self) -> Result<Qdas, Diagnostic> {
-        if self.drafts.iter().all(|draft| draft.characteristic.values.is_empty()) {
+        self.end_header()?;
+        if self.characteristics.iter().all(Characteristic::is_empty) {
             let name = self.sources.last().map_or_else(|| "the file".to_owned(), |source| source.name.clone());
             return Err(Diagnostic::error(Code::BadTable, format!("{name} has no measured values"))
                 .help("values are K0001 lines, or lines without a key; those of a .dfd stand in its .dfx"));
         }
-        if self.parts.is_empty() {
-            self.parts.push(PartDefinition::default());
-        }
-        let parts = self.parts.len();
-        let characteristics = self.drafts.into_iter().map(|draft| {
-            let Draft { mut characteristic, allowances, limit_types, .. } = draft;
-            let [lower, upper] =
-                allowances.map(|allowance| sum(characteristic.nominal.as_deref(), allowance.as_deref()));
-            characteristic.lower = characteristic.lower.or(lower).filter(|_| limit_types[0] != Some(0));
-            characteristic.upper = characteristic.upper.or(upper).filter(|_| limit_types[1] != Some(0));
-            characteristic.part = characteristic.part.min(parts - 1);
-            characteristic
-        });
         let mut left_out: Vec<LeftOut> = self.left_out.into_values().collect();
         left_out.sort_by_key(|left_out| left_out.first_line);
         Ok(Qdas {
-            characteristics: characteristics.collect(),
+            characteristics: self.characteristics,
             left_out,
             parts: self.parts,
             sources: self.sources,
@@ -348,12 +399,6 @@ fn counts(attribute: &str) -> bool {
 /// Whether a text with a decimal point is a number.
 fn is_number(text: &str) -> bool {
     parse_f64(text).is_ok()
-}
-
-/// The nominal value and an allowance as one decimal number.
-fn sum(nominal: Option<&str>, allowance: Option<&str>) -> Option<String> {
-    let length = |text: &str| text.parse::<Length>().ok();
-    Some((length(nominal?)? + length(allowance?)?).mm().to_string())
 }
 
 /// A line that starts with a key; an error if the key is followed by an index that is none.

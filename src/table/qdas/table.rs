@@ -1,6 +1,8 @@
 //! The values of a Q-DAS file as a table with a row per measured part. Made by [`Qdas::table`]; keeps no value, and
 //! makes each row when it is asked for.
 
+use std::collections::HashMap;
+
 use super::super::names::Field;
 use super::{Characteristic, Qdas};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -25,20 +27,24 @@ impl Qdas {
     /// The values as a table: a row per measured part, a column per characteristic with its unit. Columns of errors
     /// have the error's name.
     pub(crate) fn table(self, own: &[(String, Field)]) -> QdasTable {
-        let mut titles: Vec<String> = Vec::new();
-        // the same characteristic of several parts is one column
         let mut indices: Vec<Vec<usize>> = Vec::new();
+        // the same characteristic of several parts is one column
+        let mut columns: HashMap<String, Vec<usize>> = HashMap::new();
+        let mut of_part: HashMap<(usize, usize), usize> = HashMap::new();
         for (index, characteristic) in self.characteristics.iter().enumerate() {
-            let title = title(characteristic, own);
-            let known = titles.iter().zip(&mut indices).find(|(known, indices)| {
-                **known == title && indices.iter().all(|other| self.characteristics[*other].part != characteristic.part)
-            });
-            if let Some((_, indices)) = known {
-                indices.push(index);
+            let titled = columns.entry(title(characteristic, own)).or_default();
+            let first = titled.first().copied().unwrap_or(indices.len());
+            let before = of_part.entry((first, characteristic.part)).or_default();
+            if let Some(column) = titled.get(*before) {
+                indices[*column].push(index);
             } else {
-                titles.push(title);
+                titled.push(indices.len());
                 indices.push(vec![index]);
             }
+            *before += 1;
+        }
+        for indices in &mut indices {
+            indices.sort_by_key(|index| self.characteristics[*index].part);
         }
         let mut rows: Vec<(usize, u32)> = Vec::new();
         for characteristic in &self.characteristics {
@@ -46,17 +52,20 @@ impl Qdas {
         }
         rows.sort_unstable();
         rows.dedup();
-        QdasTable { indices, rows, qdas: self }
+        let numbers_differ = self.parts.iter().any(|part| part.number != self.parts[0].number);
+        QdasTable { indices, rows, numbers_differ, qdas: self }
     }
 }
 
 /// The values of a file as a table.
 #[derive(Debug, Clone)]
 pub(crate) struct QdasTable {
-    /// The characteristics of each column but the first, one per part of the file.
+    /// The characteristics of each column but the first, one per part of the file, in the order of parts.
     pub(super) indices: Vec<Vec<usize>>,
     /// Part and sample.
     rows: Vec<(usize, u32)>,
+    /// Whether parts have numbers of their own (K1001).
+    numbers_differ: bool,
     pub(super) qdas: Qdas,
 }
 
@@ -83,8 +92,10 @@ impl QdasTable {
     }
 
     fn characteristics(&self, part: usize) -> impl Iterator<Item = Option<&Characteristic>> {
+        let all = &self.qdas.characteristics;
         self.indices.iter().map(move |indices| {
-            indices.iter().map(|index| &self.qdas.characteristics[*index]).find(|found| found.part == part)
+            let found = indices.binary_search_by_key(&part, |index| all[*index].part).ok()?;
+            Some(&all[indices[found]])
         })
     }
 
@@ -98,7 +109,7 @@ impl QdasTable {
         let values = self.characteristics(part).filter_map(|found| found?.sample(sample));
         let number = &self.qdas.parts[part].number;
         match values.map(|value| value.part_name).max().unwrap_or(0) {
-            0 if self.qdas.parts.len() == 1 => (row + 1).to_string(),
+            0 if !self.numbers_differ => (row + 1).to_string(),
             0 => format!("{number} {}", sample + 1),
             named => self.qdas.part_names[named as usize - 1].clone(),
         }

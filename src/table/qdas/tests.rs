@@ -182,3 +182,70 @@ fn each_part_of_a_file_has_its_limits() {
     let table = read(&[("lot.dfq", text)]).unwrap().table(&[]);
     assert_eq!(widest_um(&table, 1), Some(200));
 }
+
+#[test]
+fn values_belong_to_the_header_before_them() {
+    let part = |number: &str, unit: &str, values: &str| {
+        format!("K0100 1\nK1001/1 {number}\nK2002/1 rack_pitch\nK2142/1 {unit}\n{values}")
+    };
+    let text = part("A", "um", "1\n2\n") + &part("B", "um", "3\n") + &part("A", "um", "K0001/1 4\n");
+    assert_eq!(rows(&text), ["part_id|rack_pitch [um]", "A 1|1", "A 2|2", "B 3|3", "A 4|4"]);
+    let text = part("A", "um", "1\nK0014/1 P1\n") + &part("A", "um", "2\n");
+    assert_eq!(rows(&text), ["part_id|rack_pitch [um]", "P1|1", "2|2"]);
+    // a column of each unit, which are two columns of one error
+    let text = part("A", "mm", "0.1\n") + &part("B", "um", "12\n");
+    assert_eq!(rows(&text), ["part_id|rack_pitch [mm]|rack_pitch [um]", "A 1|0.1|", "B 2||12"]);
+    let text = "K0100 1\nK2002/1 rack_pitch\nK2142/1 um\n1\nK0100 1\nK2002/1 rack_pitch\n2\n";
+    assert_eq!(rows(text), ["part_id|rack_pitch [um]|rack_pitch", "1|1|", "2||2"]);
+}
+
+#[test]
+fn what_contradicts_itself_is_refused() {
+    for (text, expected) in [
+        (
+            "K0100 1\nK2142/1 mm\n1\nK2142/1 um\n2\n",
+            "lot.dfq:4:9: error[bad-table]: K2142 says `um` behind values for which it said `mm`",
+        ),
+        (
+            "K0100 1\nK2002/1 a\n1\nK2142/1 um\n",
+            "lot.dfq:4:9: error[bad-table]: K2142 says `um` behind values for which it said nothing",
+        ),
+        ("K0100 1\nK2142/1 mm\nK2142/1 um\n2\n", "lot.dfq:3:9: error[bad-table]: K2142 says `um`, and `mm` before it"),
+        ("K0100 1\nK1001/1 A\n1\nK1001/1 B\n2\n", "lot.dfq:4:9: error[bad-table]: K1001/1 says `B`, and `A` before it"),
+        (
+            "K0100 2\nK2002/1 a\nK0100 1\n",
+            "lot.dfq:3:7: error[bad-table]: K0100 counts 1 characteristics, and 2 before it",
+        ),
+        (
+            "K0100 3\nK2002/1 a\n1\n",
+            "lot.dfq:1:7: error[bad-table]: K0100 counts 3 characteristics, and the file has 1",
+        ),
+        (
+            "K0100 1\nK2002/1 a\nK0002/1 255\nK0001/1 12\n",
+            "lot.dfq:3:9: error[bad-table]: K0002/1: there is no value before it",
+        ),
+        ("K0100 1\nK2002/1 a\nK0014/0 P1\n12\n", "lot.dfq:3:9: error[bad-table]: K0014/0: there is no value before it"),
+        (
+            "K0100 1\nK2111/1 20\nK2113/1 5\n1\n",
+            "lot.dfq:3:9: error[bad-table]: K2111 is 20, and the nominal value 0 with K2113 5 is another limit",
+        ),
+        (
+            "K0100 1\nK2113/1 5\n1\n",
+            "lot.dfq:2:9: error[bad-table]: K2113 is an allowance of 5, and there is no nominal value",
+        ),
+        (
+            "K0100 1\nK2110/1 5\nK2111/1 3\n1\n",
+            "lot.dfq:2:9: error[bad-table]: the lower limit 5 is above the upper limit 3",
+        ),
+    ] {
+        let error = read(&[("lot.dfq", text)]).unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+    for text in [
+        "K0100 1\nK2142/0 mm\nK2142/1 um\nK2142/1 um\n2\n",
+        "K0100 1\nK2101/1 25,000\nK2111/1 25.03\nK2113/1 0.030\nK2110/1 24.98\nK2112/1 -0.02\n25\n",
+        "K0100 1\nK2111/1 20\nK2113/1 5\nK2121/1 0\n1\n",
+    ] {
+        assert!(read(&[("lot.dfq", text)]).is_ok(), "{text}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::super::block::{Block, Span};
 use super::super::cell::{Cell, Record};
-use super::super::column::Plain;
+use super::super::column::PlainNumbers;
 use super::super::stored::Stored;
 use super::{Rows, may_be_statistic};
 use crate::deviation::DeviationValue;
@@ -12,7 +12,7 @@ use crate::quantity::Length;
 struct PlainColumn {
     number: usize,
     place: usize,
-    plain: Plain,
+    plain: PlainNumbers,
 }
 
 impl Rows {

@@ -7,12 +7,12 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use super::headings::{Headings, Named, headings, is_part_name, names_value, says_no_part};
-use super::{Measurement, NoShape, Series, Shape, Unknown, aside, has_digit};
+use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
-use crate::table::grid::bare_unit;
+use crate::table::grid::{bare_unit, differ};
 use crate::table::names::{Aspect, Field, Role, ValueKind, heading, is_context, is_statistic, role, split_unit};
-use crate::table::understand::kind_of;
+use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
 /// A table of characteristics, found but not read.
@@ -34,7 +34,8 @@ pub(crate) struct Characteristics {
 struct Reading<'a> {
     found: &'a Characteristics,
     want: &'a Want,
-    /// The unit in the heading of each column.
+    /// The heading of each column, and the unit in it.
+    titles: Vec<String>,
     units: Vec<Option<String>>,
     parts: Vec<Cell>,
     /// The index of each part by its name, where a column names it.
@@ -80,7 +81,8 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                     && !is_statistic(&record.cells[*place].text())
                     && (has_digit(&record.cells[*place].text()) || !is_context(&record.cells[*place].text()))
                     && !record.cells[*place].is_empty()
-                    && rows.iter().any(|row| records[*row].cells.get(*place).is_some_and(Cell::is_number))
+                    && (names_one_part(&record.cells[*place].text())
+                        || rows.iter().any(|row| records[*row].cells.get(*place).is_some_and(Cell::is_number)))
             };
             (0..roles.len()).filter(is_part).collect()
         };
@@ -91,6 +93,11 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
         ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
     })
+}
+
+/// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
+fn names_one_part(title: &str) -> bool {
+    has_digit(title) && is_part_name(title.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-'))
 }
 
 /// Reads the characteristics.
@@ -123,7 +130,8 @@ pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, wan
         let rows = &rows_of[name.text().as_ref()];
         let Some(named) = named else {
             let cells = rows.iter().flat_map(|row| found.values_of(row)).collect();
-            shape.unknown.push(Unknown::line(&name.text(), rows[0].line, cells).measured(true));
+            let unit = reading.unit_of_rows(rows).ok().flatten();
+            shape.unknown.push(Unknown { unit, ..Unknown::line(&name.text(), rows[0].line, cells).measured(true) });
             continue;
         };
         let measurement = reading.measurement(&named, rows, name)?;
@@ -183,14 +191,19 @@ impl Characteristics {
     /// The columns that are neither names nor values, nor what belongs to them.
     fn columns_without_role(&self, records: &[Record]) -> Vec<Unknown> {
         let header = &records[self.header].cells;
-        let is_without =
-            |place: &usize| self.roles[*place].is_none() && *place != self.name && !self.parts.contains(place);
+        let says_nothing = |place: usize| match self.roles[place] {
+            None => true,
+            Some(Role::Status) => split_unit(&header[place].text()).1.is_none(),
+            Some(_) => false,
+        };
+        let is_without = |place: &usize| says_nothing(*place) && *place != self.name && !self.parts.contains(place);
         let unknown = |place: usize| {
             let cells: Vec<Cell> = self.rows.iter().filter_map(|row| records[*row].cells.get(place).cloned()).collect();
             // a list's numbers count its rows
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
-            let is_measurement = !is_counted && !is_part_name(&title) && !is_statistic(&title);
+            let is_measurement =
+                !is_counted && !is_part_name(&title) && !is_statistic(&title) && self.roles[place].is_none();
             Unknown::column(&title, place, cells).measured(is_measurement)
         };
         (0..self.roles.len()).filter(is_without).map(unknown).collect()
@@ -200,9 +213,11 @@ impl Characteristics {
 impl<'a> Reading<'a> {
     fn new(records: &[Record], found: &'a Characteristics, want: &'a Want) -> Self {
         let header = &records[found.header];
-        let units = header.cells.iter().map(|cell| split_unit(&cell.text()).1).collect();
+        let titles: Vec<_> = header.cells.iter().map(|cell| cell.text().into_owned()).collect();
+        let units = titles.iter().map(|title| split_unit(title).1).collect();
         let first = found.rows.first().map_or(header.line, |row| records[*row].line);
-        let mut reading = Self { found, want, units, parts: Vec::new(), indices: HashMap::new(), lines: Vec::new() };
+        let mut reading =
+            Self { found, want, titles, units, parts: Vec::new(), indices: HashMap::new(), lines: Vec::new() };
         let part = found.roles.iter().position(|role| *role == Some(Role::Part));
         match part {
             Some(place) => {
@@ -268,8 +283,12 @@ impl<'a> Reading<'a> {
             return Err(twice(named, title));
         }
         let unit_of_row = self.unit_of_rows(rows)?;
+        if differ(named.series.unit.as_deref(), unit_of_row.as_deref()) {
+            return Err(NoShape::Units { record: rows[0].clone() });
+        }
         let unit = named.series.unit.clone().or(unit_of_row);
-        let united = |series: Series| Series { unit: unit.clone().or_else(|| series.unit.clone()), ..series };
+        // the unit in the heading of a column is that of its numbers
+        let united = |series: Series| Series { unit: series.unit.clone().or_else(|| unit.clone()), ..series };
         let of_role = |role: Role| -> Result<Option<Series>, NoShape> {
             let Some(place) = self.place(role) else { return Ok(None) };
             let series = united(self.series(place, rows, title)?);
@@ -281,7 +300,7 @@ impl<'a> Reading<'a> {
         let uncertainty = of_role(Role::Uncertainty)?;
         // the value and its nominal, or else the deviation
         let in_spec =
-            kind_of(named.field).and_then(|kind| self.want.given(kind)).is_some_and(|given| given.nominal.is_some());
+            named.field.kind().and_then(|kind| self.want.given(kind)).is_some_and(|given| given.nominal.is_some());
         let (value, deviation, holds) = match (measured, deviation) {
             (Some(measured), deviation) if nominal.is_some() || (in_spec && deviation.is_some()) => {
                 (measured, deviation, Some(ValueKind::Measured))
@@ -292,7 +311,14 @@ impl<'a> Reading<'a> {
                 (measured.unwrap_or_else(empty), None, named.holds)
             }
         };
+        if differ(value.unit.as_deref(), unit.as_deref()) {
+            return Err(NoShape::Units { record: rows[0].clone() });
+        }
         let field = if named.aspect == Aspect::Value { named.field } else { return Err(twice(named, title)) };
+        let headed =
+            |series: Option<Series>| series.map(|series| Series { title: self.titles[series.place].clone(), ..series });
+        let [deviation, nominal, upper, lower, uncertainty] =
+            [deviation, nominal, upper, lower, uncertainty].map(headed);
         let beside = Companions { deviation, nominal, upper, lower, uncertainty, ..Companions::default() };
         Ok(Measurement { field, holds, value, beside })
     }

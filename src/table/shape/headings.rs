@@ -1,6 +1,6 @@
 //! What the headings of a table mean: which of two meanings counts, which of two names of a part.
 
-use super::{NoShape, Series};
+use super::{NoShape, Series, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{Aspect, Field, Heading, Role, ValueKind, heading, is_evaluation_length, role};
@@ -61,7 +61,7 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
         let series = Series { title: cell.text().into_owned(), place, unit: heading.unit, cells: Vec::new() };
         named.push(Some(Named { field, aspect: heading.aspect, holds: heading.holds, series }));
     }
-    drop_second_part_names(&mut named, want);
+    drop_second_part_names(&mut named, want)?;
     Ok(Headings { named, commas })
 }
 
@@ -77,7 +77,7 @@ pub(super) fn one_meaning(found: &[Field], want: &Want, title: &Cell) -> Result<
 }
 
 /// Of several columns that may name the part, the one that the spec names, or else the first; a second one is no error.
-fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) {
+fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) -> Result<(), NoShape> {
     let is_id = |found: &Option<Named>| found.as_ref().is_some_and(|found| found.field == Field::PartId);
     let own = named
         .iter()
@@ -88,12 +88,17 @@ fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) {
         };
         named.iter().position(is_key).or_else(|| named.iter().position(is_id))
     };
-    let Some(kept) = own.or_else(plain) else { return };
+    let Some(kept) = own.or_else(plain) else { return Ok(()) };
+    let title = named[kept].as_ref().map(|kept| kept.series.title.clone());
     for (index, found) in named.iter_mut().enumerate() {
         if index != kept && is_id(found) {
-            *found = None;
+            // tables side by side have a row of two parts
+            if let Some(second) = found.take().filter(|second| Some(&second.series.title) == title.as_ref()) {
+                return Err(twice(&second.series, Field::PartId));
+            }
         }
     }
+    Ok(())
 }
 
 pub(super) fn known(cells: &[Cell], want: &Want) -> usize {

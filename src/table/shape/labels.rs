@@ -1,12 +1,12 @@
 //! Tables with a name in front of each line, and a value per part behind it.
 
 use super::headings::{Headings, Named, headings, is_part_name, names_value, one_meaning, says_no_part};
-use super::{NoShape, Series, Shape, Unknown, aside, has_digit, unknown_line};
+use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
-use crate::table::grid::{bare_unit, is_unit};
+use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
 use crate::table::names::{Aspect, Field, Role, heading, role};
-use crate::table::strangers::unit_in;
+use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
 /// The records whose first cell is a name with numbers after it.
@@ -57,32 +57,50 @@ pub(crate) fn uncounted(record: &Record) -> Record {
 }
 
 /// One line per name, with a value per part behind it.
-pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Result<Shape, NoShape> {
+pub(super) fn by_label(
+    records: &[Record],
+    labels: &[usize],
+    separator: Separator,
+    want: &Want,
+) -> Result<Shape, NoShape> {
     let names: Vec<_> = labels.iter().map(|index| records[*index].cells[0].clone()).collect();
     let Headings { named, commas } = headings(&names, want)?;
     let mut shape = Shape::new(Orientation::Columns);
     shape.commas = commas;
-    let (mut count, mut named_lines) = (0, Vec::new());
     let has_units = labels.iter().zip(&named).any(|(index, named)| {
         let is_angle = named.as_ref().is_some_and(|named| named.field.is_angle());
         records[*index].cells.get(1).is_some_and(|cell| is_unit_of(&cell.text(), is_angle))
     });
+    let has_places = matches!(separator, Separator::Character(_));
+    let above = if has_places { parts_above(&records[..labels[0]], has_units, want) } else { 0 };
+    let mut count = above;
+    let mut found = Vec::new();
     for (named, index) in named.into_iter().zip(labels) {
-        let Some(mut named) = named else { continue };
+        let Some(mut named) = named else {
+            shape.unknown.push(unknown_line(&records[*index], false));
+            continue;
+        };
         let cells = behind_label(&records[*index], has_units);
         if !named.series.fill(cells, named.field.is_angle()) {
             return Err(NoShape::Units { record: records[*index].clone() });
         }
         count = count.max(named.series.cells.len());
-        if named.aspect == Aspect::Value {
-            named_lines.push((named.series.cells.len(), *index));
+        found.push((named, &records[*index]));
+    }
+    for (mut named, record) in found {
+        let cells = &mut named.series.cells;
+        if has_places && (above == count || record.cells.len() > count) {
+            // a cell that is not filled is that of a part
+            cells.resize(count, Cell::default());
+        } else if named.aspect == Aspect::Value && cells.len() != count {
+            return Err(NoShape::Ragged { record: record.clone(), expected: count + 1 });
         }
         shape.take(named)?;
     }
-    if let Some((_, index)) = named_lines.iter().find(|(cells, _)| *cells != count) {
-        return Err(NoShape::Ragged { record: records[*index].clone(), expected: count + 1 });
-    }
-    let lines = Lines { first: labels[0], last: labels[labels.len() - 1], count, has_units, want };
+    let follows = |index: &usize| records[*index].line == records[index - 1].line + 1;
+    let last = labels[labels.len() - 1];
+    let right_below = (last + 1..records.len()).take_while(follows).last().unwrap_or(last);
+    let lines = Lines { first: labels[0], last, right_below, count, has_units, want };
     for (index, record) in records.iter().enumerate().filter(|(index, _)| !labels.contains(index)) {
         lines.take_other(index, record, &mut shape)?;
     }
@@ -91,11 +109,22 @@ pub(super) fn by_label(records: &[Record], labels: &[usize], want: &Want) -> Res
     Ok(shape)
 }
 
+/// How many parts a line above the labels names.
+fn parts_above(above: &[Record], has_units: bool, want: &Want) -> usize {
+    let names_parts = |record: &&Record| {
+        let title = record.cells.first().map(Cell::text).unwrap_or_default();
+        heading(&title, &want.own).is_some_and(|heading| heading.fields.first().is_some_and(|field| field.is_index()))
+    };
+    above.iter().filter(names_parts).map(|record| behind_label(record, has_units).len()).max().unwrap_or(0)
+}
+
 /// The lines that begin with known names.
 struct Lines<'a> {
     /// The first of their records, and the last.
     first: usize,
     last: usize,
+    /// The last record that stands right below them.
+    right_below: usize,
     /// Values of each.
     count: usize,
     /// Whether a column of units stands behind the names.
@@ -104,6 +133,13 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
+    /// Whether a record stands among the values, or right below them with a number that has decimals.
+    fn is_among(&self, index: usize, record: &Record) -> bool {
+        let has_decimals = |cell: &Cell| cell.is_number() && cell.text().trim_end_matches('.').contains(['.', ',']);
+        (self.first < index && index < self.last)
+            || (self.last < index && index <= self.right_below && record.cells.iter().skip(1).any(has_decimals))
+    }
+
     /// Takes a record among them, above or below.
     fn take_other(&self, index: usize, record: &Record, shape: &mut Shape) -> Result<(), NoShape> {
         if record.says_nothing() {
@@ -129,7 +165,7 @@ impl Lines<'_> {
                 shape.take(Named { field, aspect: Aspect::Value, holds: None, series })?;
             }
             _ if record.numbers() > 0 && !record.cells[0].is_measure() && !is_part_name(&title) => {
-                shape.unknown.push(unknown_line(record, self.first < index && index < self.last));
+                shape.unknown.push(unknown_line(record, self.is_among(index, record)));
             }
             // a value whose name is not there
             _ if record.cells.iter().all(|cell| unit_in(&cell.text()).is_some_and(|unit| is_unit(&unit))) => {

@@ -20,13 +20,14 @@ pub(crate) use labels::uncounted;
 pub(crate) use refusal::{NoShape, located};
 
 use std::borrow::Cow;
+use std::collections::{BTreeSet, HashSet};
 
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Aspect, Field, Role, ValueKind, role, split_unit};
+use super::names::{Aspect, Field, Role, ValueKind, is_statistic, role, split_unit};
 use super::reading::AsideReading;
-use super::strangers::could_be_measured;
+use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
 use bare::without_names;
 use characteristics::{by_characteristic, find_characteristics};
@@ -55,38 +56,6 @@ pub(crate) struct Measurement {
     pub(crate) holds: Option<ValueKind>,
     pub(crate) value: Series,
     pub(crate) beside: Companions<Series>,
-}
-
-/// A column or line that names nothing known.
-#[derive(Debug, Clone)]
-pub(crate) struct Unknown {
-    pub(crate) title: String,
-    /// `column 4`, `line 7`.
-    pub(crate) place: String,
-    /// Its place in a record, if it is a column.
-    pub(crate) column: Option<usize>,
-    /// The unit that stands below its heading or beside it.
-    pub(crate) unit: Option<String>,
-    pub(crate) cells: Vec<Cell>,
-    /// Whether it is a measurement because of where it stands: a row of a table of characteristics.
-    pub(crate) is_measurement: bool,
-}
-
-impl Unknown {
-    pub(crate) fn column(title: &str, column: usize, cells: Vec<Cell>) -> Self {
-        let place = format!("column {}", column + 1);
-        Self { title: title.to_owned(), place, column: Some(column), unit: None, cells, is_measurement: false }
-    }
-
-    /// A line with a name in front of its cells.
-    pub(crate) fn line(title: &str, line: u64, cells: Vec<Cell>) -> Self {
-        let place = format!("line {line}");
-        Self { title: title.to_owned(), place, column: None, unit: None, cells, is_measurement: false }
-    }
-
-    pub(crate) fn measured(self, is_measurement: bool) -> Self {
-        Self { is_measurement, ..self }
-    }
 }
 
 /// A text as a table.
@@ -158,11 +127,14 @@ impl Shape {
             Some(Role::Unit) => &mut beside.unit,
             _ => return false,
         };
-        if slot.is_some() {
+        let (name, unit) = split_unit(title);
+        let cells = cells(place);
+        // a largest value that changes from part to part is measured, and no tolerance
+        let changes = || cells.windows(2).any(|pair| pair[0].text() != pair[1].text());
+        if slot.is_some() || is_statistic(&name) && changes() {
             return false;
         }
-        let (_, unit) = split_unit(title);
-        *slot = Some(Series { title: title.to_owned(), place, unit, cells: cells(place) });
+        *slot = Some(Series { title: title.to_owned(), place, unit, cells });
         true
     }
 
@@ -200,6 +172,30 @@ impl Shape {
         self.unknown.retain(|unknown| unknown.column.is_none_or(|at| !taken.contains(&at)));
     }
 
+    /// Gives the only column of units to every value that says no unit of its own.
+    fn share_units(&mut self) {
+        let units = || self.measurements.iter().filter_map(|measurement| measurement.beside.unit.as_ref());
+        let (Some(shared), None) = (units().next().cloned(), units().nth(1)) else { return };
+        for measurement in self.measurements.iter_mut().filter(|measurement| measurement.value.unit.is_none()) {
+            measurement.beside.unit.get_or_insert_with(|| shared.clone());
+        }
+    }
+
+    /// Takes a first column without a name as the names of the parts, if each is another.
+    fn take_nameless(&mut self) {
+        let is_name = |unknown: &Unknown| {
+            let names: HashSet<_> = unknown.cells.iter().map(Cell::text).collect();
+            let says_nothing = unknown.cells.iter().any(Cell::is_missing);
+            unknown.column == Some(0) && unknown.title.is_empty() && !says_nothing && names.len() == unknown.cells.len()
+        };
+        if self.ids.is_none()
+            && self.index.is_none()
+            && let Some(at) = self.unknown.iter().position(is_name)
+        {
+            self.ids = Some(Series { cells: self.unknown.remove(at).cells, ..Series::default() });
+        }
+    }
+
     /// Takes a column that holds nothing but units as those of the unknown column before it.
     fn take_units_beside(&mut self) {
         let units = |unknown: &Unknown| -> Option<(usize, String)> {
@@ -220,7 +216,7 @@ impl Shape {
         let would_be = |unknown: &&Unknown| {
             let with_number = Unknown { cells: vec![Cell::of_text("0", 0..0)], ..(*unknown).clone() };
             let has_numbers = unknown.cells.iter().any(Cell::is_number);
-            !has_numbers && !want.ignores(&unknown.title) && could_be_measured(&with_number)
+            !has_numbers && !want.ignores(&unknown.title) && with_number.could_be_measured()
         };
         self.unknown.iter().filter(would_be).filter_map(|unknown| unknown.column).collect()
     }
@@ -295,8 +291,10 @@ pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Re
     if let Some(columns) = columns_of_no_part(&inner, &labels) {
         return Err(columns);
     }
-    if labels.len() > named || (labels.len() == 1 && named <= 1 && header.is_none()) {
-        return by_label(&inner, &labels, want);
+    // the name of a part stands in front of each of its teeth, a label in front of one line
+    let texts: BTreeSet<_> = labels.iter().map(|index| inner[*index].cells[0].text()).collect();
+    if texts.len() > named || (labels.len() == 1 && named <= 1 && header.is_none()) {
+        return by_label(&inner, &labels, separator, want);
     }
     if let Some(header) = header {
         return by_header(records, &header, separator, want);
@@ -334,5 +332,13 @@ pub(crate) fn aside(record: &Record) -> AsideReading {
 /// A line with a name and numbers that is not known.
 pub(crate) fn unknown_line(record: &Record, is_measurement: bool) -> Unknown {
     let title = record.cells.first().map(|cell| cell.text().into_owned()).unwrap_or_default();
-    Unknown::line(&title, record.line, record.cells.iter().skip(1).cloned().collect()).measured(is_measurement)
+    // a unit stands before the values, or behind the first one
+    let before = record.cells.get(1).map(|cell| bare_unit(&cell.text()).to_owned()).filter(|unit| is_unit(unit));
+    let behind = || {
+        let pair = record.cells.windows(2).find(|pair| pair[0].is_number())?;
+        Some(pair[1].text().trim().to_owned()).filter(|unit| is_unit(unit) || is_foreign_unit(unit))
+    };
+    let unit = before.or_else(behind);
+    let cells = record.cells.iter().skip(1).cloned().collect();
+    Unknown { unit, ..Unknown::line(&title, record.line, cells).measured(is_measurement) }
 }

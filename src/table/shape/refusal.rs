@@ -24,7 +24,7 @@ pub(crate) enum NoShape {
     Twice { heading: Cell, field: Field },
     /// Numbers without names, and a count that does not fit what is expected.
     Count { columns: usize, rows: usize, span: std::ops::Range<usize> },
-    /// A characteristic whose rows have different units.
+    /// Values that have different units in different places.
     Units { record: Record },
     /// A column of nominal values or tolerances, and none of which it is clear that it holds a part's values.
     NoPart { heading: Cell },
@@ -82,8 +82,8 @@ impl NoShape {
                 )
             }
             Self::Units { record } => {
-                error(format!("line {}: the unit is another than in the rows of the same name", record.line))
-                    .help("write the same unit in all of them")
+                error(format!("line {}: the unit here is another than elsewhere for the same values", record.line))
+                    .help("write the same unit in the heading, below it, beside it and in every row")
             }
             Self::Twice { heading, field } => {
                 let key = field.key();

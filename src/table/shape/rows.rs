@@ -1,10 +1,11 @@
 //! Tables with a header: each row below it is a part, a space or a tooth.
 
 use super::headings::{Headings, headings, known, names_value};
-use super::{NoShape, Series, Shape, Unknown, aside, has_digit};
+use super::{NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
-use crate::table::grid::{Separator, bare_unit, is_unit};
-use crate::table::names::{heading, is_context, is_evaluation_length, split_unit};
+use crate::table::grid::{Separator, bare_unit, differ, is_unit};
+use crate::table::names::{heading, is_context, is_evaluation_length, is_statistic, split_unit};
+use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
 pub(super) struct Header {
@@ -157,7 +158,11 @@ pub(super) fn by_header(
     };
     for (place, (cell, named)) in header.cells.iter().zip(named).enumerate() {
         if let Some(mut named) = named {
-            named.series.unit = named.series.unit.take().or_else(|| unit_of(place));
+            let below = unit_of(place);
+            if let Some(record) = units.filter(|_| differ(named.series.unit.as_deref(), below.as_deref())) {
+                return Err(NoShape::Units { record: records[record].clone() });
+            }
+            named.series.unit = named.series.unit.take().or(below);
             named.series.cells = column(place);
             shape.take(named)?;
         } else if has_lead && is_evaluation_length(&cell.text()) && !want.ignores(&cell.text()) {
@@ -172,6 +177,8 @@ pub(super) fn by_header(
     }
     shape.take_units_before();
     shape.take_units_beside();
+    shape.share_units();
+    shape.take_nameless();
     shape.lines = rows.iter().map(|row| row.line).collect();
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
@@ -207,7 +214,7 @@ fn is_unit_row(record: &Record) -> bool {
 }
 
 /// How many records are rows: the table ends with the last line that has as many cells as it has columns and a number in
-/// one of them, and with those right below it that look like a part whose values cannot be read.
+/// one of them, or that looks like a part whose values cannot be read.
 fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
     let words = matches!(separator, Separator::Blanks | Separator::Lines);
     let fits = |record: &Record| {
@@ -216,19 +223,30 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
         let says_missing = || count == width && !record.says_nothing() && record.cells.iter().any(is_missing);
         (count > 1 || width == 1) && (count == width || !words) && (record.numbers() > 0 || says_missing())
     };
-    let end = below.iter().rposition(fits).map_or(0, |index| index + 1);
-    let Some(last) = end.checked_sub(1) else { return end };
-    let is_part = |record: &&Record| {
-        let first = record.cells.first().map(Cell::text).unwrap_or_default();
-        let word = first.split_whitespace().next().unwrap_or_default();
-        let is_name = has_digit(&first) && !first.contains(':') && !is_context(word);
-        let is_whole = record.cells.len() == width && record.filled().len() > 1;
-        !record.says_nothing() && !is_unit_row(record) && (is_whole || is_name)
-    };
-    let follows = |(above, record): (&Record, &Record)| record.line == above.line + 1;
-    let right_below = below[end..]
-        .iter()
-        .enumerate()
-        .take_while(|(index, record)| follows((&below[last + index], record)) && is_part(record));
-    end + right_below.count()
+    let Some(last) = below.iter().rposition(fits) else { return 0 };
+    let mut end = last + 1;
+    for (index, record) in below.iter().enumerate().skip(end) {
+        let follows = end == index && record.line == below[index - 1].line + 1;
+        if is_part(record, width, words, follows) {
+            end = index + 1;
+        }
+    }
+    end
+}
+
+/// Whether a record without numbers looks like a part: its name, and a cell for each column. What stands apart from the
+/// rows is a part only if there are digits in it.
+fn is_part(record: &Record, width: usize, words: bool, follows: bool) -> bool {
+    let first = record.cells.first().map(Cell::text).unwrap_or_default();
+    let word = first.split_whitespace().next().unwrap_or_default();
+    let is_numbered = has_digit(&first) && !first.contains(':') && !is_context(word);
+    let is_whole = record.cells.len() == width && width > 1;
+    if record.says_nothing() || is_unit_row(record) || is_statistic(&first) {
+        return false;
+    }
+    let is_name = !first.is_empty() && first.trim() == word && !first.contains(':') && !is_context(word);
+    if follows {
+        return is_numbered || is_whole && (record.filled().len() > 1 || is_name && !words);
+    }
+    is_whole && is_name && !words && record.cells.iter().any(|cell| has_digit(&cell.text()))
 }

@@ -65,7 +65,7 @@ fn a_unit_that_nothing_tells_or_that_is_none_is_refused() {
     assert!(assumed("rack_pitch", &want) && assumed("RACK_PITCH_deviation", &want) && !assumed("rack_pitch_mm", &want));
     let named = Want { own: vec![("Wert 7".to_owned(), Field::Error(DeviationKind::RackPitch))], ..Want::default() };
     assert!(assumed("Wert 7", &named));
-    let micrometres = Given { unit: Unit::from_symbol("um"), ..given(DeviationKind::RackPitch, None) };
+    let micrometres = GivenColumn { unit: Unit::from_symbol("um"), ..given(DeviationKind::RackPitch, None) };
     let stated = Want { given: vec![micrometres], ..want };
     assert_eq!(value("Teilung Zahnstange", "2", &stated), "P1: rack_pitch 0.002 mm");
     let contradicted = value("Teilung Zahnstange [mm]", "2", &stated);
@@ -128,7 +128,7 @@ fn a_nominal_value_in_the_table_and_another_in_the_spec() {
 fn the_deviation_of_the_helix_in_micrometres() {
     let want = asks(&[DeviationKind::RackLead]);
     let face = Want { face_width: Some("18".parse().unwrap()), ..want.clone() };
-    let length = Given { length: Some("18".parse().unwrap()), ..given(DeviationKind::RackLead, None) };
+    let length = GivenColumn { length: Some("18".parse().unwrap()), ..given(DeviationKind::RackLead, None) };
     let stated = Want { given: vec![length], ..want.clone() };
     // atan(20 µm / 18 mm)
     let slope = "P1: rack_lead 0.063661951038433°";
@@ -163,7 +163,7 @@ fn characteristics_that_contradict_themselves() {
         ),
         (
             "part;id;actual;unit\n1;rack_pitch;0.016;mm\n2;rack_pitch;17;um\n",
-            "block:3:1: error[bad-table]: line 3: the unit is another than",
+            "block:3:1: error[bad-table]: line 3: the unit here is another than",
         ),
         (
             "Merkmal;Ist;Einheit\nTeilung Zahnstange;3;\n",

@@ -136,9 +136,10 @@ fn the_refusal_lists_all_of_them_with_both_remedies() {
     );
     assert_eq!(
         refused.help.unwrap(),
-        "say in the spec what it is, under [batch.columns]: rack_pitch = { name = \"rack_pich\", unit = \"um\" }; rack_pitch = \
+        "say in the spec what it is, under [batch.columns]: rack_pitch = { name = \"rack_pich\", unit = \"um\" }; KEY = \
          { name = \"Taster \\\"3\\\"\", unit = \"mm\" }; or leave it out: [batch] ignore = [\"rack_pich\", \
-         \"Taster \\\"3\\\"\"], or on the command line --ignore 'rack_pich' --ignore 'Taster \"3\"'"
+         \"Taster \\\"3\\\"\"], or on the command line --ignore 'rack_pich' --ignore 'Taster \"3\"'; KEY is one of \
+         rack_over_roller, rack_pitch, rack_lead, pinion_radial, pinion_pitch, pinion_lead"
     );
     assert_eq!(refusal(&[], &[DeviationKind::RackPitch]), None);
 }

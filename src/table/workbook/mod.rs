@@ -12,7 +12,7 @@ mod range;
 mod xml;
 
 pub(crate) use format::Shown;
-pub use range::CellRange;
+pub use range::{CellRange, NoCellRange};
 
 use std::collections::HashMap;
 use std::io::{self, Cursor, Read as _};

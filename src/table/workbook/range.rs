@@ -26,11 +26,16 @@ impl CellRange {
     }
 }
 
-impl std::str::FromStr for CellRange {
-    type Err = String;
+/// A text that is no range of cells.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a range of cells: write A1:F200, B:F or 3:90")]
+pub struct NoCellRange(String);
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let bad = || format!("`{text}` is not a range of cells: write A1:F200, B:F or 3:90");
+impl std::str::FromStr for CellRange {
+    type Err = NoCellRange;
+
+    fn from_str(text: &str) -> Result<Self, NoCellRange> {
+        let bad = || NoCellRange(text.to_owned());
         let (from, to) = text.split_once(':').unwrap_or((text, text));
         let whole = Self::default();
         let (from, to) = (corner(from).ok_or_else(bad)?, corner(to).ok_or_else(bad)?);

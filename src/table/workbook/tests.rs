@@ -4,7 +4,11 @@ use crate::table::{Container, Source, Want};
 
 /// The names of the columns, and the row, name and values of each part, or the problem with its help.
 fn rows(bytes: &[u8], sheet: Option<&str>, range: &str) -> Result<Vec<String>, String> {
-    let range = if range.is_empty() { CellRange::default() } else { range.parse()? };
+    let range = if range.is_empty() {
+        CellRange::default()
+    } else {
+        range.parse().map_err(|error: NoCellRange| error.to_string())?
+    };
     let want = Want { sheet: sheet.map(str::to_owned), range, ..Want::default() };
     let in_words = |Diagnostics(problems): Diagnostics| {
         let problem = &problems[0];

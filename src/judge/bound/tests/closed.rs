@@ -6,7 +6,7 @@ use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
     Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, Geometry, GivenGeometry, GivenPair, Knowledge,
-    KnownPairs, Note, Open, Range, bound, moments,
+    KnownPairs, NoBound, Note, Range, bound, moments,
 };
 use crate::mesh::Support;
 use crate::quantity::{Angle, Length};
@@ -117,7 +117,7 @@ fn every_pitch_of_the_papers_rack_adds_up() {
     }
     let one = of(pair, &[error(&pair, 1, Extent::One, 0.012)]);
     near(one.errors[0].unwrap().upper_mm, step);
-    assert_eq!(unknown(&[error(&pair, 1, Extent::All, 0.012)]).total, Err(Open::TeethInContactUnknown));
+    assert_eq!(unknown(&[error(&pair, 1, Extent::All, 0.012)]).total, Err(NoBound::TeethInContactUnknown));
 }
 
 /// A rack step and a pinion step of 20 µm, each 0 to 27.5 µm alone, reach −24.8 µm together in the mesh.
@@ -221,7 +221,7 @@ fn what_a_known_pair_is_for() {
     let pairs = KnownPairs::new(GivenPair::plain(pair));
     let knowledge =
         Knowledge { geometry: Geometry::Known(pairs.for_errors(&small, None).unwrap()), ..Knowledge::default() };
-    assert_eq!(bound(&large, &knowledge).total, Err(Open::BeyondReach));
+    assert_eq!(bound(&large, &knowledge).total, Err(NoBound::BeyondReach));
     let support = Support::FreeRoll { axis_depth_mm: 8.0 };
     let step = [error(&pair, 1, Extent::One, 0.02)];
     let rolling = of_given(GivenPair { support, ..GivenPair::plain(pair) }, &step);

@@ -1,7 +1,6 @@
 //! One error alone at the worst places that a search finds: the upper end is reached.
 
 use super::random::{self, Random};
-use crate::judge::bound::field::thickness_offset;
 use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPairs, bound};
 use crate::judge::reached::reached;
 use crate::parallel;
@@ -39,11 +38,11 @@ fn tried(seed: u64) -> Option<Tried> {
     let short = total.upper - highest;
     let text = format!(
         "seed {seed}: {short:.6} short of {upper_mm:.6}; own {:?} path {:?} {:?}",
-        known.own_mm(),
+        known.own,
         known.nominal_path(),
         drawn.error
     );
-    let undercut = known.own_mm().upper - thickness_offset(&pair);
+    let undercut = known.own.range.upper - known.own.of_lines;
     let plain = undercut < 1e-9;
     Some(Tried {
         plain,
@@ -67,7 +66,6 @@ fn the_upper_end_of_one_error_is_reached() {
     let plain: Vec<_> = results.iter().filter(|tried| tried.plain).collect();
     println!("without undercut: {} of {}", plain.iter().filter(|tried| tried.reached).count(), plain.len());
     println!("{reached} of {} reach their upper end", results.len());
-    // with undercut what errors and the pair itself lift most need not come at one stroke
     assert!(10 * plain.iter().filter(|tried| tried.reached).count() >= 9 * plain.len());
-    assert!(10 * reached >= 8 * results.len());
+    assert!(10 * reached >= 9 * results.len());
 }

@@ -1,0 +1,109 @@
+//! Where the results of a run go, and what is kept of them, table after table. Shared by tables of parts and tables of teeth.
+
+use std::io::{self, Write};
+
+use super::columns::ResultColumns;
+use super::outcome::{KeptPart, Outcome};
+use super::pack::Packing;
+use super::statistics::Statistics;
+use crate::table::Encoding;
+
+/// Where results go.
+#[derive(Default)]
+pub struct Sinks<'a> {
+    /// The rows.
+    pub rows: Option<RowSink<'a>>,
+    /// The rejected rows.
+    pub rejects: Option<Sink<'a>>,
+}
+
+/// Where rows go.
+pub enum RowSink<'a> {
+    /// Text.
+    Text(Sink<'a>),
+    /// Columns, for a plan whose rows are [`RowFormat::Columns`](super::RowFormat::Columns).
+    Columns(&'a mut dyn ColumnSink),
+}
+
+/// Takes rows in columns.
+pub trait ColumnSink: Send {
+    /// Takes the next rows.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    fn take(&mut self, rows: ResultColumns) -> io::Result<()>;
+}
+
+impl Sinks<'_> {
+    /// Writes what waits in the writers.
+    pub(super) fn flush(self) -> io::Result<()> {
+        let rows = match self.rows {
+            Some(RowSink::Text(sink)) => Some(sink),
+            Some(RowSink::Columns(_)) | None => None,
+        };
+        let rows = rows.map_or(Ok(()), |sink| sink.writer.flush());
+        let rejects = self.rejects.map_or(Ok(()), |sink| sink.writer.flush());
+        rows.and(rejects)
+    }
+}
+
+/// A writer, and how what goes there is packed.
+pub struct Sink<'a> {
+    /// Where the bytes go.
+    pub writer: &'a mut (dyn Write + Send),
+    /// How they are packed.
+    pub packing: Packing,
+}
+
+/// What a run writes and keeps, table after table.
+pub(super) struct Ledger<'a> {
+    pub(super) sinks: Sinks<'a>,
+    pub(super) outcome: Outcome,
+    pub(super) worst: Vec<KeptPart>,
+    /// The header that the rejected rows written so far have.
+    rejects_header: Option<Vec<u8>>,
+    wrote_header: bool,
+}
+
+impl<'a> Ledger<'a> {
+    /// An empty one, with statistics of these quantities.
+    pub(super) fn new(sinks: Sinks<'a>, quantities: Option<Vec<String>>) -> Self {
+        let quantities = quantities.unwrap_or_default();
+        let statistics = vec![Statistics::default(); quantities.len()];
+        let outcome = Outcome { statistics, quantities, ..Outcome::default() };
+        Self { sinks, outcome, worst: Vec::new(), rejects_header: None, wrote_header: false }
+    }
+
+    /// Writes what stands before the first row, or before the first rejected row of another header.
+    pub(super) fn start(
+        &mut self,
+        names: impl FnOnce() -> Vec<u8>,
+        encoding: Encoding,
+        header: &[u8],
+    ) -> io::Result<()> {
+        if let Some(RowSink::Text(rows)) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
+            rows.writer.write_all(&rows.packing.pack(names())?)?;
+            self.wrote_header = true;
+        }
+        if let Some(rejects) = &mut self.sinks.rejects
+            && self.rejects_header.as_deref() != Some(header)
+        {
+            let mark = if self.rejects_header.is_none() { encoding.mark() } else { b"" };
+            let start = [mark, &encoding.original(header)].concat();
+            rejects.writer.write_all(&rejects.packing.pack(start)?)?;
+            self.rejects_header = Some(header.to_vec());
+        }
+        Ok(())
+    }
+
+    /// Whether the run has come to its end before that of the input: in strict mode at the first rejected row.
+    pub(super) fn is_over(&self, is_strict: bool) -> bool {
+        self.outcome.interrupted || (is_strict && self.outcome.counts.rejected > 0)
+    }
+
+    /// Ends the run: what it came to.
+    pub(super) fn finish(mut self) -> (Outcome, io::Result<()>) {
+        self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
+        (self.outcome, self.sinks.flush())
+    }
+}

@@ -1,0 +1,136 @@
+//! The errors of each part that the plan needs, and the columns that they are read from. Made by the plan; reads no row.
+
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::{Law, PartDeviation};
+use crate::judge::bound::ExtendedError;
+use crate::judge::{LimitTarget, Limits};
+use crate::spec::{Reading, Spec};
+use crate::table::{Column, Field, Nominal, Table, is_called};
+
+/// How many kinds of error there are.
+pub(super) const KINDS: usize = DeviationKind::ALL.len();
+
+/// One error of each part.
+#[derive(Debug, Clone)]
+pub(super) struct Source {
+    pub(super) law: Law,
+    /// The error on its teeth, for the bound.
+    pub(super) extended: ExtendedError,
+    /// Whether it has a limit of its own.
+    pub(super) is_limited: bool,
+    pub(super) reading: Reading,
+    /// The value that every part has; `None` if it is read from the table.
+    pub(super) of_every_part: Option<DeviationValue>,
+}
+
+impl Source {
+    /// Of an error of any value.
+    fn new(error: &PartDeviation, reading: Reading, limits: &Limits) -> Result<Self, Diagnostic> {
+        let kind = error.kind();
+        // zero is in every domain: only an extent may not fit
+        let extended = ExtendedError::of(&error.with_value(DeviationValue::zero(kind)))
+            .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
+        let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
+        Ok(Self { law: error.law(), extended, is_limited, reading, of_every_part: None })
+    }
+}
+
+/// The columns of errors that the table has, in the paper's order.
+pub(super) fn error_columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t Column>, Diagnostics> {
+    let mut found = Vec::new();
+    let mut diagnostics = Vec::new();
+    for kind in DeviationKind::ALL {
+        let promised = spec.batch_column(kind).and_then(|column| column.value.name.as_deref());
+        match table.columns.iter().find(|column| column.kind == Some(kind)) {
+            Some(column) if promised.is_none_or(|name| is_called(&column.title, name)) => found.push(column),
+            None if promised.is_none() => {}
+            // a column of another name is not the one that the spec means
+            _ => diagnostics.push(missing(spec, table, kind)),
+        }
+    }
+    if let Some(name) = spec.part_id_column()
+        && !table.titles.is_empty()
+        && !table.titles.iter().any(|title| is_called(title, name) || title == Field::PartId.key())
+    {
+        let message = format!("{} has no column `{name}` for [batch.columns] part_id", table.name);
+        diagnostics
+            .push(Diagnostic::error(Code::BadTable, message).help(format!("it has {}", table.titles_in_words())));
+    }
+    if !diagnostics.is_empty() {
+        return Err(Diagnostics(diagnostics));
+    }
+    if found.is_empty() {
+        return Err(no_column(table).into());
+    }
+    Ok(found)
+}
+
+/// The errors that are needed, each of a column or with the value that every part has.
+pub(super) fn sources(
+    spec: &Spec,
+    needed: &[DeviationKind],
+    columns: &[&Column],
+    of_every_part: &[PartDeviation],
+    limits: &Limits,
+) -> Result<Vec<Source>, Diagnostics> {
+    let (mut sources, mut diagnostics) = (Vec::new(), Vec::new());
+    for kind in needed {
+        let of_every_part = of_every_part.iter().find(|error| error.kind() == *kind);
+        let (error, reading) = if let Some(error) = of_every_part {
+            (*error, Reading::Deviation)
+        } else {
+            let Some(column) = columns.iter().find(|column| column.kind == Some(*kind)) else { continue };
+            match spec.law(*kind, &format!("the column of `{}`", kind.key())) {
+                Ok(law) => (spec.extended(PartDeviation::new(law, DeviationValue::zero(*kind))), reading(column)),
+                Err(problems) => {
+                    diagnostics.extend(problems.0);
+                    continue;
+                }
+            }
+        };
+        match Source::new(&error, reading, limits) {
+            Ok(source) => sources.push(Source { of_every_part: of_every_part.map(PartDeviation::value), ..source }),
+            Err(problem) => diagnostics.push(problem),
+        }
+    }
+    if diagnostics.is_empty() {
+        return Ok(sources);
+    }
+    diagnostics.dedup();
+    Err(Diagnostics(diagnostics))
+}
+
+/// What a column's numbers are.
+fn reading(column: &Column) -> Reading {
+    match column.nominal {
+        Nominal::Fixed(nominal) => Reading::Measured(nominal),
+        Nominal::None | Nominal::Beside => Reading::Deviation,
+    }
+}
+
+fn no_column(table: &Table) -> Diagnostic {
+    let message = format!("{} has no column of an error that is known", table.name);
+    let known: Vec<_> = DeviationKind::ALL.into_iter().map(DeviationKind::key).collect();
+    let help = format!(
+        "it has {}; name its columns {}, or say what they are: [batch.columns] rack_pitch = {{ name = \"…\" }}",
+        table.titles_in_words(),
+        known.join(", ")
+    );
+    Diagnostic::error(Code::BadTable, message).help(help)
+}
+
+/// A column that the spec promises or the run needs is not there.
+pub(super) fn missing(spec: &Spec, table: &Table, kind: DeviationKind) -> Diagnostic {
+    let column = spec.batch_column(kind);
+    let name = column.and_then(|column| column.value.name.as_deref()).unwrap_or(kind.key());
+    let diagnostic = Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", table.name)).help(format!(
+        "it has {}; name another: [batch.columns] {} = {{ name = \"…\" }}",
+        table.titles_in_words(),
+        kind.key()
+    ));
+    match column {
+        Some(column) => diagnostic.at(&spec.source, column.span.clone(), "promised here"),
+        None => diagnostic,
+    }
+}

@@ -1,0 +1,73 @@
+//! The files that belong to a spec, and why its mesh has no solution. Shared by the subcommands that solve one.
+
+use std::path::{Path, PathBuf};
+
+use super::output::Failure;
+use super::tables;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mesh::MeshError;
+use crate::spec::{Located, MeasuredTables, Spec, keys};
+use crate::table::{self, Source, Teeth};
+
+/// Why there is no solution.
+pub(super) fn unsolved(error: &MeshError) -> Failure {
+    let diagnostic = Diagnostic::error(Code::NoMesh, error.to_string());
+    match error {
+        MeshError::NoContact { .. } => diagnostic
+            .help("check the diameters, the addendum and the deviations: the teeth do not reach each other")
+            .into(),
+        MeshError::TipOnTip { .. } => diagnostic
+            .help("check the tooth thicknesses and the deviations: the teeth are wider than the spaces")
+            .into(),
+        _ => diagnostic.into(),
+    }
+}
+
+/// Where a table is that a spec names, relative to the spec's own folder.
+fn table_path(spec_path: &str, name: &str) -> PathBuf {
+    Path::new(spec_path).parent().unwrap_or(Path::new("")).join(name)
+}
+
+/// The files that are read for a spec: itself and the tables that it names.
+pub(super) fn files_read(spec: &Spec, spec_path: &str) -> Vec<String> {
+    let tables = [keys::RACK_MEASURED, keys::PINION_MEASURED].into_iter().filter_map(|key| spec.get(key));
+    let paths = tables.map(|table| table_path(spec_path, &table).display().to_string());
+    std::iter::once(spec_path.to_owned()).chain(paths).collect()
+}
+
+/// Every file that is read for a spec and tables of parts.
+pub(super) fn inputs(spec: &Spec, spec_path: &str, tables: &[impl AsRef<str>]) -> Vec<String> {
+    let tables = tables.iter().flat_map(|table| tables::files_read(table.as_ref()));
+    files_read(spec, spec_path).into_iter().chain(tables).collect()
+}
+
+/// Reads the tables that a spec names.
+pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTables, Failure> {
+    let read = |file: &Located<String>| -> Result<Teeth, Failure> {
+        let path = table_path(spec_path, &file.value);
+        let opened = std::fs::File::open(&path).map_err(|error| {
+            Diagnostic::error(Code::FileAccess, format!("cannot read {}: {error}", path.display()))
+                .at(&spec.source, file.span.clone(), "")
+                .help("paths are relative to the spec")
+        })?;
+        Ok(table::of_one_part(&path.display().to_string(), Source::File(opened), &spec.want())?)
+    };
+    let wrong = |file: &Located<String>, what: &str| {
+        let message = format!("{} holds no {what}", file.value);
+        Failure::from(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span.clone(), ""))
+    };
+    let mut tables = MeasuredTables::default();
+    if let Some(file) = &spec.values.located(keys::RACK_MEASURED) {
+        match read(file)? {
+            Teeth::Rack(rack) => tables.rack = Some(rack),
+            Teeth::Pinion(_) => return Err(wrong(file, "spaces of a rack")),
+        }
+    }
+    if let Some(file) = &spec.values.located(keys::PINION_MEASURED) {
+        match read(file)? {
+            Teeth::Pinion(pinion) => tables.pinion = Some(pinion),
+            Teeth::Rack(_) => return Err(wrong(file, "teeth of a pinion")),
+        }
+    }
+    Ok(tables)
+}

@@ -1,0 +1,113 @@
+//! What undercut lifts at the stroke at which an error does: both need not come together. Made once for a pair with
+//! undercut; knows no error's size.
+//!
+//! A right flank of tooth i and a left one of tooth j, n = i − j apart, lift together by ½(ν'(p) + ν'(−p − n)) at most beyond
+//! their lines, over all places p on the path of the first, where lines carry at every stroke. Steps between both lift in
+//! proportion to n.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::deviation::{Extent, Part};
+
+/// Parts of a pitch in which the field of contact is looked at.
+pub(super) const CELLS: i32 = 96;
+
+/// What a right flank asks for at most in one part of its path.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    pub(super) index: i32,
+    pub(super) most: f64,
+}
+
+/// What undercut lifts: computed when it is first asked for.
+#[derive(Debug, Clone)]
+pub(super) enum Undercut {
+    /// Nothing, or nothing that is known to share a stroke with an error.
+    None,
+    /// What flanks lift together.
+    Table(Arc<OnceLock<UndercutTable>>),
+}
+
+impl Undercut {
+    /// To be computed.
+    pub(super) fn not_yet() -> Self {
+        Self::Table(Arc::new(OnceLock::new()))
+    }
+
+    pub(super) fn is_some(&self) -> bool {
+        matches!(self, Self::Table(_))
+    }
+
+    /// The table, computed of the parts of a right flank's path if it is not there yet.
+    pub(super) fn table(&self, cells: impl FnOnce() -> Vec<Cell>) -> Option<&UndercutTable> {
+        match self {
+            Self::None => None,
+            Self::Table(table) => Some(table.get_or_init(|| UndercutTable::new(&cells()))),
+        }
+    }
+}
+
+/// Two tables of one pair for one reach are alike.
+impl PartialEq for Undercut {
+    fn eq(&self, other: &Self) -> bool {
+        self.is_some() == other.is_some()
+    }
+}
+
+/// What two flanks lift together beyond their lines, by the teeth between them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct UndercutTable {
+    /// The teeth from the left flank's to the right one's, and the most that both ask for, mm.
+    apart: Vec<FlanksApart>,
+}
+
+/// Two flanks some teeth apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct FlanksApart {
+    teeth: i32,
+    most: f64,
+}
+
+impl UndercutTable {
+    fn new(cells: &[Cell]) -> Self {
+        let at = |index: i32| cells.iter().find(|cell| cell.index == index).map(|cell| cell.most);
+        let (Some(first), Some(last)) = (cells.first(), cells.last()) else { return Self { apart: Vec::new() } };
+        // the left flank's place is −p − n: on the path for these n
+        let teeth = -2 * last.index.div_euclid(CELLS) - 3..=-2 * first.index.div_euclid(CELLS) + 3;
+        let most = |teeth: i32| {
+            let sum = |cell: &Cell| Some(0.5 * (cell.most + at(-cell.index - teeth * CELLS - 1)?));
+            cells.iter().filter_map(sum).reduce(f64::max).filter(|most| most.is_finite())
+        };
+        Self { apart: teeth.filter_map(|teeth| Some(FlanksApart { teeth, most: most(teeth)? })).collect() }
+    }
+
+    /// What steps of a part lift together with undercut, mm: so many teeth apart they lift by `gain` of the number of steps.
+    pub(super) fn with_steps(&self, part: Part, gain: impl Fn(f64) -> f64) -> f64 {
+        let steps = |teeth: i32| match part {
+            Part::Rack => f64::from(teeth),
+            Part::Pinion => f64::from(teeth + 1),
+        };
+        let of = |apart: &FlanksApart| apart.most + gain(steps(apart.teeth));
+        self.apart.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// What both flanks of one space that sits higher by `value` mm lift together with undercut, or one of them.
+    pub(super) fn with_one_space(&self, part: Part, value: f64) -> f64 {
+        let teeth = match part {
+            Part::Rack => -1,
+            Part::Pinion => 0,
+        };
+        let of = |apart: &FlanksApart| apart.most + if apart.teeth == teeth { value } else { 0.5 * value };
+        self.apart.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The steps of an extent that act of so many between two flanks, the same way or, of `Each`, either way.
+    pub(super) fn acting(extent: Extent, steps: f64) -> f64 {
+        match extent {
+            Extent::One => steps.clamp(0.0, 1.0),
+            Extent::Part => steps.max(0.0),
+            Extent::All => steps,
+            Extent::Each | Extent::Total => steps.abs(),
+        }
+    }
+}

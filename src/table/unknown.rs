@@ -1,0 +1,124 @@
+//! Columns and lines that name nothing known, and whether one could be a measurement. Found by the shape of a table;
+//! decides nothing.
+
+use super::cell::Cell;
+use super::grid::unit_in;
+use super::names::{is_context, is_evaluation_length, is_gear_size, near, split_unit};
+use crate::quantity::Unit;
+
+/// A column or line that names nothing known.
+#[derive(Debug, Clone)]
+pub(crate) struct Unknown {
+    pub(crate) title: String,
+    /// `column 4`, `line 7`.
+    pub(crate) place: String,
+    /// Its place in a record, if it is a column.
+    pub(crate) column: Option<usize>,
+    /// The unit that stands below its heading or beside it.
+    pub(crate) unit: Option<String>,
+    pub(crate) cells: Vec<Cell>,
+    /// Whether it is a measurement because of where it stands: a row of a table of characteristics.
+    pub(crate) is_measurement: bool,
+}
+
+impl Unknown {
+    pub(crate) fn column(title: &str, column: usize, cells: Vec<Cell>) -> Self {
+        let place = format!("column {}", column + 1);
+        Self { title: title.to_owned(), place, column: Some(column), unit: None, cells, is_measurement: false }
+    }
+
+    /// A line with a name in front of its cells.
+    pub(crate) fn line(title: &str, line: u64, cells: Vec<Cell>) -> Self {
+        let place = format!("line {line}");
+        Self { title: title.to_owned(), place, column: None, unit: None, cells, is_measurement: false }
+    }
+
+    /// The numbers among the cells of a line; `None` without any.
+    pub(crate) fn numbers(title: &str, line: u64, cells: &[Cell]) -> Option<Self> {
+        let numbers: Vec<_> = cells.iter().filter(|cell| cell.is_number()).cloned().collect();
+        (!numbers.is_empty()).then(|| Self::line(title, line, numbers))
+    }
+
+    pub(crate) fn measured(self, is_measurement: bool) -> Self {
+        Self { is_measurement, ..self }
+    }
+
+    /// Whether it holds numbers, and its name or unit is that of a measurement.
+    pub(crate) fn could_be_measured(&self) -> bool {
+        let title = &self.title;
+        let unit = split_unit(title).1.or_else(|| self.unit.clone());
+        let unit = unit.as_deref();
+        let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
+        // the evaluation length of a lead that was not measured says nothing
+        let is_other = is_gear_size(title) || is_evaluation_length(title) || unit.is_some_and(is_foreign_unit);
+        if values.is_empty() || is_other {
+            return false;
+        }
+        if values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
+            return false;
+        }
+        let is_in_unit = unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| unit_of(text));
+        if is_context(title) {
+            return is_in_unit && unit != Some("min") || self.names_more();
+        }
+        self.is_measurement
+            || is_in_unit
+            || title.contains('[') && unit.is_some()
+            || !near(title).is_empty()
+            || self.column.is_some_and(|place| title.is_empty() && !self.counts_rows(place))
+    }
+
+    /// Whether a cell holds a number, though maybe one that nobody can read: `>200`, `12...15 µm`.
+    fn is_value(&self, cell: &Cell) -> bool {
+        cell.is_number() || is_bounded(&cell.text()) || self.is_measurement && unit_of(&cell.text())
+    }
+
+    /// Whether a line goes on with the name of a measurement: `lot 2: rack pitch 212 µm`.
+    fn names_more(&self) -> bool {
+        let words: Vec<_> = self.cells.iter().filter(|cell| !cell.is_number()).map(Cell::text).collect();
+        self.column.is_none() && !near(&words.join(" ")).is_empty()
+    }
+
+    /// Whether a first column without a name counts the rows.
+    fn counts_rows(&self, place: usize) -> bool {
+        place == 0 && self.cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()))
+    }
+}
+
+/// Whether a unit of length or angle stands behind the number in a text.
+fn unit_of(text: &str) -> bool {
+    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(['*', ')', ']', ' '])))
+}
+
+/// Whether a unit is one of lengths or angles.
+fn measures(symbol: &str) -> bool {
+    Unit::from_symbol(symbol).is_some()
+}
+
+/// A number with a mark before it, which no reader of numbers takes: `>200`.
+fn is_bounded(text: &str) -> bool {
+    let text = text.trim();
+    let rest = text.trim_start_matches(['<', '>', '≤', '≥', '~', '≈', '±', '=']).trim_start();
+    rest.len() < text.len() && rest.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// Whether a unit stands anywhere among the words of a name.
+fn has_unit(title: &str) -> bool {
+    let is_clear = |word: &&str| word.chars().count() > 1 && !matches!(word.to_lowercase().as_str(), "in" | "min");
+    title
+        .split(|c: char| !c.is_alphanumeric() && c != 'µ')
+        .filter(is_clear)
+        .any(|word| Unit::from_symbol(word).is_some() || Unit::from_symbol(&word.to_lowercase()).is_some())
+}
+
+/// Units of what is neither a length nor an angle.
+const FOREIGN_UNITS: [&str; 38] = [
+    "-", "1", "pcs", "stk", "°c", "c", "°f", "k", "n", "kn", "mn", "nm", "nmm", "ncm", "kg", "g", "s", "ms", "sec",
+    "h", "%", "‰", "bar", "mbar", "mpa", "hpa", "pa", "hrc", "hv", "hb", "rpm", "1/min", "min-1", "hz", "v", "a",
+    "n/mm", "n/mm²",
+];
+
+/// Whether a unit measures neither lengths nor angles.
+pub(crate) fn is_foreign_unit(unit: &str) -> bool {
+    Unit::from_symbol(unit).is_none() && FOREIGN_UNITS.contains(&unit.trim().to_lowercase().as_str())
+}
