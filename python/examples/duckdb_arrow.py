@@ -1,6 +1,6 @@
 """Parts in Parquet files through DuckDB: its record batches in, a relation of results out.
 
-    python python/examples/duckdb_arrow.py FOLDER
+    python python/examples/duckdb_arrow.py FOLDER [THREADS]
 """
 
 import sys
@@ -10,9 +10,11 @@ import pyarrow
 import rackmesh
 from parts import SPEC
 
-plan = rackmesh.Plan(rackmesh.Spec.from_toml(SPEC), columns=["part_id", "verdict"])
+threads = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+plan = rackmesh.Plan(rackmesh.Spec.from_toml(SPEC), columns=["verdict"], threads=threads)
 # a connection of its own, for its rows are read while another query runs
-reader = duckdb.connect().sql(f"from '{sys.argv[1]}/*.parquet'").to_arrow_reader(65_536)
+source = duckdb.connect(config={"threads": threads})
+reader = source.sql(f"from '{sys.argv[1]}/*.parquet'").to_arrow_reader(500_000)
 batches = (plan.evaluate(batch) for batch in reader)
 judged = pyarrow.RecordBatchReader.from_batches(plan.schema(reader.schema), batches)
 counts = dict(duckdb.sql("select verdict, count(*) from judged group by verdict").fetchall())

@@ -2,6 +2,7 @@
 
     python python/examples/spark_map_in_arrow.py FOLDER sc://localhost:50051   # Spark Connect, or a Sail server
     python python/examples/spark_map_in_arrow.py FOLDER sail                   # starts Sail in this process
+    python python/examples/spark_map_in_arrow.py FOLDER "local-cluster[2,1,1024]"   # Spark itself, two executors
 """
 
 import os
@@ -29,7 +30,8 @@ def main(folder: str, where: str) -> None:
         server = SparkConnectServer("127.0.0.1", 0)
         server.start()
         where = "sc://{}:{}".format(*server.listening_address)
-    spark = SparkSession.builder.remote(where).getOrCreate()
+    builder = SparkSession.builder
+    spark = (builder.remote(where) if where.startswith("sc://") else builder.master(where)).getOrCreate()
     judged = spark.read.parquet(folder).mapInArrow(judge, "verdict string, reason string")
     counts = {row["verdict"]: row["count"] for row in judged.groupBy("verdict").count().collect()}
     print(", ".join(f"{verdict}: {counts.get(verdict, 0)}" for verdict in ("pass", "fail", None)), flush=True)

@@ -65,12 +65,14 @@ class RackmeshError(ValueError):
 class Answer:
     """What a command says of a spec.
 
-    ``answer["verdict"]`` is a key of the result, ``answer.array("points_mm")`` a list of numbers as a numpy array.
+    ``answer["verdict"]`` is a key of the result, ``answer.array("points_mm")`` a list of numbers as a numpy array. A notebook
+    shows the table and, of ``mesh``, ``simulate`` and ``budget``, the picture ``svg``.
     """
 
     command: str
     result: dict[str, Any]
     markdown: str
+    svg: str | None
     warnings: list[Diagnostic]
     remarks: list[str]
     status: int
@@ -92,6 +94,13 @@ class Answer:
         if value and isinstance(value[0], dict):
             return {key: numpy.asarray([record[key] for record in value]) for key in value[0]}
         return numpy.asarray(value)
+
+    def _ipython_display_(self) -> None:
+        from IPython.display import SVG, Markdown, display
+
+        display(Markdown(self.markdown))
+        if self.svg is not None:
+            display(SVG(self.svg))
 
     def _repr_markdown_(self) -> str:
         return self.markdown

@@ -1,6 +1,7 @@
 //! Tables of parts, judged as `rackmesh batch` judges them.
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
@@ -73,6 +74,8 @@ impl Asked {
 enum NoResults {
     Refused(Diagnostics),
     Arrow(ArrowError),
+    /// What a signal raised in Python, such as `KeyboardInterrupt`.
+    Signal(PyErr),
 }
 
 impl From<ArrowError> for NoResults {
@@ -88,9 +91,10 @@ impl From<Diagnostics> for NoResults {
 }
 
 impl NoResults {
-    fn raised(&self, py: Python<'_>) -> PyErr {
+    fn raised(self, py: Python<'_>) -> PyErr {
         match self {
-            Self::Refused(problems) => raised(py, problems),
+            Self::Signal(error) => error,
+            Self::Refused(problems) => raised(py, &problems),
             Self::Arrow(error) => PyValueError::new_err(error.to_string()),
         }
     }
@@ -123,12 +127,21 @@ impl Plan {
         Ok(arrow::batch(&columns, results)?)
     }
 
-    /// Evaluates batches on as many threads as were asked for; results in their order.
+    /// Evaluates batches on as many threads as were asked for; results in their order. Between pieces Python's signals are
+    /// looked at, so that Ctrl-C ends the run.
     fn evaluate_all(&self, batches: &[RecordBatch]) -> Result<Vec<RecordBatch>, NoResults> {
         let pieces: Vec<RecordBatch> = batches.iter().flat_map(pieces).collect();
         let workers = self.asked.threads.clamp(1, pieces.len().max(1));
         let mut results: Vec<Option<Result<RecordBatch, NoResults>>> = Vec::new();
         results.resize_with(pieces.len(), || None);
+        let (stop, signal) = (AtomicBool::new(false), OnceLock::new());
+        let evaluate = |batch: &RecordBatch| {
+            if let Err(error) = Python::attach(|py| py.check_signals()) {
+                stop.store(true, Ordering::Relaxed);
+                let _ = signal.set(error);
+            }
+            (!stop.load(Ordering::Relaxed)).then(|| self.evaluate_batch(batch))
+        };
         std::thread::scope(|scope| {
             let mut of_worker: Vec<Vec<_>> = (0..workers).map(|_| Vec::new()).collect();
             for (index, (piece, result)) in pieces.iter().zip(&mut results).enumerate() {
@@ -137,12 +150,15 @@ impl Plan {
             let mut rest = of_worker.into_iter();
             let own = rest.next();
             let work = |own: Vec<(&RecordBatch, &mut Option<_>)>| {
-                own.into_iter().for_each(|(piece, result)| *result = Some(self.evaluate_batch(piece)));
+                own.into_iter().for_each(|(piece, result)| *result = evaluate(piece));
             };
             rest.for_each(|more| drop(scope.spawn(move || work(more))));
             own.into_iter().for_each(work);
         });
-        results.into_iter().flatten().collect()
+        match signal.into_inner() {
+            Some(error) => Err(NoResults::Signal(error)),
+            None => results.into_iter().flatten().collect(),
+        }
     }
 
     fn schema_of(&self, batch: &RecordBatch) -> Result<SchemaRef, NoResults> {

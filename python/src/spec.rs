@@ -1,5 +1,10 @@
 //! Specs, and what the commands say of them.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString, PyType};
@@ -50,15 +55,39 @@ impl Spec {
         }
         let settings = self.settings.iter().flat_map(|setting| ["--set", setting.as_str()]);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(settings).collect();
-        let answered = py.detach(|| cli::answer(command, &arguments, self.held.clone()));
-        // Ctrl-C during the run is raised in place of its result
-        py.check_signals()?;
-        let Answer { json, markdown, warnings, remarks, status } =
+        let answered = py.detach(|| until_signal(|stop| cli::answer(command, &arguments, self.held.clone(), stop)));
+        let answered = answered?;
+        let Answer { json, markdown, svg, warnings, remarks, status } =
             answered.map_err(|problems| raised(py, &problems))?;
         let warnings: Vec<_> = warnings.iter().map(|warning| diagnostic(py, warning)).collect::<PyResult<_>>()?;
         let answer = py.import("rackmesh._types")?.getattr("Answer")?;
-        answer.call1((command, as_python(py, &json)?, markdown, warnings, remarks, status))
+        answer.call1((command, as_python(py, &json)?, markdown, svg, warnings, remarks, status))
     }
+}
+
+/// Runs what looks at a flag from time to time, and sets it when Python has a signal such as Ctrl-C, which is raised in place
+/// of the result.
+fn until_signal<T: Send>(run: impl FnOnce(&Arc<AtomicBool>) -> T + Send) -> PyResult<T> {
+    /// Between two looks at Python's signals.
+    const INTERVAL: Duration = Duration::from_millis(50);
+    let (stop, waiting) = (Arc::new(AtomicBool::new(false)), thread::current());
+    thread::scope(|scope| {
+        let running = scope.spawn(|| {
+            let result = run(&stop);
+            waiting.unpark();
+            result
+        });
+        let mut signalled = Ok(());
+        while !running.is_finished() {
+            thread::park_timeout(INTERVAL);
+            if signalled.is_ok() {
+                signalled = Python::attach(|py| py.check_signals());
+                stop.store(signalled.is_err(), Ordering::Relaxed);
+            }
+        }
+        let result = running.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        signalled.map(|()| result)
+    })
 }
 
 /// A stroke as a command takes it.

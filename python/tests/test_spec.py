@@ -2,8 +2,10 @@
 
 import json
 import pickle
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy
@@ -86,3 +88,46 @@ def test_the_command_has_its_exit_status() -> None:
     program = "from rackmesh._command import main; main()"
     failed = subprocess.run([sys.executable, "-c", program, "eval", "-"], input=spec, text=True, capture_output=True)
     assert (failed.returncode, "FAIL" in failed.stdout) == (1, True)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
+@pytest.mark.parametrize(
+    "long",
+    [
+        "spec.monte_carlo(racks=10**9)",
+        "[plan.evaluate(lot) for _ in range(10**6)]",
+    ],
+)
+def test_ctrl_c_ends_a_long_run_and_leaves_python_alone(long: str) -> None:
+    program = f"""
+import signal, time
+import pyarrow, rackmesh
+signal.signal(signal.SIGINT, signal.default_int_handler)
+spec = rackmesh.Spec.from_file({str(EXAMPLES / "scatter.toml")!r})
+judged = '[errors]\\nrack_over_roller = "0 um"\\n[limits]\\ncenter_distance = "±0.02"'
+plan = rackmesh.Plan(rackmesh.Spec.from_toml(judged))
+lot = pyarrow.table({{"rack_over_roller": [0.01] * 10**6}})
+for _ in range(2):
+    print("begun", flush=True)
+    try:
+        {long}
+    except KeyboardInterrupt:
+        print("ended", flush=True)
+"""
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        for _ in range(2):
+            assert running.stdout.readline() == "begun\n"
+            time.sleep(0.3)
+            running.send_signal(signal.SIGINT)
+            assert running.stdout.readline() == "ended\n"
+        assert running.wait(10) == 0
+
+
+def test_a_notebook_shows_the_curve() -> None:
+    spec = rackmesh.Spec.from_file(EXAMPLES / "mesh-errors.toml")
+    svg = spec.mesh(0.0, 20.0).svg
+    assert svg is not None
+    assert svg.startswith("<svg")
+    assert "<path" in svg or "<polyline" in svg
+    assert spec.evaluate().svg is None
