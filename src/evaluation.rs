@@ -263,7 +263,7 @@ pub fn evaluate(
         .collect();
     let verdict = overall(limits.iter().map(|check| check.verdict));
     let judged_by = JudgedBy::of(stack, errors.len(), basis);
-    let notes = bound.notes;
+    let notes = stack.notes(&bound);
     Ok(Evaluation { model, stack, contributions, combined, notes, judged_by, reached: None, limits, verdict })
 }
 

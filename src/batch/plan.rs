@@ -344,7 +344,7 @@ impl Plan {
             return Vec::new();
         }
         let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
-        self.basis.bound(&errors).notes
+        self.request.stack.notes(&self.basis.bound(&errors))
     }
 
     /// Why no part has a range that is written or judged, whatever its values.

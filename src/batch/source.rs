@@ -49,7 +49,7 @@ pub(super) fn error_columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t
             _ => diagnostics.push(missing(spec, table, kind)),
         }
     }
-    if let Some(name) = spec.part_id_column()
+    if let Some(name) = spec.batch.part_id.as_deref()
         && !table.titles.is_empty()
         && !table.titles.iter().any(|title| is_called(title, name) || title == Field::PartId.key())
     {

@@ -9,13 +9,14 @@ use crate::judge::bound::{Basis, ExtendedError, Range};
 use crate::judge::{Limit, LimitTarget, Limits, Stack};
 use crate::quantity::{DomainError, Length};
 use crate::trig;
-use crate::uncertainty::gear::{Gear, VariedError, ends};
+use crate::uncertainty::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, range_alone};
 use crate::uncertainty::{Distribution, Part, Source, TeethSensitivity, Uncertainties, UncertaintyError};
 
 /// The simulated distributions of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartSimulation {
-    /// Seed, draws, digits; its results are those of the errors, the lower and the upper end, in this order.
+    /// Seed, draws, digits; its results are those of the errors, the lower and the upper end, in this order, and then both ends
+    /// of what each error with a limit can do alone.
     pub outcome: Outcome,
     /// The kinds of the errors, in order.
     pub kinds: Vec<DeviationKind>,
@@ -64,29 +65,19 @@ pub fn simulate_part(
     {
         return Err(MonteCarloError::TooFewFreedom { source_of: *source, dof: u.dof });
     }
-    let model = PartModel::new(part, uncertainties).map_err(UncertaintyError::from)?;
+    let limited: Vec<_> = part.errors.iter().map(PartDeviation::kind).enumerate().collect();
+    let is_limited = |kind| limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
+    let limited = limited.into_iter().filter(|(_, kind)| is_limited(*kind)).map(|(index, _)| index).collect();
+    let model = PartModel::new(part, uncertainties, limited).map_err(UncertaintyError::from)?;
     let variables = uncertainties.inputs().iter().map(|(source, u)| (model.best_estimate(*source), *u)).collect();
     let variables = Variables { variables, factor: uncertainties.correlation_factor().map(<[f64]>::to_vec) };
     let kinds: Vec<_> = part.errors.iter().map(PartDeviation::kind).collect();
-    let bands: Vec<_> = limits.iter().map(|(on, limit)| band(*on, limit, &kinds)).collect();
+    let bands: Vec<_> = limits.iter().map(|(on, limit)| model.band(*on, limit)).collect();
     let known: Vec<_> = bands.iter().flatten().copied().collect();
     let mut outcome = simulate(&model, &variables, &known, settings)?;
     let mut inside = std::mem::take(&mut outcome.inside).into_iter();
     outcome.inside = bands.iter().map(|band| band.and_then(|_| inside.next()).unwrap_or(f64::NAN)).collect();
     Ok(PartSimulation { outcome, kinds })
-}
-
-fn band(on: LimitTarget, limit: &Limit, kinds: &[DeviationKind]) -> Option<Band> {
-    let (low, high) = match on {
-        LimitTarget::CenterDistance => (kinds.len(), kinds.len() + 1),
-        LimitTarget::Error(kind) => {
-            let index = kinds.iter().position(|other| *other == kind)?;
-            (index, index)
-        }
-    };
-    let lower = limit.lower.map_or(f64::NEG_INFINITY, Length::mm);
-    let upper = limit.upper.map_or(f64::INFINITY, Length::mm);
-    Some(Band { low, high, lower, upper })
 }
 
 /// The inputs of an over-roller nominal, mm.
@@ -117,6 +108,10 @@ struct PartModel {
     model: Model,
     stack: Stack,
     basis: Basis,
+    /// Pairs of known geometry with sizes that are off.
+    pairs: Vec<VariedPair>,
+    /// The errors, by index, that have a limit of their own.
+    limited: Vec<usize>,
     /// How both ends follow from what is uncertain about teeth that are known one by one: linear.
     teeth: Vec<TeethSensitivity>,
     /// The columns that vary, by source.
@@ -148,7 +143,7 @@ impl Nominal {
 }
 
 impl PartModel {
-    fn new(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Self, DomainError> {
+    fn new(part: &Part<'_>, uncertainties: &Uncertainties, limited: Vec<usize>) -> Result<Self, DomainError> {
         let value = |error: &PartDeviation| PartValue {
             law: error.law(),
             value: error.value().base(),
@@ -157,14 +152,31 @@ impl PartModel {
         let errors = part.errors.iter().map(value).collect();
         Ok(Self {
             errors,
-            gear: Gear::new(part.errors, part.over_pin),
+            gear: Gear::new(part.errors, part.over_pin, part.basis),
             nominal: part.over_pin.map(Nominal::new).transpose()?,
             model: part.model,
             stack: part.stack,
             basis: part.basis.clone(),
+            pairs: VariedPair::all(part.basis, uncertainties),
+            limited,
             teeth: part.teeth.to_vec(),
             columns: uncertainties.inputs().iter().map(|(source, _)| *source).collect(),
         })
+    }
+
+    /// The results that a limit is held against.
+    fn band(&self, on: LimitTarget, limit: &Limit) -> Option<Band> {
+        let both_ends = self.errors.len();
+        let low = match on {
+            LimitTarget::CenterDistance => both_ends,
+            LimitTarget::Error(kind) => {
+                let of_kind = |&index: &usize| self.errors[index].law.kind() == kind;
+                both_ends + 2 + 2 * self.limited.iter().position(of_kind)?
+            }
+        };
+        let lower = limit.lower.map_or(f64::NEG_INFINITY, Length::mm);
+        let upper = limit.upper.map_or(f64::INFINITY, Length::mm);
+        Some(Band { low, high: low + 1, lower, upper })
     }
 
     fn best_estimate(&self, source: Source) -> f64 {
@@ -223,7 +235,7 @@ impl PartModel {
 
 impl Simulated for PartModel {
     fn outputs(&self) -> usize {
-        self.errors.len() + 2
+        self.errors.len() + 2 + 2 * self.limited.len()
     }
 
     fn evaluate(&self, inputs: &[Vec<f64>], outputs: &mut [Vec<f64>]) {
@@ -234,7 +246,6 @@ impl Simulated for PartModel {
         let gear_varies = self.varies(&GEAR);
         let nominal = self.nominal.as_ref().filter(|_| self.varies(&NOMINAL));
         let (errors, ends) = outputs.split_at_mut(self.errors.len());
-        let [lower, upper] = ends else { return };
         for (PartValue { law, value, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
             match self.column(Source::Error(law.kind()), inputs) {
                 Some(column) => out.copy_from_slice(column),
@@ -247,11 +258,17 @@ impl Simulated for PartModel {
             }
         }
         // the outputs still hold the errors' values
-        for draw in 0..lower.len() {
+        for draw in 0..ends[0].len() {
             let gear = if gear_varies { self.gear_at(inputs, draw) } else { self.gear };
-            let Range { lower: low, upper: high } = self.ends_at(errors, draw, gear_varies.then_some(&gear));
+            let drawn = self.drawn(errors, draw, gear_varies.then_some(&gear));
+            let both = self.in_drawn_pair(inputs, draw, |basis| self.ends_of(&drawn, basis));
             let teeth = self.teeth_at(inputs, draw);
-            (lower[draw], upper[draw]) = (low + teeth.lower, high + teeth.upper);
+            (ends[0][draw], ends[1][draw]) = (both.lower + teeth.lower, both.upper + teeth.upper);
+            for (&index, alone) in self.limited.iter().zip(ends[2..].chunks_exact_mut(2)) {
+                let of = |basis: &Basis| drawn[index].map_or(NO_RANGE, |error| range_alone(&error, basis));
+                let both = self.in_drawn_pair(inputs, draw, of);
+                (alone[0][draw], alone[1][draw]) = (both.lower, both.upper);
+            }
             for (PartValue { law, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
                 let law = if gear_varies { gear.law(*law) } else { *law };
                 out[draw] = law.delta_cd_mm(out[draw], self.model);
@@ -272,19 +289,43 @@ impl PartModel {
         off
     }
 
-    /// Both ends of the combination for the errors' values of one draw; of the part's own gear unless another is given.
-    fn ends_at(&self, values: &[Vec<f64>], draw: usize, gear: Option<&Gear>) -> Range {
-        let mut errors = [ExtendedError::NONE; DeviationKind::ALL.len()];
+    /// The errors of one draw; of the part's own gear unless another is given. `None` for those that have no bound.
+    fn drawn(&self, values: &[Vec<f64>], draw: usize, gear: Option<&Gear>) -> DrawnErrors {
+        let mut errors = [None; DeviationKind::ALL.len()];
         for ((error, part), column) in errors.iter_mut().zip(&self.errors).zip(values) {
-            let Some(varied) = &part.varied else { return Range { lower: f64::NAN, upper: f64::NAN } };
-            *error = match gear {
+            *error = part.varied.as_ref().map(|varied| match gear {
                 Some(gear) => varied.at(column[draw], gear),
                 None => varied.with_value(column[draw]),
-            };
+            });
         }
-        ends(self.stack, &errors[..self.errors.len()], &self.basis)
+        errors
+    }
+
+    /// Both ends of the combination of errors.
+    fn ends_of(&self, drawn: &DrawnErrors, basis: &Basis) -> Range {
+        let mut errors = [ExtendedError::NONE; DeviationKind::ALL.len()];
+        for (error, drawn) in errors.iter_mut().zip(drawn).take(self.errors.len()) {
+            let Some(drawn) = drawn else { return NO_RANGE };
+            *error = *drawn;
+        }
+        ends(self.stack, &errors[..self.errors.len()], basis)
+    }
+
+    /// What follows from a pair, for the pair of one draw: in proportion to how far each of its sizes is off.
+    fn in_drawn_pair(&self, inputs: &[Vec<f64>], draw: usize, of: impl Fn(&Basis) -> Range) -> Range {
+        let nominal = of(&self.basis);
+        let mut range = nominal;
+        for pair in &self.pairs {
+            let Some(column) = self.column(pair.source, inputs) else { continue };
+            let by = column[draw] - self.best_estimate(pair.source);
+            let slope = pair.slope(by > 0.0, nominal, &of);
+            range = Range { lower: range.lower + by * slope.lower, upper: range.upper + by * slope.upper };
+        }
+        range
     }
 }
+
+type DrawnErrors = [Option<ExtendedError>; DeviationKind::ALL.len()];
 
 #[cfg(test)]
 mod tests {
@@ -309,7 +350,7 @@ mod tests {
                     basis: &UNKNOWN,
                     teeth: &[],
                 };
-                let model = PartModel::new(&part, &uncertainties).unwrap();
+                let model = PartModel::new(&part, &uncertainties, Vec::new()).unwrap();
                 assert_eq!(model.outputs(), DeviationKind::ALL.len() + 2);
                 let mut inputs: Vec<Vec<f64>> = vec![Vec::new(); sources.len()];
                 let mut expected = Vec::new();

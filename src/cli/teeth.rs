@@ -7,7 +7,7 @@ use super::spec_files::{measured_tables, unsolved};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck};
 use crate::formula::PartDeviation;
-use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, KnownTeeth, NoBound, Range};
+use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Placement, Reached};
 use crate::judge::strokes::{CurveSearch, StrokesError};
 use crate::judge::{Interval, Limit, PlacedError, Rule, Verdict};
@@ -27,7 +27,7 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> 
     let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| unsolved(&error))?;
     let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, followed.tolerance_mm)?;
     let certain = spec.certain_teeth(&tables);
-    Ok(spec.with_known_teeth(KnownTeeth { range: followed.judged(&extremes) }, sensitivities, certain))
+    Ok(spec.with_known_teeth(followed.judged(&extremes), sensitivities, certain))
 }
 
 fn no_strokes(error: &StrokesError) -> Failure {

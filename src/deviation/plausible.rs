@@ -45,6 +45,8 @@ const LARGE_MODULE: Length = mm(100);
 const LARGE_FACE_WIDTH: Length = mm(1000);
 /// A face wider than so many modules is suspicious.
 const WIDE_IN_MODULES: i64 = 100;
+/// A face width or an addendum below this part of a module is doubted.
+const SMALL_IN_MODULES: i64 = 50;
 /// Nobody measures below 0.1 µm: a number with finer digits is no number of micrometres, but a size in mm.
 const FINEST_IN_MICROMETRES: i64 = mm(1).fm() / 10;
 
@@ -130,6 +132,8 @@ pub enum Quantity {
     NormalModule,
     /// A face width.
     FaceWidth,
+    /// The addendum of the rack.
+    Addendum,
 }
 
 /// What was probably meant by a value.
@@ -232,7 +236,25 @@ pub fn normal_module(module: Length) -> Option<Doubt> {
 pub fn face_width(width: Length, module: Option<Length>) -> Option<Doubt> {
     let wide = |module: Length| Length::from_fm(module.fm().saturating_mul(WIDE_IN_MODULES));
     let largest = module.map_or(LARGE_FACE_WIDTH, |module| LARGE_FACE_WIDTH.min(wide(module)));
-    (width > largest).then_some(large(Quantity::FaceWidth, width))
+    let is_large = (width > largest).then_some(large(Quantity::FaceWidth, width));
+    is_large.or_else(|| small(Quantity::FaceWidth, width, module?))
+}
+
+/// The doubt about the addendum of the rack.
+#[must_use]
+pub fn addendum(height: Length, module: Option<Length>) -> Option<Doubt> {
+    small(Quantity::Addendum, height, module?)
+}
+
+/// The doubt about a size that is a small part of the module: metres in place of millimetres.
+fn small(quantity: Quantity, size: Length, module: Length) -> Option<Doubt> {
+    let is_small = size > Length::ZERO && size.fm() < module.fm() / SMALL_IN_MODULES;
+    is_small.then_some(Doubt {
+        quantity,
+        value: DeviationValue::Length(size),
+        is_impossible: false,
+        meant: Meant::Unit("m"),
+    })
 }
 
 fn large(quantity: Quantity, value: Length) -> Doubt {
@@ -273,6 +295,7 @@ fn name(unit: &'static str) -> &'static str {
         "um" => "µm",
         "arcmin" => "arc minutes",
         "rad" => "radians",
+        "m" => "metres",
         other => other,
     }
 }
@@ -303,7 +326,9 @@ impl fmt::Display for Doubt {
             Quantity::PressureAngle => write!(f, "{value} is {too}small for a pressure angle"),
             Quantity::HelixAngle => write!(f, "{value} is {too}small for a helix angle"),
             Quantity::NormalModule => write!(f, "{value} is {too}large for a module"),
+            Quantity::FaceWidth if self.meant == Meant::Unit("m") => write!(f, "{value} is small for a face width"),
             Quantity::FaceWidth => write!(f, "{value} is {too}large for a face width"),
+            Quantity::Addendum => write!(f, "{value} is small for an addendum"),
         }
     }
 }

@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::formula::PartDeviation;
-use crate::judge::bound::{Basis, CombinedBound, NoBound, Range};
+use crate::judge::bound::{Basis, Bound, CombinedBound, NoBound, Note, Range};
 use crate::quantity::{FM_PER_MM, Length, QuantityError};
 
 /// How errors are combined to the result that is judged.
@@ -29,6 +29,15 @@ impl Stack {
         match self {
             Self::Range => "range",
             Self::Rss => "rss",
+        }
+    }
+
+    /// What the combination of a bound rests on.
+    #[must_use]
+    pub fn notes(self, bound: &Bound) -> Vec<Note> {
+        match self {
+            Self::Range => bound.notes.clone(),
+            Self::Rss => [bound.notes.as_slice(), &bound.statistical_notes].concat(),
         }
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range as Strokes;
 
 use crate::deviation::RackDeviation;
 use crate::gear::Pair;
-use crate::judge::bound::Range;
+use crate::judge::bound::{KnownTeeth, Range};
 use crate::mesh::{CarryingStrokes, Mesh, MeshError, MeshPoint, Support};
 
 /// Which teeth are not nominal.
@@ -99,19 +99,23 @@ pub struct Extremes {
     pub lower: CurveExtreme,
     /// The highest one.
     pub upper: CurveExtreme,
+    /// Whether every stroke is solved: otherwise ΔCD may be lower or higher.
+    pub solved: bool,
 }
 
 impl Default for Extremes {
     /// Of no curve.
     fn default() -> Self {
         let none = |delta_cd_mm| CurveExtreme { stroke_mm: 0.0, delta_cd_mm };
-        Self { lower: none(f64::INFINITY), upper: none(f64::NEG_INFINITY) }
+        Self { lower: none(f64::INFINITY), upper: none(f64::NEG_INFINITY), solved: true }
     }
 }
 
 impl Extremes {
     fn take(&mut self, points: &[MeshPoint]) {
-        for &MeshPoint { stroke_mm, delta_cd_mm, .. } in points {
+        for point in points {
+            let MeshPoint { stroke_mm, delta_cd_mm, .. } = *point;
+            self.solved &= point.is_solved();
             let here = CurveExtreme { stroke_mm, delta_cd_mm };
             if delta_cd_mm < self.lower.delta_cd_mm {
                 self.lower = here;
@@ -164,10 +168,11 @@ impl CurveSearch {
 
     /// What is held against limits, mm.
     #[must_use]
-    pub fn judged(&self, extremes: &Extremes) -> Range {
+    pub fn judged(&self, extremes: &Extremes) -> KnownTeeth {
         let judged = |mm: f64| (mm * JUDGED_PARTS).round() / JUDGED_PARTS;
         let Range { lower, upper } = extremes.range();
-        Range { lower: judged(lower - self.missed_mm), upper: judged(upper + self.missed_mm) }
+        let range = Range { lower: judged(lower - self.missed_mm), upper: judged(upper + self.missed_mm) };
+        KnownTeeth { range, solved: extremes.solved }
     }
 }
 

@@ -56,7 +56,7 @@ pub use contact::ContactKind;
 pub use coverage::CarryingStrokes;
 pub use curve::{Curve, Kink};
 pub use measure::{PinionReading, RackReading};
-pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, Work};
+pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, SOLVED_MM, Work};
 pub use prepare::{Mesh, Support};
 pub use roll::LARGEST_ROLL_RAD;
 pub use sampler::Sampler;

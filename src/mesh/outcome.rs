@@ -32,6 +32,9 @@ pub struct Carrier {
     pub contact: ContactKind,
 }
 
+/// Residual below which a stroke is solved, mm.
+pub const SOLVED_MM: f64 = 1e-9;
+
 /// How a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Ending {
@@ -83,6 +86,12 @@ impl MeshPoint {
     #[must_use]
     pub fn converged(&self) -> bool {
         self.ending == Ending::Converged
+    }
+
+    /// Whether ΔCD is certain: both sides ask for the same to [`SOLVED_MM`], and no other roll of the rack can be lower.
+    #[must_use]
+    pub fn is_solved(&self) -> bool {
+        matches!(self.ending, Ending::Converged | Ending::BracketExhausted) && self.residual_mm.abs() < SOLVED_MM
     }
 }
 

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::evaluation::{ClassFact, IntervalFact, ON_WORST_TEETH, interval_text};
-use super::number::{millimetres, plain, signed, truncated, unsigned};
+use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, titled};
 use crate::budget::{Budget, Line, Rule};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
@@ -376,8 +376,8 @@ impl Report for BudgetReport<'_> {
                 .iter()
                 .map(|kind| {
                     let line = budget.lines.iter().find(|line| line.error.kind() == *kind);
-                    let delta_cd = line.map_or_else(String::new, |line| unsigned(line.delta_cd.mm()));
-                    format!("{kind} ({delta_cd} mm)")
+                    let range = line.map_or_else(String::new, |line| interval_text(&line.range));
+                    format!("{kind} ({range} mm)")
                 })
                 .collect();
             let sentence =

@@ -290,6 +290,10 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
             "flanks are taken to touch within {} mm over and under the reference plane, for the lead error",
             plain(tidy(*height_mm))
         ),
+        Note::StepsAlwaysAct => {
+            "statistical: a measured step is taken to act at every stroke; the pair's geometry says at how many it does"
+                .to_owned()
+        }
         Note::WholeTeeth => {
             "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, give F_p with \
              extent = \"total\""

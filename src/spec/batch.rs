@@ -217,11 +217,6 @@ impl Spec {
         }
     }
 
-    /// The column that the spec says has the names of the parts.
-    pub(crate) fn part_id_column(&self) -> Option<&str> {
-        self.batch.part_id.as_deref()
-    }
-
     /// What the spec says of the column of an error.
     fn given(&self, kind: DeviationKind) -> GivenColumn {
         let column = self.batch_column(kind).map(|column| &column.value);

@@ -77,6 +77,7 @@ impl Spec {
         }
         let module = self.module();
         let face_width = |width: Located<Length>| plausible::face_width(width.value, module);
+        let addendum = |height: Located<Length>| plausible::addendum(height.value, module);
         let helix_angle =
             |angle: Located<Angle>| plausible::helix_angle(angle.value).filter(|_| self.is_bare(&angle.span));
         [
@@ -84,6 +85,7 @@ impl Spec {
             of(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, |angle| plausible::pressure_angle(angle.value)),
             of(self, keys::RACK_HELIX_ANGLE, helix_angle),
             of(self, keys::RACK_FACE_WIDTH, face_width),
+            of(self, keys::RACK_ADDENDUM, addendum),
             of(self, keys::PINION_HELIX_ANGLE, helix_angle),
             of(self, keys::PINION_FACE_WIDTH, face_width),
         ]
@@ -253,6 +255,16 @@ mod tests {
                 "[pinion]\nface_width = 18000",
                 "spec.toml:2:14: warning[implausible]: `face_width`: 18000 mm is large for a face width; \
                  if that is µm, write \"18000 um\"",
+            ),
+            (
+                "[pair]\nnormal_module = 1.8\n[rack]\naddendum = 0.0017",
+                "spec.toml:4:12: warning[implausible]: `addendum`: 0.0017 mm is small for an addendum; \
+                 if that is metres, write \"0.0017 m\"",
+            ),
+            (
+                "[pair]\nnormal_module = 1.8\n[rack]\nface_width = 0.0197",
+                "spec.toml:4:14: warning[implausible]: `face_width`: 0.0197 mm is small for a face width; \
+                 if that is metres, write \"0.0197 m\"",
             ),
             (
                 "[[rack.deviation]]\nteeth = \"3\"\npitch = 12",

@@ -259,14 +259,16 @@ impl Spec {
         let pitch = given(DeviationKind::RackPitch) || given(DeviationKind::RackLead);
         let of_pinion = given(DeviationKind::PinionPitch) || given(DeviationKind::PinionLead);
         let nominal = given(DeviationKind::RackOverRoller) && self.over_pin().is_some();
+        // the path of contact follows from them
+        let of_pair = !kinds.is_empty() && self.missing_geometry().is_empty();
         let of_known_teeth = |source: Source| self.teeth_sensitivities.iter().any(|teeth| teeth.source == source);
         let counts = |source: Source| match source {
             _ if of_known_teeth(source) => true,
             Source::Error(kind) => given(kind),
-            Source::NormalPressureAngle => pitch || of_pinion || nominal,
-            Source::RackHelixAngle => pitch,
-            Source::FaceWidth => given(DeviationKind::RackLead),
-            Source::PinionHelixAngle => of_pinion,
+            Source::NormalPressureAngle => of_pair || pitch || of_pinion || nominal,
+            Source::RackHelixAngle => of_pair || pitch,
+            Source::FaceWidth => of_pair || given(DeviationKind::RackLead),
+            Source::PinionHelixAngle => of_pair || of_pinion,
             Source::NormalModule | Source::ToothThickness | Source::Datum | Source::Roller => nominal,
         };
         let inputs: Vec<_> = self

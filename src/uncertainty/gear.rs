@@ -1,12 +1,13 @@
 //! A part's errors and gear data as plain numbers that may be varied or drawn: degrees and mm. Computes no uncertainty.
 
-use super::Source;
+use super::{Source, Uncertainties, Uncertainty};
 use crate::deviation::{DeviationKind, Part};
 use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartDeviation};
+use crate::gear::PairData;
 use crate::judge::Stack;
-use crate::judge::bound::{Basis, ExtendedError, NoBound, Range};
+use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, KnownPairs, NoBound, Range};
 use crate::quantity::Length;
 
 /// The gear data of a part, mm and degrees; what no error needs is 0.
@@ -19,10 +20,19 @@ pub(crate) struct Gear {
 }
 
 impl Gear {
-    /// That the errors' laws were made for.
-    pub(crate) fn new(errors: &[PartDeviation], over_pin: Option<&OverPin>) -> Self {
+    /// That the errors' laws were made for, and the pair if it is known.
+    pub(crate) fn new(errors: &[PartDeviation], over_pin: Option<&OverPin>, basis: &Basis) -> Self {
         // where no formula needs an angle its gain is not used: any valid one will do
         let mut gear = Self { alpha: 20.0, ..Self::default() };
+        if let GivenGeometry::Known(pairs) = &basis.geometry {
+            let pair = &pairs.given().pair;
+            gear = Self {
+                alpha: pair.normal_pressure_angle_rad() / RADIANS_PER_DEGREE,
+                rack_helix: pair.rack().helix_angle_rad / RADIANS_PER_DEGREE,
+                pinion_helix: pair.pinion().helix_angle_rad / RADIANS_PER_DEGREE,
+                face_width: pair.rack().face_width_mm,
+            };
+        }
         for error in errors {
             if let Some(geometry) = error.law().geometry() {
                 gear.alpha = geometry.pressure_angle.degrees();
@@ -89,8 +99,103 @@ impl VariedError {
     }
 }
 
+/// A pair of known geometry with one of its sizes off by its standard uncertainty, either way: the paths of contact, and how
+/// many teeth they hold, are then others.
+#[derive(Debug, Clone)]
+pub(crate) struct VariedPair {
+    pub(crate) source: Source,
+    by: f64,
+    /// `None` if so much leaves no pair.
+    below: Option<Basis>,
+    above: Option<Basis>,
+}
+
+impl VariedPair {
+    /// Of each uncertain size of a pair, if its geometry is known.
+    pub(crate) fn all(basis: &Basis, uncertainties: &Uncertainties) -> Vec<Self> {
+        let GivenGeometry::Known(pairs) = &basis.geometry else { return Vec::new() };
+        let of = |(source, uncertainty): &(Source, Uncertainty)| {
+            let (size, by) = (size_of(*source)?, uncertainty.standard);
+            let off = |by: f64| {
+                let by = if source.is_angle() { by * RADIANS_PER_DEGREE } else { by };
+                let given = pairs.given().varied(|data| *size(data) += by).ok()?;
+                Some(Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..basis.clone() })
+            };
+            (by > 0.0).then(|| Self { source: *source, by, below: off(-by), above: off(by) })
+        };
+        uncertainties.inputs().iter().filter_map(of).collect()
+    }
+
+    /// How much the ends of such a pair differ from those of the nominal one, per unit of the size, if it is off that way.
+    pub(crate) fn slope(&self, up: bool, nominal: Range, ends: impl Fn(&Basis) -> Range) -> Range {
+        let (basis, by) = if up { (&self.above, self.by) } else { (&self.below, -self.by) };
+        let varied = basis.as_ref().map_or(NO_RANGE, ends);
+        Range { lower: (varied.lower - nominal.lower) / by, upper: (varied.upper - nominal.upper) / by }
+    }
+
+    /// The steeper of both slopes of either end.
+    pub(crate) fn steepest(&self, nominal: Range, ends: impl Fn(&Basis) -> Range) -> Range {
+        let [up, down] = [true, false].map(|up| self.slope(up, nominal, &ends));
+        let steeper = |a: f64, b: f64| if b.is_nan() || a.abs() >= b.abs() { a } else { b };
+        Range { lower: steeper(up.lower, down.lower), upper: steeper(up.upper, down.upper) }
+    }
+}
+
+/// The size of a pair that a source is about.
+fn size_of(source: Source) -> Option<fn(&mut PairData) -> &mut f64> {
+    match source {
+        Source::NormalPressureAngle => Some(|data| &mut data.normal_pressure_angle_rad),
+        Source::RackHelixAngle => Some(|data| &mut data.rack.helix_angle_rad),
+        Source::PinionHelixAngle => Some(|data| &mut data.pinion.helix_angle_rad),
+        Source::FaceWidth => Some(|data| &mut data.rack.face_width_mm),
+        _ => None,
+    }
+}
+
 /// Both ends of a combination, not numbers if there are none.
 pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
-    let none = |_: NoBound| Range { lower: f64::NAN, upper: f64::NAN };
-    stack.ends(&basis.together(errors)).unwrap_or_else(none)
+    stack.ends(&basis.together(errors)).unwrap_or_else(|_: NoBound| NO_RANGE)
+}
+
+/// What one error can do alone, not numbers if there is no bound.
+pub(crate) fn range_alone(error: &ExtendedError, basis: &Basis) -> Range {
+    basis.alone(error).map_or(NO_RANGE, ErrorRange::alone)
+}
+
+/// Of what has no range.
+pub(crate) const NO_RANGE: Range = Range { lower: f64::NAN, upper: f64::NAN };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::Extent;
+    use crate::judge::bound::GivenPair;
+    use crate::quantity::Angle;
+    use crate::reproduction;
+    use crate::uncertainty::Uncertainty;
+
+    /// Of the paper's pair with a wide pinion a third step comes to carry where the rack's face is about 23.8 mm wide.
+    #[test]
+    fn a_size_near_a_jump_of_the_bound_is_uncertain_by_the_jump() {
+        let given = GivenPair::plain(reproduction::pair().unwrap());
+        let law = Law::rack_pitch("19.9".parse().unwrap(), Angle::ZERO).unwrap();
+        let pitch: Length = "0.010".parse().unwrap();
+        let error = ExtendedError::new(law, pitch, Extent::Each).unwrap();
+        let of = |basis: &Basis| ends(Stack::Range, &[error], basis);
+        let slope_at = |width: f64| {
+            let given = given.varied(|data| {
+                data.rack.face_width_mm = width;
+                data.pinion.face_width_mm = 30.0;
+            });
+            let geometry = GivenGeometry::Known(KnownPairs::new(given.unwrap()));
+            let basis = Basis { geometry, ..Basis::default() };
+            let width = (Source::FaceWidth, Uncertainty::standard(0.1));
+            let uncertainties = Uncertainties::new(vec![width], &[]).unwrap();
+            let [pair] = &VariedPair::all(&basis, &uncertainties)[..] else { panic!("the pair is known") };
+            pair.steepest(of(&basis), of).upper
+        };
+        assert_eq!(slope_at(19.7), 0.0);
+        // 0.1 mm of face lets the upper end rise by more than a micrometre
+        assert!(slope_at(23.75) > 0.01, "{}", slope_at(23.75));
+    }
 }

@@ -53,6 +53,9 @@ pub enum UncertaintyError {
     /// Correlations that cannot be at the same time.
     #[error("the correlations contradict each other at {}: their matrix is not positive semidefinite", .0.key())]
     Contradiction(Source),
+    /// A quantity that has no bound of ΔCD beside it.
+    #[error("no bound of ΔCD is known where {} is off by its uncertainty", .0.key())]
+    NoBound(Source),
     /// A ΔCD or a derivative outside its domain.
     #[error(transparent)]
     Domain(#[from] DomainError),

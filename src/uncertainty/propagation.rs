@@ -8,10 +8,12 @@
 //! ∂ΔCD/∂x = ΔCD · ∂(ln gain)/∂x        for the gear's x
 //! ```
 //!
-//! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences.
+//! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences. Of a
+//! pair's sizes they are differences over the standard uncertainty, to the side where they are steeper: the bound jumps where
+//! one more tooth comes to carry.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
-use super::gear::{Gear, VariedError, ends};
+use super::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, range_alone};
 use super::{
     EndWeights, FOLD, InputContribution, Linear, Propagation, Source, TeethSensitivity, Uncertainties, UncertaintyError,
 };
@@ -139,6 +141,8 @@ pub struct Propagator {
     basis: Basis,
     /// The gear data of the errors' laws.
     gear: Gear,
+    /// Pairs of known geometry with sizes that are off.
+    pairs: Vec<VariedPair>,
     /// Of teeth that are known one by one.
     teeth: Vec<TeethSensitivity>,
 }
@@ -161,6 +165,7 @@ impl Propagator {
         let kept = if finite { KEPT_FACTORS } else { 0 };
         let factors = (0..kept).map(|dof| coverage_factor(f64::from(dof))).collect();
         Ok(Self {
+            pairs: VariedPair::all(part.basis, &uncertainties),
             uncertainties,
             derivatives,
             model: part.model,
@@ -168,7 +173,7 @@ impl Propagator {
             dofs,
             factors,
             basis: part.basis.clone(),
-            gear: Gear::new(part.errors, part.over_pin),
+            gear: Gear::new(part.errors, part.over_pin, part.basis),
             teeth: part.teeth.to_vec(),
         })
     }
@@ -207,7 +212,14 @@ impl Propagator {
         }
         let points = &points[..errors.len()];
         let gradients = self.gradients(points);
-        let ends = self.ends(&values(points), None);
+        let unknown = |input: &usize| {
+            !(gradients.lower.by_input[*input].is_finite() && gradients.upper.by_input[*input].is_finite())
+        };
+        let inputs = self.uncertainties.inputs();
+        if let Some(input) = (0..inputs.len()).find(unknown) {
+            return Err(UncertaintyError::NoBound(inputs[input].0));
+        }
+        let ends = self.ends(&values(points), None, &self.basis);
         let correlation =
             self.end_correlation(&gradients, &self.spread(&gradients.lower), &self.spread(&gradients.upper));
         Ok(Propagation {
@@ -245,7 +257,7 @@ impl Propagator {
             gradients.upper.folded[index] = at_ends;
         }
         let values = values(points);
-        let centre = self.ends(&values, None);
+        let centre = self.ends(&values, None, &self.basis);
         for input in 0..count {
             let Range { lower, upper } = self.by_input(input, &values, centre);
             let (source, _) = self.uncertainties.inputs()[input];
@@ -257,14 +269,24 @@ impl Propagator {
     }
 
     fn weights(&self, of: &Derivatives, value: f64) -> EndWeights {
-        let alone = |value: f64| of.varied.and_then(|varied| self.basis.alone(&varied.with_value(value)).ok());
+        let alone = |value: f64, basis: &Basis| {
+            of.varied.map_or(NO_RANGE, |varied| range_alone(&varied.with_value(value), basis))
+        };
         let step = if value < 0.0 { -VARIED_BY } else { VARIED_BY };
-        let (Some(here), Some(there)) = (alone(value), alone(value + step)) else { return EndWeights::default() };
+        let (here, there) = (alone(value, &self.basis), alone(value + step, &self.basis));
         let per_delta_cd = 1.0 / (step * of.law.slope(value, self.model));
-        EndWeights {
-            lower: (there.lower_mm - here.lower_mm) * per_delta_cd,
-            upper: (there.upper_mm - here.upper_mm) * per_delta_cd,
+        let mut weights = EndWeights {
+            lower: (there.lower - here.lower) * per_delta_cd,
+            upper: (there.upper - here.upper) * per_delta_cd,
+            ..EndWeights::default()
+        };
+        for pair in &self.pairs {
+            let Range { lower, upper } = pair.steepest(here, |basis| alone(value, basis));
+            let standard = self.uncertainties.of(pair.source).map_or(0.0, |uncertainty| uncertainty.standard);
+            weights.lower_of_pair_mm += lower.abs() * standard;
+            weights.upper_of_pair_mm += upper.abs() * standard;
         }
+        weights
     }
 
     /// ∂(both ends)/∂x of one input. An error's magnitude has a kink at zero: there it is varied away from it. So it is
@@ -274,17 +296,20 @@ impl Propagator {
         let one_sided = own.filter(|&index| self.stack == Stack::Range || values[index].abs() < VARIED_BY);
         if let Some(index) = one_sided {
             let step = if values[index] < 0.0 { -VARIED_BY } else { VARIED_BY };
-            let ends = self.ends(values, Some((input, step)));
+            let ends = self.ends(values, Some((input, step)), &self.basis);
             return Range { lower: (ends.lower - centre.lower) / step, upper: (ends.upper - centre.upper) / step };
         }
-        let (above, below) =
-            (self.ends(values, Some((input, VARIED_BY))), self.ends(values, Some((input, -VARIED_BY))));
+        let [above, below] = [VARIED_BY, -VARIED_BY].map(|step| self.ends(values, Some((input, step)), &self.basis));
         let slope = |above: f64, below: f64| (above - below) / (2.0 * VARIED_BY);
-        Range { lower: slope(above.lower, below.lower), upper: slope(above.upper, below.upper) }
+        let laws = Range { lower: slope(above.lower, below.lower), upper: slope(above.upper, below.upper) };
+        let (source, _) = self.uncertainties.inputs()[input];
+        let Some(pair) = self.pairs.iter().find(|pair| pair.source == source) else { return laws };
+        let of_pair = pair.steepest(centre, |basis| self.ends(values, None, basis));
+        Range { lower: laws.lower + of_pair.lower, upper: laws.upper + of_pair.upper }
     }
 
     /// Both ends of the combination for errors of these values, with one input off by so much.
-    fn ends(&self, values: &[f64; KINDS], off: Option<(usize, f64)>) -> Range {
+    fn ends(&self, values: &[f64; KINDS], off: Option<(usize, f64)>, basis: &Basis) -> Range {
         let mut gear = self.gear;
         let shifted = off.and_then(|(input, step)| {
             let (source, _) = self.uncertainties.inputs()[input];
@@ -292,7 +317,7 @@ impl Propagator {
         });
         let mut errors = [ExtendedError::NONE; KINDS];
         for ((error, of), value) in errors.iter_mut().zip(&self.derivatives).zip(values) {
-            let Some(varied) = &of.varied else { return Range { lower: f64::NAN, upper: f64::NAN } };
+            let Some(varied) = &of.varied else { return NO_RANGE };
             let own = off.map_or(0.0, |(input, step)| {
                 let is_own = of.own.is_some_and(|(own, _)| own == input);
                 (of.constant[input] + if is_own { 1.0 } else { 0.0 }) * step
@@ -302,7 +327,7 @@ impl Propagator {
                 None => varied.with_value(value + own),
             };
         }
-        ends(self.stack, &errors[..self.derivatives.len()], &self.basis)
+        ends(self.stack, &errors[..self.derivatives.len()], basis)
     }
 
     /// c_i u(x_i) of every input.
@@ -320,9 +345,11 @@ impl Propagator {
         self.uncertainties.covariance(&a[..count], &b[..count])
     }
 
+    /// Infinite where a derivative is not known.
     fn variance(&self, by_input: &[f64; INPUTS]) -> f64 {
         let contributions = self.contributions(by_input);
-        self.covariance(&contributions, &contributions).max(0.0)
+        let variance = self.covariance(&contributions, &contributions);
+        if variance.is_nan() { f64::INFINITY } else { variance.max(0.0) }
     }
 
     fn spread(&self, gradient: &Gradient) -> Spread {
@@ -389,7 +416,7 @@ impl Propagator {
 
     fn end_correlation(&self, gradients: &Gradients, lower: &Spread, upper: &Spread) -> f64 {
         let scale = lower.standard_mm * upper.standard_mm;
-        if scale == 0.0 {
+        if scale == 0.0 || !scale.is_finite() {
             return 0.0;
         }
         let (a, b) = (self.contributions(&gradients.lower.by_input), self.contributions(&gradients.upper.by_input));

@@ -65,6 +65,10 @@ pub struct EndWeights {
     pub lower: f64,
     /// Of the upper end.
     pub upper: f64,
+    /// What uncertain sizes of the pair add to the standard uncertainty of the lower end, at most, mm.
+    pub lower_of_pair_mm: f64,
+    /// Of the upper end.
+    pub upper_of_pair_mm: f64,
 }
 
 impl EndWeights {
@@ -75,8 +79,8 @@ impl EndWeights {
         Ends {
             lower_mm: result.lower.mm(),
             upper_mm: result.upper.mm(),
-            lower_standard_mm: self.lower.abs() * standard_mm,
-            upper_standard_mm: self.upper.abs() * standard_mm,
+            lower_standard_mm: self.lower.abs() * standard_mm + self.lower_of_pair_mm,
+            upper_standard_mm: self.upper.abs() * standard_mm + self.upper_of_pair_mm,
             correlation: if both == 0.0 { 0.0 } else { both.signum() },
         }
     }

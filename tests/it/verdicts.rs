@@ -466,3 +466,33 @@ fn a_batch_without_ranges_does_not_pass() {
     std::fs::write(&spec, text.split("[limits]").next().expect("the first part")).expect("written");
     assert_eq!(run(&["batch", &spec, &table], "").code, Some(0));
 }
+
+/// Near a face width at which one more step comes to carry, its uncertainty is that of the jump, and no pass is certain.
+#[test]
+fn uncertain_sizes_of_the_pair_count() {
+    let spec = |width: &str| {
+        let pair = PAPER.replace("face_width = 19.7", &format!("face_width = {{ value = {width}, u = 0.1 }}"));
+        let pair = pair.replace("face_width = 23.5", "face_width = 30");
+        format!(
+            "{pair}[errors]\nrack_pitch = {{ value = \"10 um\", u = \"0.03 um\", extent = \"each\" }}\n\
+             [limits]\ncenter_distance = {{ upper = 0.0285 }}\nrack_pitch = {{ upper = 0.0285 }}\n[decision]\nrule = \"iso14253\"\n"
+        )
+    };
+    for draws in [&[][..], &["--monte-carlo", "2e4"]] {
+        let of = |width| run(&[&["eval", "-", "--format", "json"], draws].concat(), &spec(width));
+        assert_eq!(of("19.7").json()["verdict"], "pass", "{draws:?}");
+        let near = of("23.75").json();
+        assert_eq!(near["verdict"], "indeterminate", "{draws:?} {near}");
+        assert!(near["limits"].as_array().is_some_and(|limits| limits.iter().all(|limit| limit["verdict"] != "pass")));
+    }
+}
+
+/// A rack that may roll and has no error sinks by nothing: a limit of 0 is met.
+#[test]
+fn a_rolling_rack_without_errors_is_at_nought() {
+    let spec = format!(
+        "{PAPER}[support]\nroll = \"free\"\nroll_axis_depth = 10\n[errors]\nrack_over_roller = 0\n[limits]\ncenter_distance = \"±0\"\n"
+    );
+    let ended = eval(&spec);
+    assert_eq!((ended.code, range(&ended)), (Some(0), (0.0, 0.0)), "{}", ended.stdout);
+}

@@ -7,7 +7,7 @@ use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, evaluate};
 use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::{Basis, KnownTeeth, NoBound};
+use crate::judge::bound::{Basis, NoBound};
 use crate::judge::strokes::CurveSearch;
 use crate::judge::{Interval, LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::spec::{MeasuredTables, MeshInput, Spec};
@@ -118,7 +118,7 @@ impl TeethJudge {
         let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| no_mesh(error.to_string()))?;
         let spec = &self.measured_only;
         let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, followed.tolerance_mm)?;
-        let (known, certain) = (KnownTeeth { range: followed.judged(&extremes) }, spec.certain_teeth(tables));
+        let (known, certain) = (followed.judged(&extremes), spec.certain_teeth(tables));
         let spec = spec.clone().with_known_teeth(known, sensitivities, certain);
         let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
         let unmeasured = self.spec.not_in_tables(self.part, tables);

@@ -2,6 +2,7 @@
 //! for a pair and as much error as it is asked about; knows no single error.
 
 use std::f64::consts::PI;
+use std::ops::Range as Strokes;
 
 use super::counts::{Counts, StepDirection};
 use super::field::{ContactPath, Field, line_distance, shift_rad, skew, thickness_deviation, thickness_offset};
@@ -12,7 +13,7 @@ use super::undercut::Undercut;
 use super::{NoBound, Range};
 use crate::deviation::{DeviationError, Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
-use crate::mesh::{Mesh, MeshError, MeshPoint, Support};
+use crate::mesh::{Mesh, MeshError, MeshPoint, SOLVED_MM, Support};
 use crate::trig;
 
 /// Everything that is given of a pair but its errors.
@@ -71,6 +72,8 @@ pub(super) struct Own {
 pub struct KnownTeeth {
     /// The extremes of the exact mesh of these teeth with a part that has no errors.
     pub range: Range,
+    /// Whether the mesh solved every stroke; otherwise there is no bound.
+    pub solved: bool,
 }
 
 /// How far errors may move ΔCD altogether.
@@ -90,7 +93,7 @@ impl Reach {
 
     /// Together with what known teeth do, which may be those of either part.
     pub(super) fn with(self, teeth: Option<KnownTeeth>) -> Self {
-        let Some(KnownTeeth { range }) = teeth else { return self };
+        let Some(KnownTeeth { range, .. }) = teeth else { return self };
         let of_teeth = range.upper.max(-range.lower).max(0.0);
         let Range { lower, upper } = self.range;
         Self {
@@ -125,6 +128,12 @@ pub enum KnownPairError {
     /// No line of contact lies on both flanks.
     #[error("the flanks touch nowhere but at their edges")]
     EdgesOnly,
+    /// A stroke without errors is not solved.
+    #[error("the mesh without errors is not solved at stroke {stroke_mm} mm")]
+    NotSolved {
+        /// The stroke.
+        stroke_mm: f64,
+    },
     /// The pair has no curve.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -134,6 +143,7 @@ impl From<KnownPairError> for NoBound {
     fn from(error: KnownPairError) -> Self {
         match error {
             KnownPairError::EdgesOnly => Self::EdgesOnly,
+            KnownPairError::NotSolved { .. } => Self::NotSolved,
             KnownPairError::Geometry { .. } | KnownPairError::Form(_) | KnownPairError::Mesh(_) => Self::NoFlanks,
         }
     }
@@ -154,6 +164,16 @@ impl GivenPair {
     pub fn plain(pair: Pair) -> Self {
         let (rack_form, pinion_form) = (RackForm::default(), PinionForm::default());
         Self { pair, rack_form, pinion_form, support: Support::Fixed }
+    }
+
+    /// The same with some of the pair's sizes changed.
+    ///
+    /// # Errors
+    /// [`GeometryError`] if that leaves no pair.
+    pub(crate) fn varied(&self, change: impl FnOnce(&mut PairData)) -> Result<Self, GeometryError> {
+        let mut data = data_of(&self.pair);
+        change(&mut data);
+        Ok(Self { pair: Pair::new(&data)?, ..*self })
     }
 
     fn has_form(&self) -> bool {
@@ -261,8 +281,12 @@ impl KnownPair {
             let sides = both_sides(&mesh, shift_rad(&pair, self.reach.of_pinion_mm))?;
             return Ok(offset + sides.lower.min(0.0) - self.form_moved());
         }
-        let curve = mesh.curve(0.0, pair.rack().pitch_mm, ROLLING_CURVE_MM)?;
-        let lowest = curve.points.iter().map(|point| point.delta_cd_mm).fold(offset, f64::min);
+        let points = own_curve(&mesh, 0.0..pair.rack().pitch_mm, ROLLING_CURVE_MM)?;
+        let lowest = points.iter().map(|point| point.delta_cd_mm).fold(offset, f64::min);
+        if self.line.ratio >= 1.0 && !self.given.has_form() && lowest > offset - SOLVED_MM {
+            // flanks on lines ask for least where the rack does not roll, and nothing is between points
+            return Ok(offset);
+        }
         Ok(lowest - ROLLING_CURVE_MM - self.form_moved())
     }
 
@@ -371,16 +395,25 @@ fn excess(pair: &Pair, deeper_mm: f64) -> f64 {
     Profile::new(pair, line_distance(pair), deeper_mm).largest_excess()
 }
 
+/// The curve of a pair without errors.
+fn own_curve(mesh: &Mesh, strokes: Strokes<f64>, tolerance_mm: f64) -> Result<Vec<MeshPoint>, KnownPairError> {
+    let points = mesh.curve(strokes.start, strokes.end, tolerance_mm)?.points;
+    match points.iter().find(|point| !point.is_solved()) {
+        Some(point) => Err(KnownPairError::NotSolved { stroke_mm: point.stroke_mm }),
+        None => Ok(points),
+    }
+}
+
 /// The least and the most that both sides together ask for beyond their contact lines, if errors shift one against the other
 /// by up to an angle of the pinion. Each stroke says what each side asks for: ΔCD ± the transmission error's share.
-fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, MeshError> {
+fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, KnownPairError> {
     let pair = mesh.pair();
     let (teeth, pitch) = (f64::from(pair.pinion().teeth), pair.rack().pitch_mm);
     let per_rad = 0.5 * pair.normal_module_mm() * teeth / trig::tan(pair.normal_pressure_angle_rad());
     let window = pitch * shift_rad * teeth / (2.0 * PI);
     let offset = thickness_offset(pair);
     // a pitch, and on either side as much as a shift brings in
-    let points = mesh.curve(-window, pitch + window, SIDES_CURVE_MM)?.points;
+    let points = own_curve(mesh, -window..pitch + window, SIDES_CURVE_MM)?;
     let side =
         |point: &MeshPoint, sign: f64| point.delta_cd_mm - offset + sign * per_rad * point.transmission_error_rad;
     let mut both = Range { lower: f64::INFINITY, upper: f64::NEG_INFINITY };

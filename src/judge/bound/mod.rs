@@ -91,6 +91,11 @@ impl ErrorRange {
         }
     }
 
+    /// With its ends in order: where contact is rare, what carries on lines and what edges stand back can cross.
+    fn ordered(self) -> Self {
+        Self { lower_mm: self.lower_mm.min(self.upper_mm), upper_mm: self.upper_mm.max(self.lower_mm), ..self }
+    }
+
     /// What it can do alone.
     #[must_use]
     pub const fn alone(self) -> Range {
@@ -157,6 +162,11 @@ pub enum NoBound {
     /// Errors as large leave nothing of the pair's flanks.
     #[error("errors as large as these leave no flanks that mesh")]
     NoFlanks,
+    /// The exact mesh that a bound starts from is not certain.
+    #[error(
+        "the mesh is not solved at every stroke that is judged, as `mesh` shows: check the tip diameter and the addendum"
+    )]
+    NotSolved,
     /// Edges alone carry, of which no bound is known.
     #[error("the flanks of this pair touch nowhere but at their edges: check the addendum and the tip diameter")]
     EdgesOnly,
@@ -174,6 +184,8 @@ pub enum Note {
     OwnCurveUnknown,
     /// Flanks are taken to touch within this height over and under the reference plane, mm.
     AssumedHeight(f64),
+    /// In a statistical sum steps are taken to act at every stroke.
+    StepsAlwaysAct,
     /// Pitch errors of every tooth are taken as shifts of whole teeth, whose thickness stays.
     WholeTeeth,
 }

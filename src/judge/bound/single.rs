@@ -27,7 +27,7 @@ pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<E
             of_leads(&Leads::none(error.part()).with(error), knowledge)
         }
     };
-    Ok(supported(range, knowledge))
+    Ok(supported(range, knowledge).ordered())
 }
 
 /// A space that sits higher by e: both its flanks carry for a while, or never.

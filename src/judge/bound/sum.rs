@@ -22,6 +22,8 @@ pub struct Bound {
     pub statistical: Result<Range, NoBound>,
     /// What it rests on.
     pub notes: Vec<Note>,
+    /// What the statistical range rests on beside that.
+    pub statistical_notes: Vec<Note>,
 }
 
 /// [`Bound::total`] and [`Bound::statistical`] alone.
@@ -46,7 +48,9 @@ const SPARE_MM: f64 = 1e-6;
 pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     let CombinedBound { total, statistical } = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
-    Bound { errors: each, total, statistical, notes: notes(errors, knowledge) }
+    let acts = knowledge.pair().is_none() && errors.iter().any(|error| is_one_step(error) && !error.either_sign);
+    let statistical_notes = if acts { vec![Note::StepsAlwaysAct] } else { Vec::new() };
+    Bound { errors: each, total, statistical, notes: notes(errors, knowledge), statistical_notes }
 }
 
 /// What errors of both parts add up to, mm.
@@ -164,12 +168,10 @@ impl Sum {
         let lifted = self.raw_upper - self.spared;
         let own_upper = if self.pinion_lifts == 0.0 { own.unshifted_upper } else { own.range.upper };
         let at_one_stroke = own.of_lines + self.raw_upper - self.spared_with_undercut;
-        Range {
-            lower: own.range.lower + self.raw_lower + self.better,
-            upper: (own_upper + lifted.max(0.0))
-                .min(own.upper_of_sunk_flanks + lifted)
-                .min(own_upper.max(at_one_stroke)),
-        }
+        let lower = own.range.lower + self.raw_lower + self.better;
+        let upper =
+            (own_upper + lifted.max(0.0)).min(own.upper_of_sunk_flanks + lifted).min(own_upper.max(at_one_stroke));
+        Range { lower: lower.min(upper), upper: upper.max(lower) }
     }
 }
 
@@ -194,6 +196,7 @@ pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combi
     let sum = summed.map(|()| adding.sum(knowledge));
     let own = sum.and_then(|sum| own(&sum, knowledge));
     let total = match knowledge.known_teeth {
+        Some(teeth) if !teeth.solved => Err(NoBound::NotSolved),
         Some(teeth) if errors.is_empty() => Ok(teeth.range),
         Some(teeth) => sum.and_then(|sum| Ok(sum.beside(teeth, own?, knowledge))),
         None => sum.and_then(|sum| Ok(sum.with_own(own?))),
@@ -263,8 +266,13 @@ pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
 impl Bound {
     /// Of errors that have none.
     pub(super) fn open(errors: usize, open: NoBound) -> Self {
-        Self { errors: vec![Err(open); errors], total: Err(open), statistical: Err(open), notes: Vec::new() }
+        let (notes, statistical_notes) = (Vec::new(), Vec::new());
+        Self { errors: vec![Err(open); errors], total: Err(open), statistical: Err(open), notes, statistical_notes }
     }
+}
+
+fn is_one_step(error: &ExtendedError) -> bool {
+    matches!(error.effect, ErrorEffect::Pitch(_)) && error.extent == Extent::One
 }
 
 fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
@@ -283,8 +291,7 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     if !errors.is_empty() {
         notes.push(Note::GeometryNarrows);
     }
-    let is_step = |error: &ExtendedError| matches!(error.effect, ErrorEffect::Pitch(_)) && error.extent == Extent::One;
-    if knowledge.geometry == Geometry::Unknown && !knowledge.rolls && errors.iter().any(is_step) {
+    if knowledge.geometry == Geometry::Unknown && !knowledge.rolls && errors.iter().any(is_one_step) {
         notes.push(Note::BothFlanksNarrows);
     }
     notes.extend(errors.iter().find_map(|error| match &error.effect {

@@ -25,7 +25,7 @@ use crate::deviation::{PinionFlanks, RackFlanks};
 use crate::mesh::{Mesh, MeshPoint, Support};
 use placed::{Flanks, Placed};
 use search::{Candidate, RangeEnd, Search};
-use sketch::{Sketch, is_solved, stroke};
+use sketch::{Sketch, stroke};
 
 /// How far some errors push ΔCD when they sit at the worst places found.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,7 +163,7 @@ fn extreme(
     let curve = mesh.curve(pitch * (stroke - pitches), pitch * (stroke + pitches), tolerance_mm)?;
     let of = |point: &MeshPoint| CurveExtreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
     let sign = which.sign();
-    let extremes = curve.points.iter().filter(|point| is_solved(point)).map(of);
+    let extremes = curve.points.iter().filter(|point| point.is_solved()).map(of);
     let extreme = extremes.max_by(|a, b| (sign * a.delta_cd_mm).total_cmp(&(sign * b.delta_cd_mm)));
     extreme.ok_or(ReachedError::Unsolved { stroke_mm: pitch * stroke })
 }

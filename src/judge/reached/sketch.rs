@@ -11,7 +11,7 @@ use crate::judge::bound::error::ErrorEffect;
 use crate::judge::bound::field::{ContactPath, Field};
 use crate::judge::bound::lead::Slopes;
 use crate::judge::bound::{ExtendedError, GivenPair, Range};
-use crate::mesh::{Ending, FlankSide, MeshPoint, Sampler};
+use crate::mesh::{FlankSide, MeshPoint, Sampler};
 use crate::trig;
 
 /// Strokes looked at in each pitch.
@@ -26,8 +26,6 @@ const BEYOND: f64 = 1.0;
 const FARTHEST: f64 = 12.0;
 /// Width of the part of the field of contact that stands for a stroke, pitches.
 const WIDTH: f64 = 1e-6;
-/// What a solve may be off by, mm.
-pub(super) const RESIDUAL_MM: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
 pub(super) struct Sketch {
@@ -66,7 +64,7 @@ impl Sketch {
         let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth) / tan;
         let field = Field::nominal(&pair);
         let mut sample = |index: i64| {
-            let point = sampler.at(stroke(index) * pair.rack().pitch_mm).ok().filter(is_solved);
+            let point = sampler.at(stroke(index) * pair.rack().pitch_mm).ok().filter(MeshPoint::is_solved);
             // a right flank that stands out turns the pinion back
             let asked = |side: FlankSide, sign: f64| {
                 let point = point.filter(|point| carrier(point, side) == 0)?;
@@ -122,11 +120,6 @@ impl Sketch {
 /// A stroke in pitches.
 pub(super) fn stroke(index: i64) -> f64 {
     index as f64 / STEPS as f64
-}
-
-/// Whether a point is what the mesh really has.
-pub(super) fn is_solved(point: &MeshPoint) -> bool {
-    matches!(point.ending, Ending::Converged | Ending::BracketExhausted) && point.residual_mm.abs() < RESIDUAL_MM
 }
 
 fn carrier(point: &MeshPoint, side: FlankSide) -> i64 {

@@ -135,7 +135,7 @@ pub fn repeated(grid: &Grid) -> Grid {
 
 #[test]
 fn long_tables_and_any_number_of_workers() {
-    check(12, (parts(), design(), dialect()), |(parts, design, dialect)| {
+    check(6, (parts(), design(), dialect()), |(parts, design, dialect)| {
         let grid = Grid::new(&parts, &Design { shape: Shape::Rows, mean: false, ..design });
         if is_ambiguous(&grid, dialect.figures) {
             return Ok(());

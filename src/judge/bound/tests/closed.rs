@@ -6,7 +6,7 @@ use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
     Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, Geometry, GivenGeometry, GivenPair, Knowledge,
-    KnownPairs, NoBound, Note, Range, bound, moments,
+    KnownPairs, KnownTeeth, NoBound, Note, Range, bound, moments,
 };
 use crate::mesh::Support;
 use crate::quantity::{Angle, Length};
@@ -41,7 +41,7 @@ fn near(value: f64, expected: f64) {
 fn tolerances_hold_errors_of_either_sign() {
     let mut random = Random(0x746f_6c65);
     let mut held = 0;
-    for _ in 0..200 {
+    for _ in 0..100 {
         let pair = random::pair(&mut random);
         let errors: Vec<_> = (0..3).map(|_| random::error(&mut random, &pair).error).collect();
         let tolerances: Vec<_> = errors.iter().copied().map(ExtendedError::of_either_sign).collect();
@@ -61,7 +61,7 @@ fn tolerances_hold_errors_of_either_sign() {
             }
         }
     }
-    assert!(held > 2_000, "{held}");
+    assert!(held > 1_000, "{held}");
 }
 
 /// Of a size either way the mean is nothing; what a step does that carries for a share of the stroke, it does for that share.
@@ -269,4 +269,22 @@ fn a_pitch_tolerance_is_capped_by_the_total_of_either_flank_side() {
     near(of(pair, &[capped(0.001)]).errors[0].unwrap().upper_mm, free.upper_mm);
     let unknown = bound(&[capped(0.1)], &Knowledge::default()).errors[0].unwrap();
     assert!(unknown.upper_mm <= 2.0 * g(0.01) + 1e-12 && unknown.upper_mm >= total.upper_mm, "{unknown:?}");
+}
+
+/// A stroke that the mesh did not solve may lie lower or higher: what it says is no bound.
+#[test]
+fn teeth_whose_mesh_is_not_solved_have_no_bound() {
+    let teeth = |solved| Some(KnownTeeth { range: Range { lower: -0.01, upper: 0.02 }, solved });
+    let total = |solved| bound(&[], &Knowledge { known_teeth: teeth(solved), ..Knowledge::default() }).total;
+    assert_eq!(total(true), Ok(Range { lower: -0.01, upper: 0.02 }));
+    assert_eq!(total(false), Err(NoBound::NotSolved));
+}
+
+#[test]
+fn a_statistical_sum_of_steps_says_that_they_always_act() {
+    let pair = spur();
+    let one = [error(&pair, 1, Extent::One, 0.02)];
+    assert_eq!(unknown(&one).statistical_notes, [Note::StepsAlwaysAct]);
+    assert!(of(pair, &one).statistical_notes.is_empty());
+    assert!(unknown(&[error(&pair, 0, Extent::All, 0.02)]).statistical_notes.is_empty());
 }
