@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""How judging parts scales: rows per second through each engine that is installed, on one worker and on two.
+"""How judging parts scales: rows per second through each engine that is installed, with one worker on one core and with two on
+two.
 
     pip install ./python numpy pyarrow duckdb polars   # and those of python/README.md that are wanted
     python benches/scale.py [ROWS]
@@ -20,33 +21,27 @@ SMALL = 4_000
 EXAMPLES = Path(__file__).parents[1] / "python" / "examples"
 RUNS = 3
 
-# engine, package, script, what makes it one worker or two
+SAIL = {"SAIL_MODE": "local-cluster", "SAIL_CLUSTER__WORKER_INITIAL_COUNT": "2"}
+CORES = sorted(os.sched_getaffinity(0))
+# engine, package, script, arguments and environment for so many workers
 ENGINES = [
     ("pyarrow, one process", "pyarrow", "one_process.py", lambda workers: ([str(workers)], {})),
     ("polars", "polars", "polars_lazy.py", lambda workers: ([str(workers)], {"POLARS_MAX_THREADS": str(workers)})),
     ("DuckDB", "duckdb", "duckdb_arrow.py", lambda workers: ([str(workers)], {})),
     ("DataFusion", "datafusion", "datafusion_batches.py", lambda workers: ([str(workers)], {})),
-    (
-        "Sail, local cluster",
-        "pysail",
-        "spark_map_in_arrow.py",
-        lambda workers: (
-            ["sail"],
-            {"SAIL_MODE": "local-cluster", "SAIL_CLUSTER__WORKER_INITIAL_COUNT": str(workers),
-             "SAIL_CLUSTER__WORKER_MAX_COUNT": str(workers), "SAIL_CLUSTER__WORKER_TASK_SLOTS": "1"},
-        ),
-    ),
+    # the least that Sail starts is two workers: on one core they take turns
+    ("Sail, local cluster", "pysail", "spark_map_in_arrow.py", lambda workers: (["sail"], SAIL)),
 ]
 
 
-def run(script: str, folder: Path, arguments: list, environment: dict) -> tuple:
-    """The fastest time in seconds, and the answer."""
+def run(script: str, folder: Path, workers: int, arguments: list, environment: dict) -> tuple:
+    """The fastest time in seconds on so many cores, and the answer."""
     times, answers = [], set()
     for _ in range(RUNS):
         start = time.perf_counter()
         said = subprocess.run(
             [sys.executable, EXAMPLES / script, folder, *arguments], capture_output=True, text=True, check=False,
-            env={**os.environ, **environment},
+            env={**os.environ, **environment}, preexec_fn=lambda: os.sched_setaffinity(0, CORES[:workers]),
         )
         times.append(time.perf_counter() - start)
         answers.add(said.stdout.strip() or said.stderr.strip().splitlines()[-1])
@@ -68,8 +63,8 @@ with tempfile.TemporaryDirectory() as folder:
             continue
         rates = {}
         for workers in (1, 2):
-            start, _ = run(script, small, *workers_of(workers))
-            seconds, answer = run(script, large, *workers_of(workers))
+            start, _ = run(script, small, workers, *workers_of(workers))
+            seconds, answer = run(script, large, workers, *workers_of(workers))
             expected = expected or answer
             if answer != expected:
                 sys.exit(f"{engine} says {answer}, and the first one {expected}")
