@@ -7,7 +7,7 @@ use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartDeviation};
 use crate::gear::PairData;
 use crate::judge::Stack;
-use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, KnownPairs, NoBound, Range};
+use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, KnownPairs, Range};
 use crate::quantity::Length;
 
 /// The gear data of a part, mm and degrees; what no error needs is 0.
@@ -154,7 +154,7 @@ fn size_of(source: Source) -> Option<fn(&mut PairData) -> &mut f64> {
 
 /// Both ends of a combination, not numbers if there are none.
 pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
-    stack.ends(&basis.together(errors)).unwrap_or_else(|_: NoBound| NO_RANGE)
+    stack.ends(&basis.together(errors)).unwrap_or(NO_RANGE)
 }
 
 /// What one error can do alone, not numbers if there is no bound.
