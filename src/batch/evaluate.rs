@@ -15,6 +15,7 @@ use super::uncertain::RowUncertainty;
 use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::judge::Verdict;
+use crate::judge::bound::ExtendedError;
 use crate::quantity::shown;
 use crate::table::{Block, Fault};
 use crate::uncertainty::Spreads;
@@ -30,6 +31,8 @@ pub(super) struct Evaluator<'a> {
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
     deviations: [DeviationValue; KINDS],
+    /// The same on the teeth that their extents allow.
+    errors: Vec<ExtendedError>,
     /// Which deviations are not suspicious.
     usual: Reach,
     /// Whether rejected rows are kept at all.
@@ -52,6 +55,7 @@ impl<'a> Evaluator<'a> {
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
             deviations,
+            errors: plan.sources.iter().map(|source| source.extended).collect(),
             usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
         }
@@ -126,7 +130,7 @@ impl<'a> Evaluator<'a> {
     fn evaluate(&mut self, row: Row<'_>) -> Result<(), Refusal> {
         let plan = self.plan;
         let refused = |message: String| Refusal { message, source: None };
-        let results = Results::new(plan, &self.deviations)?;
+        let results = Results::new(plan, &self.deviations, &mut self.errors)?;
         let uncertainty = match &plan.uncertain {
             Some(uncertain) => {
                 let known = uncertain.of_row(&plan.sources, &self.deviations, &results.each, &plan.limits);

@@ -62,24 +62,27 @@ fn plain_value(value: DeviationValue) -> f64 {
 }
 
 impl Results {
-    /// The results of the deviations, one per source of the plan. What has no bound is left out.
+    /// The results of the deviations, one per source of the plan, whose errors get these values. What has no bound is
+    /// left out.
     #[inline]
-    pub(super) fn new(plan: &Plan, deviations: &[DeviationValue; KINDS]) -> Result<Self, Refusal> {
+    pub(super) fn new(
+        plan: &Plan,
+        deviations: &[DeviationValue; KINDS],
+        errors: &mut [ExtendedError],
+    ) -> Result<Self, Refusal> {
         let of_source = |index, problem| Refusal::of(plan, Some(index), &problem);
-        let mut errors = [ExtendedError::NONE; KINDS];
         let mut results =
             Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None, reached: None };
         for (index, source) in plan.sources.iter().enumerate() {
             let delta_cd = source.law.delta_cd(deviations[index], plan.model);
             results.each[index] = delta_cd.map_err(|problem| of_source(index, problem))?;
-            errors[index] = source.extended.with_value(plain_value(deviations[index]));
+            errors[index].set_value(plain_value(deviations[index]));
             if source.is_limited {
                 let alone = plan.basis.alone(&errors[index]).ok();
                 let alone = alone.map(|alone| Interval::nearest(alone.alone())).transpose();
                 results.alone[index] = alone.map_err(|problem| of_source(index, problem.into()))?;
             }
         }
-        let errors = &errors[..plan.sources.len()];
         if plan.needs_range || plan.needs_rss {
             let together = plan.basis.together(errors);
             let of = |stack: Stack| {

@@ -6,6 +6,7 @@ use std::io::{Read as _, Write as _};
 
 use super::long::{Bar, Interruption};
 use super::output::{Failure, Output, Status};
+use super::picture::Picture;
 use super::set::SetArgs;
 use super::target::Target;
 use super::{mesh, stream};
@@ -21,6 +22,7 @@ pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact m
 #[command(after_help = "Examples:
   rackmesh monte-carlo examples/scatter.toml
   rackmesh monte-carlo examples/scatter.toml --racks 20000 --format json
+  rackmesh monte-carlo examples/scatter.toml --plot racks.svg
   rackmesh monte-carlo examples/scatter.toml --first-rack 2000 --racks 3000 --study b.json
   rackmesh monte-carlo examples/scatter.toml --merge a.json b.json
 
@@ -52,6 +54,9 @@ pub(super) struct Args {
     seed: u64,
     #[command(flatten)]
     stroke: mesh::Stroke,
+    /// Draw the result to this file (.svg).
+    #[arg(long, value_name = "FILE")]
+    plot: Option<String>,
     /// Threads; one per core unless given.
     #[arg(long, short = 'j', alias = "jobs", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -77,6 +82,7 @@ impl Args {
         let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
         let kept = self.kept(&files)?;
+        let picture = self.plot.as_deref().map(|path| Picture::new(path, files)).transpose()?;
         let interruption = long::interrupted(output);
         let (study, ended) = if self.merge.is_empty() {
             self.drawn(&racks, &interruption, output)
@@ -100,6 +106,11 @@ impl Args {
             summary: &summary,
             notes: mesh::notes(&input),
         };
+        let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
+        output.picture(|| report.chart(limit));
+        if let Some(picture) = &picture {
+            picture.write_as_far(&report.chart(limit), ended_early.is_none(), output)?;
+        }
         if !self.lists_racks() {
             output.report(&report, self.format)?;
         }
@@ -110,7 +121,6 @@ impl Args {
         }
         // what was solved before an error is shown and kept
         ended?;
-        let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
         Ok(ended_early.unwrap_or(status(&summary)))
     }
 

@@ -3,7 +3,7 @@
 
 use std::io::Write as _;
 
-use super::output::Failure;
+use super::output::{Failure, Output};
 use super::target::{self, Target};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::chart::Chart;
@@ -33,9 +33,15 @@ impl Picture {
         self.drawn(chart)?.finish()
     }
 
-    /// Draws the picture of a run that did not come to its end; gives the name that it is kept under.
-    pub(super) fn write_partial(&self, chart: &Chart) -> Result<Option<String>, Failure> {
-        self.drawn(chart)?.keep_partial()
+    /// The same of a run that may not have come to its end: its picture is kept under another name.
+    pub(super) fn write_as_far(&self, chart: &Chart, is_complete: bool, output: &mut Output) -> Result<(), Failure> {
+        if is_complete {
+            return self.write(chart);
+        }
+        if let Some(partial) = self.drawn(chart)?.keep_partial()? {
+            output.remark(&format!("{partial} shows what was computed"));
+        }
+        Ok(())
     }
 
     fn drawn(&self, chart: &Chart) -> Result<Target, Failure> {

@@ -88,15 +88,9 @@ impl Args {
             screen: output.screen(),
         };
         output.picture(|| chart(&report, &input.mesh));
-        if let Some(picture) = &picture {
-            let chart = chart(&report, &input.mesh);
-            if matches!(outcome.end, RunEnd::Completed) {
-                picture.write(&chart)?;
-            } else if !outcome.samples.is_empty()
-                && let Some(partial) = picture.write_partial(&chart)?
-            {
-                output.remark(&format!("{partial} shows what was computed"));
-            }
+        if let Some(picture) = picture.filter(|_| !outcome.samples.is_empty()) {
+            let is_complete = matches!(outcome.end, RunEnd::Completed);
+            picture.write_as_far(&chart(&report, &input.mesh), is_complete, output)?;
         }
         output.report(&report, self.format)?;
         Ok(match outcome.end {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::chart::{Axis, Chart, Layer, Scale, Shape};
 use super::fact::FORMAT_VERSION;
 use super::number::{millimetres, plain, tidy};
 use super::{Block, Column, Report, Table, titled};
@@ -10,8 +11,9 @@ use crate::chance::racks::{
     Bin, CONFIDENCE, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
     STEPS_PER_PITCH, Scatter, StudyError,
 };
-use crate::judge::Verdict;
 use crate::judge::class::ErrorClass;
+use crate::judge::{Limit, Verdict};
+use crate::quantity::Length;
 use crate::uncertainty::{Distribution, Uncertainty};
 
 /// Randomly deviating racks, solved.
@@ -159,6 +161,26 @@ impl RacksReport<'_> {
             .into()
     }
 
+    /// How the smallest, mean and largest ΔCD of the racks are distributed, and the limit on ΔCD.
+    #[must_use]
+    pub fn chart(&self, limit: Option<&Limit>) -> Chart {
+        let RacksSummary { smallest, mean, largest, .. } = self.summary;
+        let outline = |name, of: &RackStatistics| Layer::new(name, Shape::Line(outline(&of.histogram)));
+        let ends = limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]).flatten();
+        Chart {
+            title: self.title.unwrap_or("ΔCD of random racks").to_owned(),
+            x: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
+            y: Axis { label: "racks per µm".to_owned(), scale: Scale::Airy },
+            layers: vec![
+                outline("smallest along the stroke", smallest),
+                outline("mean", mean),
+                outline("largest", largest),
+                Layer::new("limits", Shape::LimitsOnX(ends.map(Length::mm).collect())),
+            ],
+            ..Chart::default()
+        }
+    }
+
     fn all_notes(&self) -> Vec<String> {
         let (of, asked) = (self.study.study_of(), self.study.asked());
         let from = if asked.first_rack == 0 { String::new() } else { format!(" from number {}", asked.first_rack) };
@@ -196,6 +218,18 @@ impl RacksReport<'_> {
         notes.extend(self.notes.iter().cloned());
         notes
     }
+}
+
+/// The outline of a histogram: racks per µm against mm, so that bins of other widths compare.
+fn outline(bins: &[Bin]) -> Vec<(f64, f64)> {
+    const MICROMETRES: f64 = 1000.0;
+    let (first, last) = (bins.first(), bins.last());
+    let tops = bins.iter().flat_map(|bin| {
+        let height = bin.racks as f64 / (MICROMETRES * (bin.to_mm - bin.from_mm));
+        [(bin.from_mm, height), (bin.to_mm, height)]
+    });
+    let ends = |end: Option<f64>| end.map(|mm| (mm, 0.0));
+    ends(first.map(|bin| bin.from_mm)).into_iter().chain(tops).chain(ends(last.map(|bin| bin.to_mm))).collect()
 }
 
 /// Ranges, the first of them by name.

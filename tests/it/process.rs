@@ -510,15 +510,16 @@ fn a_picture_of_a_run_that_did_not_end_has_a_name_of_its_own() {
 fn what_is_read_is_not_written_over() {
     let folder = Folder::new("over");
     let spec = folder.path("spec.svg");
-    std::fs::copy("examples/mesh.toml", &spec).expect("the spec can be copied");
-    let before = std::fs::read(&spec).expect("the spec is there");
-    for command in ["mesh", "simulate", "budget"] {
+    let text_of_spec = std::fs::read_to_string("examples/mesh.toml").expect("the spec is there");
+    let before = text_of_spec + "\n[scatter]\nrack_pitch = \"4 um\"\n";
+    std::fs::write(&spec, &before).expect("the spec can be written");
+    for command in ["mesh", "simulate", "budget", "monte-carlo"] {
         let output = with_input(&[command, &spec, "--plot", &folder.path("./spec.svg")], b"");
         assert_eq!(output.status.code(), Some(2), "{command}");
         assert!(text(&output.stderr).contains("would be written over"), "{command}: {}", text(&output.stderr));
         assert!(output.stdout.is_empty(), "{command}");
     }
-    assert_eq!(std::fs::read(&spec).expect("the spec is there"), before);
+    assert_eq!(std::fs::read_to_string(&spec).expect("the spec is there"), before);
     // an ending that nothing is written for is said before anything is computed
     for file in ["run.png", "run.pdf", "run", "-"] {
         let output = with_input(&["simulate", "examples/mesh.toml", "--plot", &folder.path(file)], b"");

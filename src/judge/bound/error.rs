@@ -163,7 +163,8 @@ impl ExtendedError {
     }
 
     /// An error whose sign is not known, with either of them.
-    pub(in crate::judge) fn signs(self) -> Option<[Self; 2]> {
+    #[inline]
+    pub(in crate::judge) fn signs(&self) -> Option<[Self; 2]> {
         self.either_sign.then(|| [1.0, -1.0].map(|sign| Self { either_sign: false, ..self.scaled(sign) }))
     }
 
@@ -177,14 +178,20 @@ impl ExtendedError {
     }
 
     /// The same error with another value, in mm or rad.
-    pub(crate) fn with_value(mut self, new: f64) -> Self {
+    pub(crate) fn with_value(mut self, value: f64) -> Self {
+        self.set_value(value);
+        self
+    }
+
+    /// Gives it another value, in mm or rad.
+    #[inline]
+    pub(crate) fn set_value(&mut self, new: f64) {
         match &mut self.effect {
             ErrorEffect::Size { value, .. }
             | ErrorEffect::Pitch(PitchEffect { value, .. })
             | ErrorEffect::RackLead { value, .. }
             | ErrorEffect::PinionLead { value, .. } => *value = new,
         }
-        self
     }
 
     /// The same pitch tolerance, with the total cumulative deviation F_p of either flank side limited, too: the error does

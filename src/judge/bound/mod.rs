@@ -59,10 +59,12 @@ pub struct ErrorRange {
 }
 
 impl ErrorRange {
+    #[inline]
     fn either_way(upper_mm: f64) -> Self {
         Self::within(-upper_mm, upper_mm)
     }
 
+    #[inline]
     fn within(lower: f64, upper: f64) -> Self {
         let upper_with_undercut_mm = f64::INFINITY;
         Self {
@@ -92,6 +94,7 @@ impl ErrorRange {
     }
 
     /// With its ends in order: where contact is rare, what carries on lines and what edges stand back can cross.
+    #[inline]
     fn ordered(self) -> Self {
         Self { lower_mm: self.lower_mm.min(self.upper_mm), upper_mm: self.upper_mm.max(self.lower_mm), ..self }
     }

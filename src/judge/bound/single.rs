@@ -16,6 +16,7 @@ const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 
 /// What one error can do alone.
+#[inline]
 pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     if let Some([one, other]) = error.signs() {
         return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
@@ -31,6 +32,7 @@ pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<E
 }
 
 /// A space that sits higher by e: both its flanks carry for a while, or never.
+#[inline]
 fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorRange {
     let sometimes = ErrorRange::within(value.min(0.0), value.max(0.0));
     match (extent, knowledge.pair()) {
@@ -59,6 +61,7 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
     }
 }
 
+#[inline]
 fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     let PitchEffect { part, value, gain, cap } = *pitch;
     let known = knowledge.pair();
@@ -103,6 +106,7 @@ fn with_undercut(pitch: &PitchEffect, extent: Extent, limit: f64, known: &KnownP
     })
 }
 
+#[inline]
 pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     if let Some([one, other]) = leads.signs() {
         return of_leads(&one, knowledge).or(of_leads(&other, knowledge));
@@ -118,6 +122,7 @@ pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
 }
 
 /// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.
+#[inline]
 pub(super) fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
     if !knowledge.rolls() {
         return range;

@@ -82,6 +82,7 @@ struct Adding {
 }
 
 impl Adding {
+    #[inline]
     fn add(&mut self, error: &ExtendedError, range: Result<ErrorRange, NoBound>) -> Result<(), NoBound> {
         let (part, range) = (error.part(), range?);
         match error.effect {
@@ -130,6 +131,7 @@ impl Sum {
         Ok(adding.sum(knowledge))
     }
 
+    #[inline]
     pub(super) fn add(&mut self, part: Part, range: ErrorRange) {
         self.sinks += range.raw_lower_mm.min(0.0);
         self.lifts += range.raw_upper_mm.max(0.0);
