@@ -49,7 +49,8 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     if want.teeth == Some(true) {
         return None;
     }
-    records.iter().enumerate().filter(|(_, record)| record.numbers() == 0).find_map(|(header, record)| {
+    let may_be_header = |record: &Record| record.numbers() == 0 || counts_parts(record);
+    records.iter().enumerate().filter(|(_, record)| may_be_header(record)).find_map(|(header, record)| {
         let roles: Vec<_> = record.cells.iter().map(|cell| role(&cell.text())).collect();
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
         // names of parts beside a word for names, as in `Merkmal | Einheit | Teil 1 | Teil 2`
@@ -93,6 +94,16 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
         ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
     })
+}
+
+/// Whether a line counts parts behind a word for names: `Merkmal | Einheit | 1 | 2 | 3`.
+fn counts_parts(record: &Record) -> bool {
+    let numbers = record.cells.iter().filter(|cell| cell.is_number()).map(|cell| cell.text().trim().parse::<u32>());
+    let numbers: Vec<_> = numbers.map_while(Result::ok).collect();
+    numbers.len() > 1
+        && numbers.len() == record.numbers()
+        && numbers.windows(2).all(|pair| pair[0].checked_add(1) == Some(pair[1]))
+        && record.cells.iter().any(|cell| role(&cell.text()) == Some(Role::Name))
 }
 
 /// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
