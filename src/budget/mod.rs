@@ -168,7 +168,9 @@ impl<'a> Scaled<'a> {
     fn new(request: &'a Request) -> Result<Self, BudgetError> {
         let mut scaled = Self { request, own: vec![None; request.entries.len()] };
         // a bound of every tooth's tolerance takes what is known of the pair
-        if let Err(open @ NoBound::TeethInContactUnknown) = request.basis.bound_of(&scaled.at(SMALL_MM)?).total {
+        if let Err(open @ (NoBound::TeethInContactUnknown | NoBound::OwnCurveUnknown)) =
+            request.basis.bound_of(&scaled.at(SMALL_MM)?).total
+        {
             return Err(open.into());
         }
         for (index, entry) in request.entries.iter().enumerate() {

@@ -5,11 +5,11 @@ use super::{Band, MonteCarloError, Outcome, Settings, Simulated, Simulation, Var
 use crate::deviation::DeviationKind;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, PartDeviation};
-use crate::judge::bound::{Basis, ExtendedError, Range};
+use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::{Limit, LimitTarget, Limits, Stack};
 use crate::quantity::{DomainError, Length};
 use crate::trig;
-use crate::uncertainty::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, range_alone};
+use crate::uncertainty::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, own_delta_cd_mm, range_alone};
 use crate::uncertainty::{Distribution, Part, Source, TeethSensitivity, Uncertainties, UncertaintyError};
 
 /// The simulated distributions of a part.
@@ -83,6 +83,8 @@ pub fn simulate_part(
 /// The inputs of an over-roller nominal, mm.
 #[derive(Debug, Clone, Copy)]
 struct Nominal {
+    /// Degrees.
+    alpha: f64,
     module: f64,
     /// s_n, or `None` for π m_n / 2.
     thickness: Option<f64>,
@@ -125,6 +127,7 @@ fn radians(degrees: f64) -> f64 {
 impl Nominal {
     fn new(over_pin: &OverPin) -> Result<Self, DomainError> {
         Ok(Self {
+            alpha: over_pin.normal_pressure_angle.degrees(),
             module: over_pin.normal_module.mm(),
             thickness: over_pin.tooth_thickness.map(Length::mm),
             pin: over_pin.pin_diameter.mm(),
@@ -134,8 +137,8 @@ impl Nominal {
     }
 
     /// M = K − (π m_n − s_n)/(2 tan α_n) + (d_p/2)(1 + 1/sin α_n)
-    fn measure_at(&self, alpha: f64) -> f64 {
-        let (sin, cos) = trig::sin_cos(radians(alpha));
+    fn measure(&self) -> f64 {
+        let (sin, cos) = trig::sin_cos(radians(self.alpha));
         let pitch = std::f64::consts::PI * self.module;
         let space = pitch - self.thickness.unwrap_or(0.5 * pitch);
         self.datum - 0.5 * space * cos / sin + 0.5 * self.pin * (1.0 + 1.0 / sin)
@@ -215,13 +218,12 @@ impl PartModel {
         gear
     }
 
-    /// How far the over-roller nominal of one draw is off.
-    fn nominal_shift(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> f64 {
+    /// What the over-roller nominal of one draw follows from.
+    fn drawn_nominal(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> Nominal {
         let mut drawn = *nominal;
-        let mut alpha = self.gear.alpha;
         for (source, column) in self.columns.iter().zip(inputs) {
             match source {
-                Source::NormalPressureAngle => alpha = column[draw],
+                Source::NormalPressureAngle => drawn.alpha = column[draw],
                 Source::NormalModule => drawn.module = column[draw],
                 Source::ToothThickness if drawn.thickness.is_some() => drawn.thickness = Some(column[draw]),
                 Source::Datum => drawn.datum = column[draw],
@@ -229,7 +231,18 @@ impl PartModel {
                 _ => {}
             }
         }
-        drawn.measure_at(alpha) - nominal.measure
+        drawn
+    }
+
+    /// How far the over-roller nominal of one draw is off.
+    fn nominal_shift(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> f64 {
+        self.drawn_nominal(nominal, inputs, draw).measure() - nominal.measure
+    }
+
+    /// How far one draw moves a pair of unknown geometry by its thickness.
+    fn own_shift(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> f64 {
+        let at = |of: &Nominal| of.thickness.map_or(0.0, |s| own_delta_cd_mm(s, of.module, of.alpha));
+        at(&self.drawn_nominal(nominal, inputs, draw)) - at(nominal)
     }
 }
 
@@ -245,6 +258,7 @@ impl Simulated for PartModel {
             [Source::NormalPressureAngle, Source::NormalModule, Source::ToothThickness, Source::Datum, Source::Roller];
         let gear_varies = self.varies(&GEAR);
         let nominal = self.nominal.as_ref().filter(|_| self.varies(&NOMINAL));
+        let own = nominal.filter(|_| !matches!(self.basis.geometry, GivenGeometry::Known(_)));
         let (errors, ends) = outputs.split_at_mut(self.errors.len());
         for (PartValue { law, value, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
             match self.column(Source::Error(law.kind()), inputs) {
@@ -263,7 +277,8 @@ impl Simulated for PartModel {
             let drawn = self.drawn(errors, draw, gear_varies.then_some(&gear));
             let both = self.in_drawn_pair(inputs, draw, |basis| self.ends_of(&drawn, basis));
             let teeth = self.teeth_at(inputs, draw);
-            (ends[0][draw], ends[1][draw]) = (both.lower + teeth.lower, both.upper + teeth.upper);
+            let own = own.map_or(0.0, |nominal| self.own_shift(nominal, inputs, draw));
+            (ends[0][draw], ends[1][draw]) = (both.lower + teeth.lower + own, both.upper + teeth.upper + own);
             for (&index, alone) in self.limited.iter().zip(ends[2..].chunks_exact_mut(2)) {
                 let of = |basis: &Basis| drawn[index].map_or(NO_RANGE, |error| range_alone(&error, basis));
                 let both = self.in_drawn_pair(inputs, draw, of);
@@ -331,7 +346,7 @@ type DrawnErrors = [Option<ExtendedError>; DeviationKind::ALL.len()];
 mod tests {
     use super::*;
     use crate::uncertainty::Uncertainty;
-    use crate::uncertainty::tests::{SOURCES, Scene, UNKNOWN};
+    use crate::uncertainty::tests::{SOURCES, Scene};
 
     /// Each draw gives what the formulas give for a part with the drawn values.
     #[test]
@@ -341,13 +356,13 @@ mod tests {
             for scene in Scene::all() {
                 let uncertain = sources.iter().map(|source| (*source, Uncertainty::standard(1.0))).collect();
                 let uncertainties = Uncertainties::new(uncertain, &[]).unwrap();
-                let (errors, over_pin) = (scene.errors(), scene.over_pin());
+                let (errors, over_pin, basis) = (scene.errors(), scene.over_pin(), scene.basis());
                 let part = Part {
                     errors: &errors,
                     over_pin: Some(&over_pin),
                     model: scene.model,
                     stack: scene.stack,
-                    basis: &UNKNOWN,
+                    basis: &basis,
                     teeth: &[],
                 };
                 let model = PartModel::new(&part, &uncertainties, Vec::new()).unwrap();
@@ -376,8 +391,13 @@ mod tests {
                     for (which, expected) in expected.iter().enumerate() {
                         let found = outputs[which][draw];
                         let (stack, model) = (scene.stack, scene.model);
-                        // the parts lie on the grid of lengths
-                        assert!((found - expected).abs() < 4e-12, "{stack:?} {model:?} {which}: {found} {expected}");
+                        // the parts lie on the grid of lengths; where thicker teeth put the pair is in proportion to an angle
+                        let is_bent = scene.thickness && sources.contains(&Source::NormalPressureAngle);
+                        let tolerance = if is_bent && which >= errors.len() { 2e-4 } else { 4e-12 };
+                        assert!(
+                            (found - expected).abs() < tolerance,
+                            "{stack:?} {model:?} {which}: {found} {expected}"
+                        );
                     }
                 }
             }

@@ -13,7 +13,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
 use crate::judge::bound::{Basis, NoBound};
 use crate::judge::class::{ErrorClass, deviation_of};
-use crate::judge::{Interval, Limit, LimitTarget};
+use crate::judge::{Interval, Limit, LimitTarget, Rule as DecisionRule};
 use crate::quantity::Length;
 use crate::report::{BudgetReport, Format, bound_remarks};
 use crate::spec::{Spec, keys};
@@ -101,10 +101,12 @@ impl Args {
         let spec = self.set.read_spec(&self.spec, output)?;
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let (entries, classes) = spec.budget_entries()?;
+        let decision = spec.or_zero(keys::DECISION_RULE);
+        let own_limits = spec.own_limits().into_iter();
         let request = Request {
             entries,
-            limit: self.limit(&spec)?,
-            own_limits: spec.own_limits(),
+            limit: decision.accepted(&self.limit(&spec)?),
+            own_limits: own_limits.map(|(kind, limit)| (kind, decision.accepted(&limit))).collect(),
             rule: self.rule(&spec)?,
             model: self.model.into(),
             basis: spec.pair_basis()?,
@@ -120,7 +122,7 @@ impl Args {
             classes: &classes,
             grades: &grades,
             reached: if self.no_worst_teeth { None } else { reached(&budget, &request.basis)? },
-            notes: bound_remarks(&budget.notes, &spec.missing_geometry()),
+            notes: [bound_remarks(&budget.notes, &spec.missing_geometry()), remarks(&spec, &decision)].concat(),
             screen: output.screen(),
         };
         if let Some(picture) = &picture {
@@ -179,12 +181,36 @@ impl Args {
     }
 }
 
+/// How a decision rule counts, and what of the spec is no part of a budget.
+fn remarks(spec: &Spec, decision: &DecisionRule) -> Vec<String> {
+    let mut remarks = Vec::new();
+    match decision {
+        DecisionRule::Simple => {}
+        DecisionRule::Guard(band) => remarks.push(format!("limits are narrowed by the guard band of {band}, as parts will be judged")),
+        DecisionRule::Iso14253 => remarks.push(
+            "the decision rule iso14253 takes the uncertainty of measured values, which tolerances have not: parts near the \
+             limit will be indeterminate"
+                .to_owned(),
+        ),
+    }
+    let left_out = [
+        (spec.has_deviations(), "deviations of single teeth"),
+        (!spec.errors.is_empty(), "the values of [errors]"),
+        (!spec.uncertainties.is_empty(), "uncertainties"),
+    ];
+    let left_out: Vec<_> = left_out.into_iter().filter(|(is_given, _)| *is_given).map(|(_, what)| what).collect();
+    if !left_out.is_empty() {
+        remarks.push(format!("no part of the budget: {}", left_out.join(", ")));
+    }
+    remarks
+}
+
 /// Why there is no budget; where the pair's geometry is missing, which of its keys.
 fn no_budget(error: &BudgetError, spec: &Spec) -> Diagnostic {
     let diagnostic = Diagnostic::error(Code::NoBudget, error.to_string());
     let missing = spec.missing_geometry();
     match error {
-        BudgetError::NoBound(NoBound::TeethInContactUnknown) if !missing.is_empty() => {
+        BudgetError::NoBound(NoBound::TeethInContactUnknown | NoBound::OwnCurveUnknown) if !missing.is_empty() => {
             diagnostic.help(format!("add {}", missing.join(", ")))
         }
         _ => diagnostic,

@@ -116,10 +116,7 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
     let on = match &input.origin {
         Origin::WorstTeeth(errors) => {
             let errors: Vec<_> = errors.iter().map(|error| error.in_words(input.mesh.pair())).collect();
-            format!(
-                "the worst teeth that a search finds, as their extents allow: {}; the verdict is that of the worst case",
-                errors.join("; ")
-            )
+            format!("the worst teeth that a search finds, as their extents allow: {}", errors.join("; "))
         }
         Origin::Errors => {
             let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };

@@ -9,12 +9,14 @@ use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
 use super::target::Target;
+use super::teeth::WorstTeeth;
 use super::{mesh, stream};
 use crate::chance::DEFAULT_SEED;
 use crate::chance::racks::{RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, StudyError};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::judge::{LimitTarget, Verdict};
+use crate::judge::{LimitTarget, Rule, Verdict};
 use crate::report::{Format, RACK_COLUMNS, RacksReport, grouped, rack_lines, read_study, study_json};
+use crate::spec::{Spec, keys};
 
 pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact mesh";
 
@@ -76,8 +78,13 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let (scatter, classes) = spec.scatter()?;
-        let input = spec.mesh(&spec_files::measured_tables(&spec, &self.spec)?)?;
+        let mut input = spec.mesh(&spec_files::measured_tables(&spec, &self.spec)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
+        if !spec.has_deviations()
+            && let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?
+        {
+            worst.place(&mut input, limit)?;
+        }
         let racks = Racks { base: &input.mesh, scatter: &scatter, limit };
         let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
@@ -89,7 +96,7 @@ impl Args {
         } else {
             (self.merged(&racks, &interruption)?, Ok(()))
         };
-        let Some(summary) = RacksSummary::of(&study) else {
+        let Some(mut summary) = RacksSummary::of(&study) else {
             ended?;
             output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, "interrupted before the first rack was solved"));
             return Ok(interruption.status().unwrap_or(Status::Undecided));
@@ -98,13 +105,15 @@ impl Args {
             kept.write_all(study_json(&study).map_err(std::io::Error::from)?.as_bytes())?;
             kept.finish()?;
         }
+        let unjudged = unjudged(&spec);
+        summary.verdict = summary.verdict.filter(|verdict| *verdict == Verdict::Fail || unjudged.is_empty());
         let report = RacksReport {
             title: spec.title.as_deref(),
             scatter: &scatter,
             classes: &classes,
             study: &study,
             summary: &summary,
-            notes: mesh::notes(&input),
+            notes: mesh::notes(&input).into_iter().chain(unjudged).collect(),
         };
         let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
         output.picture(|| report.chart(limit));
@@ -208,9 +217,26 @@ fn kept_study(path: &str, interruption: &Interruption) -> Result<RacksStudy, Fai
     read_study(&text).map_err(|error| unreadable(error.to_string()))
 }
 
+/// What of the spec is not held against random racks, so that none of them passes.
+fn unjudged(spec: &Spec) -> Vec<String> {
+    let limits = spec.limits();
+    let rule = spec.or_zero(keys::DECISION_RULE);
+    let of_errors: Vec<_> =
+        limits.iter().filter(|(on, _)| *on != LimitTarget::CenterDistance).map(|(on, _)| on.to_string()).collect();
+    let of_errors = (!of_errors.is_empty()).then(|| {
+        format!("not judged: limits on single errors ({}), for the deviations of teeth are drawn", of_errors.join(", "))
+    });
+    let has_limit = limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
+    let by_rule = (has_limit && rule != Rule::Simple).then(|| {
+        format!("not judged: the decision rule {rule} is for the values of one part; racks are held against the limits themselves")
+    });
+    of_errors.into_iter().chain(by_rule).collect()
+}
+
 fn status(summary: &RacksSummary) -> Status {
-    match summary.verdict {
-        Some(Verdict::Fail) => Status::Fail,
+    match (summary.verdict, summary.inside) {
+        (Some(Verdict::Fail), _) => Status::Fail,
+        (None, Some(_)) => Status::Undecided,
         _ if !summary.missing.is_empty() => Status::Undecided,
         _ => Status::Pass,
     }

@@ -84,6 +84,7 @@ impl Args {
                 .into_iter()
                 .chain(input.warnings.iter().map(ToString::to_string))
                 .chain(mesh::unmeasured(&input))
+                .chain((!spec.limits().is_empty()).then(|| NOT_JUDGED.to_owned()))
                 .collect(),
             screen: output.screen(),
         };
@@ -112,6 +113,8 @@ impl Args {
         })
     }
 }
+
+const NOT_JUDGED: &str = "no limit is judged: `eval` and `mesh` hold rigid teeth against it";
 
 /// ΔCD over the stroke, the exact mesh beside it.
 fn chart(report: &SimulationReport<'_>, mesh: &Mesh) -> Chart {

@@ -268,6 +268,12 @@ impl Doubt {
         Self { meant: Meant::Unknown, ..self }
     }
 
+    /// The same of what is never a measured size: the form of flanks, an uncertainty.
+    #[must_use]
+    pub fn of_no_size(self) -> Self {
+        Self { meant: if self.meant == Meant::Size { Meant::Unit("um") } else { self.meant }, ..self }
+    }
+
     /// What to write.
     #[must_use]
     pub fn remedy(&self, written: WrittenIn) -> String {

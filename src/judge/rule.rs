@@ -31,6 +31,13 @@ impl Rule {
     pub const fn needs_uncertainty(&self) -> bool {
         matches!(self, Self::Iso14253)
     }
+
+    /// The limit within which a value passes by this rule, as far as no uncertainty is needed to tell.
+    #[must_use]
+    pub fn accepted(&self, limit: &Limit) -> Limit {
+        let Self::Guard(band) = *self else { return *limit };
+        Limit { lower: limit.lower.map(|lower| lower + band), upper: limit.upper.map(|upper| upper - band) }
+    }
 }
 
 impl std::fmt::Display for Rule {

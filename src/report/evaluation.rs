@@ -283,15 +283,24 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
             "so would `contact = \"both flanks\"` below [pair], if a tooth of either part always carries with both flanks"
                 .to_owned()
         }
-        Note::OwnCurveUnknown => {
+        Note::OwnCurveAt(0.0) => {
             "the pair without errors is taken to have ΔCD = 0: no undercut, a contact ratio of 1 or more".to_owned()
         }
+        Note::OwnCurveAt(delta_cd_mm) => format!(
+            "the pair without errors is taken to stay at ΔCD = {} mm, by its tooth thickness: no undercut, a contact ratio of 1 or more",
+            plain(tidy(*delta_cd_mm))
+        ),
+        Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {} missing", listed(missing)),
         Note::AssumedHeight(height_mm) => format!(
             "flanks are taken to touch within {} mm over and under the reference plane, for the lead error",
             plain(tidy(*height_mm))
         ),
         Note::StepsAlwaysAct => {
             "statistical: a measured step is taken to act at every stroke; the pair's geometry says at how many it does"
+                .to_owned()
+        }
+        Note::OneStepCounts => {
+            "statistical: one step of every pitch is counted; how many add up over the teeth in contact, the pair's geometry says"
                 .to_owned()
         }
         Note::WholeTeeth => {

@@ -1,5 +1,7 @@
 //! The report of `monte-carlo`: how ΔCD of randomly deviating racks is distributed.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -11,6 +13,7 @@ use crate::chance::racks::{
     Bin, CONFIDENCE, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
     STEPS_PER_PITCH, Scatter, StudyError,
 };
+use crate::deviation::DeviationKind;
 use crate::judge::class::ErrorClass;
 use crate::judge::{Limit, Verdict};
 use crate::quantity::Length;
@@ -57,6 +60,8 @@ struct RacksFact<'a> {
 struct SpreadFact {
     of: &'static str,
     distribution: &'static str,
+    /// Whether that is the distribution of the places of teeth, whose differences are what scatters.
+    of_places: bool,
     standard_deviation_mm: Option<f64>,
     standard_deviation_rad: Option<f64>,
 }
@@ -104,6 +109,10 @@ impl RacksReport<'_> {
             };
             let text = match drawn.distribution {
                 Distribution::Normal => format!("normal, σ = {}", amount(drawn.standard)),
+                other if is_difference(of) => {
+                    let half = drawn.standard * other.half_width();
+                    format!("places {}, ± {}: no pitch beyond ± {}", other.name(), amount(0.5 * half), amount(half))
+                }
                 other => format!("{}, ± {}", other.name(), amount(drawn.standard * other.half_width())),
             };
             vec![of.replace('_', " "), text]
@@ -208,16 +217,23 @@ impl RacksReport<'_> {
             ));
         }
         notes.extend(self.classes.iter().map(|class| {
-            format!(
-                "{} {} of {}: every value within it is taken to be as probable as any other",
-                class.kind,
-                class.permissible.length(),
-                class.permissible.standard
-            )
+            let drawn = match class.kind {
+                DeviationKind::RackPitch | DeviationKind::PinionPitch => {
+                    "every place of a tooth within half of it is as probable as any other, so that no pitch exceeds it; \
+                     parts with larger sums of pitches may conform, too"
+                }
+                _ => "every value within it is taken to be as probable as any other",
+            };
+            format!("{} {} of {}: {drawn}", class.kind, class.permissible.length(), class.permissible.standard)
         }));
         notes.extend(self.notes.iter().cloned());
         notes
     }
+}
+
+/// Whether it is the difference of the places of two teeth, which are what is drawn.
+fn is_difference(of: &str) -> bool {
+    matches!(of, "rack_pitch" | "pinion_pitch")
 }
 
 /// The outline of a histogram: racks per µm against mm, so that bins of other widths compare.
@@ -313,11 +329,17 @@ impl Report for RacksReport<'_> {
     fn json(&self) -> Value {
         let RacksSummary { mean, peak_to_peak, smallest, largest, inside, verdict, missing } = self.summary;
         let of = self.study.study_of();
-        let scatter = self.spreads().into_iter().map(|Spread { of, drawn, is_angle }| SpreadFact {
-            of,
-            distribution: drawn.distribution.name(),
-            standard_deviation_mm: (!is_angle).then_some(drawn.standard),
-            standard_deviation_rad: is_angle.then_some(drawn.standard),
+        let scatter = self.spreads().into_iter().map(|Spread { of, drawn, is_angle }| {
+            let is_normal = drawn.distribution == Distribution::Normal;
+            // the difference of two places, each within half as much
+            let standard = if is_difference(of) && !is_normal { FRAC_1_SQRT_2 } else { 1.0 } * drawn.standard;
+            SpreadFact {
+                of,
+                distribution: drawn.distribution.name(),
+                of_places: is_difference(of),
+                standard_deviation_mm: (!is_angle).then_some(standard),
+                standard_deviation_rad: is_angle.then_some(standard),
+            }
         });
         json!(RacksFact {
             title: self.title,

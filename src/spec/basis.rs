@@ -1,12 +1,15 @@
 //! What a spec says about its pair that a bound can rest on: all of its geometry, a statement, or nothing. Computes no
 //! bound, and requires nothing.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::{Spec, keys};
 use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth};
+use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth, OwnCurve};
 use crate::quantity::Length;
-use crate::uncertainty::TeethSensitivity;
+use crate::trig;
+use crate::uncertainty::{Source, TeethSensitivity};
 
 /// The keys of a pair's geometry, but for how its rack is held.
 pub const GEOMETRY_KEYS: [&str; 7] = [
@@ -46,7 +49,45 @@ impl Spec {
             (None, Some(_)) => GivenGeometry::BothFlanks,
             (None, None) => GivenGeometry::Unknown,
         };
-        Ok(Basis { geometry, known_teeth: None, rolls: self.rolls(), normal_module_mm })
+        let own_curve = self.own_curve();
+        Ok(Basis { geometry, own_curve, known_teeth: None, rolls: self.rolls(), normal_module_mm })
+    }
+
+    /// What the spec's pair does without errors, as far as single keys tell.
+    fn own_curve(&self) -> OwnCurve {
+        let has_form = !self.rack_form().is_plain() || !self.pinion_form().is_plain();
+        // without the pair, only the nominal measure over a roller takes the thickness for what it may be
+        let uncertain = |source: Source| self.uncertainties.iter().any(|(other, _)| *other == source);
+        let is_uncertain = uncertain(Source::ToothThickness) && self.over_pin().is_none();
+        if has_form || is_uncertain || self.is_undercut().unwrap_or(false) {
+            return OwnCurve::Unknown;
+        }
+        self.thickness_offset_mm().map_or(OwnCurve::Unknown, OwnCurve::At)
+    }
+
+    /// ΔCD of teeth that are thicker than the standard ones; `None` if what that follows from is missing.
+    fn thickness_offset_mm(&self) -> Option<f64> {
+        let of_rack = match self.get(keys::RACK_TOOTH_THICKNESS) {
+            Some(thickness) => thickness.mm() - FRAC_PI_2 * self.get(keys::PAIR_NORMAL_MODULE)?.mm(),
+            None => 0.0,
+        };
+        let cos_p = trig::sin_cos_of(self.or_zero(keys::PINION_HELIX_ANGLE)).1;
+        let thicker = of_rack + cos_p * self.or_zero(keys::PINION_TOOTH_THICKNESS_DEVIATION).mm();
+        if thicker == 0.0 {
+            return Some(0.0);
+        }
+        Some(0.5 * thicker / trig::tan_of(self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?))
+    }
+
+    /// Whether the rack's tips reach below the pinion's involute; `None` if that is not known.
+    fn is_undercut(&self) -> Option<bool> {
+        let module = self.get(keys::PAIR_NORMAL_MODULE)?.mm();
+        let pressure_angle = self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?;
+        let cos_p = trig::sin_cos_of(self.or_zero(keys::PINION_HELIX_ANGLE)).1;
+        let radius = 0.5 * module * f64::from(self.get(keys::PINION_TEETH)?) / cos_p;
+        let sin_t = trig::sin(trig::atan2(trig::tan_of(pressure_angle), cos_p));
+        let addendum = self.get(keys::RACK_ADDENDUM)?.mm();
+        Some(addendum - self.or_zero(keys::PINION_PROFILE_SHIFT) * module > radius * sin_t * sin_t)
     }
 
     /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error, and

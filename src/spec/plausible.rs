@@ -11,8 +11,9 @@ use super::{Located, Spec, WrittenPinionDeviation};
 use crate::deviation::plausible::{self, Doubt, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::judge::LimitTarget;
+use crate::judge::{LimitTarget, Rule};
 use crate::quantity::{Angle, Length, parse_f64};
+use crate::uncertainty::{Source, Uncertainty};
 
 /// A doubt about the value of a key.
 struct DoubtedKey {
@@ -48,6 +49,7 @@ impl Spec {
         found.extend(self.errors.iter().filter_map(|(kind, written)| self.doubted_error(*kind, written)));
         found.extend(self.doubted_teeth());
         found.extend(self.doubted_limits());
+        found.extend(self.doubted_uncertainties());
         found.sort_by_key(|doubted| doubted.span.start);
         found.into_iter().map(|doubted| self.diagnostic(&doubted)).collect()
     }
@@ -78,6 +80,12 @@ impl Spec {
         let module = self.module();
         let face_width = |width: Located<Length>| plausible::face_width(width.value, module);
         let addendum = |height: Located<Length>| plausible::addendum(height.value, module);
+        let deviation = |length| Some(plausible::deviation(DeviationValue::Length(length), module)?.of_no_size());
+        let form = |amount: Located<Length>| deviation(amount.value);
+        let guard = |rule: Located<Rule>| match rule.value {
+            Rule::Guard(band) => Some(Doubt { is_impossible: false, ..deviation(band)? }),
+            Rule::Simple | Rule::Iso14253 => None,
+        };
         let helix_angle =
             |angle: Located<Angle>| plausible::helix_angle(angle.value).filter(|_| self.is_bare(&angle.span));
         [
@@ -88,10 +96,35 @@ impl Spec {
             of(self, keys::RACK_ADDENDUM, addendum),
             of(self, keys::PINION_HELIX_ANGLE, helix_angle),
             of(self, keys::PINION_FACE_WIDTH, face_width),
+            of(self, keys::RACK_CROWNING, form),
+            of(self, keys::PINION_CROWNING, form),
+            of(self, keys::PINION_PROFILE_SLOPE, form),
+            of(self, keys::PINION_TOOTH_THICKNESS_DEVIATION, form),
+            of(self, keys::DECISION_RULE, guard),
         ]
         .into_iter()
+        .chain(self.tip_relief.as_ref().map(|relief| {
+            let doubt = deviation(relief.value.amount)?;
+            Some(DoubtedKey { name: "tip_relief".to_owned(), span: relief.span.clone(), doubt })
+        }))
         .flatten()
         .collect()
+    }
+
+    /// The doubts about uncertainties of errors, which are smaller than any error.
+    fn doubted_uncertainties(&self) -> impl Iterator<Item = DoubtedKey> {
+        let doubted = |(source, written): &(Source, Located<Uncertainty>)| {
+            let Source::Error(kind) = *source else { return None };
+            let standard = written.value.standard;
+            let value = match DeviationValue::zero(kind) {
+                DeviationValue::Length(_) => DeviationValue::Length(Length::from_mm(standard).ok()?),
+                _ => DeviationValue::Angle(Angle::from_degrees(standard).ok()?),
+            };
+            let doubt = plausible::deviation(value, self.module())?.of_no_size();
+            let doubt = Doubt { is_impossible: false, ..doubt };
+            Some(DoubtedKey { name: format!("uncertainty of {}", kind.key()), span: written.span.clone(), doubt })
+        };
+        self.uncertainties.iter().filter_map(doubted)
     }
 
     /// Whether a value is written without a unit.
@@ -245,6 +278,24 @@ mod tests {
                 "[rack]\nhelix_angle = -0.436",
                 "spec.toml:2:15: warning[implausible]: `helix_angle`: -0.436° is small for a helix angle; \
                  if that is radians, write \"-0.436 rad\"",
+            ),
+            (
+                "[pair]\nnormal_module = 2\n[rack]\ncrowning = 5",
+                "spec.toml:4:12: error[implausible]: `crowning`: 5 mm is too much for a deviation (the module is 2 mm); \
+                 if that is µm, write \"5 um\"",
+            ),
+            (
+                "[rack]\ntip_relief = { amount = 10, start = 1 }",
+                "spec.toml:2:14: warning[implausible]: `tip_relief`: 10 mm is much for a deviation; if that is µm, write \"10 um\"",
+            ),
+            (
+                "[errors]\nrack_pitch = { value = \"3 um\", u = 3.05 }",
+                "spec.toml:2:14: warning[implausible]: `uncertainty of rack_pitch`: 3.05 mm is much for a deviation; \
+                 if that is µm, write \"3.05 um\"",
+            ),
+            (
+                "[decision]\nrule = \"guard=5\"",
+                "spec.toml:2:8: warning[implausible]: `rule`: 5 mm is much for a deviation; if that is µm, write \"5 um\"",
             ),
             (
                 "[pair]\nnormal_module = 1830",

@@ -269,7 +269,8 @@ impl Spec {
             Source::RackHelixAngle => of_pair || pitch,
             Source::FaceWidth => of_pair || given(DeviationKind::RackLead),
             Source::PinionHelixAngle => of_pair || of_pinion,
-            Source::NormalModule | Source::ToothThickness | Source::Datum | Source::Roller => nominal,
+            Source::NormalModule | Source::ToothThickness => of_pair || nominal,
+            Source::Datum | Source::Roller => nominal,
         };
         let inputs: Vec<_> = self
             .uncertainties

@@ -1,7 +1,9 @@
 //! A part's errors and gear data as plain numbers that may be varied or drawn: degrees and mm. Computes no uncertainty.
 
-use super::{Source, Uncertainties, Uncertainty};
-use crate::deviation::{DeviationKind, Part};
+use std::f64::consts::FRAC_PI_2;
+
+use super::{Part, Source, Uncertainties, Uncertainty};
+use crate::deviation::{self, DeviationKind};
 use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartDeviation};
@@ -9,6 +11,7 @@ use crate::gear::PairData;
 use crate::judge::Stack;
 use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, KnownPairs, Range};
 use crate::quantity::Length;
+use crate::trig;
 
 /// The gear data of a part, mm and degrees; what no error needs is 0.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,11 +50,11 @@ impl Gear {
     }
 
     fn helix_mut(&mut self, kind: DeviationKind) -> &mut f64 {
-        if kind.part() == Part::Pinion { &mut self.pinion_helix } else { &mut self.rack_helix }
+        if kind.part() == deviation::Part::Pinion { &mut self.pinion_helix } else { &mut self.rack_helix }
     }
 
     fn helix(&self, kind: DeviationKind) -> f64 {
-        if kind.part() == Part::Pinion { self.pinion_helix } else { self.rack_helix }
+        if kind.part() == deviation::Part::Pinion { self.pinion_helix } else { self.rack_helix }
     }
 
     /// The number that a source is about, if it is one of these.
@@ -99,8 +102,8 @@ impl VariedError {
     }
 }
 
-/// A pair of known geometry with one of its sizes off by its standard uncertainty, either way: the paths of contact, and how
-/// many teeth they hold, are then others.
+/// A pair of known geometry with one of its sizes off by its standard uncertainty, either way: the paths of contact, how many
+/// teeth they hold, and where thicker teeth put the pair are then others.
 #[derive(Debug, Clone)]
 pub(crate) struct VariedPair {
     pub(crate) source: Source,
@@ -115,10 +118,10 @@ impl VariedPair {
     pub(crate) fn all(basis: &Basis, uncertainties: &Uncertainties) -> Vec<Self> {
         let GivenGeometry::Known(pairs) = &basis.geometry else { return Vec::new() };
         let of = |(source, uncertainty): &(Source, Uncertainty)| {
-            let (size, by) = (size_of(*source)?, uncertainty.standard);
+            let (resize, by) = (resized(*source)?, uncertainty.standard);
             let off = |by: f64| {
                 let by = if source.is_angle() { by * RADIANS_PER_DEGREE } else { by };
-                let given = pairs.given().varied(|data| *size(data) += by).ok()?;
+                let given = pairs.given().varied(|data| resize(data, by)).ok()?;
                 Some(Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..basis.clone() })
             };
             (by > 0.0).then(|| Self { source: *source, by, below: off(-by), above: off(by) })
@@ -141,14 +144,50 @@ impl VariedPair {
     }
 }
 
-/// The size of a pair that a source is about.
-fn size_of(source: Source) -> Option<fn(&mut PairData) -> &mut f64> {
+/// What a source that is off by so much, in mm or rad, does to the sizes of a pair.
+fn resized(source: Source) -> Option<fn(&mut PairData, f64)> {
+    /// How near to half a pitch a rack tooth is that nobody made thicker, mm.
+    const STANDARD_MM: f64 = 1e-9;
     match source {
-        Source::NormalPressureAngle => Some(|data| &mut data.normal_pressure_angle_rad),
-        Source::RackHelixAngle => Some(|data| &mut data.rack.helix_angle_rad),
-        Source::PinionHelixAngle => Some(|data| &mut data.pinion.helix_angle_rad),
-        Source::FaceWidth => Some(|data| &mut data.rack.face_width_mm),
+        Source::NormalPressureAngle => Some(|data, by| data.normal_pressure_angle_rad += by),
+        Source::RackHelixAngle => Some(|data, by| data.rack.helix_angle_rad += by),
+        Source::PinionHelixAngle => Some(|data, by| data.pinion.helix_angle_rad += by),
+        Source::FaceWidth => Some(|data, by| data.rack.face_width_mm += by),
+        Source::ToothThickness => {
+            Some(|data, by| data.rack.tooth_thickness_mm = data.rack.tooth_thickness_mm.map(|s| s + by))
+        }
+        Source::NormalModule => Some(|data, by| {
+            let half_pitch = FRAC_PI_2 * data.normal_module_mm;
+            let thickness = data.rack.tooth_thickness_mm;
+            data.rack.tooth_thickness_mm = thickness.filter(|s| (s - half_pitch).abs() > STANDARD_MM);
+            data.normal_module_mm += by;
+        }),
         _ => None,
+    }
+}
+
+/// ΔCD, mm, at which a pair of unknown geometry stays whose rack teeth have a given thickness, (s_n − π m_n / 2) / (2 tan α_n);
+/// the angle in degrees.
+pub(crate) fn own_delta_cd_mm(thickness_mm: f64, module_mm: f64, alpha: f64) -> f64 {
+    0.5 * (thickness_mm - FRAC_PI_2 * module_mm) / trig::tan(alpha * RADIANS_PER_DEGREE)
+}
+
+/// What a source does to [`own_delta_cd_mm`], per mm or degree: nothing if the geometry is known, which then tells.
+pub(crate) fn own_slope(source: Source, part: &Part<'_>) -> f64 {
+    let (GivenGeometry::Unknown | GivenGeometry::BothFlanks, Some(over_pin)) = (&part.basis.geometry, part.over_pin)
+    else {
+        return 0.0;
+    };
+    let Some(thickness) = over_pin.tooth_thickness else { return 0.0 };
+    let alpha = over_pin.normal_pressure_angle.degrees();
+    let (sin, cos) = trig::sin_cos(alpha * RADIANS_PER_DEGREE);
+    match source {
+        Source::ToothThickness => 0.5 * cos / sin,
+        Source::NormalModule => -0.5 * FRAC_PI_2 * cos / sin,
+        Source::NormalPressureAngle => {
+            -RADIANS_PER_DEGREE * own_delta_cd_mm(thickness.mm(), over_pin.normal_module.mm(), alpha) / (sin * cos)
+        }
+        _ => 0.0,
     }
 }
 

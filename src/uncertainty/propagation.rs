@@ -13,7 +13,7 @@
 //! one more tooth comes to carry.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
-use super::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, range_alone};
+use super::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, own_slope, range_alone};
 use super::{
     EndWeights, FOLD, InputContribution, Linear, Propagation, Source, TeethSensitivity, Uncertainties, UncertaintyError,
 };
@@ -143,6 +143,8 @@ pub struct Propagator {
     gear: Gear,
     /// Pairs of known geometry with sizes that are off.
     pairs: Vec<VariedPair>,
+    /// How the ΔCD of a pair of unknown geometry follows from each input.
+    own_slopes: Vec<f64>,
     /// Of teeth that are known one by one.
     teeth: Vec<TeethSensitivity>,
 }
@@ -165,6 +167,7 @@ impl Propagator {
         let kept = if finite { KEPT_FACTORS } else { 0 };
         let factors = (0..kept).map(|dof| coverage_factor(f64::from(dof))).collect();
         Ok(Self {
+            own_slopes: inputs.iter().map(|(source, _)| own_slope(*source, part)).collect(),
             pairs: VariedPair::all(part.basis, &uncertainties),
             uncertainties,
             derivatives,
@@ -262,8 +265,9 @@ impl Propagator {
             let Range { lower, upper } = self.by_input(input, &values, centre);
             let (source, _) = self.uncertainties.inputs()[input];
             let teeth = self.teeth.iter().find(|teeth| teeth.source == source);
-            gradients.lower.by_input[input] = lower + teeth.map_or(0.0, |teeth| teeth.lower);
-            gradients.upper.by_input[input] = upper + teeth.map_or(0.0, |teeth| teeth.upper);
+            let own = self.own_slopes[input];
+            gradients.lower.by_input[input] = lower + own + teeth.map_or(0.0, |teeth| teeth.lower);
+            gradients.upper.by_input[input] = upper + own + teeth.map_or(0.0, |teeth| teeth.upper);
         }
         gradients
     }

@@ -9,7 +9,7 @@ use crate::deviation::DeviationKind;
 pub enum Source {
     /// A measured error.
     Error(DeviationKind),
-    /// Normal module m_n, where an over-roller nominal is computed.
+    /// Normal module m_n, where an over-roller nominal is computed or the pair's geometry is known.
     NormalModule,
     /// Normal pressure angle α_n.
     NormalPressureAngle,
@@ -17,7 +17,7 @@ pub enum Source {
     RackHelixAngle,
     /// Face width of the rack k.
     FaceWidth,
-    /// Tooth thickness of the rack s_n, where an over-roller nominal is computed.
+    /// Tooth thickness of the rack s_n, where an over-roller nominal is computed or the pair's geometry is known.
     ToothThickness,
     /// Distance K from the datum to the reference plane, where an over-roller nominal is computed.
     Datum,

@@ -4,10 +4,11 @@ use super::*;
 use crate::deviation::{DeviationKind, Extent};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, PartDeviation};
-use crate::judge::bound::{Basis, GivenGeometry};
+use crate::judge::bound::{Basis, GivenGeometry, OwnCurve};
 use crate::judge::{Combined, Interval, Stack};
 use crate::quantity::{Angle, Length};
 use crate::statistics::student_quantile;
+use crate::trig;
 
 fn length(text: &str) -> Length {
     text.parse().unwrap()
@@ -29,8 +30,13 @@ fn five(pitch: &str, lead: &str) -> Vec<PartDeviation> {
 }
 
 /// A pair of which nothing is known.
-pub(crate) static UNKNOWN: Basis =
-    Basis { geometry: GivenGeometry::Unknown, known_teeth: None, rolls: false, normal_module_mm: None };
+pub(crate) static UNKNOWN: Basis = Basis {
+    geometry: GivenGeometry::Unknown,
+    own_curve: OwnCurve::At(0.0),
+    known_teeth: None,
+    rolls: false,
+    normal_module_mm: None,
+};
 
 fn part(errors: &[PartDeviation]) -> Part<'_> {
     Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] }
@@ -104,10 +110,17 @@ impl Scene {
         errors.into_iter().map(within).collect()
     }
 
+    /// Where its pair stays by the thickness of its teeth.
+    pub(crate) fn basis(&self) -> Basis {
+        let thicker = self.values[12] - std::f64::consts::FRAC_PI_2 * self.values[9];
+        let delta_cd_mm = 0.5 * thicker / trig::tan(self.values[5].to_radians());
+        Basis { own_curve: OwnCurve::At(if self.thickness { delta_cd_mm } else { 0.0 }), ..UNKNOWN.clone() }
+    }
+
     /// ΔCD of each error, and the lower and upper end of all, mm.
     pub(crate) fn delta_cd(&self) -> Vec<f64> {
         let errors = self.errors();
-        let Interval { lower, upper } = Combined::of(&errors, &UNKNOWN).unwrap().interval(self.stack).unwrap();
+        let Interval { lower, upper } = Combined::of(&errors, &self.basis()).unwrap().interval(self.stack).unwrap();
         let each = errors.iter().map(|error| error.delta_cd(self.model).unwrap().mm());
         each.chain([lower.mm(), upper.mm()]).collect()
     }
@@ -127,13 +140,13 @@ impl Scene {
 fn sensitivities_are_those_of_differences() {
     for scene in Scene::all() {
         let inputs = SOURCES.map(|source| (source, Uncertainty::standard(1e-7))).to_vec();
-        let (errors, over_pin) = (scene.errors(), scene.over_pin());
+        let (errors, over_pin, basis) = (scene.errors(), scene.over_pin(), scene.basis());
         let part = Part {
             errors: &errors,
             over_pin: Some(&over_pin),
             model: scene.model,
             stack: scene.stack,
-            basis: &UNKNOWN,
+            basis: &basis,
             teeth: &[],
         };
         let linear = propagate(&part, &Uncertainties::new(inputs, &[]).unwrap()).unwrap();

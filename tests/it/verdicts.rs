@@ -496,3 +496,103 @@ fn a_rolling_rack_without_errors_is_at_nought() {
     let ended = eval(&spec);
     assert_eq!((ended.code, range(&ended)), (Some(0), (0.0, 0.0)), "{}", ended.stdout);
 }
+
+/// Without one key of the geometry, what the spec says of its pair counts all the same: thicker teeth shift ΔCD, form and
+/// undercut leave the verdict open.
+#[test]
+fn an_incomplete_pair_is_not_taken_to_be_perfect() {
+    let complete = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\nface_width = 20\naddendum = 1.7\n\
+        [pinion]\nteeth = 12\nhelix_angle = 20\nprofile_shift = 0.2\nface_width = 25\ntip_diameter = 30\n\
+        [errors]\nrack_over_roller = \"5 um\"\n[limits]\ncenter_distance = \"±0.02\"\n";
+    let incomplete = complete.replace("tip_diameter = 30\n", "");
+    let with = |spec: &str, set: &[&str]| {
+        let options = set.iter().flat_map(|key| ["--set", key]);
+        run(&["eval", "-", "--format", "json"].into_iter().chain(options).collect::<Vec<_>>(), spec)
+    };
+    assert_eq!(with(&incomplete, &[]).code, Some(0));
+    for thicker in ["rack.tooth_thickness=3.2", "pinion.tooth_thickness_deviation=80um"] {
+        let (of_all, of_part) = (with(complete, &[thicker]), with(&incomplete, &[thicker]));
+        assert_eq!((of_all.code, of_part.code), (Some(1), Some(1)), "{thicker}");
+        near(range(&of_part).1, range(&of_all).1);
+    }
+    let thick = with(&incomplete, &["pair.normal_module=2.01", "rack.tooth_thickness=3.2"]);
+    near(range(&thick).1, 0.005 + GAIN_AT_20_DEG * (3.2 - 2.01 * std::f64::consts::FRAC_PI_2));
+    for unknown in [
+        "pinion.profile_slope=-60um",
+        "rack.crowning=5um",
+        "rack.tip_relief={amount=\"5um\",start=1}",
+        "pinion.teeth=5",
+        "rack.addendum=2.8",
+        "rack.tooth_thickness={value=3.1415927,u=\"10um\"}",
+    ] {
+        let open = with(&incomplete, &[unknown]);
+        assert_eq!((open.code, &open.json()["verdict"]), (Some(2), &Value::Null), "{unknown}: {}", open.stdout);
+        assert!(
+            open.stdout.contains("there is no worst case without the pair's geometry"),
+            "{unknown}: {}",
+            open.stdout
+        );
+    }
+    let budget = format!("{incomplete}[budget]\nrack_over_roller = \"free\"\n");
+    let budget =
+        run(&["budget", "-", "--set", "rack.tooth_thickness=3.2"], &budget.replace("rack_over_roller = \"5 um\"", ""));
+    assert!(budget.stderr.contains("leaves nothing to distribute"), "{}", budget.stderr);
+}
+
+/// An uncertain tooth thickness moves the whole curve; behind a computed nominal measure it moves nothing.
+#[test]
+fn an_uncertain_thickness_counts() {
+    let spec = |error: &str| {
+        format!(
+            "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\nface_width = 20\naddendum = 1.7\n\
+             tooth_thickness = {{ value = 3.1415927, u = \"10 um\" }}\ndatum = 21.9486\n\
+             [pinion]\nteeth = 12\nhelix_angle = 20\nprofile_shift = 0.2\nface_width = 25\ntip_diameter = 30\n\
+             [errors]\nrack_over_roller = {error}\n[limits]\ncenter_distance = \"±0.0065\"\n[decision]\nrule = \"iso14253\"\n"
+        )
+    };
+    let standard_mm = |ended: &Ended| {
+        let json = ended.json();
+        let results = json["uncertainty"]["results"].as_array().unwrap_or_else(|| panic!("{}", ended.stdout));
+        let upper = results.iter().find(|result| result["of"] == "upper").unwrap();
+        upper["standard_uncertainty_mm"].as_f64().unwrap()
+    };
+    let stated = eval(&spec("{ value = \"5 um\", u = \"0.5 um\" }"));
+    assert_eq!(stated.code, Some(3), "{}", stated.stdout);
+    let expected = f64::hypot(0.01 * GAIN_AT_20_DEG, 0.0005);
+    assert!((standard_mm(&stated) / expected - 1.0).abs() < 1e-6, "{}", stated.stdout);
+    for tip in ["", "tip_diameter = 30\n"] {
+        let measured = spec("{ measured = 25.476, roller = 4 }").replace("tip_diameter = 30\n", tip);
+        let measured = eval(&measured);
+        assert!(standard_mm(&measured) < 1e-9, "{}", measured.stdout);
+    }
+}
+
+/// What random racks are not held against leaves them without a pass, and errors of an extent are on the worst teeth.
+#[test]
+fn random_racks_pass_nothing_that_they_do_not_judge() {
+    let spec =
+        format!("{PAPER}[scatter]\nrack_thickness = \"0.001 um\"\n[limits]\ncenter_distance = {{ upper = 0.020 }}\n");
+    let drawn = |more: &str| run(&["monte-carlo", "-", "--racks", "20", "--format", "json"], &format!("{spec}{more}"));
+    let verdict = |ended: &Ended| (ended.code, ended.json()["verdict"].clone());
+    assert_eq!(verdict(&drawn("")), (Some(0), "pass".into()));
+    let guarded = drawn("[decision]\nrule = \"guard=1um\"\n");
+    assert_eq!(verdict(&guarded), (Some(2), Value::Null), "{}", guarded.stdout);
+    assert!(guarded.stdout.contains("not judged: the decision rule guard=0.001 mm"), "{}", guarded.stdout);
+    let of_error = drawn("rack_pitch = \"±0.01\"\n[errors]\nrack_pitch = \"5 um\"\n");
+    assert_eq!(verdict(&of_error), (Some(2), Value::Null), "{}", of_error.stdout);
+    // two steps add up, which one alone would hide
+    let each = drawn("[errors]\nrack_pitch = { value = \"10um\", extent = \"each\" }\n");
+    assert_eq!(verdict(&each), (Some(1), "fail".into()), "{}", each.stdout);
+}
+
+/// Tolerances that a budget grants pass by the rule that parts are judged by.
+#[test]
+fn a_budget_keeps_its_guard_band() {
+    let spec = format!(
+        "{PAPER}[budget]\nrack_over_roller = \"free\"\n[limits]\ncenter_distance = \"±0.03\"\n[decision]\nrule = \"guard=5um\"\n"
+    );
+    let ended = run(&["budget", "-", "--format", "json"], &spec);
+    let granted = ended.json()["tolerances"][0]["tolerance_mm"].as_f64().unwrap_or_else(|| panic!("{}", ended.stdout));
+    assert!((granted - 0.025).abs() < 1e-6, "{granted}");
+    assert!(ended.stdout.contains("limits are narrowed by the guard band"), "{}", ended.stdout);
+}

@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock};
 use super::known::KnownTeeth;
 use super::single::range_of;
 use super::sum::{CombinedBound, bound, reached_at_least, together};
-use super::{Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, NoBound, Range, Reach};
+use super::{
+    Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, NoBound, OwnCurve, Range, Reach,
+};
 use crate::formula::PartDeviation;
 
 /// What a bound rests on.
@@ -13,6 +15,8 @@ use crate::formula::PartDeviation;
 pub struct Basis {
     /// The pair's geometry.
     pub geometry: GivenGeometry,
+    /// What the pair without errors does, if its geometry is not known.
+    pub own_curve: OwnCurve,
     /// What the teeth do that are known one by one; the errors are then those of the other part.
     pub known_teeth: Option<KnownTeeth>,
     /// Whether the rack is free to roll; of a known pair its support says so.
@@ -98,8 +102,8 @@ impl Basis {
             GivenGeometry::BothFlanks => Geometry::BothFlanks,
             GivenGeometry::Known(pairs) => Geometry::Known(pairs.for_errors(errors, self.known_teeth)?),
         };
-        let Self { known_teeth, rolls, normal_module_mm, .. } = *self;
-        Ok(Knowledge { geometry, known_teeth, rolls, normal_module_mm })
+        let Self { own_curve, known_teeth, rolls, normal_module_mm, .. } = *self;
+        Ok(Knowledge { geometry, own_curve, known_teeth, rolls, normal_module_mm })
     }
 
     /// The bound of errors: [`bound`](super::bound()).

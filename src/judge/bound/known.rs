@@ -67,6 +67,14 @@ pub(super) struct Own {
     pub(super) upper_of_sunk_flanks: f64,
 }
 
+impl Own {
+    /// Of a pair that stays at a ΔCD, mm.
+    pub(super) fn at(delta_cd_mm: f64) -> Self {
+        let range = Range { lower: delta_cd_mm, upper: delta_cd_mm };
+        Self { range, of_lines: delta_cd_mm, unshifted_upper: delta_cd_mm, upper_of_sunk_flanks: delta_cd_mm }
+    }
+}
+
 /// Teeth that are known one by one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownTeeth {

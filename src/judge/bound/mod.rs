@@ -119,11 +119,28 @@ pub enum Geometry<'a> {
     Known(&'a KnownPair),
 }
 
+/// What a pair without errors does whose geometry is not all known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OwnCurve {
+    /// ΔCD stays at this, mm: its teeth are no more than thicker than the standard ones, or thinner.
+    At(f64),
+    /// It moves: flanks have form, or are undercut, and how far that goes only the whole geometry tells.
+    Unknown,
+}
+
+impl Default for OwnCurve {
+    fn default() -> Self {
+        Self::At(0.0)
+    }
+}
+
 /// What is known beside the errors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Knowledge<'a> {
     /// The geometry.
     pub geometry: Geometry<'a>,
+    /// What the pair without errors does, if its geometry is not known.
+    pub own_curve: OwnCurve,
     /// What the teeth do that are known one by one; the errors are then those of the other part.
     pub known_teeth: Option<KnownTeeth>,
     /// Whether the rack is free to roll; of a known pair its support says so.
@@ -156,6 +173,12 @@ pub enum NoBound {
     /// Pitches add up over the teeth in contact, and how many those are is not known.
     #[error("errors of many pitches add up over the teeth in contact: the pair's geometry is missing")]
     TeethInContactUnknown,
+    /// The pair without errors moves ΔCD by itself, and how far is not known.
+    #[error(
+        "the pair without errors is not at ΔCD = 0, for its flanks have form or are undercut, or are thicker by an \
+         unknown amount: its geometry is missing"
+    )]
+    OwnCurveUnknown,
     /// The errors are larger than those that the known pair was made for.
     #[error("the errors are larger than what the pair's geometry was prepared for")]
     BeyondReach,
@@ -183,12 +206,16 @@ pub enum Note {
     GeometryNarrows,
     /// So would the statement that both flanks of a tooth always carry.
     BothFlanksNarrows,
-    /// The pair without errors is taken to have ΔCD = 0: undercut or a contact ratio below 1 are not known.
-    OwnCurveUnknown,
+    /// The pair without errors is taken to stay at this ΔCD, mm: undercut or a contact ratio below 1 are not known.
+    OwnCurveAt(f64),
+    /// There is no range without the pair's geometry.
+    GeometryNeeded,
     /// Flanks are taken to touch within this height over and under the reference plane, mm.
     AssumedHeight(f64),
     /// In a statistical sum steps are taken to act at every stroke.
     StepsAlwaysAct,
+    /// In a statistical sum one step of every pitch is counted, for how many add up is not known.
+    OneStepCounts,
     /// Pitch errors of every tooth are taken as shifts of whole teeth, whose thickness stays.
     WholeTeeth,
 }

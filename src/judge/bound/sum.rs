@@ -7,7 +7,8 @@ use super::lead::Leads;
 use super::moments::{Moments, moments};
 use super::single::{assumed_height, of_leads, range_of, supported};
 use super::{
-    ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, NoBound, Note, Range, Reach,
+    ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, NoBound, Note, OwnCurve, Range,
+    Reach,
 };
 use crate::deviation::Part;
 
@@ -48,8 +49,13 @@ const SPARE_MM: f64 = 1e-6;
 pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     let CombinedBound { total, statistical } = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
-    let acts = knowledge.pair().is_none() && errors.iter().any(|error| is_one_step(error) && !error.either_sign);
-    let statistical_notes = if acts { vec![Note::StepsAlwaysAct] } else { Vec::new() };
+    let (mut acts, mut counts) = (false, false);
+    for error in errors.iter().filter(|error| is_pitch(error) && knowledge.pair().is_none()) {
+        acts |= error.extent == Extent::One && !error.either_sign;
+        counts |= error.extent == Extent::Each;
+    }
+    let statistical_notes = [(acts, Note::StepsAlwaysAct), (counts, Note::OneStepCounts)];
+    let statistical_notes = statistical_notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note).collect();
     Bound { errors: each, total, statistical, notes: notes(errors, knowledge), statistical_notes }
 }
 
@@ -182,7 +188,10 @@ fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
     match knowledge.pair() {
         Some(known) if !known.reach.holds(&sum.reach().with(knowledge.known_teeth)) => Err(NoBound::BeyondReach),
         Some(known) => Ok(known.own),
-        None => Ok(Own::default()),
+        None => match knowledge.own_curve {
+            OwnCurve::At(delta_cd_mm) => Ok(Own::at(delta_cd_mm)),
+            OwnCurve::Unknown => Err(NoBound::OwnCurveUnknown),
+        },
     }
 }
 
@@ -206,7 +215,8 @@ pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combi
     let of_pair = match (knowledge.known_teeth, knowledge.geometry) {
         (Some(teeth), _) => Ok(teeth.range),
         (None, Geometry::Known(_)) => own.map(|own| own.range),
-        (None, Geometry::Unknown | Geometry::BothFlanks) => Ok(Range::default()),
+        // a statistical sum takes no count of steps that add up
+        (None, Geometry::Unknown | Geometry::BothFlanks) => self::own(&Sum::default(), knowledge).map(|own| own.range),
     };
     let statistical = scattered.and_then(|()| Ok(scatter.around(of_pair?, total)));
     CombinedBound { total, statistical }
@@ -273,27 +283,34 @@ impl Bound {
     }
 }
 
-fn is_one_step(error: &ExtendedError) -> bool {
-    matches!(error.effect, ErrorEffect::Pitch(_)) && error.extent == Extent::One
+fn is_pitch(error: &ExtendedError) -> bool {
+    matches!(error.effect, ErrorEffect::Pitch(_))
 }
 
 fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     let mut notes = Vec::new();
-    let whole_teeth = |error: &ExtendedError| {
-        matches!(error.effect, ErrorEffect::Pitch(_))
-            && matches!(error.extent, Extent::Each | Extent::All | Extent::Part)
-    };
+    let whole_teeth =
+        |error: &ExtendedError| is_pitch(error) && matches!(error.extent, Extent::Each | Extent::All | Extent::Part);
     if errors.iter().any(whole_teeth) {
         notes.push(Note::WholeTeeth);
     }
     if knowledge.pair().is_some() {
         return notes;
     }
-    notes.push(Note::OwnCurveUnknown);
+    match knowledge.own_curve {
+        OwnCurve::At(delta_cd_mm) => notes.push(Note::OwnCurveAt(delta_cd_mm)),
+        OwnCurve::Unknown => {
+            notes.push(Note::GeometryNeeded);
+            return notes;
+        }
+    }
     if !errors.is_empty() {
         notes.push(Note::GeometryNarrows);
     }
-    if knowledge.geometry == Geometry::Unknown && !knowledge.rolls && errors.iter().any(is_one_step) {
+    if knowledge.geometry == Geometry::Unknown
+        && !knowledge.rolls
+        && errors.iter().any(|error| is_pitch(error) && error.extent == Extent::One)
+    {
         notes.push(Note::BothFlanksNarrows);
     }
     notes.extend(errors.iter().find_map(|error| match &error.effect {

@@ -193,7 +193,7 @@ fn what_would_narrow_a_range_is_said() {
     let pair = spur();
     let notes = unknown(&[error(&pair, 1, Extent::One, 0.02), error(&pair, 2, Extent::All, 0.001)]).notes;
     let expected =
-        [Note::OwnCurveUnknown, Note::GeometryNarrows, Note::BothFlanksNarrows, Note::AssumedHeight(0.25 * 20.0)];
+        [Note::OwnCurveAt(0.0), Note::GeometryNarrows, Note::BothFlanksNarrows, Note::AssumedHeight(0.25 * 20.0)];
     assert_eq!(notes, expected);
     let with_module = Knowledge { normal_module_mm: Some(2.0), ..Knowledge::default() };
     let notes = bound(&[error(&pair, 2, Extent::All, 0.001)], &with_module).notes;
