@@ -558,7 +558,7 @@ fn an_uncertain_thickness_counts() {
     };
     let stated = eval(&spec("{ value = \"5 um\", u = \"0.5 um\" }"));
     assert_eq!(stated.code, Some(3), "{}", stated.stdout);
-    let expected = f64::hypot(0.01 * GAIN_AT_20_DEG, 0.0005);
+    let expected = (0.01_f64 * GAIN_AT_20_DEG * 0.01 * GAIN_AT_20_DEG + 0.0005 * 0.0005).sqrt();
     assert!((standard_mm(&stated) / expected - 1.0).abs() < 1e-6, "{}", stated.stdout);
     for tip in ["", "tip_diameter = 30\n"] {
         let measured = spec("{ measured = 25.476, roller = 4 }").replace("tip_diameter = 30\n", tip);
