@@ -535,6 +535,6 @@ fn may_be_statistic(name: &[u8]) -> bool {
         && !last.is_ascii_digit()
         && matches!(
             first.to_ascii_lowercase(),
-            b'a' | b'c' | b'd' | b'e' | b'g' | b'l'..=b'p' | b'r'..=b'v' | b'x' | b' ' | 0x80..
+            b'a' | b'c' | b'd' | b'e' | b'g' | b'k'..=b'p' | b'r'..=b'v' | b'x' | b' ' | 0x80..
         )
 }

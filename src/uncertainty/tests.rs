@@ -113,7 +113,7 @@ impl Scene {
     /// Where its pair stays by the thickness of its teeth.
     pub(crate) fn basis(&self) -> Basis {
         let thicker = self.values[12] - std::f64::consts::FRAC_PI_2 * self.values[9];
-        let delta_cd_mm = 0.5 * thicker / trig::tan(self.values[5].to_radians());
+        let delta_cd_mm = 0.5 * thicker / trig::tan_of(Angle::from_degrees(self.values[5]).unwrap());
         Basis { own_curve: OwnCurve::At(if self.thickness { delta_cd_mm } else { 0.0 }), ..UNKNOWN.clone() }
     }
 

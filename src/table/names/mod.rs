@@ -168,7 +168,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     }
     let name = without_ordinal(&name);
     // a bound is no value
-    if has_total_pitch(name) || text.contains(['<', '>', '≤', '≥', '~', '≈']) {
+    if has_total_pitch(name) || text.contains(['<', '>', '≤', '≥', '~', '≈', '|']) || is_signed(text) {
         return None;
     }
     let known = Words::of(name).known()?;
@@ -181,6 +181,11 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     }
     let commas = known.iter().any(|word| word.commas);
     Some(Heading { fields, aspect, holds: holds(&senses), unit, commas })
+}
+
+/// Whether a sign stands before a name, so that its values are the other way round: `-ΔM`, `(-) ΔM`.
+fn is_signed(text: &str) -> bool {
+    ["-Δ", "–Δ", "−Δ", "(-)", "(–)", "(−)"].into_iter().any(|sign| text.starts_with(sign))
 }
 
 /// A text without the blanks and marks around it.

@@ -3,8 +3,8 @@
 //! Called by [`shape`](super::shape).
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 
 use super::headings::{Headings, Named, headings, is_part_name, names_value, says_no_part};
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
@@ -49,7 +49,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     if want.teeth == Some(true) {
         return None;
     }
-    let may_be_header = |record: &Record| record.numbers() == 0 || counts_parts(record);
+    let may_be_header = |record: &Record| record.numbers() == 0 || numbers_parts(record);
     records.iter().enumerate().filter(|(_, record)| may_be_header(record)).find_map(|(header, record)| {
         let roles: Vec<_> = record.cells.iter().map(|cell| role(&cell.text())).collect();
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
@@ -96,13 +96,13 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     })
 }
 
-/// Whether a line counts parts behind a word for names: `Merkmal | Einheit | 1 | 2 | 3`.
-fn counts_parts(record: &Record) -> bool {
-    let numbers = record.cells.iter().filter(|cell| cell.is_number()).map(|cell| cell.text().trim().parse::<u32>());
-    let numbers: Vec<_> = numbers.map_while(Result::ok).collect();
-    numbers.len() > 1
-        && numbers.len() == record.numbers()
-        && numbers.windows(2).all(|pair| pair[0].checked_add(1) == Some(pair[1]))
+/// Whether a line numbers parts behind a word for names: `Merkmal | Einheit | 417 | 418`.
+fn numbers_parts(record: &Record) -> bool {
+    let numbers = record.cells.iter().filter(|cell| cell.is_number()).map(Cell::text);
+    let numbers: Vec<_> = numbers.map(|text| text.trim().to_owned()).collect();
+    let distinct: HashSet<_> = numbers.iter().collect();
+    numbers.iter().all(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+        && distinct.len() == numbers.len()
         && record.cells.iter().any(|cell| role(&cell.text()) == Some(Role::Name))
 }
 

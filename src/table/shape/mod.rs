@@ -128,6 +128,13 @@ impl Shape {
             _ => return false,
         };
         let (name, unit) = split_unit(title);
+        // units behind another column of numbers are those of that one
+        let is_of_other = |before: &Unknown| {
+            before.column.is_some_and(|at| at + 1 == place) && before.cells.iter().any(Cell::is_number)
+        };
+        if role(title) == Some(Role::Unit) && self.unknown.last().is_some_and(is_of_other) {
+            return false;
+        }
         let cells = cells(place);
         // a largest value that changes from part to part is measured, and no tolerance
         let changes = || cells.windows(2).any(|pair| pair[0].text() != pair[1].text());
@@ -151,25 +158,28 @@ impl Shape {
         }
     }
 
-    /// Gives a column of units that stands before a value to that value.
+    /// Gives columns of units to the values behind them, if one stands before the first value.
     fn take_units_before(&mut self) {
         let is_units = |unknown: &Unknown| role(&unknown.title) == Some(Role::Unit);
-        for unknown in self.unknown.iter().filter(|unknown| is_units(unknown)) {
-            let behind =
-                |measurement: &&mut Measurement| unknown.column.is_some_and(|at| at + 1 == measurement.value.place);
-            if let Some(measurement) = self.measurements.iter_mut().find(behind) {
-                let series = Series {
-                    title: unknown.title.clone(),
-                    place: measurement.value.place - 1,
-                    unit: None,
-                    cells: unknown.cells.clone(),
-                };
-                measurement.beside.unit.get_or_insert(series);
-            }
+        let of_unknown = self.unknown.iter().filter(|unknown| is_units(unknown)).filter_map(|unknown| {
+            let (title, cells) = (unknown.title.clone(), unknown.cells.clone());
+            Some(Series { title, place: unknown.column?, unit: None, cells })
+        });
+        let of_values = self.measurements.iter().filter_map(|measurement| measurement.beside.unit.clone());
+        let units: Vec<Series> = of_unknown.chain(of_values).collect();
+        let first = self.measurements.iter().map(|measurement| measurement.value.place).min();
+        if !units.iter().any(|series| Some(series.place + 1) == first) {
+            return;
+        }
+        for measurement in &mut self.measurements {
+            let before = units.iter().find(|series| series.place + 1 == measurement.value.place);
+            measurement.beside.unit = before.cloned();
         }
         let taken: Vec<usize> =
             self.measurements.iter().filter_map(|measurement| Some(measurement.beside.unit.as_ref()?.place)).collect();
-        self.unknown.retain(|unknown| unknown.column.is_none_or(|at| !taken.contains(&at)));
+        self.unknown.retain(|unknown| !is_units(unknown));
+        let left = units.into_iter().filter(|series| !taken.contains(&series.place));
+        self.unknown.extend(left.map(|series| Unknown::column(&series.title, series.place, series.cells)));
     }
 
     /// Gives the only column of units to every value that says no unit of its own.
@@ -181,32 +191,34 @@ impl Shape {
         }
     }
 
-    /// Takes a first column without a name as the names of the parts, if each is another.
-    fn take_nameless(&mut self) {
+    /// Takes a first column without a name, or one of words, as the names of the parts, if each is another.
+    fn take_nameless(&mut self, want: &Want) {
         let is_name = |unknown: &Unknown| {
             let names: HashSet<_> = unknown.cells.iter().map(Cell::text).collect();
             let says_nothing = unknown.cells.iter().any(Cell::is_missing);
-            unknown.column == Some(0) && unknown.title.is_empty() && !says_nothing && names.len() == unknown.cells.len()
+            let is_words = || !want.ignores(&unknown.title) && !unknown.cells.iter().any(Cell::is_measure);
+            let may_name = unknown.title.is_empty() || is_words() && !unknown.could_be_measured();
+            unknown.column == Some(0) && may_name && !says_nothing && names.len() == unknown.cells.len()
         };
         if self.ids.is_none()
             && self.index.is_none()
             && let Some(at) = self.unknown.iter().position(is_name)
         {
-            self.ids = Some(Series { cells: self.unknown.remove(at).cells, ..Series::default() });
+            let Unknown { title, cells, .. } = self.unknown.remove(at);
+            self.ids = Some(Series { title, cells, ..Series::default() });
         }
     }
 
-    /// Takes a column that holds nothing but units as those of the unknown column before it.
+    /// Takes a column that holds nothing but units as those of the unknown column of numbers before it.
     fn take_units_beside(&mut self) {
-        let units = |unknown: &Unknown| -> Option<(usize, String)> {
-            let mut cells = unknown.cells.iter().filter(|cell| !cell.is_missing()).peekable();
-            let first = bare_unit(&cells.peek()?.text()).to_owned();
-            cells.all(|cell| is_unit(&cell.text())).then_some((unknown.column?, first))
-        };
+        let units = |unknown: &Unknown| Some((unknown.column?, bare_unit(&unknown.units()?.text()).to_owned()));
         for (place, unit) in self.unknown.iter().filter_map(units).collect::<Vec<_>>() {
-            let before = self.unknown.iter_mut().find(|unknown| unknown.column.is_some_and(|at| at + 1 == place));
-            if let Some(before) = before {
+            let is_before = |unknown: &&mut Unknown| {
+                unknown.column.is_some_and(|at| at + 1 == place) && unknown.cells.iter().any(Cell::is_number)
+            };
+            if let Some(before) = self.unknown.iter_mut().find(is_before) {
                 before.unit.get_or_insert(unit);
+                self.unknown.retain(|unknown| unknown.column != Some(place));
             }
         }
     }

@@ -178,7 +178,7 @@ pub(super) fn by_header(
     shape.take_units_before();
     shape.take_units_beside();
     shape.share_units();
-    shape.take_nameless();
+    shape.take_nameless(want);
     shape.lines = rows.iter().map(|row| row.line).collect();
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
