@@ -391,13 +391,8 @@ mod tests {
                     for (which, expected) in expected.iter().enumerate() {
                         let found = outputs[which][draw];
                         let (stack, model) = (scene.stack, scene.model);
-                        // the parts lie on the grid of lengths; where thicker teeth put the pair is in proportion to an angle
-                        let is_bent = scene.thickness && sources.contains(&Source::NormalPressureAngle);
-                        let tolerance = if is_bent && which >= errors.len() { 2e-4 } else { 4e-12 };
-                        assert!(
-                            (found - expected).abs() < tolerance,
-                            "{stack:?} {model:?} {which}: {found} {expected}"
-                        );
+                        // the parts lie on the grid of lengths
+                        assert!((found - expected).abs() < 4e-12, "{stack:?} {model:?} {which}: {found} {expected}");
                     }
                 }
             }

@@ -501,6 +501,7 @@ fn by_models(law: Law, asked: &Question, model: Model) -> Result<Calculation, Fa
 }
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
+    sensible(output, "--length", args.length.and_then(plausible::evaluation_length))?;
     let asked = match (args.f_h_beta, args.length) {
         (Some(slope), Some(length)) => Question::DeltaCd(lead_slope(slope, length).map_err(|error| refused(&error))?),
         (_, length) => match (args.given.asked::<Angle>()?, length) {

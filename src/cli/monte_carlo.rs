@@ -106,7 +106,8 @@ impl Args {
             kept.finish()?;
         }
         let unjudged = unjudged(&spec);
-        summary.verdict = summary.verdict.filter(|verdict| *verdict == Verdict::Fail || unjudged.is_empty());
+        let is_judged = unjudged.is_empty();
+        summary.verdict = summary.verdict.filter(|verdict| *verdict == Verdict::Fail || is_judged);
         let report = RacksReport {
             title: spec.title.as_deref(),
             scatter: &scatter,
@@ -130,7 +131,7 @@ impl Args {
         }
         // what was solved before an error is shown and kept
         ended?;
-        Ok(ended_early.unwrap_or(status(&summary)))
+        Ok(ended_early.unwrap_or(status(&summary, is_judged)))
     }
 
     /// Whether racks are listed as they are solved.
@@ -233,11 +234,10 @@ fn unjudged(spec: &Spec) -> Vec<String> {
     of_errors.into_iter().chain(by_rule).collect()
 }
 
-fn status(summary: &RacksSummary) -> Status {
-    match (summary.verdict, summary.inside) {
-        (Some(Verdict::Fail), _) => Status::Fail,
-        (None, Some(_)) => Status::Undecided,
-        _ if !summary.missing.is_empty() => Status::Undecided,
+fn status(summary: &RacksSummary, is_judged: bool) -> Status {
+    match summary.verdict {
+        Some(Verdict::Fail) => Status::Fail,
+        _ if !is_judged || !summary.missing.is_empty() => Status::Undecided,
         _ => Status::Pass,
     }
 }

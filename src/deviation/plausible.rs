@@ -240,6 +240,14 @@ pub fn face_width(width: Length, module: Option<Length>) -> Option<Doubt> {
     is_large.or_else(|| small(Quantity::FaceWidth, width, module?))
 }
 
+/// The doubt about the length over which f_Hβ is evaluated, part of a face width: one that was meant in µm would make a lead
+/// of nothing.
+#[must_use]
+pub fn evaluation_length(length: Length) -> Option<Doubt> {
+    let doubt = Doubt { is_impossible: true, ..large(Quantity::FaceWidth, length) };
+    (length > LARGE_FACE_WIDTH).then_some(doubt)
+}
+
 /// The doubt about the addendum of the rack.
 #[must_use]
 pub fn addendum(height: Length, module: Option<Length>) -> Option<Doubt> {

@@ -56,9 +56,13 @@ impl Spec {
     /// What the spec's pair does without errors, as far as single keys tell.
     fn own_curve(&self) -> OwnCurve {
         let has_form = !self.rack_form().is_plain() || !self.pinion_form().is_plain();
-        // without the pair, only the nominal measure over a roller takes the thickness for what it may be
-        let uncertain = |source: Source| self.uncertainties.iter().any(|(other, _)| *other == source);
-        let is_uncertain = uncertain(Source::ToothThickness) && self.over_pin().is_none();
+        // without the pair, only the nominal measure over a roller takes the thickness of the rack for what it may be
+        let thickness = [Source::ToothThickness, Source::NormalModule, Source::NormalPressureAngle];
+        let pinion_is_thicker = !self.or_zero(keys::PINION_TOOTH_THICKNESS_DEVIATION).is_zero();
+        let is_thicker = pinion_is_thicker || self.get(keys::RACK_TOOTH_THICKNESS).is_some();
+        let is_followed = self.over_pin().is_some() && !pinion_is_thicker;
+        let is_uncertain =
+            is_thicker && !is_followed && self.uncertainties.iter().any(|(source, _)| thickness.contains(source));
         if has_form || is_uncertain || self.is_undercut().unwrap_or(false) {
             return OwnCurve::Unknown;
         }

@@ -9,6 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::Located;
 use super::keys;
 use super::reader::SectionReader;
+use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
@@ -266,6 +267,11 @@ fn read_error_table(
     match form {
         ["f_h_beta", "length"] => {
             let (slope, over) = (length("f_h_beta")?, length("length")?);
+            if let Some(doubt) = plausible::evaluation_length(over) {
+                let diagnostic = Diagnostic::error(Code::Implausible, format!("`length` of {}: {doubt}", kind.key()));
+                reader.report(diagnostic.help(doubt.remedy(WrittenIn::Spec)), span, "");
+                return None;
+            }
             match lead_slope(slope, over) {
                 Ok(tangent) => {
                     // d(atan(f/L))/df = L/(L² + f²)

@@ -270,6 +270,11 @@ mod tests {
                  check the units of f_Hβ and of its evaluation length: a number alone is mm",
             ),
             (
+                "[errors]\nrack_lead = { f_h_beta = \"8 um\", length = 18000 }",
+                "spec.toml:2:13: error[implausible]: `length` of rack_lead: 18000 mm is too large for a face width; \
+                 if that is µm, write \"18000 um\"",
+            ),
+            (
                 "[pair]\nnormal_pressure_angle = 0.349",
                 "spec.toml:2:25: error[implausible]: `normal_pressure_angle`: 0.349° is too small for a pressure angle; \
                  if that is radians, write \"0.349 rad\"",

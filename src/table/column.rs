@@ -7,7 +7,7 @@ use super::names::{Field, ValueKind};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
 use super::want::Want;
-use crate::deviation::plausible::{self, Reach};
+use crate::deviation::plausible::{self, Reach, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::lead_slope;
@@ -438,6 +438,9 @@ impl Column {
                 _ => return Err(Problem::Bad("there is no evaluation length for this f_Hβ".to_owned())),
             },
         };
+        if let Some(doubt) = plausible::evaluation_length(over) {
+            return Err(Problem::TooLarge(doubt.to_string()));
+        }
         let slope = lead_slope(deviation, over).map_err(|error| Problem::Bad(error.to_string()))?;
         self.possible(slope)?;
         Ok(slope)
@@ -647,6 +650,10 @@ fn unknown_unit(title: &str, symbol: &str, is_angle: bool) -> Diagnostic {
 
 /// Over what f_Hβ is evaluated without a column of lengths: the spec's length, or the face width.
 fn evaluated(given: Option<Length>, want: &Want, title: &str) -> Result<Evaluated, Diagnostic> {
+    if let Some(doubt) = given.and_then(plausible::evaluation_length) {
+        let message = format!("the evaluation length of `{title}`: {doubt}");
+        return Err(Diagnostic::error(Code::Implausible, message).help(doubt.remedy(WrittenIn::Spec)));
+    }
     given.or(want.face_width).map(Evaluated::Over).ok_or_else(|| {
         let message = format!("`{title}` is f_Hβ in a unit of length, and nothing tells its evaluation length");
         Diagnostic::error(Code::MissingKey, message).help(

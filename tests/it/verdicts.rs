@@ -524,8 +524,9 @@ fn an_incomplete_pair_is_not_taken_to_be_perfect() {
         "pinion.teeth=5",
         "rack.addendum=2.8",
         "rack.tooth_thickness={value=3.1415927,u=\"10um\"}",
+        "pinion.tooth_thickness_deviation=1um pair.normal_pressure_angle={value=20,u=0.1}",
     ] {
-        let open = with(&incomplete, &[unknown]);
+        let open = with(&incomplete, &unknown.split(' ').collect::<Vec<_>>());
         assert_eq!((open.code, &open.json()["verdict"]), (Some(2), &Value::Null), "{unknown}: {}", open.stdout);
         assert!(
             open.stdout.contains("there is no worst case without the pair's geometry"),
@@ -580,6 +581,9 @@ fn random_racks_pass_nothing_that_they_do_not_judge() {
     assert!(guarded.stdout.contains("not judged: the decision rule guard=0.001 mm"), "{}", guarded.stdout);
     let of_error = drawn("rack_pitch = \"±0.01\"\n[errors]\nrack_pitch = \"5 um\"\n");
     assert_eq!(verdict(&of_error), (Some(2), Value::Null), "{}", of_error.stdout);
+    let alone = spec.replace("center_distance = { upper = 0.020 }", "rack_pitch = \"±0.01\"");
+    let alone = run(&["monte-carlo", "-", "--racks", "20", "--format", "json"], &alone);
+    assert_eq!(verdict(&alone), (Some(2), Value::Null), "{}", alone.stdout);
     // two steps add up, which one alone would hide
     let each = drawn("[errors]\nrack_pitch = { value = \"10um\", extent = \"each\" }\n");
     assert_eq!(verdict(&each), (Some(1), "fail".into()), "{}", each.stdout);

@@ -196,7 +196,7 @@ impl Shape {
         let is_name = |unknown: &Unknown| {
             let names: HashSet<_> = unknown.cells.iter().map(Cell::text).collect();
             let says_nothing = unknown.cells.iter().any(Cell::is_missing);
-            let is_words = || !want.ignores(&unknown.title) && !unknown.cells.iter().any(Cell::is_measure);
+            let is_words = || !want.ignores(&unknown.title) && !unknown.cells.iter().any(Cell::is_number);
             let may_name = unknown.title.is_empty() || is_words() && !unknown.could_be_measured();
             unknown.column == Some(0) && may_name && !says_nothing && names.len() == unknown.cells.len()
         };
