@@ -3,7 +3,7 @@
 use std::fs::File;
 
 use super::output::Failure;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::report::html::{Headline, InputFile, Page, Section};
 use crate::report::{Block, Report, reading_blocks};
 use crate::spec::Spec;
@@ -61,5 +61,5 @@ pub(super) fn without_verdict(blocks: Vec<Block>, page: &mut Page, of: &str) -> 
 
 pub(super) fn hashed(path: &str) -> Result<InputFile, Failure> {
     let file = File::open(path).and_then(|file| InputFile::of(path, file));
-    Ok(file.map_err(|error| Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {error}")))?)
+    Ok(file.map_err(|error| Diagnostic::unreadable(path, &error))?)
 }

@@ -9,7 +9,7 @@ use super::eval;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::tables::{self, Opened, ReadArgs};
+use super::tables::{self, Opened, Opener, ReadArgs};
 use super::{batch, mesh, office, page, target, teeth, terminal};
 use crate::batch::Duplicates;
 use crate::batch::TeethJudge;
@@ -24,7 +24,7 @@ use crate::report::{
     UncertaintyPart, WithReading,
 };
 use crate::spec::{MeasuredTables, Spec};
-use crate::table::{Container, Gatherer, Reading, Source, Table, Teeth, Want, gather, refusal};
+use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
 use crate::uncertainty::Source as Uncertain;
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
@@ -124,13 +124,11 @@ impl Args {
     }
 
     fn open(&self, spec: &Arc<Spec>, interruption: &Interruption, output: &mut Output) -> Result<Opened, Failure> {
-        let keep = |want: Want| want;
+        let opener = Opener::new(&self.reading, spec, self.judge.model.into(), interruption.stop());
         if let Some(path) = self.file.as_deref().filter(|path| *path != "-") {
-            return self.reading.open(path, spec, self.judge.model.into(), interruption.stop(), &keep);
+            return opener.open(path);
         }
-        let bytes = terminal::read_block(output, interruption, LARGEST_BLOCK)?;
-        let container = Container::open("<block>", Source::bytes(bytes), &self.reading.want(spec)?)?;
-        self.reading.found(container, "<block>", spec, self.judge.model.into(), &keep)
+        opener.block(terminal::read_block(output, interruption, LARGEST_BLOCK)?)
     }
 
     /// Prints a report with how its table was read, and writes it to the file that was asked for.
@@ -265,14 +263,12 @@ impl Args {
     ) -> Result<Vec<PartRow>, Failure> {
         let name = Arc::clone(&table.name);
         let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
-        let unreadable =
-            |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
         read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec)?);
         let basis = read.spec.basis()?;
         let usual = Reach::usual(read.spec.module());
         let mut doubted = vec![0; kinds.len()];
         let mut rows: Vec<PartRow> = Vec::new();
-        for block in table.blocks().map_err(unreadable)? {
+        for block in table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))? {
             if let Some(contradiction) = &block.contradiction {
                 let message = format!("{name}, line {}: {}", contradiction.line, contradiction.message);
                 return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
@@ -288,23 +284,23 @@ impl Args {
                         .help("`rackmesh batch` evaluates tables of any length")
                         .into());
                 }
-                let faults: Vec<_> = block.faults().iter().filter(|fault| fault.row == index).collect();
+                let faults = block.faults().iter().filter(|fault| fault.row == index);
+                let faults: Vec<_> = faults.map(|fault| unread_cell(&name, &titles, &block, fault)).collect();
                 for fault in &faults {
-                    let column = fault.column.and_then(|column| titles.get(column));
-                    let place = column.map(|title| format!(", column `{title}`")).unwrap_or_default();
-                    let message = format!("{name}, line {}{place}: {}", block.lines[index], fault.message);
-                    output.diagnostic(&Diagnostic::error(Code::BadRow, message));
+                    output.diagnostic(fault);
                 }
-                let errors: Vec<_> =
-                    kinds.iter().enumerate().map(|(column, kind)| (*kind, block.values(column)[index])).collect();
-                let judged = if faults.is_empty() { Some(self.evaluate(read, &basis, &errors)?) } else { None };
+                let judged = if faults.is_empty() {
+                    let errors = kinds.iter().enumerate().map(|(column, kind)| (*kind, block.values(column)[index]));
+                    Some(self.evaluate(read, &basis, &errors.collect::<Vec<_>>())?)
+                } else {
+                    None
+                };
                 let (evaluation, uncertainty) =
                     judged.map_or((None, None), |judged| (Some(judged.evaluation), judged.uncertainty));
                 let part = block.name(index).filter(|name| !name.is_empty()).map(std::borrow::Cow::into_owned);
-                let line = usize::try_from(block.lines[index]).unwrap_or(usize::MAX);
                 rows.push(PartRow {
                     name: part.unwrap_or_else(|| (rows.len() + 1).to_string()),
-                    line,
+                    line: usize::try_from(block.lines[index]).unwrap_or(usize::MAX),
                     evaluation,
                     uncertainty,
                 });
@@ -323,9 +319,8 @@ impl Args {
     fn teeth(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
-        let unreadable =
-            |error: std::io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {error}"));
-        let mut parts = gather(gatherer, &table.blocks().map_err(unreadable)?)?.into_iter();
+        let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
+        let mut parts = gather(gatherer, &blocks)?.into_iter();
         let (part, others) = (parts.next(), parts.next());
         let Some(part) = part else {
             return Err(Diagnostic::error(Code::BadTable, format!("{name} has no rows")).into());
@@ -411,6 +406,14 @@ impl Args {
 struct Judged {
     evaluation: Evaluation,
     uncertainty: Option<UncertaintyPart>,
+}
+
+/// Where a value cannot be read, and why.
+fn unread_cell(name: &str, titles: &[String], block: &Block, fault: &Fault) -> Diagnostic {
+    let column = fault.column.and_then(|column| titles.get(column));
+    let place = column.map(|title| format!(", column `{title}`")).unwrap_or_default();
+    let line = block.lines[fault.row];
+    Diagnostic::error(Code::BadRow, format!("{name}, line {line}{place}: {}", fault.message))
 }
 
 /// Why measured teeth have no verdict.

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use super::long;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::tables::{self, ReadArgs};
+use super::tables::{self, Opener, ReadArgs};
 use super::target;
 use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
 use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};
-use crate::table::{Reading, Stranger, Want, refusal};
+use crate::table::{Reading, Stranger, refusal};
 
 pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping for a spec";
 
@@ -47,12 +47,12 @@ impl Args {
             None => self.set.without_file(output)?,
         });
         let interruption = long::interrupted(output);
-        let shown = |want| Want { only_shown: true, ..want };
+        let opener =
+            Opener { only_shown: true, ..Opener::new(&self.reading, &spec, Model::Exact, interruption.stop()) };
         let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut notes, mut mapping) = (Vec::new(), Vec::new());
         for path in self.files.iter().filter(|path| !is_spec(path)) {
-            let open = || self.reading.open(path, &spec, Model::Exact, interruption.stop(), &shown);
-            match interruption.while_waiting(open) {
+            match interruption.while_waiting(|| opener.open(path)) {
                 Ok(opened) => {
                     mapping.extend(part_id(&opened.table.reading));
                     mapping.extend(opened.table.mapping());

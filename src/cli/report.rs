@@ -10,7 +10,7 @@ use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_sections, without_verdict};
 use super::set::SetArgs;
-use super::tables::{self, Files, ReadArgs};
+use super::tables::{self, Files, Opener, ReadArgs};
 use super::teeth::{Judged, WorstTeeth, with_known_teeth};
 use super::{batch, mesh, target};
 use crate::batch::{
@@ -25,7 +25,6 @@ use crate::report::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
 use crate::report::html::{Headline, InputFile, Page, Section};
 use crate::report::{Basis, BatchReport, Block, MeshReport, Report as _};
 use crate::spec::Spec;
-use crate::table::Want;
 
 pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
 
@@ -195,10 +194,9 @@ impl Args {
         let interruption = long::interrupted(output);
         let spec = Arc::new(spec.clone());
         let files: Vec<&str> = self.files.iter().map(String::as_str).collect();
-        let look = || {
-            self.reading.look(&files, &spec, self.judge.model.into(), interruption.stop(), &|want| self.adjusted(want))
-        };
-        let mut found = interruption.while_waiting(look)?;
+        let opener = Opener::new(&self.reading, &spec, self.judge.model.into(), interruption.stop());
+        let opener = Opener { teeth: self.teeth.then_some(true), ..opener };
+        let mut found = interruption.while_waiting(|| opener.look(&files))?;
         if let Some(failed) = found.failed.pop() {
             return Err(failed.into());
         }
@@ -224,12 +222,8 @@ impl Args {
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
     }
 
-    fn adjusted(&self, want: Want) -> Want {
-        if self.teeth { Want { teeth: Some(true), ..want } } else { want }
-    }
-
     /// Parts by the formulas.
-    fn parts(&self, found: &mut Files, interruption: &Interruption) -> Result<Lot, Failure> {
+    fn parts(&self, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
         let Some(first) = found.first() else { return Err(no_table().into()) };
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
         let request = Request {
@@ -250,9 +244,7 @@ impl Args {
         let sinks = Sinks { rows: Some(RowSink::Columns(&mut run)), rejects: None };
         let mut lot = Batch::new(&plan, sinks, None);
         for path in found.paths() {
-            let adjusted = |want| self.adjusted(want);
-            let open = || self.reading.open(&path, &spec, self.judge.model.into(), interruption.stop(), &adjusted);
-            let opened = found.next(open)?;
+            let opened = found.next(&path)?;
             let layout = Layout::new(&plan, &opened.table)?;
             let ran = lot.run(opened.table, &layout, interruption.stop(), &mut |_| {});
             if let Some(problem) = batch::unfinished(&path, ran)? {
@@ -268,7 +260,7 @@ impl Args {
     }
 
     /// Parts with their teeth, by the exact mesh.
-    fn toothed(&self, spec: &Arc<Spec>, found: &mut Files, interruption: &Interruption) -> Result<Lot, Failure> {
+    fn toothed(&self, spec: &Arc<Spec>, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
         let request = TeethRequest {
             stroke_mm: self.stroke.ends()?,
@@ -285,9 +277,7 @@ impl Args {
         let measured = spec_files::measured_tables(spec, &self.spec)?;
         let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;
         for path in found.paths() {
-            let adjusted = |want| self.adjusted(want);
-            let open = || self.reading.open(&path, spec, self.judge.model.into(), interruption.stop(), &adjusted);
-            let ran = teeth.take(found.next(open)?.table)?;
+            let ran = teeth.take(found.next(&path)?.table)?;
             if let Some(problem) = batch::unfinished(&path, ran)? {
                 return Err(problem.into());
             }

@@ -7,7 +7,7 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
 use super::held::HeldSpec;
 use super::output::{Failure, Output};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::spec::{self, Spec};
 
 /// The largest spec that is read: far beyond any that a person writes.
@@ -34,13 +34,13 @@ impl SetArgs {
             let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST_SPEC + 1).read_to_end(&mut bytes));
             (path, read)
         };
-        let unreadable = |reason: String| Diagnostic::error(Code::FileAccess, format!("cannot read {name}: {reason}"));
-        read.map_err(|error| unreadable(error.to_string()))?;
+        read.map_err(|error| Diagnostic::unreadable(name, &error))?;
         if bytes.len() as u64 > LARGEST_SPEC {
-            return Err(unreadable("it is larger than 16 MiB".to_owned()).into());
+            return Err(Diagnostic::unreadable(name, &"it is larger than 16 MiB").into());
         }
         let text = String::from_utf8(bytes).map_err(|error| {
-            unreadable(format!("it is not text in UTF-8 (byte {})", error.utf8_error().valid_up_to()))
+            let valid = error.utf8_error().valid_up_to();
+            Diagnostic::unreadable(name, &format!("it is not text in UTF-8 (byte {valid})"))
         })?;
         self.parse(name, &text, output)
     }

@@ -46,7 +46,7 @@ pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTa
     let read = |file: &Located<String>| -> Result<Teeth, Failure> {
         let path = table_path(spec_path, &file.value);
         let opened = std::fs::File::open(&path).map_err(|error| {
-            Diagnostic::error(Code::FileAccess, format!("cannot read {}: {error}", path.display()))
+            Diagnostic::unreadable(&path.display().to_string(), &error)
                 .at(&spec.source, file.span.clone(), "")
                 .help("paths are relative to the spec")
         })?;

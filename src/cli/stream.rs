@@ -8,21 +8,20 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
 use super::output::Failure;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 
 /// A file, or standard input for `-`.
 pub(super) fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
-    if path == "-" {
-        return Ok(Box::new(Stdin::new(Arc::clone(stop))));
-    }
-    let unreadable = |error: &dyn std::fmt::Display| {
-        Failure::from(Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {error}")))
-    };
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    Ok(if path == "-" { Box::new(Stdin::new(Arc::clone(stop))) } else { Box::new(file(path)?) })
+}
+
+/// A file that is no folder.
+pub(super) fn file(path: &str) -> Result<File, Failure> {
+    let file = File::open(path).map_err(|error| Diagnostic::unreadable(path, &error))?;
     if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        return Err(unreadable(&"it is a folder"));
+        return Err(Diagnostic::unreadable(path, &"it is a folder").into());
     }
-    Ok(Box::new(file))
+    Ok(file)
 }
 
 /// What messages call it.

@@ -1,7 +1,6 @@
 //! Tables for `batch`, `paste`, `report` and `read`: options that say how a file is to be read, and files as tables. What
 //! is not understood in any of the files ends the run before the first result.
 
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -77,8 +76,23 @@ pub(super) struct Opened {
     pub(super) notes: Vec<String>,
 }
 
+/// Opens the tables of a run.
+#[derive(Clone)]
+pub(super) struct Opener<'a> {
+    pub(super) how: &'a ReadArgs,
+    pub(super) spec: Arc<Spec>,
+    /// The formulas of the measures in Q-DAS files.
+    pub(super) model: Model,
+    pub(super) stop: &'a Arc<AtomicBool>,
+    /// Whether rows are teeth or spaces, where it is known.
+    pub(super) teeth: Option<bool>,
+    /// Whether tables are shown and not evaluated.
+    pub(super) only_shown: bool,
+}
+
 /// The files of a run, all of them looked at.
-pub(super) struct Files {
+pub(super) struct Files<'a> {
+    opener: Opener<'a>,
     paths: Vec<String>,
     /// The first table, and with one file the only one.
     first: Option<Opened>,
@@ -88,7 +102,7 @@ pub(super) struct Files {
 
 impl ReadArgs {
     /// What the spec and the user say of a table.
-    pub(super) fn want(&self, spec: &Spec) -> Result<Want, Failure> {
+    fn want(&self, spec: &Spec) -> Result<Want, Failure> {
         let mut want = spec.want();
         if let Some(id) = &self.id {
             want.own.retain(|(_, field)| *field != Field::PartId);
@@ -105,50 +119,53 @@ impl ReadArgs {
         }
         Ok(want)
     }
+}
 
-    /// A file as a table. `adjust` says what else is known.
-    pub(super) fn open(
-        &self,
-        path: &str,
-        spec: &Arc<Spec>,
-        model: Model,
-        stop: &Arc<AtomicBool>,
-        adjust: &dyn Fn(Want) -> Want,
-    ) -> Result<Opened, Failure> {
-        let want = adjust(self.want(spec)?);
+impl<'a> Opener<'a> {
+    /// Of tables that are evaluated.
+    pub(super) fn new(how: &'a ReadArgs, spec: &Arc<Spec>, model: Model, stop: &'a Arc<AtomicBool>) -> Self {
+        Self { how, spec: Arc::clone(spec), model, stop, teeth: None, only_shown: false }
+    }
+
+    fn want(&self, spec: &Spec) -> Result<Want, Failure> {
+        Ok(Want { teeth: self.teeth, only_shown: self.only_shown, ..self.how.want(spec)? })
+    }
+
+    /// A file as a table.
+    pub(super) fn open(&self, path: &str) -> Result<Opened, Failure> {
+        let name = stream::name(path);
         let container = match qdas_pair(path) {
             Some((definitions, values)) => {
-                let sources = (source(&definitions, stop)?, source(&values, stop)?);
+                let sources = (source(&definitions, self.stop)?, source(&values, self.stop)?);
                 Container::qdas_pair((&definitions, sources.0), (&values, sources.1))?
             }
-            None => Container::open(stream::name(path), source(path, stop)?, &want)?,
+            None => Container::open(name, source(path, self.stop)?, &self.want(&self.spec)?)?,
         };
-        self.found(container, stream::name(path), spec, model, adjust)
+        self.table(container, name)
+    }
+
+    /// What stands in a block of text.
+    pub(super) fn block(&self, bytes: Vec<u8>) -> Result<Opened, Failure> {
+        const NAME: &str = "<block>";
+        self.table(Container::open(NAME, Source::bytes(bytes), &self.want(&self.spec)?)?, NAME)
     }
 
     /// The table of a file that was recognised.
-    pub(super) fn found(
-        &self,
-        container: Container,
-        name: &str,
-        spec: &Arc<Spec>,
-        model: Model,
-        adjust: &dyn Fn(Want) -> Want,
-    ) -> Result<Opened, Failure> {
+    fn table(&self, container: Container, name: &str) -> Result<Opened, Failure> {
         let (spec, notes) = match container.qdas() {
             Some(qdas) => {
-                let (completed, notes) = spec.completed_by(qdas, model)?;
+                let (completed, notes) = self.spec.completed_by(qdas, self.model)?;
                 (Arc::new(completed), notes)
             }
-            None => (Arc::clone(spec), Vec::new()),
+            None => (Arc::clone(&self.spec), Vec::new()),
         };
-        let want = adjust(self.want(&spec)?);
+        let want = self.want(&spec)?;
         let table = container.table(name, &want)?;
         let is_so = |id: &&String| {
             let named = table.reading.columns.iter().find(|column| column.role == Field::PartId.key());
             named.is_some_and(|column| column.title.trim().eq_ignore_ascii_case(id.trim()))
         };
-        if let Some(id) = self.id.as_ref().filter(|id| !is_so(id)) {
+        if let Some(id) = self.how.id.as_ref().filter(|id| !is_so(id)) {
             let message = format!("{name} has no column `{id}` that names the part");
             let help = format!("it has {}", table.titles.join(", "));
             return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
@@ -157,20 +174,13 @@ impl ReadArgs {
     }
 
     /// Looks at every file before any is evaluated.
-    pub(super) fn look(
-        &self,
-        paths: &[&str],
-        spec: &Arc<Spec>,
-        model: Model,
-        stop: &Arc<AtomicBool>,
-        adjust: &dyn Fn(Want) -> Want,
-    ) -> Result<Files, Failure> {
+    pub(super) fn look(&self, paths: &[&str]) -> Result<Files<'a>, Failure> {
         let mut strangers: Vec<Stranger> = Vec::new();
         let mut still_missing: Vec<DeviationKind> = Vec::new();
         let (mut first, mut failed) = (None, Vec::new());
         let mut kept = Vec::new();
         for path in paths {
-            match self.open(path, spec, model, stop, adjust).and_then(|opened| alike(opened, first.as_ref())) {
+            match self.open(path).and_then(|opened| alike(opened, first.as_ref())) {
                 Ok(opened) => {
                     strangers.extend(opened.table.strangers.iter().cloned());
                     still_missing.extend(&opened.table.still_missing);
@@ -189,12 +199,12 @@ impl ReadArgs {
                 Err(Diagnostics(failed).into())
             }
             (None, None) => Err(Diagnostics(failed).into()),
-            (None, Some(_)) => Ok(Files { paths: kept, first, failed }),
+            (None, Some(_)) => Ok(Files { opener: self.clone(), paths: kept, first, failed }),
         }
     }
 }
 
-impl Files {
+impl Files<'_> {
     /// The first table.
     pub(super) fn first(&self) -> Option<&Opened> {
         self.first.as_ref()
@@ -205,9 +215,9 @@ impl Files {
         self.paths.clone()
     }
 
-    /// The next table: the first one, which was opened to look at it, then what `open` gives.
-    pub(super) fn next(&mut self, open: impl FnOnce() -> Result<Opened, Failure>) -> Result<Opened, Failure> {
-        self.first.take().map_or_else(open, Ok)
+    /// The next table: the first one was opened to look at it.
+    pub(super) fn next(&mut self, path: &str) -> Result<Opened, Failure> {
+        self.first.take().map_or_else(|| self.opener.open(path), Ok)
     }
 }
 
@@ -221,17 +231,7 @@ fn alike(opened: Opened, first: Option<&Opened>) -> Result<Opened, Failure> {
 
 /// Where the bytes of a file are.
 fn source(path: &str, stop: &Arc<AtomicBool>) -> Result<Source, Failure> {
-    if path == "-" {
-        return Ok(Source::Stream(stream::open(path, stop)?));
-    }
-    let unreadable = |reason: &dyn std::fmt::Display| {
-        Failure::from(Diagnostic::error(Code::FileAccess, format!("cannot read {path}: {reason}")))
-    };
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
-    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        return Err(unreadable(&"it is a folder"));
-    }
-    Ok(Source::File(file))
+    Ok(if path == "-" { Source::Stream(stream::open(path, stop)?) } else { Source::File(stream::file(path)?) })
 }
 
 /// The files of definitions and of values, if the name is that of one of them.

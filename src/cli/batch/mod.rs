@@ -14,7 +14,7 @@ use super::decision::JudgeArgs;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::tables::{self, ReadArgs};
+use super::tables::{self, Opener, ReadArgs};
 use super::teeth::with_known_teeth;
 use super::{stream, target};
 use crate::batch::{
@@ -22,11 +22,10 @@ use crate::batch::{
 };
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::Model;
 use crate::judge::{LimitTarget, Rule};
 use crate::report::{self, Basis, BatchReport, Format, Report, WithReading};
 use crate::spec::{Spec, WrittenError};
-use crate::table::{Contradiction, Want};
+use crate::table::Contradiction;
 use bar::Bar;
 
 pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdict for every part";
@@ -191,11 +190,9 @@ impl Args {
             );
         }
         let (rows_format, summary_format) = self.formats()?;
-        let model: Model = self.judge.model.into();
-        let is_teeth = self.teeth;
-        let adjust = |want: Want| Want { teeth: Some(is_teeth), ..want };
-        let look = || self.reading.look(&files, &spec, model, interruption.stop(), &adjust);
-        let mut found = interruption.while_waiting(look)?;
+        let opener = Opener::new(&self.reading, &spec, self.judge.model.into(), interruption.stop());
+        let opener = Opener { teeth: Some(self.teeth), ..opener };
+        let mut found = interruption.while_waiting(|| opener.look(&files))?;
         if self.teeth {
             return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
         }
@@ -210,17 +207,12 @@ impl Args {
         let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "rows", output);
         for path in found.paths() {
-            let opened = found.next(|| self.reading.open(&path, &spec, model, interruption.stop(), &adjust));
-            let table = opened.map(|opened| opened.table).map_err(tables::diagnostics);
-            let ready = table.and_then(|table| {
-                let layout = Layout::new(&plan, &table).map_err(|diagnostics| diagnostics.0)?;
-                Ok((table, layout))
+            let run = found.next(&path).map_err(tables::diagnostics).and_then(|opened| {
+                let layout = Layout::new(&plan, &opened.table).map_err(|diagnostics| diagnostics.0)?;
+                Ok(batch.run(opened.table, &layout, interruption.stop(), &mut |progress| bar.show(progress)))
             });
-            match ready {
-                Ok((table, layout)) => {
-                    let run = batch.run(table, &layout, interruption.stop(), &mut |progress| bar.show(progress));
-                    failed.extend(unfinished(&path, run)?);
-                }
+            match run {
+                Ok(run) => failed.extend(unfinished(&path, run)?),
                 Err(diagnostics) => failed.extend(diagnostics),
             }
             bar.next();

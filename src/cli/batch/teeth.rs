@@ -14,14 +14,13 @@ use crate::judge::LimitTarget;
 use crate::parallel::cores;
 use crate::report::Format;
 use crate::spec::Spec;
-use crate::table::Want;
 
 impl Args {
     /// Parts with their teeth, through the exact mesh.
     pub(super) fn run_teeth(
         &self,
         spec: &Arc<Spec>,
-        found: &mut tables::Files,
+        found: &mut tables::Files<'_>,
         (format, summary_format): (RowFormat, Format),
         interruption: &Interruption,
         output: &mut Output,
@@ -43,13 +42,9 @@ impl Args {
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
         let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "parts", output);
-        let adjust = |want: Want| Want { teeth: Some(true), ..want };
         for path in &files {
-            let open = || self.reading.open(path, spec, self.judge.model.into(), interruption.stop(), &adjust);
-            let opened = found.next(open);
-            let run = opened
-                .map_err(tables::diagnostics)
-                .and_then(|opened| teeth.take(opened.table).map_err(|diagnostics| diagnostics.0));
+            let run = found.next(path).map_err(tables::diagnostics);
+            let run = run.and_then(|opened| teeth.take(opened.table).map_err(|diagnostics| diagnostics.0));
             match run {
                 Ok(run) => failed.extend(unfinished(path, run)?),
                 Err(diagnostics) => failed.extend(diagnostics),

@@ -121,6 +121,22 @@ fn grouped(record: &Record, wanted: usize, want: &Want) -> Option<Vec<Cell>> {
     (cells.len() == wanted).then_some(cells)
 }
 
+/// What stands around a header.
+struct Below {
+    /// The row of units, below the header or right above it.
+    units: Option<usize>,
+    /// Where the rows begin.
+    first: usize,
+}
+
+fn below(records: &[Record], header: &Header) -> Below {
+    let below = header.record + header.rows;
+    let next = records[below..].iter().position(|record| !record.says_nothing()).map(|offset| below + offset);
+    let units = next.filter(|index| is_unit_row(&records[*index]));
+    let above = || header.record.checked_sub(1).filter(|above| is_unit_row(&records[*above]));
+    Below { first: units.map_or(below, |units| units + 1), units: units.or_else(above) }
+}
+
 pub(super) fn by_header(
     records: &[Record],
     header: &Header,
@@ -132,13 +148,9 @@ pub(super) fn by_header(
     let mut shape = Shape::new(Orientation::Rows);
     (shape.header_line, shape.commas) = (Some(records[header.record].line), commas);
     shape.header.clone_from(&header.cells);
-    let below = header.record + header.rows;
-    let units = records[below..].iter().position(|record| !record.says_nothing()).map(|offset| below + offset);
-    let units = units.filter(|index| is_unit_row(&records[*index]));
-    let first = units.map_or(below, |units| units + 1);
+    let Below { units, first } = below(records, header);
     let before = &records[..header.record];
     shape.asides = before.iter().filter(|record| !record.says_nothing() && !is_unit_row(record)).map(aside).collect();
-    let units = units.or_else(|| header.record.checked_sub(1).filter(|above| is_unit_row(&records[*above])));
     let end = first + end_of_rows(&records[first..], width, separator);
     let rows: Vec<&Record> = records[first..end].iter().filter(|record| !record.says_nothing()).collect();
     if rows.is_empty() {
