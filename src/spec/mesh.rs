@@ -295,9 +295,19 @@ impl Spec {
         if span.is_empty() { diagnostic } else { diagnostic.at(&self.source, span, "") }
     }
 
-    /// Refuses a table of a pinion with a deviation that no tooth can have.
+    /// Refuses a table of a pinion with a tooth that does not exist, or a deviation that no tooth can have.
     fn check_pinion_rows(&self, teeth: &PinionTeeth) -> Result<(), Diagnostic> {
+        let count = self.get(keys::PINION_TEETH).map_or(i64::MAX, i64::from);
         for row in &teeth.rows {
+            if !(0..count).contains(&row.tooth) {
+                let (name, line, tooth, last) = (&teeth.name, row.line, row.tooth, count - 1);
+                let message = format!("{name}, line {line}: tooth {tooth} does not exist: the teeth are 0 to {last}");
+                return Err(Diagnostic::error(Code::BadTeeth, message).help(if tooth == count {
+                    format!("count the teeth from 0: tooth {tooth} is tooth 0 of the next turn")
+                } else {
+                    "count the teeth from 0".to_owned()
+                }));
+            }
             let length = |length: Option<Length>| length.map(DeviationValue::Length);
             for (what, value) in [
                 ("radial deviation", length(row.radial)),

@@ -608,6 +608,9 @@ fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> 
     if by_key {
         return Ok((default, UnitFrom::Key));
     }
+    if let Some(stated) = measurement.stated_unit {
+        return Ok((stated, UnitFrom::Table));
+    }
     let message =
         format!("`{}` is {}, and nothing tells the unit of its numbers", value.title, measurement.field.key());
     let (one, other) = if is_angle { ("deg", "arcmin") } else { ("mm", "um") };

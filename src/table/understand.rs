@@ -9,9 +9,9 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Problem, UnitFrom};
 use super::companions::Companions;
 use super::grid::{Separator, cut, separators};
-use super::names::{Field, Role, role};
+use super::names::Field;
 use super::number::{DecimalMark, Marks};
-use super::shape::{Measurement, NoShape, Shape, has_digit, located, shape};
+use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units};
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -393,7 +393,7 @@ fn other_unit(shape: &Shape, column: &Column, want: &Want) -> Option<Diagnostic>
     };
     let asides = shape.asides.iter().filter(|aside| !want.ignores(&aside.text));
     let (aside, unit) = asides
-        .flat_map(|aside| stated_units(&aside.text).into_iter().map(move |unit| (aside, unit)))
+        .flat_map(|aside| stated_units(&aside.text).into_iter().map(move |stated| (aside, stated.unit)))
         .find(|(_, unit)| is_other(unit))?;
     let (line, title, assumed) = (aside.line, &column.title, column.unit.symbol());
     let message = format!(
@@ -404,18 +404,6 @@ fn other_unit(shape: &Shape, column: &Column, want: &Want) -> Option<Diagnostic>
         Diagnostic::error(Code::BadTable, message)
             .help(format!("write the unit behind the name: `{title} [{}]` or `{title} [{assumed}]`", unit.symbol())),
     )
-}
-
-/// The units that a line beside a table states for it: behind a word for units, or by themselves in a line without numbers.
-fn stated_units(text: &str) -> Vec<Unit> {
-    let words: Vec<&str> =
-        text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°')).filter(|word| !word.is_empty()).collect();
-    let of = |word: &str| Unit::from_symbol(word).or_else(|| Unit::from_symbol(&word.to_lowercase()));
-    let is_clear = |word: &str| word.chars().count() > 1 && !matches!(word.to_lowercase().as_str(), "in" | "min");
-    let says_unit = |word: &str| role(word) == Some(Role::Unit);
-    let behind = words.windows(2).filter(|pair| says_unit(pair[0])).filter_map(|pair| of(pair[1]));
-    let alone = words.iter().filter(|word| is_clear(word) && !has_digit(text)).filter_map(|word| of(word));
-    behind.chain(alone).collect()
 }
 
 impl Understood {

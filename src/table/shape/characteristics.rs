@@ -331,7 +331,7 @@ impl<'a> Reading<'a> {
         let [deviation, nominal, upper, lower, uncertainty] =
             [deviation, nominal, upper, lower, uncertainty].map(headed);
         let beside = Companions { deviation, nominal, upper, lower, uncertainty, ..Companions::default() };
-        Ok(Measurement { field, holds, value, beside })
+        Ok(Measurement { field, holds, value, beside, stated_unit: None })
     }
 
     /// The unit in the column of units, which is the same for every row of a characteristic.

@@ -14,10 +14,12 @@ mod headings;
 mod labels;
 mod refusal;
 mod rows;
+mod stated;
 
 pub(crate) use headings::is_part_name;
 pub(crate) use labels::uncounted;
 pub(crate) use refusal::{NoShape, located};
+pub(crate) use stated::stated_units;
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashSet};
@@ -29,6 +31,7 @@ use super::names::{Aspect, Field, Role, ValueKind, is_statistic, role, split_uni
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
+use crate::quantity::Unit;
 use bare::without_names;
 use characteristics::{by_characteristic, find_characteristics};
 use headings::{Named, known};
@@ -56,6 +59,8 @@ pub(crate) struct Measurement {
     pub(crate) holds: Option<ValueKind>,
     pub(crate) value: Series,
     pub(crate) beside: Companions<Series>,
+    /// The unit that a line beside the table states.
+    pub(crate) stated_unit: Option<Unit>,
 }
 
 /// A text as a table.
@@ -240,7 +245,7 @@ fn twice(series: &Series, field: Field) -> NoShape {
 
 impl Measurement {
     fn of(field: Field) -> Self {
-        Self { field, holds: None, value: Series::default(), beside: Companions::default() }
+        Self { field, holds: None, value: Series::default(), beside: Companions::default(), stated_unit: None }
     }
 
     /// Takes one of the columns that belong to the field.
@@ -277,6 +282,12 @@ impl Measurement {
 
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
+    let mut shape = shape_of(records, separator, want)?;
+    shape.take_stated_units(want);
+    Ok(shape)
+}
+
+fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
     let header = find_header(records, separator, want);
     if records.iter().all(|record| record.numbers() == 0) {
         return Err(match records.iter().find(|record| known(&record.cells, want) > 0) {
