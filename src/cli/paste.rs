@@ -201,6 +201,15 @@ impl Args {
         read.spec = Arc::new(read.spec.for_columns(&kinds));
         read.notes.extend(self.notes(&read.spec, &kinds));
         let mut rows = self.rows(&mut read, table, &kinds, output)?;
+        let missing = read.spec.missing_geometry();
+        if rows.len() > 1 {
+            let bounds = rows.iter().filter_map(|row| row.evaluation.as_ref());
+            for note in bounds.flat_map(|evaluation| report::bound_remarks(&evaluation.notes, &missing)) {
+                if !read.notes.contains(&note) {
+                    read.notes.push(note);
+                }
+            }
+        }
         tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
         if rows.is_empty() {
             let message = "there is no part in the block, so none was checked";
@@ -212,7 +221,6 @@ impl Args {
             output.diagnostic(&eval::unjudged(&read.spec, target));
         }
         let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| status.severity());
-        let missing = read.spec.missing_geometry();
         let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
         let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
         let cells = of_all.rows();
