@@ -6,6 +6,7 @@
 //! of its values wide at most, so they are within 0.05 % of a value.
 
 use crate::quantity::{FM_PER_MM, Length};
+use crate::statistics::LengthMoments;
 use crate::statistics::capability::{FEWEST_PARTS, Normality};
 
 /// Leading bits of a magnitude that tell its bin: bins are 1/1024 of their values wide at most.
@@ -15,11 +16,7 @@ const BINS: usize = 1 << BIN_BITS;
 /// Statistics of values given one by one.
 #[derive(Debug, Clone, Default)]
 pub struct Statistics {
-    count: u64,
-    /// Whether the sum of squares is too large to be held; there is no standard deviation then.
-    squares_overflow: bool,
-    sum: i128,
-    squares: i128,
+    moments: LengthMoments,
     smallest: i64,
     largest: i64,
     negative: Histogram,
@@ -83,22 +80,14 @@ impl Statistics {
     #[inline]
     pub(super) fn add(&mut self, value: Length) {
         let units = value.fm();
-        if self.count == 0 {
+        if self.count() == 0 {
             (self.smallest, self.largest) = (units, units);
         }
-        self.count += 1;
-        self.sum += i128::from(units);
-        self.add_squares(i128::from(units) * i128::from(units));
+        self.moments.merge(&LengthMoments::of(units));
         self.smallest = self.smallest.min(units);
         self.largest = self.largest.max(units);
         let magnitude = units.unsigned_abs();
         if units < 0 { self.negative.add(magnitude) } else { self.positive.add(magnitude) }
-    }
-
-    fn add_squares(&mut self, squares: i128) {
-        let (sum, overflows) = self.squares.overflowing_add(squares);
-        self.squares = sum;
-        self.squares_overflow |= overflows;
     }
 
     /// Takes what measuring contributes to the variance of a value, mm².
@@ -135,7 +124,7 @@ impl Statistics {
     #[must_use]
     pub fn normality(&self) -> Option<Normality> {
         let (mean, deviation) = self.mean_mm().zip(self.standard_deviation_mm())?;
-        if self.count < FEWEST_PARTS as u64 || deviation == 0.0 {
+        if self.count() < FEWEST_PARTS as u64 || deviation == 0.0 {
             return None;
         }
         // half the width of a bin to both sides of its middle, at least half a unit
@@ -150,16 +139,13 @@ impl Statistics {
 
     /// Takes what another has.
     pub(super) fn merge(&mut self, other: &Self) {
-        if self.count == 0 {
+        if self.count() == 0 {
             (self.smallest, self.largest) = (other.smallest, other.largest);
-        } else if other.count > 0 {
+        } else if other.count() > 0 {
             self.smallest = self.smallest.min(other.smallest);
             self.largest = self.largest.max(other.largest);
         }
-        self.count += other.count;
-        self.squares_overflow |= other.squares_overflow;
-        self.sum += other.sum;
-        self.add_squares(other.squares);
+        self.moments.merge(&other.moments);
         self.gauge = (self.gauge.0.saturating_add(other.gauge.0), self.gauge.1 + other.gauge.1);
         self.negative.merge(&other.negative);
         self.positive.merge(&other.positive);
@@ -168,50 +154,41 @@ impl Statistics {
     /// How many values there are.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.count
+        self.moments.count
     }
 
     /// The smallest value, mm; `None` without values.
     #[must_use]
     pub fn min_mm(&self) -> Option<f64> {
-        (self.count > 0).then(|| millimetres(self.smallest))
+        (self.count() > 0).then(|| millimetres(self.smallest))
     }
 
     /// The largest value, mm.
     #[must_use]
     pub fn max_mm(&self) -> Option<f64> {
-        (self.count > 0).then(|| millimetres(self.largest))
+        (self.count() > 0).then(|| millimetres(self.largest))
     }
 
     /// The mean, mm.
     #[must_use]
     pub fn mean_mm(&self) -> Option<f64> {
-        (self.count > 0).then(|| self.sum as f64 / self.count as f64 / FM_PER_MM)
+        self.moments.mean_fm().map(|mean| mean / FM_PER_MM)
     }
 
     /// The standard deviation s (of a sample, with n - 1), mm; `None` below two values, or if they are so large that
     /// their squares cannot be summed.
-    ///
-    /// Σ(x − m)² = Σx² − q (Σx + r) − r²/n, where the mean m is q and r/n: without a loss of digits, however small the
-    /// spread is against the mean.
     #[must_use]
     pub fn standard_deviation_mm(&self) -> Option<f64> {
-        if self.squares_overflow || self.count < 2 {
-            return None;
-        }
-        let (whole, rest) = (self.sum.div_euclid(self.count.into()), self.sum.rem_euclid(self.count.into()));
-        let about_whole = self.squares - whole * (self.sum + rest);
-        let about_mean = about_whole as f64 - rest as f64 * (rest as f64 / self.count as f64);
-        Some((about_mean.max(0.0) / (self.count - 1) as f64).sqrt() / FM_PER_MM)
+        self.moments.standard_deviation_fm().map(|deviation| deviation / FM_PER_MM)
     }
 
     /// The value that a share `q` of the values does not exceed, mm, to 0.05 %.
     #[must_use]
     pub fn quantile_mm(&self, q: f64) -> Option<f64> {
-        if self.count == 0 {
+        if self.count() == 0 {
             return None;
         }
-        let rank = ((q * self.count as f64).ceil() as u64).clamp(1, self.count);
+        let rank = ((q * self.count() as f64).ceil() as u64).clamp(1, self.count());
         let mut before = 0;
         let bins = self.negative.descending().map(|(value, count)| (-value, count)).chain(self.positive.ascending());
         for (value, count) in bins {

@@ -130,7 +130,7 @@ impl RacksReport<'_> {
             ("largest", &summary.largest, true),
         ];
         let rows = quantities.into_iter().flat_map(|(name, of, is_short)| {
-            let deviation = format!("{:.4}", of.standard_deviation_mm);
+            let deviation = of.standard_deviation_mm.map_or_else(|| "?".to_owned(), |mm| format!("{mm:.4}"));
             let mut rows = vec![vec![format!("{name}: mean, σ"), millimetres(of.mean_mm), deviation, String::new()]];
             let shown = of.quantiles.iter().filter(|quantile| !is_short || FEW.contains(&quantile.share));
             rows.extend(shown.map(|quantile| {
@@ -366,13 +366,14 @@ impl Report for RacksReport<'_> {
         let header = ["delta_cd", "statistic", "value_mm", "lower_mm", "upper_mm"].map(str::to_owned).to_vec();
         let rows = quantities.into_iter().flat_map(|(name, of)| {
             let cell = |value: Option<f64>| value.map(plain).unwrap_or_default();
-            let row = |statistic: String, value: f64, lower: Option<f64>, upper: Option<f64>| {
-                vec![name.to_owned(), statistic, plain(value), cell(lower), cell(upper)]
+            let row = |statistic: String, value: Option<f64>, lower: Option<f64>, upper: Option<f64>| {
+                vec![name.to_owned(), statistic, cell(value), cell(lower), cell(upper)]
             };
-            let moments = [("mean", of.mean_mm), ("standard_deviation", of.standard_deviation_mm)]
+            let moments = [("mean", Some(of.mean_mm)), ("standard_deviation", of.standard_deviation_mm)]
                 .map(|(statistic, value)| row(statistic.to_owned(), value, None, None));
             let quantiles = of.quantiles.iter();
-            let quantiles = quantiles.map(|q| row(format!("quantile_{}", q.share), q.value_mm, q.lower_mm, q.upper_mm));
+            let quantiles =
+                quantiles.map(|q| row(format!("quantile_{}", q.share), Some(q.value_mm), q.lower_mm, q.upper_mm));
             moments.into_iter().chain(quantiles).collect::<Vec<_>>()
         });
         std::iter::once(header).chain(rows).collect()

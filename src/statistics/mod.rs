@@ -2,5 +2,7 @@
 
 pub mod capability;
 mod distribution;
+mod moments;
 
 pub use distribution::*;
+pub(crate) use moments::LengthMoments;

@@ -261,7 +261,10 @@ fn what_was_assumed_reaches_every_output() {
     let [page, junit] = written;
     let (summary, pasted) = (String::from_utf8(summary.stdout).unwrap(), String::from_utf8(pasted.stdout).unwrap());
     for (what, text) in [("JSON", &summary), ("JUnit", &junit), ("page", &page), ("paste", &pasted)] {
-        assert!(text.contains("assumed") && text.contains("Operator") && text.contains("would narrow"), "{what}: {text}");
+        assert!(
+            text.contains("assumed") && text.contains("Operator") && text.contains("would narrow"),
+            "{what}: {text}"
+        );
     }
     for (what, text) in [("JSON", &summary), ("JUnit", &junit), ("page", &page)] {
         assert!(text.contains("two parts have the name"), "{what}: {text}");

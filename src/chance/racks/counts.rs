@@ -11,6 +11,7 @@ use super::range::StudyError;
 #[cfg(feature = "report")]
 use crate::quantity::LARGEST;
 use crate::quantity::{femtometres, of_femtometres};
+use crate::statistics::LengthMoments;
 
 /// The most bins that are held. So many racks have exact quantiles, whatever their lengths.
 pub const MOST_BINS: usize = 1 << 16;
@@ -84,11 +85,10 @@ impl Counts {
     /// Counts a length in mm.
     pub(super) fn count(&mut self, length_mm: f64) -> Result<(), StudyError> {
         let fm = femtometres(length_mm).ok_or(StudyError::NoLength { length_mm })?;
-        let square = i128::from(fm) * i128::from(fm);
         let one = Self {
             racks: 1,
             sum_fm: fm.into(),
-            squares_fm2: square,
+            squares_fm2: i128::from(fm) * i128::from(fm),
             least_fm: fm,
             most_fm: fm,
             doublings: 0,
@@ -153,24 +153,8 @@ impl Counts {
         of_femtometres(0.5 * ((1_i64 << self.doublings) - 1) as f64)
     }
 
-    /// Mean and standard deviation, mm; NaN of no racks.
-    pub(super) fn moments_mm(&self) -> Moments {
-        let n = i128::from(self.racks);
-        if n == 0 {
-            return Moments { mean_mm: f64::NAN, standard_deviation_mm: f64::NAN };
-        }
-        let (whole, rest) = (self.sum_fm.div_euclid(n), self.sum_fm.rem_euclid(n));
-        // Σ(x − whole)²: what wraps on the way does not in the end, which lies between 0 and Σx² + n
-        let about_whole = self
-            .squares_fm2
-            .wrapping_sub(whole.wrapping_mul(self.sum_fm).wrapping_mul(2))
-            .wrapping_add(n.wrapping_mul(whole).wrapping_mul(whole));
-        let (n, rest) = (n as f64, rest as f64);
-        let squares = (about_whole as f64 - rest * rest / n).max(0.0);
-        Moments {
-            mean_mm: of_femtometres(whole as f64 + rest / n),
-            standard_deviation_mm: of_femtometres((squares / (n - 1.0).max(1.0)).sqrt()),
-        }
+    pub(super) fn moments(&self) -> LengthMoments {
+        LengthMoments { count: self.racks, sum_fm: self.sum_fm, squares_fm2: Some(self.squares_fm2) }
     }
 
     fn span(&self, bin: i64) -> Span {
@@ -234,11 +218,4 @@ impl Counts {
             && self.sum_fm >= i128::from(self.racks) * i128::from(self.least_fm)
             && self.sum_fm <= i128::from(self.racks) * i128::from(self.most_fm)
     }
-}
-
-/// The first two moments of a length, mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Moments {
-    pub(super) mean_mm: f64,
-    pub(super) standard_deviation_mm: f64,
 }

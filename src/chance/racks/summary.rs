@@ -1,11 +1,12 @@
 //! What many racks came to: how each quantity of their curves is distributed, and how many keep a limit.
 
-use super::counts::{Bin, Counts, Moments};
+use super::counts::{Bin, Counts};
 use super::quantiles::quantiles;
 use super::range::RackRange;
 use super::study::RacksStudy;
 use super::{Quantile, share};
 use crate::judge::Verdict;
+use crate::quantity::of_femtometres;
 
 /// The shares whose quantiles are computed.
 const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
@@ -38,8 +39,8 @@ pub struct RacksSummary {
 pub struct RackStatistics {
     /// The mean, mm.
     pub mean_mm: f64,
-    /// The standard deviation, mm.
-    pub standard_deviation_mm: f64,
+    /// The standard deviation, mm; `None` of a single rack.
+    pub standard_deviation_mm: Option<f64>,
     /// How far a quantile may be off, mm: half the width of the bins that lengths are counted in; 0 where quantiles are
     /// exact.
     pub quantile_error_mm: f64,
@@ -95,10 +96,10 @@ impl RacksSummary {
 
 impl RackStatistics {
     fn of(counts: &Counts) -> Self {
-        let Moments { mean_mm, standard_deviation_mm } = counts.moments_mm();
+        let moments = counts.moments();
         Self {
-            mean_mm,
-            standard_deviation_mm,
+            mean_mm: moments.mean_fm().map_or(f64::NAN, of_femtometres),
+            standard_deviation_mm: moments.standard_deviation_fm().map(of_femtometres),
             quantile_error_mm: counts.quantile_error_mm(),
             quantiles: quantiles(counts, &SHARES),
             histogram: counts.histogram(BINS),

@@ -1,0 +1,53 @@
+//! Exact moments of lengths on their grid: whatever the order, and however small the spread is against the mean.
+
+/// How many lengths there are, their sum and that of their squares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct LengthMoments {
+    pub(crate) count: u64,
+    /// Σx, fm.
+    pub(crate) sum_fm: i128,
+    /// Σx², fm²; `None` where it is too large to be held.
+    pub(crate) squares_fm2: Option<i128>,
+}
+
+impl Default for LengthMoments {
+    /// Of no lengths.
+    fn default() -> Self {
+        Self { count: 0, sum_fm: 0, squares_fm2: Some(0) }
+    }
+}
+
+impl LengthMoments {
+    /// Those of a single length.
+    #[inline]
+    pub(crate) fn of(fm: i64) -> Self {
+        let fm = i128::from(fm);
+        Self { count: 1, sum_fm: fm, squares_fm2: Some(fm * fm) }
+    }
+
+    /// Adds other lengths.
+    #[inline]
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.sum_fm += other.sum_fm;
+        let squares = self.squares_fm2.zip(other.squares_fm2);
+        self.squares_fm2 = squares.and_then(|(squares, more)| squares.checked_add(more));
+    }
+
+    /// The mean, fm; `None` without lengths.
+    pub(crate) fn mean_fm(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum_fm as f64 / self.count as f64)
+    }
+
+    /// The standard deviation s (of a sample, with n - 1), fm; `None` below two lengths, or without the sum of squares.
+    ///
+    /// Σ(x − m)² = Σx² − q (Σx + r) − r²/n, where the mean m is q and r/n: no digit is lost.
+    pub(crate) fn standard_deviation_fm(&self) -> Option<f64> {
+        let squares = self.squares_fm2.filter(|_| self.count > 1)?;
+        let (whole, rest) = (self.sum_fm.div_euclid(self.count.into()), self.sum_fm.rem_euclid(self.count.into()));
+        // what wraps on the way does not in the end, which lies between 0 and Σx² + n
+        let about_whole = squares.wrapping_sub(whole.wrapping_mul(self.sum_fm.wrapping_add(rest)));
+        let about_mean = about_whole as f64 - rest as f64 * (rest as f64 / self.count as f64);
+        Some((about_mean.max(0.0) / (self.count - 1) as f64).sqrt())
+    }
+}
