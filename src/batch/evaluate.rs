@@ -103,9 +103,8 @@ impl<'a> Evaluator<'a> {
         }
         self.write_no_parts(block, block.record_count);
         if keeps_names {
-            for name in (0..block.rows()).filter_map(|row| block.name_bytes(row)) {
-                self.tally.names.push(name);
-            }
+            let names = (0..block.rows()).filter_map(|row| block.name_bytes(row));
+            self.tally.names.extend(names.map(<[u8]>::to_vec));
         }
     }
 

@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 use std::fmt;
-use std::hash::{BuildHasherDefault, Hasher};
+use std::hash::{DefaultHasher, Hasher as _};
 use std::sync::Arc;
 
 use super::source::KINDS;
@@ -173,48 +173,6 @@ pub struct Outcome {
     pub bytes: u64,
 }
 
-/// The names of some parts, one behind the other.
-#[derive(Debug, Default)]
-pub(super) struct Names {
-    bytes: Vec<u8>,
-    ends: Vec<usize>,
-}
-
-impl Names {
-    pub(super) fn push(&mut self, name: &[u8]) {
-        self.bytes.extend_from_slice(name);
-        self.ends.push(self.bytes.len());
-    }
-
-    fn iter(&self) -> impl Iterator<Item = &[u8]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, end)| &self.bytes[start..*end])
-    }
-}
-
-/// A number that is a hash already.
-#[derive(Debug, Clone, Default)]
-struct AsItIs(u64);
-
-impl Hasher for AsItIs {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        self.0 = fnv(bytes);
-    }
-
-    fn write_u64(&mut self, hash: u64) {
-        self.0 = hash;
-    }
-}
-
-/// FNV-1a, 64 bits: short names are hashed a hundred thousand times.
-fn fnv(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
-}
-
 /// Part names that appear more than once.
 #[derive(Debug, Clone, Default)]
 pub struct Duplicates {
@@ -225,7 +183,7 @@ pub struct Duplicates {
     /// Whether the names of later parts were not looked at, because there are too many.
     pub is_cut: bool,
     /// Hashes of the names so far.
-    seen: HashSet<u64, BuildHasherDefault<AsItIs>>,
+    seen: HashSet<u64>,
 }
 
 impl Duplicates {
@@ -246,7 +204,9 @@ impl Duplicates {
                 self.is_cut = true;
                 return;
             }
-            if !self.seen.insert(fnv(name)) {
+            let mut hash = DefaultHasher::new();
+            hash.write(name);
+            if !self.seen.insert(hash.finish()) {
                 self.count += 1;
                 if self.first.len() < Self::SHOWN {
                     self.first.push(cell_text(name).into_owned());
@@ -301,7 +261,7 @@ pub(super) struct Tally {
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
     /// The names of the parts, while they are looked at.
-    pub(super) names: Names,
+    pub(super) names: Vec<Vec<u8>>,
     /// One per result that is held against a limit, where statistics are kept.
     pub(super) moving: Vec<MovingRange>,
 }
@@ -377,7 +337,7 @@ impl Total<'_> {
         for (doubted, more) in self.doubted.iter_mut().zip(tally.doubted) {
             *doubted += more;
         }
-        self.outcome.duplicates.add(tally.names.iter());
+        self.outcome.duplicates.add(tally.names.iter().map(Vec::as_slice));
         self.lines += if self.is_relative { tally.lines } else { 0 };
         self.records += tally.records;
         self.outcome.counts.add(&tally.counts);
