@@ -6,6 +6,8 @@ mod stored;
 
 pub(crate) use stored::stored_record;
 
+use std::ops::Range;
+
 use super::block::{Block, Contradiction, Span, as_line, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
@@ -122,27 +124,22 @@ impl Rows {
     }
 
     fn records(&self, plain: bool, block: &mut Block) {
-        // the text is read while the block grows, and what is added to it stands behind
-        let bytes = std::mem::take(&mut block.text);
-        let mut added = Vec::new();
+        // what is added to the text stands behind what is read
+        let length = block.text.len();
         let mut fields = Vec::new();
         let mut at = 0;
         let plain = self.plain.as_ref().filter(|_| plain);
-        while at < bytes.len() && block.contradiction.is_none() {
+        while at < length && block.contradiction.is_none() {
             if let Some(plain) = plain
-                && let Some(next) = self.plain_row(plain, &bytes, at, block)
+                && let Some(next) = self.plain_row(plain, at..length, block)
             {
                 (block.record_count, block.line_count) = (block.record_count + 1, block.line_count + 1);
-                block.records.push(block.record_count);
-                block.lines.push(block.line_count);
-                if self.wanted.keeps_raw {
-                    block.raw.push(Span { start: span_end(at), end: span_end(next) });
-                }
+                start(block.line_count, Span { start: span_end(at), end: span_end(next) }, block);
                 at = next;
                 continue;
             }
             let mut blank = 0;
-            let found = next_record(&bytes, at, self.setup.separator, &mut fields, &mut blank);
+            let found = next_record(&block.text[..length], at, self.setup.separator, &mut fields, &mut blank);
             block.blank_lines += blank;
             let Some(found) = found else {
                 block.line_count += blank;
@@ -155,26 +152,24 @@ impl Rows {
                 let message = "a quote is not closed, so the rest of the table is in one field".to_owned();
                 self.refuse(line, raw, block, "", message);
             } else {
-                let record = Record::new(cells(&bytes, &fields), line);
-                self.row(&record, raw, block, &mut added, bytes.len());
+                let record = Record::new(cells(&block.text, &fields), line);
+                self.row(&record, raw, block);
             }
             block.line_count += found.lines;
             at = found.next;
         }
-        block.text = bytes;
-        block.text.append(&mut added);
     }
 
-    /// Reads the line at `at` if it is made of as many fields as the header, with plain numbers where values are read;
+    /// Reads the line at the start of `unread` if it is made of as many fields as the header, with plain numbers where values are read;
     /// the place behind it. Nothing is left in the block if it is not.
     #[inline]
-    fn plain_row(&self, row: &PlainRow, bytes: &[u8], at: usize, block: &mut Block) -> Option<usize> {
+    fn plain_row(&self, row: &PlainRow, unread: Range<usize>, block: &mut Block) -> Option<usize> {
         // a line without a character is no record
-        if matches!(bytes[at], b'\n' | b'\r') {
+        if matches!(block.text[unread.start], b'\n' | b'\r') {
             return None;
         }
         let start = block.rows();
-        let next = self.plain_fields(row, bytes, at, block);
+        let next = self.plain_fields(row, unread, block);
         if next.is_none() {
             for values in &mut block.values {
                 values.truncate(start);
@@ -185,13 +180,14 @@ impl Rows {
     }
 
     #[inline]
-    fn plain_fields(&self, row: &PlainRow, bytes: &[u8], at: usize, block: &mut Block) -> Option<usize> {
+    fn plain_fields(&self, row: &PlainRow, unread: Range<usize>, block: &mut Block) -> Option<usize> {
+        let Block { text, values, names, .. } = block;
+        let (bytes, mut at) = (&text[..unread.end], unread.start);
         let last = row.fields.len() - 1;
-        let mut at = at;
         for (index, field) in row.fields.iter().enumerate() {
             if let PlainField::Value { column, plain } = field {
                 let (number, end) = Decimal::plain(bytes, at, row.mark)?;
-                block.values[*column].push(plain.deviation(number)?);
+                values[*column].push(plain.deviation(number)?);
                 at = end;
             } else {
                 let start = at;
@@ -205,7 +201,7 @@ impl Rows {
                     if may_be_statistic(&bytes[start..at]) {
                         return None;
                     }
-                    block.names.push(Span { start: span_end(start), end: span_end(at) });
+                    names.push(Span { start: span_end(start), end: span_end(at) });
                 }
             }
             if index < last {
@@ -235,15 +231,11 @@ impl Rows {
             None if self.wanted.keeps_raw => block.append(&as_line(record)),
             _ => Span::default(),
         };
-        let mut added = Vec::new();
-        let base = block.text.len();
-        self.row(record, raw, block, &mut added, base);
-        block.text.append(&mut added);
+        self.row(record, raw, block);
     }
 
-    /// A record with its cells found: a part, or why it is none. What is written down goes to `added`, which stands at
-    /// `base` of the block's text.
-    fn row(&self, record: &Record, raw: Span, block: &mut Block, added: &mut Vec<u8>, base: usize) {
+    /// A record with its cells found: a part, or why it is none.
+    fn row(&self, record: &Record, raw: Span, block: &mut Block) {
         if record.cells.iter().all(Cell::is_empty) {
             block.blank_lines += 1;
             return;
@@ -259,20 +251,21 @@ impl Rows {
         if let Some(message) = self.misfit(record) {
             return self.refuse(record.line, raw, block, &record.in_words(), message);
         }
-        self.values_of(record, raw, block, added, base);
+        self.values_of(record, raw, block);
     }
 
     /// A record that is a part: its name and its values.
-    fn values_of(&self, record: &Record, raw: Span, block: &mut Block, added: &mut Vec<u8>, base: usize) {
+    fn values_of(&self, record: &Record, raw: Span, block: &mut Block) {
         start(record.line, raw, block);
-        let mut text_of = |place: usize| {
-            let text = record.cells.get(place).map(Cell::text).unwrap_or_default();
-            let start = span_end(base + added.len());
-            added.extend_from_slice(text.as_bytes());
-            Span { start, end: span_end(base + added.len()) }
-        };
-        block.names.extend(self.setup.id.map(&mut text_of));
-        block.copied.extend(self.wanted.copied.iter().map(|place| text_of(*place)));
+        let text_of = |place: usize| record.cells.get(place).map(Cell::text).unwrap_or_default();
+        if let Some(place) = self.setup.id {
+            let name = block.append(text_of(place).as_bytes());
+            block.names.push(name);
+        }
+        for place in &self.wanted.copied {
+            let copied = block.append(text_of(*place).as_bytes());
+            block.copied.push(copied);
+        }
         for (number, column) in self.needed() {
             let cell = record.cells.get(column.place).cloned().unwrap_or_default();
             let value = column.read(&cell, column.beside.map(|companion| record.cells.get(companion.place)));
@@ -444,7 +437,7 @@ impl Rows {
 }
 
 /// Begins a row.
-fn start(line: u64, raw: Span, block: &mut Block) {
+pub(crate) fn start(line: u64, raw: Span, block: &mut Block) {
     block.lines.push(line);
     block.records.push(block.record_count);
     block.raw.push(raw);

@@ -4,7 +4,7 @@ use super::super::block::{Block, Span};
 use super::super::cell::{Cell, Record};
 use super::super::column::PlainNumbers;
 use super::super::stored::Stored;
-use super::{Rows, may_be_statistic};
+use super::{Rows, may_be_statistic, start};
 use crate::deviation::DeviationValue;
 use crate::quantity::Length;
 
@@ -77,8 +77,7 @@ impl Rows {
             }
             for row in row..end {
                 block.record_count += 1;
-                block.records.push(block.record_count);
-                block.lines.push(before + row as u64 + 1);
+                start(before + row as u64 + 1, Span::default(), block);
                 let name = names.and_then(|names| names.text(row)).map(|name| block.append(name));
                 block.names.extend(name);
             }
@@ -89,14 +88,11 @@ impl Rows {
     /// A row of which only the cells that are looked at are known: without any of them it is a part without values.
     fn odd(&self, record: &Record, block: &mut Block) {
         block.record_count += 1;
-        let base = block.text.len();
-        let mut added = Vec::new();
         if record.cells.iter().all(Cell::is_empty) {
-            self.values_of(record, Span::default(), block, &mut added, base);
+            self.values_of(record, Span::default(), block);
         } else {
-            self.row(record, Span::default(), block, &mut added, base);
+            self.row(record, Span::default(), block);
         }
-        block.text.append(&mut added);
     }
 }
 
