@@ -165,16 +165,6 @@ pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
     !is_pinion
 }
 
-/// What the columns of a table of teeth or spaces hold.
-#[derive(Debug)]
-struct Layout {
-    is_rack: bool,
-    /// The field of each column.
-    fields: Vec<Field>,
-    /// Whether each column holds deviations.
-    deviates: Vec<bool>,
-}
-
 /// A space or tooth has no higher number: racks have some thousands at most.
 const FARTHEST: u64 = 100_000;
 
@@ -186,8 +176,8 @@ const LEAD: &[Field] = &[Field::Lead, Field::Error(DeviationKind::RackLead)];
 /// Puts the rows of a table together to parts.
 pub(crate) struct Gatherer {
     name: Arc<str>,
-    layout: Layout,
-    titles: Vec<String>,
+    is_rack: bool,
+    columns: Vec<Column>,
     /// Whether a column numbers the spaces or teeth; else they count from 0.
     is_numbered: bool,
     parts: Vec<ToothedPart>,
@@ -202,11 +192,11 @@ impl Gatherer {
     /// # Errors
     /// If its columns are not those of a rack or a pinion, or leave open which they are.
     pub(crate) fn new(table: &Table) -> Result<Self, Diagnostic> {
-        let layout = Layout::new(table)?;
+        check_columns(table)?;
         Ok(Self {
             name: Arc::clone(&table.name),
-            layout,
-            titles: table.columns.iter().map(|column| column.title.clone()).collect(),
+            is_rack: is_rack(&table.columns, table.index_field),
+            columns: table.columns.clone(),
             is_numbered: table.index_field.is_some(),
             parts: Vec::new(),
             known: HashMap::new(),
@@ -217,7 +207,7 @@ impl Gatherer {
 
     /// Whether the rows are spaces of a rack.
     pub(crate) fn is_rack(&self) -> bool {
-        self.layout.is_rack
+        self.is_rack
     }
 
     /// Takes the rows of a block, whose lines count from the start of the table.
@@ -231,7 +221,7 @@ impl Gatherer {
                 let raw = block.raw.get(row).map_or(&b""[..], |span| block.bytes(*span));
                 self.parts[number].raw.extend_from_slice(raw);
             }
-            let mut present = vec![true; self.titles.len()];
+            let mut present = vec![true; self.columns.len()];
             while let Some(fault) = faults.next_if(|fault| fault.row == row) {
                 match (fault.is_missing, fault.column) {
                     (true, Some(column)) => present[column] = false,
@@ -247,7 +237,7 @@ impl Gatherer {
 
     fn part(&mut self, name: &str, line: u64, record: u64) -> usize {
         let number = self.known.get(name).copied().unwrap_or_else(|| {
-            let teeth = if self.layout.is_rack {
+            let teeth = if self.is_rack {
                 Teeth::Rack(RackSpaces { name: self.name.to_string(), rows: Vec::new() })
             } else {
                 Teeth::Pinion(PinionTeeth { name: self.name.to_string(), rows: Vec::new() })
@@ -274,9 +264,9 @@ impl Gatherer {
     }
 
     fn refuse(&mut self, part: usize, line: u64, fault: &Fault) {
-        let column = fault.column.and_then(|column| self.titles.get(column));
+        let column = fault.column.and_then(|column| self.columns.get(column));
         let message = match column {
-            Some(title) => format!("column `{title}`: {}", fault.message),
+            Some(column) => format!("column `{}`: {}", column.title, fault.message),
             None if fault.text.is_empty() => fault.message.clone(),
             None => format!("{}: `{}`", fault.message, fault.text),
         };
@@ -284,20 +274,24 @@ impl Gatherer {
     }
 
     fn row(&mut self, part: usize, line: u64, index: Option<i64>, value: &dyn Fn(usize) -> Option<DeviationValue>) {
-        let layout = &self.layout;
-        let length = |fields: &[Field]| match value(layout.column(fields)?)? {
+        let columns = &self.columns;
+        let length = |fields: &[Field]| match value(find(columns, fields)?)? {
             DeviationValue::Length(length) => Some(length),
             _ => None,
         };
-        let lead = layout.column(LEAD).and_then(value).and_then(as_angle);
+        let lead = find(columns, LEAD).and_then(value).and_then(as_angle);
         let measured = |fields: &[Field]| {
-            let deviates = layout.deviates[layout.column(fields)?];
+            let deviates = columns[find(columns, fields)?].deviates();
             length(fields).map(if deviates { Measured::Deviation } else { Measured::Absolute })
         };
         let part = &mut self.parts[part];
         let number = if self.is_numbered { index } else { i64::try_from(part.numbers.len()).ok() };
         let Some(number) = number else { return };
-        let extent = layout.extent(value);
+        let extent = match (0..columns.len()).filter(|column| value(*column).is_some()).count() {
+            0 => RowExtent::Nothing,
+            all if all == columns.len() => RowExtent::Whole,
+            _ => RowExtent::Part,
+        };
         let what = match &mut part.teeth {
             Teeth::Rack(rack) => {
                 let (over_pin, position) = (measured(OVER_PIN), measured(POSITION));
@@ -341,54 +335,37 @@ fn as_angle(value: DeviationValue) -> Option<Angle> {
     }
 }
 
-impl Layout {
-    fn new(table: &Table) -> Result<Self, Diagnostic> {
-        let columns = &table.columns;
-        let find = |fields: &[Field]| columns.iter().position(|column| fields.contains(&column.field));
-        let is_rack = is_rack(columns, table.index_field);
-        columns.iter().try_for_each(|column| refuse_unused(&table.name, column))?;
-        for fields in [OVER_PIN, RADIAL, LEAD] {
-            refuse_two(&table.name, columns, fields)?;
-        }
-        let mixes = !is_rack && (find(OVER_PIN).is_some() || table.index_field == Some(Field::Space));
-        if mixes {
-            let message = format!("{} mixes spaces of a rack with teeth of a pinion", table.name);
-            return Err(Diagnostic::error(Code::BadTable, message).help("give them one after the other"));
-        }
-        if columns.is_empty() {
-            let message = format!("{} has no column of a rack's spaces or a pinion's teeth", table.name);
-            return Err(Diagnostic::error(Code::BadTable, message).help(
-                "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
-                 tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
-            ));
-        }
-        if let Some(radial) = find(RADIAL).filter(|radial| columns[*radial].holds == Some(ValueKind::Measured)) {
-            let message = format!(
-                "{}: `{}` holds measured radii; their deviations are needed",
-                table.name, columns[radial].title
-            );
-            return Err(Diagnostic::error(Code::BadTable, message).help("give the column of radial deviations"));
-        }
-        Ok(Self {
-            is_rack,
-            fields: columns.iter().map(|column| column.field).collect(),
-            deviates: columns.iter().map(Column::deviates).collect(),
-        })
-    }
+/// The column of one of some fields.
+fn find(columns: &[Column], fields: &[Field]) -> Option<usize> {
+    columns.iter().position(|column| fields.contains(&column.field))
+}
 
-    /// How many of its columns a row has a value of.
-    fn extent(&self, value: &dyn Fn(usize) -> Option<DeviationValue>) -> RowExtent {
-        match (0..self.fields.len()).filter(|column| value(*column).is_some()).count() {
-            0 => RowExtent::Nothing,
-            all if all == self.fields.len() => RowExtent::Whole,
-            _ => RowExtent::Part,
-        }
+/// Refuses columns that are not those of a rack or a pinion, or leave open which they are.
+fn check_columns(table: &Table) -> Result<(), Diagnostic> {
+    let columns = &table.columns;
+    columns.iter().try_for_each(|column| refuse_unused(&table.name, column))?;
+    for fields in [OVER_PIN, RADIAL, LEAD] {
+        refuse_two(&table.name, columns, fields)?;
     }
-
-    /// The column of one of some fields.
-    fn column(&self, fields: &[Field]) -> Option<usize> {
-        self.fields.iter().position(|field| fields.contains(field))
+    let mixes = !is_rack(columns, table.index_field)
+        && (find(columns, OVER_PIN).is_some() || table.index_field == Some(Field::Space));
+    if mixes {
+        let message = format!("{} mixes spaces of a rack with teeth of a pinion", table.name);
+        return Err(Diagnostic::error(Code::BadTable, message).help("give them one after the other"));
     }
+    if columns.is_empty() {
+        let message = format!("{} has no column of a rack's spaces or a pinion's teeth", table.name);
+        return Err(Diagnostic::error(Code::BadTable, message).help(
+            "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
+             tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
+        ));
+    }
+    let radial = find(columns, RADIAL).map(|radial| &columns[radial]);
+    if let Some(radial) = radial.filter(|radial| radial.holds == Some(ValueKind::Measured)) {
+        let message = format!("{}: `{}` holds measured radii; their deviations are needed", table.name, radial.title);
+        return Err(Diagnostic::error(Code::BadTable, message).help("give the column of radial deviations"));
+    }
+    Ok(())
 }
 
 /// Refuses a column that says nothing of a space or tooth, or whose companions could not be used.
