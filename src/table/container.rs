@@ -27,21 +27,15 @@ pub enum Source {
 pub enum Container {
     /// Text.
     #[doc(hidden)]
-    Text(TextContainer),
+    Text(Text),
     /// An Excel workbook.
     Workbook(Box<Workbook>),
     /// A file of statistics software.
     Qdas(Box<Qdas>),
     /// A Parquet file.
     #[doc(hidden)]
-    Parquet(ParquetContainer),
+    Parquet(ParquetTable),
 }
-
-/// A Parquet file before its columns are found.
-pub struct ParquetContainer(ParquetTable);
-
-/// A text before it is understood.
-pub struct TextContainer(Text);
 
 /// Files that are read as a whole are refused beyond this size.
 const LARGEST_FILE: usize = 64 << 20;
@@ -72,7 +66,7 @@ impl Container {
                     file.rewind().map_err(|error| failed(&error))?;
                     if mark[..count] == *PARQUET {
                         let file = SharedFile::new(file).map_err(|error| failed(&error))?;
-                        return Ok(Self::Parquet(ParquetContainer(ParquetTable::open(name, file)?)));
+                        return Ok(Self::Parquet(ParquetTable::open(name, file)?));
                     }
                 }
                 Box::new(file)
@@ -80,16 +74,13 @@ impl Container {
             Source::Stream(stream) => stream,
         };
         let peeked = peek(unpacked(bytes).map_err(|error| failed(&error))?, 512).map_err(|error| failed(&error))?;
-        match Kind::of(&peeked.start) {
-            Kind::Workbook => Ok(Self::Workbook(Box::new(Workbook::open(name, whole(name, peeked.bytes)?)?))),
-            Kind::Parquet => {
-                let table = ParquetTable::open(name, Bytes::from(whole(name, peeked.bytes)?))?;
-                Ok(Self::Parquet(ParquetContainer(table)))
+        match peeked.start.as_slice() {
+            [b'P', b'K', 3, 4, ..] => Ok(Self::Workbook(Box::new(Workbook::open(name, whole(name, peeked.bytes)?)?))),
+            [b'P', b'A', b'R', b'1', ..] => {
+                Ok(Self::Parquet(ParquetTable::open(name, Bytes::from(whole(name, peeked.bytes)?))?))
             }
-            Kind::Foreign(what, help) => {
-                Err(Diagnostic::error(Code::BadTable, format!("{name} is {what}")).help(help).into())
-            }
-            Kind::Text => {
+            start => {
+                refuse_foreign(name, start)?;
                 let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).unwrap_or_default();
                 if matches!(ending.as_str(), "xlsx" | "xlsm" | "parquet") {
                     let message = format!("{name} is not what its name says: it is no .{ending} file");
@@ -108,7 +99,7 @@ impl Container {
                     let text = text.whole(LARGEST_FILE)?;
                     return Ok(Self::Qdas(Box::new(super::qdas::read(&[(name, &text)])?)));
                 }
-                Ok(Self::Text(TextContainer(text)))
+                Ok(Self::Text(text))
             }
         }
     }
@@ -146,37 +137,28 @@ impl Container {
     /// they are in [`Table::strangers`].
     pub fn table(self, name: &str, want: &Want) -> Result<Table, Diagnostics> {
         match self {
-            Self::Text(text) => text.0.table(want),
+            Self::Text(text) => text.table(want),
             Self::Workbook(book) => workbook_table(*book, want),
             Self::Qdas(qdas) => qdas_table(name, *qdas, want),
-            Self::Parquet(table) => parquet_table(name, table.0, want),
+            Self::Parquet(table) => parquet_table(name, table, want),
         }
     }
 }
 
-enum Kind {
-    Text,
-    Workbook,
-    Parquet,
-    /// What it is, and what to do.
-    Foreign(&'static str, &'static str),
-}
-
-impl Kind {
-    fn of(start: &[u8]) -> Self {
-        let save = "save the table as .xlsx or .csv";
-        let lower = String::from_utf8_lossy(start).trim_start().to_lowercase();
-        match start {
-            [b'P', b'K', 3, 4, ..] => Self::Workbook,
-            [b'P', b'A', b'R', b'1', ..] => Self::Parquet,
-            [0xd0, 0xcf, 0x11, 0xe0, ..] => Self::Foreign("a workbook of the old Excel format (.xls)", save),
-            [b'%', b'P', b'D', b'F', ..] => Self::Foreign("a PDF", "copy the table out of it, or export it as .csv"),
-            _ if lower.starts_with("<html") || lower.starts_with("<!doctype") || lower.starts_with("<table") => {
-                Self::Foreign("a web page, whatever its name says", save)
-            }
-            _ if lower.starts_with("<?xml") => Self::Foreign("XML", save),
-            _ => Self::Text,
+/// Refuses files that hold no table of theirs that is read, by their first bytes.
+fn refuse_foreign(name: &str, start: &[u8]) -> Result<(), Diagnostic> {
+    let save = "save the table as .xlsx or .csv";
+    let refused =
+        |what: &str, help: &str| Err(Diagnostic::error(Code::BadTable, format!("{name} is {what}")).help(help));
+    let lower = String::from_utf8_lossy(start).trim_start().to_lowercase();
+    match start {
+        [0xd0, 0xcf, 0x11, 0xe0, ..] => refused("a workbook of the old Excel format (.xls)", save),
+        [b'%', b'P', b'D', b'F', ..] => refused("a PDF", "copy the table out of it, or export it as .csv"),
+        _ if lower.starts_with("<html") || lower.starts_with("<!doctype") || lower.starts_with("<table") => {
+            refused("a web page, whatever its name says", save)
         }
+        _ if lower.starts_with("<?xml") => refused("XML", save),
+        _ => Ok(()),
     }
 }
 

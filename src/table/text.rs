@@ -23,7 +23,7 @@ const START: usize = 1 << 16;
 const LARGEST_WHOLE: usize = 16 << 20;
 
 /// A text before it is understood.
-pub(crate) struct Text {
+pub struct Text {
     name: String,
     chunks: Chunker,
     encoding: Encoding,

@@ -32,7 +32,7 @@ use pages::CheckedPages;
 const RANGE_ROWS: usize = 1 << 15;
 
 /// A Parquet file that was opened.
-pub(crate) struct ParquetTable {
+pub struct ParquetTable {
     name: String,
     /// Bytes of the file.
     length: u64,
