@@ -12,19 +12,21 @@ use encoding_rs::{Encoding as Code, SHIFT_JIS, UTF_8, UTF_16BE, UTF_16LE, WINDOW
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Encoding {
     code: &'static Code,
-    /// Whether the text is recoded to UTF-8 as it is read.
-    recoded: bool,
 }
 
 impl Encoding {
     /// UTF-8, or an 8-bit code that has ASCII in it.
-    pub(crate) const PLAIN: Self = Self { code: UTF_8, recoded: false };
+    pub(crate) const PLAIN: Self = Self { code: UTF_8 };
 
     /// The encoding of that name: `utf-8`, `utf-16le`, `windows-1252`, `latin1`, `shift_jis`, and what browsers know.
     #[must_use]
     pub fn of_name(name: &str) -> Option<Self> {
-        let code = Code::for_label(name.trim().as_bytes())?;
-        Some(Self { code, recoded: code != UTF_8 && code != WINDOWS_1252 })
+        Code::for_label(name.trim().as_bytes()).map(|code| Self { code })
+    }
+
+    /// Whether the text is recoded to UTF-8 as it is read.
+    fn is_recoded(self) -> bool {
+        self.code != UTF_8 && self.code != WINDOWS_1252
     }
 
     /// The name.
@@ -35,7 +37,7 @@ impl Encoding {
 
     /// Bytes as they stood in the file.
     pub(crate) fn original(self, bytes: &[u8]) -> Cow<'_, [u8]> {
-        if !self.recoded {
+        if !self.is_recoded() {
             return bytes.into();
         }
         let text = String::from_utf8_lossy(bytes);
@@ -57,22 +59,16 @@ impl Encoding {
 
     /// The encoding of a text that starts so, and how long its byte order mark is.
     fn detect(start: &[u8]) -> (Self, usize) {
-        let utf16 = |code| Self { code, recoded: true };
         match start {
-            [0xef, 0xbb, 0xbf, ..] => return (Self::PLAIN, 3),
-            [0xff, 0xfe, ..] => return (utf16(UTF_16LE), 2),
-            [0xfe, 0xff, ..] => return (utf16(UTF_16BE), 2),
+            [0xef, 0xbb, 0xbf, ..] => (Self::PLAIN, 3),
+            [0xff, 0xfe, ..] => (Self { code: UTF_16LE }, 2),
+            [0xfe, 0xff, ..] => (Self { code: UTF_16BE }, 2),
             // a table starts with two characters of ASCII
-            [a, 0, b, 0, ..] if *a != 0 && *b != 0 => return (utf16(UTF_16LE), 0),
-            [0, a, 0, b, ..] if *a != 0 && *b != 0 => return (utf16(UTF_16BE), 0),
-            _ => {}
-        }
-        if is_utf8(start) {
-            (Self::PLAIN, 0)
-        } else if is_shift_jis(start) {
-            (Self { code: SHIFT_JIS, recoded: true }, 0)
-        } else {
-            (Self { code: WINDOWS_1252, recoded: false }, 0)
+            [a, 0, b, 0, ..] if *a != 0 && *b != 0 => (Self { code: UTF_16LE }, 0),
+            [0, a, 0, b, ..] if *a != 0 && *b != 0 => (Self { code: UTF_16BE }, 0),
+            _ if is_utf8(start) => (Self::PLAIN, 0),
+            _ if is_shift_jis(start) => (Self { code: SHIFT_JIS }, 0),
+            _ => (Self { code: WINDOWS_1252 }, 0),
         }
     }
 }
@@ -103,12 +99,7 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
 pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let (encoding, mark) = Encoding::detect(bytes);
     let bytes = &bytes[mark..];
-    if encoding.recoded { encoding.code.decode_without_bom_handling(bytes).0 } else { text(bytes) }
-}
-
-/// A reader that starts with bytes that were read already.
-fn again(start: Vec<u8>, rest: Box<dyn Read + Send>) -> Box<dyn Read + Send> {
-    Box::new(io::Cursor::new(start).chain(rest))
+    if encoding.is_recoded() { encoding.code.decode_without_bom_handling(bytes).0 } else { text(bytes) }
 }
 
 /// The first bytes of a reader, as many as there are up to `count`.
@@ -129,15 +120,13 @@ pub(crate) struct Peeked {
 /// Looks at the first bytes.
 pub(crate) fn peek(mut bytes: Box<dyn Read + Send>, count: usize) -> io::Result<Peeked> {
     let start = first(&mut *bytes, count)?;
-    Ok(Peeked { bytes: again(start.clone(), bytes), start })
+    Ok(Peeked { bytes: Box::new(io::Cursor::new(start.clone()).chain(bytes)), start })
 }
 
 /// Unpacks gzip and zstd.
-pub(crate) fn unpacked(mut bytes: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
-    let start = first(&mut *bytes, 4)?;
-    let packed = start.clone();
-    let bytes = again(start, bytes);
-    Ok(match packed.as_slice() {
+pub(crate) fn unpacked(bytes: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
+    let Peeked { start, bytes } = peek(bytes, 4)?;
+    Ok(match start.as_slice() {
         [0x1f, 0x8b, ..] => Box::new(flate2::read::MultiGzDecoder::new(bytes)),
         [0x28, 0xb5, 0x2f, 0xfd] => Box::new(ZstdFrames::Between(bytes)),
         _ => bytes,
@@ -156,13 +145,13 @@ impl Read for ZstdFrames {
         loop {
             match std::mem::replace(self, Self::Done) {
                 Self::Done => return Ok(0),
-                Self::Between(mut bytes) => {
-                    let start = first(&mut *bytes, 4)?;
+                Self::Between(bytes) => {
+                    let Peeked { start, bytes } = peek(bytes, 4)?;
                     if start.is_empty() {
                         return Ok(0);
                     }
                     // a window of 8 MiB is what the format asks every decoder for
-                    let decoder = ruzstd::decoding::StreamingDecoder::new(again(start, bytes));
+                    let decoder = ruzstd::decoding::StreamingDecoder::new(bytes);
                     *self = Self::In(Box::new(decoder.map_err(io::Error::other)?));
                 }
                 Self::In(mut decoder) => {
@@ -189,7 +178,7 @@ pub(crate) fn recoded(
     let (found, mark) = Encoding::detect(&peeked.start);
     first(&mut peeked.bytes, mark)?;
     let encoding = told.unwrap_or(found);
-    if !encoding.recoded {
+    if !encoding.is_recoded() {
         return Ok((peeked.bytes, encoding));
     }
     let decoder = encoding.code.new_decoder_without_bom_handling();
