@@ -86,14 +86,14 @@ fn trimmed(text: &str, span: Range<usize>) -> Cell {
 
 fn separated(text: &str, separator: u8) -> Cut {
     let bytes = text.as_bytes();
-    let (mut records, mut fields, mut scratch) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut records, mut fields) = (Vec::new(), Vec::new());
     let (mut at, mut lines, mut blank, mut open_quote) = (0, 0, 0, None);
     while let Some(found) = next_record(bytes, at, separator, &mut fields, &mut blank) {
         let cells = fields
             .iter()
             .map(|field| {
                 if field.quoted {
-                    let content = String::from_utf8_lossy(field.content(bytes, &mut scratch)).into_owned();
+                    let content = String::from_utf8_lossy(&field.content(bytes)).into_owned();
                     // a word that is divided at the end of a line is one word
                     let content = content.replace("-\r\n", "-").replace("-\n", "-");
                     let words: Vec<_> = content.split_whitespace().collect();

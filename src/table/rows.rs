@@ -495,8 +495,7 @@ pub(crate) fn take_index(block: &mut Block, cell: Option<&Cell>) {
 
 /// The cells of a record, as [`grid`](super::grid) cuts them.
 fn cells(bytes: &[u8], fields: &[Field]) -> Vec<Cell> {
-    let mut scratch = Vec::new();
-    let cell = |field: &Field| Cell::of_text(text(field.content(bytes, &mut scratch)).trim(), 0..0);
+    let cell = |field: &Field| Cell::of_text(text(&field.content(bytes)).trim(), 0..0);
     fields.iter().map(cell).collect()
 }
 

@@ -112,23 +112,12 @@ impl Want {
 /// Whether a text fits a pattern in which `*` stands for any characters; case and outer blanks do not count.
 fn matches(pattern: &str, text: &str) -> bool {
     let (pattern, text) = (pattern.trim().to_lowercase(), text.trim().to_lowercase());
-    let mut pieces = pattern.split('*');
-    let first = pieces.next().unwrap_or_default();
-    let Some(mut rest) = text.strip_prefix(first) else { return false };
-    let mut pieces = pieces.peekable();
-    if pieces.peek().is_none() {
-        return rest.is_empty();
-    }
-    while let Some(piece) = pieces.next() {
-        if pieces.peek().is_none() {
-            return rest.ends_with(piece);
-        }
-        match rest.find(piece) {
-            Some(at) => rest = &rest[at + piece.len()..],
-            None => return false,
-        }
-    }
-    true
+    let Some((first, others)) = pattern.split_once('*') else { return text == pattern };
+    let (middle, last) = others.rsplit_once('*').unwrap_or(("", others));
+    let inner = text.strip_prefix(first).and_then(|text| text.strip_suffix(last));
+    // each piece stands behind the one before it
+    inner
+        .is_some_and(|inner| middle.split('*').try_fold(inner, |rest, piece| Some(rest.split_once(piece)?.1)).is_some())
 }
 
 #[cfg(test)]
