@@ -5,7 +5,7 @@ use ::parquet::schema::types::{ColumnDescriptor, SchemaDescriptor, TypePtr};
 use half::f16;
 
 use crate::quantity::Decimal;
-use crate::table::cell::Content;
+use crate::table::stored::Stored;
 
 /// A column of a file.
 #[derive(Debug, Clone)]
@@ -60,17 +60,13 @@ pub(super) enum Values {
 }
 
 impl Values {
-    /// How many digits of a stored integer are decimals.
-    pub(super) fn scale(self) -> i32 {
-        if let Self::Decimal { scale } = self { scale } else { 0 }
-    }
-
-    /// What a stored integer means, which is given with a sign and without.
-    pub(super) fn content(self, signed: i64, unsigned: u64) -> Content {
+    /// What stored integers mean.
+    pub(super) fn of_integers(self, stored: Vec<i64>) -> Stored<'static> {
         match self {
-            Self::Moment(moment) => Content::Other(moment.shown(signed)),
-            Self::Unsigned => Content::Number(Decimal::of_i128(i128::from(unsigned), 0)),
-            _ => Content::Number(Decimal::of_i128(i128::from(signed), self.scale())),
+            Self::Moment(moment) => Stored::others(stored.into_iter().map(|count| moment.shown(count))),
+            Self::Unsigned => Stored::long_integers(stored.into_iter().map(|value| value.cast_unsigned().into()), 0),
+            Self::Decimal { scale } => Stored::integers(stored, scale),
+            Self::PlainNumbers | Self::Halves | Self::Uuids => Stored::integers(stored, 0),
         }
     }
 }

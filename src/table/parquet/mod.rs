@@ -267,18 +267,11 @@ fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stor
     match (reader, values) {
         (ColumnReader::DoubleColumnReader(reader), _) => read(reader, rows, Stored::doubles),
         (ColumnReader::FloatColumnReader(reader), _) => read(reader, rows, |values| Stored::singles(&values)),
-        (ColumnReader::Int64ColumnReader(reader), Values::PlainNumbers | Values::Decimal { .. }) => {
-            read(reader, rows, |unscaled| Stored::integers(unscaled, values.scale()))
-        }
-        (ColumnReader::Int32ColumnReader(reader), Values::PlainNumbers | Values::Decimal { .. }) => {
-            let long = |unscaled: Vec<i32>| unscaled.into_iter().map(i64::from).collect::<Vec<_>>();
-            read(reader, rows, |unscaled| Stored::integers(long(unscaled), values.scale()))
-        }
-        (ColumnReader::Int64ColumnReader(reader), _) => {
-            read_each(reader, rows, |value| values.content(*value, value.cast_unsigned()))
-        }
+        (ColumnReader::Int64ColumnReader(reader), _) => read(reader, rows, |integers| values.of_integers(integers)),
         (ColumnReader::Int32ColumnReader(reader), _) => {
-            read_each(reader, rows, |value| values.content(i64::from(*value), u64::from(value.cast_unsigned())))
+            let is_unsigned = values == Values::Unsigned;
+            let long = |value: i32| if is_unsigned { value.cast_unsigned().into() } else { value.into() };
+            read(reader, rows, |integers| values.of_integers(integers.into_iter().map(long).collect()))
         }
         (ColumnReader::ByteArrayColumnReader(reader), Values::Decimal { scale }) => {
             read_each(reader, rows, |value| of_bytes(value.data(), scale))
