@@ -10,7 +10,7 @@ use super::chunk::Chunker;
 use super::encoding::{Encoding, recoded, text};
 use super::gathered::gathered;
 use super::grid::{Separator, records};
-use super::pieces::{Pieces, Place};
+use super::pieces::Pieces;
 use super::rows::Setup;
 use super::split::next_record;
 use super::understand::{Understood, understand};
@@ -123,10 +123,7 @@ impl Text {
 
     /// A table that is all there.
     fn whole_table(self, source: &Arc<Source>, understood: Understood, want: &Want) -> Table {
-        let mut table = Table::new(&self.name, "text", &understood, want);
-        table.place = Place::Line;
-        table.encoding = self.encoding;
-        table.reading.encoding = self.encoding_name();
+        let mut table = self.found(&understood, want);
         let (Some(separator), true) = (understood.separator, understood.has_row_per_part()) else {
             table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
             return table;
@@ -152,10 +149,7 @@ impl Text {
 
     /// A table of any length, with a row per part.
     fn streamed(mut self, source: &Arc<Source>, understood: Understood, want: &Want) -> Result<Table, Diagnostics> {
-        let mut table = Table::new(&self.name, "text", &understood, want);
-        table.encoding = self.encoding;
-        table.reading.encoding = self.encoding_name();
-        table.place = Place::Line;
+        let mut table = self.found(&understood, want);
         let Some(separator) = understood.separator.map(separator_byte) else {
             return Err(Diagnostic::error(Code::BadTable, format!("{} has no separator", source.name)).into());
         };
@@ -176,9 +170,12 @@ impl Text {
         Ok(table)
     }
 
-    fn encoding_name(&self) -> Option<String> {
-        let name = self.encoding.name();
-        (name != "UTF-8").then(|| name.to_owned())
+    /// The table that was found, without its rows.
+    fn found(&self, understood: &Understood, want: &Want) -> Table {
+        let mut table = Table::new(&self.name, "text", understood, want);
+        table.encoding = self.encoding;
+        table.reading.encoding = Some(self.encoding.name().to_owned()).filter(|name| name != "UTF-8");
+        table
     }
 }
 
