@@ -286,17 +286,22 @@ impl Column {
         if let Evaluated::Over(_) | Evaluated::Beside = self.evaluated {
             return self.slope(value, beside.length).map(Some);
         }
-        let nominal = match self.nominal {
-            Nominal::None => return self.deviation(cell, value, &beside).map(Some),
-            Nominal::Fixed(nominal) => nominal,
-            Nominal::Beside => self.nominal_beside(beside.nominal)?,
+        let deviation = match self.nominal {
+            Nominal::None => self.possible(value)?,
+            Nominal::Fixed(nominal) => self.less(value, nominal)?,
+            Nominal::Beside => self.less(value, self.nominal_beside(beside.nominal)?)?,
         };
+        self.check(cell, deviation, &beside)?;
+        Ok(Some(deviation))
+    }
+
+    /// A measured value less its nominal one, if they are near each other.
+    fn less(&self, value: DeviationValue, nominal: DeviationValue) -> Result<DeviationValue, Problem> {
         let deviation = value.less(nominal);
         if near(nominal, self.farthest).is_exceeded_by(deviation) {
             return Err(Problem::Far(format!("{value} is far from the nominal value {nominal}")));
         }
-        self.check(cell, deviation, &beside)?;
-        Ok(Some(deviation))
+        Ok(deviation)
     }
 
     /// Whether a text is the unit of its numbers.
@@ -314,23 +319,11 @@ impl Column {
         Err(Problem::Bad(format!("the unit beside it is `{}`, and the column's is {known}", shown(&cell.text()))))
     }
 
-    /// A deviation that stands for itself.
-    fn deviation(
-        &self,
-        cell: &Cell,
-        value: DeviationValue,
-        beside: &Companions<&Cell>,
-    ) -> Result<DeviationValue, Problem> {
-        self.possible(value)?;
-        self.check(cell, value, beside)?;
-        Ok(value)
-    }
-
-    /// Refuses what no deviation can be.
-    fn possible(&self, value: DeviationValue) -> Result<(), Problem> {
+    /// The value, unless it is what no deviation can be.
+    fn possible(&self, value: DeviationValue) -> Result<DeviationValue, Problem> {
         match plausible::deviation(value, self.module).filter(|doubt| doubt.is_impossible) {
             Some(doubt) => Err(Problem::TooLarge(doubt.to_string())),
-            None => Ok(()),
+            None => Ok(value),
         }
     }
 
@@ -442,8 +435,7 @@ impl Column {
             return Err(Problem::TooLarge(doubt.to_string()));
         }
         let slope = lead_slope(deviation, over).map_err(|error| Problem::Bad(error.to_string()))?;
-        self.possible(slope)?;
-        Ok(slope)
+        self.possible(slope)
     }
 
     fn nominal_beside(&self, cell: Option<&Cell>) -> Result<DeviationValue, Problem> {
@@ -568,19 +560,15 @@ fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> 
     let beside = beside.map(Cell::text);
     let unit_from = if value.unit.is_none() && beside.is_some() { UnitFrom::Beside } else { UnitFrom::Table };
     let stated = kind.and_then(|kind| want.stated_unit(kind, &value.title));
-    let written = match value.unit.as_deref().or(beside.as_deref()) {
-        Some(symbol) => {
-            let Some(unit) = dimension(symbol) else {
-                let problem = unknown_unit(&value.title, symbol, is_angle);
-                let Some(kind) = kind else { return Err(problem) };
-                let help = problem.help.clone().unwrap_or_default();
-                let in_spec = format!("[batch.columns] {} = {{ unit = … }}", kind.key());
-                return Err(problem.help(format!("{help}; or say it in the spec: {in_spec}")));
-            };
-            Some(unit)
-        }
-        None => None,
+    let unknown = |symbol: &str| {
+        let problem = unknown_unit(&value.title, symbol, is_angle);
+        let Some(kind) = kind else { return problem };
+        let help = problem.help.clone().unwrap_or_default();
+        let in_spec = format!("[batch.columns] {} = {{ unit = … }}", kind.key());
+        problem.help(format!("{help}; or say it in the spec: {in_spec}"))
     };
+    let symbol = value.unit.as_deref().or(beside.as_deref());
+    let written = symbol.map(|symbol| dimension(symbol).ok_or_else(|| unknown(symbol))).transpose()?;
     match (stated, written) {
         (Some(stated), Some(written)) if stated != written => {
             let message =

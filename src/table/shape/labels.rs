@@ -237,13 +237,11 @@ impl Series {
                     of_all = Some(bare_unit(&text).to_owned());
                     self.unit.clone_from(&of_all);
                 }
-                // what stands behind a number and is none belongs to it: nobody else says what it is
-                Some(last) if !cell.is_number() && !cell.is_missing() && last.is_number() => {
-                    let whole = format!("{} {text}", last.text());
-                    *last = Cell::of_text(&whole, last.span.start..cell.span.end);
-                }
-                // 0° 1' 15"
-                Some(last) if goes_on_with_angle(&last.text(), &text) => {
+                // what stands behind a number and is none belongs to it: nobody else says what it is; 0° 1' 15" is one angle
+                Some(last)
+                    if !cell.is_number() && !cell.is_missing() && last.is_number()
+                        || goes_on_with_angle(&last.text(), &text) =>
+                {
                     let whole = format!("{} {text}", last.text());
                     *last = Cell::of_text(&whole, last.span.start..cell.span.end);
                 }
