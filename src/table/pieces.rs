@@ -70,13 +70,7 @@ enum Holds {
     /// Its bytes.
     Bytes(ChunkContent),
     /// Rows of a Parquet file.
-    Rows(Arc<StoredRows>, RowRange),
-}
-
-/// A Parquet file, and what of it is looked at.
-struct StoredRows {
-    file: ParquetTable,
-    places: Vec<bool>,
+    Rows(Arc<ParquetTable>, RowRange),
 }
 
 /// The rows of a table, ready to be read.
@@ -92,7 +86,7 @@ pub(crate) struct Queue {
 enum Source {
     Chunks(Chunker),
     Blocks(Blocks),
-    Parquet(Arc<StoredRows>, std::vec::IntoIter<RowRange>),
+    Parquet(Arc<ParquetTable>, std::vec::IntoIter<RowRange>),
 }
 
 impl Pieces {
@@ -121,9 +115,8 @@ impl Pieces {
             }
             Self::Parquet { setup, file } => {
                 let rows = Rows::new(setup, wanted);
-                let places = rows.places(file.columns().iter().filter(|column| column.is_read()).count());
                 let ranges = file.ranges().into_iter();
-                (Some(rows), queue(Source::Parquet(Arc::new(StoredRows { file, places }), ranges), None, 0))
+                (Some(rows), queue(Source::Parquet(Arc::new(file), ranges), None, 0))
             }
             Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), None, 0)),
         }
@@ -165,10 +158,10 @@ impl Queue {
                 }
                 None => Ok(false),
             },
-            Source::Parquet(stored, ranges) => {
+            Source::Parquet(file, ranges) => {
                 let Some(range) = ranges.next() else { return Ok(false) };
                 piece.records_before = range.before;
-                piece.holds = Holds::Rows(Arc::clone(stored), range);
+                piece.holds = Holds::Rows(Arc::clone(file), range);
                 Ok(true)
             }
         }
@@ -180,9 +173,9 @@ impl Piece {
     pub(crate) fn read(&mut self, rows: Option<&Rows>) -> io::Result<()> {
         match (&self.holds, rows) {
             (Holds::Bytes(holds), Some(rows)) => rows.chunk(&mut self.bytes, *holds, &mut self.block),
-            (Holds::Rows(stored, range), Some(rows)) => {
-                let StoredRows { file, places } = stored.as_ref();
-                let fields = file.read(&mut self.open, *range, places).map_err(|problem| as_io(&problem))?;
+            (Holds::Rows(file, range), Some(rows)) => {
+                let places = rows.places(file.columns().iter().filter(|column| column.is_read()).count());
+                let fields = file.read(&mut self.open, *range, &places).map_err(|problem| as_io(&problem))?;
                 rows.stored(&fields, range.before, &mut self.block);
             }
             _ => {}

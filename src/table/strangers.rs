@@ -162,7 +162,7 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
     named.truncate(SHOWN);
     let each =
         |of: &dyn Fn(&&Stranger) -> String, between: &str| named.iter().map(of).collect::<Vec<_>>().join(between);
-    let help = if named.is_empty() {
+    let mut help = if named.is_empty() {
         "give it a name, or leave it out of the table".to_owned()
     } else {
         format!(
@@ -172,21 +172,14 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
             each(&|stranger| format!("--ignore {}", shell_quoted(&stranger.name())), " "),
         )
     };
-    let help = if named.iter().any(|stranger| stranger.near.is_empty()) {
-        let keys: Vec<_> = DeviationKind::ALL.into_iter().map(DeviationKind::key).collect();
-        format!("{help}; {KEY} is one of {}", keys.join(", "))
-    } else {
-        help
-    };
-    let names: Vec<_> = still_missing.iter().map(|kind| kind.key()).collect();
-    let help = if names.is_empty() {
-        help
-    } else {
-        format!(
-            "{help}; others = \"ignore\" holds once every error of the spec is found, and {} is not",
-            names.join(", ")
-        )
-    };
+    if named.iter().any(|stranger| stranger.near.is_empty()) {
+        help += &format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
+    }
+    if !still_missing.is_empty() {
+        let names: Vec<_> = still_missing.iter().map(|kind| kind.key()).collect();
+        let names = names.join(", ");
+        help += &format!("; others = \"ignore\" holds once every error of the spec is found, and {names} is not");
+    }
     Some(Diagnostic::error(Code::NotUnderstood, message).help(help))
 }
 

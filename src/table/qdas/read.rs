@@ -25,9 +25,9 @@ const MOST_WORK: usize = 100_000_000;
 #[derive(Debug, Clone, Default)]
 struct Draft {
     definition: Definition,
-    part: usize,
+    /// The part of the first line that speaks of it.
+    part: Option<usize>,
     values: Vec<Value>,
-    defined: bool,
 }
 
 #[derive(Default)]
@@ -129,13 +129,9 @@ impl Reader {
         if self.drafts.len() < index {
             self.drafts.resize(index, Draft::default());
         }
-        let part = self.part;
         let draft = &mut self.drafts[index - 1];
-        if !draft.defined {
-            draft.defined = true;
-            draft.part = part;
-        }
-        Ok(&mut self.drafts[index - 1])
+        draft.part.get_or_insert(self.part);
+        Ok(draft)
     }
 
     /// How many characteristics this header has, if it says so.
@@ -360,7 +356,7 @@ impl Reader {
         }
         for Draft { definition, part, values, .. } in drafts {
             self.samples = self.samples.max(values.last().map_or(0, |last| last.sample + 1));
-            self.characteristics.push(Characteristic { values, ..definition.characteristic(part)? });
+            self.characteristics.push(Characteristic { values, ..definition.characteristic(part.unwrap_or(0))? });
         }
         if self.characteristics.len() > MOST_IN_ALL {
             let name = self.sources.last().map_or("the file", |source| &source.name);
