@@ -1,5 +1,7 @@
 //! What stands beside a measured value, by what it says of it: columns of the table, then places of a record, then cells.
 
+use super::names::Role;
+
 /// One of each companion that a value may have.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Companions<T> {
@@ -24,6 +26,19 @@ impl<T> Companions<T> {
     pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
         let Self { deviation, nominal, upper, lower, uncertainty, unit, length } = self;
         [deviation, nominal, upper, lower, uncertainty, unit, length].into_iter().flatten()
+    }
+
+    /// The companion of a role; `None` if no companion has it.
+    pub(crate) fn of_role(&mut self, role: Role) -> Option<&mut Option<T>> {
+        match role {
+            Role::Nominal => Some(&mut self.nominal),
+            Role::Deviation => Some(&mut self.deviation),
+            Role::Upper => Some(&mut self.upper),
+            Role::Lower => Some(&mut self.lower),
+            Role::Uncertainty => Some(&mut self.uncertainty),
+            Role::Unit => Some(&mut self.unit),
+            Role::Part | Role::Name | Role::Measured | Role::Status => None,
+        }
     }
 
     /// The same companions as something else; those of which nothing comes are left out.

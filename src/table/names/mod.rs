@@ -128,28 +128,13 @@ pub enum ValueKind {
     Deviation,
 }
 
-/// What a column of a table with a row per part says of its field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Aspect {
-    /// What was measured.
-    Value,
-    /// What should have been measured.
-    Nominal,
-    /// The upper tolerance, or the tolerance to both sides.
-    Upper,
-    /// The lower tolerance.
-    Lower,
-    /// How uncertain the measured value is.
-    Uncertainty,
-}
-
 /// What a heading says.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Heading {
     /// What the column is about; several where the heading leaves it open.
     pub(crate) fields: Vec<Field>,
-    /// What it says of that.
-    pub(crate) aspect: Aspect,
+    /// What it says of that; `Measured` where it holds values, or the deviations that they are.
+    pub(crate) aspect: Role,
     /// Whether values are measured values or deviations, if the heading says so.
     pub(crate) holds: Option<ValueKind>,
     /// The unit as it is written, known or not.
@@ -164,7 +149,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     let text = bare(text);
     let (name, unit) = split_unit(text);
     if let Some(field) = own_field(text, &name, own) {
-        return Some(Heading { fields: vec![field], aspect: Aspect::Value, holds: None, unit, commas: false });
+        return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit, commas: false });
     }
     let name = without_ordinal(&name);
     // a bound is no value
@@ -176,7 +161,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     let aspect = aspect(&senses)?;
     let fields = fields(&senses)?;
     let said = senses.iter().any(|sense| matches!(sense, Sense::Deviation | Sense::Measured));
-    if fields.iter().all(|field| field.is_index()) && (said || aspect != Aspect::Value) {
+    if fields.iter().all(|field| field.is_index()) && (said || aspect != Role::Measured) {
         return None;
     }
     let commas = known.iter().any(|word| word.commas);
@@ -245,7 +230,7 @@ fn senses(known: &[&'static Entry]) -> Option<Vec<Sense>> {
 }
 
 /// What the column says of its field; `None` where the words contradict each other or do not tell.
-fn aspect(senses: &[Sense]) -> Option<Aspect> {
+fn aspect(senses: &[Sense]) -> Option<Role> {
     let has = |sense: Sense| senses.contains(&sense);
     let tolerance = has(Sense::Tolerance) || has(Sense::Limit);
     let upper = has(Sense::Upper) || (has(Sense::Plus) && tolerance);
@@ -260,17 +245,17 @@ fn aspect(senses: &[Sense]) -> Option<Aspect> {
         return None;
     }
     Some(if has(Sense::Uncertainty) && !has(Sense::Tolerance) {
-        Aspect::Uncertainty
+        Role::Uncertainty
     } else if upper {
-        Aspect::Upper
+        Role::Upper
     } else if lower {
-        Aspect::Lower
+        Role::Lower
     } else if tolerance {
-        Aspect::Upper
+        Role::Upper
     } else if has(Sense::Nominal) {
-        Aspect::Nominal
+        Role::Nominal
     } else {
-        Aspect::Value
+        Role::Measured
     })
 }
 
@@ -328,7 +313,7 @@ fn needs_part(field: Field) -> bool {
 /// Whether a heading names measured values. `own` are names that the spec gives to its columns.
 pub(crate) fn is_value_heading(text: &str, own: &[(String, Field)]) -> bool {
     let names_value =
-        |heading: &Heading| heading.aspect == Aspect::Value && heading.fields.iter().any(|field| !field.is_index());
+        |heading: &Heading| heading.aspect == Role::Measured && heading.fields.iter().any(|field| !field.is_index());
     heading(text, own).is_some_and(|heading| names_value(&heading))
 }
 

@@ -5,11 +5,12 @@ fn understood(text: &str) -> String {
     let Some(heading) = heading(text, &[]) else { return String::new() };
     let keys: Vec<_> = heading.fields.iter().map(|field| field.key()).collect();
     let aspect = match heading.aspect {
-        Aspect::Value => "",
-        Aspect::Nominal => "nominal",
-        Aspect::Upper => "upper",
-        Aspect::Lower => "lower",
-        Aspect::Uncertainty => "uncertainty",
+        Role::Measured => "",
+        Role::Nominal => "nominal",
+        Role::Upper => "upper",
+        Role::Lower => "lower",
+        Role::Uncertainty => "uncertainty",
+        other => panic!("{text}: {other:?}"),
     };
     let holds = match heading.holds {
         Some(ValueKind::Deviation) => "deviation",

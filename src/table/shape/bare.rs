@@ -3,7 +3,7 @@
 use super::headings::Named;
 use super::{NoShape, Series, Shape, aside, unknown_line};
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Aspect, Field};
+use crate::table::names::{Field, Role};
 use crate::table::want::{Orientation, Want};
 
 /// Numbers without names: what they are is asked for, or is the spec's order.
@@ -30,7 +30,7 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
     }
     let bare = |field: Field, cells: Vec<Cell>| Named {
         field,
-        aspect: Aspect::Value,
+        aspect: Role::Measured,
         holds: None,
         series: Series { title: field.key().to_owned(), cells, ..Series::default() },
     };

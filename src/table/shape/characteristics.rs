@@ -11,7 +11,7 @@ use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{bare_unit, differ};
-use crate::table::names::{Aspect, Field, Role, ValueKind, heading, is_context, is_statistic, role, split_unit};
+use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -34,9 +34,8 @@ pub(crate) struct Characteristics {
 struct Reading<'a> {
     found: &'a Characteristics,
     want: &'a Want,
-    /// The heading of each column, and the unit in it.
+    /// The heading of each column.
     titles: Vec<String>,
-    units: Vec<Option<String>>,
     parts: Vec<Cell>,
     /// The index of each part by its name, where a column names it.
     indices: HashMap<String, usize>,
@@ -163,9 +162,14 @@ pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, wan
 }
 
 impl Characteristics {
+    /// The first column of a role.
+    fn place(&self, role: Role) -> Option<usize> {
+        self.roles.iter().position(|other| *other == Some(role))
+    }
+
     /// The records with the part's name in every row: it stands in the first row of a part only where cells are merged.
     fn with_part_names<'r>(&self, records: &'r [Record]) -> Cow<'r, [Record]> {
-        let Some(place) = self.roles.iter().position(|role| *role == Some(Role::Part)) else { return records.into() };
+        let Some(place) = self.place(Role::Part) else { return records.into() };
         let mut filled = Cow::Borrowed(records);
         for rows in self.rows.windows(2) {
             let name = filled[rows[0]].cells.get(place).cloned().unwrap_or_default();
@@ -181,7 +185,7 @@ impl Characteristics {
         let header = &records[self.header].cells;
         for (place, role) in self.roles.iter().enumerate() {
             let Some(role) = role.filter(|role| *role != Role::Name && *role != Role::Uncertainty) else { continue };
-            let first = self.roles.iter().position(|other| *other == Some(role)).unwrap_or(place);
+            let first = self.place(role).unwrap_or(place);
             if first < place && (role == Role::Unit || self.has_numbers(records, place)) {
                 return Err(NoShape::TwoColumns { first: header[first].clone(), second: header[place].clone() });
             }
@@ -225,12 +229,9 @@ impl<'a> Reading<'a> {
     fn new(records: &[Record], found: &'a Characteristics, want: &'a Want) -> Self {
         let header = &records[found.header];
         let titles: Vec<_> = header.cells.iter().map(|cell| cell.text().into_owned()).collect();
-        let units = titles.iter().map(|title| split_unit(title).1).collect();
         let first = found.rows.first().map_or(header.line, |row| records[*row].line);
-        let mut reading =
-            Self { found, want, titles, units, parts: Vec::new(), indices: HashMap::new(), lines: Vec::new() };
-        let part = found.roles.iter().position(|role| *role == Some(Role::Part));
-        match part {
+        let mut reading = Self { found, want, titles, parts: Vec::new(), indices: HashMap::new(), lines: Vec::new() };
+        match found.place(Role::Part) {
             Some(place) => {
                 for row in &found.rows {
                     let record = &records[*row];
@@ -254,13 +255,9 @@ impl<'a> Reading<'a> {
         reading
     }
 
-    fn place(&self, role: Role) -> Option<usize> {
-        self.found.roles.iter().position(|other| *other == Some(role))
-    }
-
     /// The part that a row belongs to; 0 where the row belongs to all.
     fn part_of(&self, record: &Record) -> usize {
-        let name = self.place(Role::Part).and_then(|place| record.cells.get(place));
+        let name = self.found.place(Role::Part).and_then(|place| record.cells.get(place));
         name.and_then(|name| self.indices.get(name.text().as_ref())).copied().unwrap_or(0)
     }
 
@@ -284,7 +281,7 @@ impl<'a> Reading<'a> {
                 cells.fill(cell);
             }
         }
-        let unit = self.units.get(place).cloned().flatten();
+        let (_, unit) = split_unit(&self.titles[place]);
         Ok(Series { title: title.text().into_owned(), place, unit, cells })
     }
 
@@ -301,7 +298,7 @@ impl<'a> Reading<'a> {
         // the unit in the heading of a column is that of its numbers
         let united = |series: Series| Series { unit: series.unit.clone().or_else(|| unit.clone()), ..series };
         let of_role = |role: Role| -> Result<Option<Series>, NoShape> {
-            let Some(place) = self.place(role) else { return Ok(None) };
+            let Some(place) = self.found.place(role) else { return Ok(None) };
             let series = united(self.series(place, rows, title)?);
             Ok(series.cells.iter().any(|cell| !cell.is_missing()).then_some(series))
         };
@@ -325,7 +322,7 @@ impl<'a> Reading<'a> {
         if differ(value.unit.as_deref(), unit.as_deref()) {
             return Err(NoShape::Units { record: rows[0].clone() });
         }
-        let field = if named.aspect == Aspect::Value { named.field } else { return Err(twice(named, title)) };
+        let field = if named.aspect == Role::Measured { named.field } else { return Err(twice(named, title)) };
         let headed =
             |series: Option<Series>| series.map(|series| Series { title: self.titles[series.place].clone(), ..series });
         let [deviation, nominal, upper, lower, uncertainty] =
@@ -336,7 +333,7 @@ impl<'a> Reading<'a> {
 
     /// The unit in the column of units, which is the same for every row of a characteristic.
     fn unit_of_rows(&self, rows: &[&Record]) -> Result<Option<String>, NoShape> {
-        let Some(place) = self.place(Role::Unit) else { return Ok(None) };
+        let Some(place) = self.found.place(Role::Unit) else { return Ok(None) };
         let unit_of = |record: &Record| {
             let cell = record.cells.get(place).filter(|cell| !cell.is_missing())?;
             Some(bare_unit(&cell.text()).to_owned())

@@ -3,14 +3,14 @@
 use super::{NoShape, Series, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
-use crate::table::names::{Aspect, Field, Heading, Role, ValueKind, heading, is_evaluation_length, role};
+use crate::table::names::{Field, Heading, Role, ValueKind, heading, is_evaluation_length, role};
 use crate::table::want::Want;
 
 /// A column with a known name.
 #[derive(Debug, Clone)]
 pub(crate) struct Named {
     pub(crate) field: Field,
-    pub(crate) aspect: Aspect,
+    pub(crate) aspect: Role,
     pub(crate) holds: Option<ValueKind>,
     pub(crate) series: Series,
 }

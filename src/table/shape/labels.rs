@@ -5,7 +5,7 @@ use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
-use crate::table::names::{Aspect, Field, Role, heading, role};
+use crate::table::names::{Field, Role, heading, role};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -92,7 +92,7 @@ pub(super) fn by_label(
         if has_places && (above == count || record.cells.len() > count) {
             // a cell that is not filled is that of a part
             cells.resize(count, Cell::default());
-        } else if named.aspect == Aspect::Value && cells.len() != count {
+        } else if named.aspect == Role::Measured && cells.len() != count {
             return Err(NoShape::Ragged { record: record.clone(), expected: count + 1 });
         }
         shape.take(named)?;
@@ -162,7 +162,7 @@ impl Lines<'_> {
         match of_parts {
             Some(field) if index < self.first => {
                 let series = Series { title: title.into_owned(), cells: cells.to_vec(), ..Series::default() };
-                shape.take(Named { field, aspect: Aspect::Value, holds: None, series })?;
+                shape.take(Named { field, aspect: Role::Measured, holds: None, series })?;
             }
             _ if record.numbers() > 0 && !record.cells[0].is_measure() && !is_part_name(&title) => {
                 shape.unknown.push(unknown_line(record, self.is_among(index, record)));
@@ -198,7 +198,7 @@ fn without_number(record: &Record, count: usize, want: &Want) -> Option<Named> {
     let field = one_meaning(&heading.fields, want, &name).ok()?;
     cells.resize(count, Cell::default());
     let series = Series { title, unit: heading.unit, cells, ..Series::default() };
-    Some(Named { field, aspect: Aspect::Value, holds: heading.holds, series })
+    Some(Named { field, aspect: Role::Measured, holds: heading.holds, series })
 }
 
 /// Whether a text is a unit: `min` behind the name of an angle is no time.

@@ -27,7 +27,7 @@ use std::collections::{BTreeSet, HashSet};
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Aspect, Field, Role, ValueKind, is_statistic, role, split_unit};
+use super::names::{Field, Role, ValueKind, is_statistic, role, split_unit};
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -122,16 +122,7 @@ impl Shape {
         let Some(measurement) = self.measurements.last_mut().filter(|found| !found.value.title.is_empty()) else {
             return false;
         };
-        let beside = &mut measurement.beside;
-        let slot = match role(title) {
-            Some(Role::Nominal) => &mut beside.nominal,
-            Some(Role::Deviation) => &mut beside.deviation,
-            Some(Role::Upper) => &mut beside.upper,
-            Some(Role::Lower) => &mut beside.lower,
-            Some(Role::Uncertainty) => &mut beside.uncertainty,
-            Some(Role::Unit) => &mut beside.unit,
-            _ => return false,
-        };
+        let Some(slot) = role(title).and_then(|role| measurement.beside.of_role(role)) else { return false };
         let (name, unit) = split_unit(title);
         // units behind another column of numbers are those of that one
         let is_of_other = |before: &Unknown| {
@@ -249,32 +240,26 @@ impl Measurement {
     }
 
     /// Takes one of the columns that belong to the field.
-    fn take(&mut self, aspect: Aspect, holds: Option<ValueKind>, series: Series) -> Result<(), NoShape> {
+    fn take(&mut self, aspect: Role, holds: Option<ValueKind>, series: Series) -> Result<(), NoShape> {
         let has_value = !self.value.title.is_empty();
         let slot = match aspect {
-            Aspect::Value if !has_value => {
+            Role::Measured if !has_value => {
                 (self.holds, self.value) = (holds, series);
                 return Ok(());
             }
             // a measured value counts, and the deviation beside it is held against it
-            Aspect::Value if holds == Some(ValueKind::Deviation) && self.holds != holds => {
+            Role::Measured if holds == Some(ValueKind::Deviation) && self.holds != holds => {
                 self.holds = Some(ValueKind::Measured);
-                &mut self.beside.deviation
+                Some(&mut self.beside.deviation)
             }
-            Aspect::Value if self.holds == Some(ValueKind::Deviation) && holds != self.holds => {
+            Role::Measured if self.holds == Some(ValueKind::Deviation) && holds != self.holds => {
                 self.beside.deviation = Some(std::mem::replace(&mut self.value, series));
                 self.holds = holds.or(Some(ValueKind::Measured));
                 return Ok(());
             }
-            Aspect::Value => return Err(twice(&series, self.field)),
-            Aspect::Nominal => &mut self.beside.nominal,
-            Aspect::Upper => &mut self.beside.upper,
-            Aspect::Lower => &mut self.beside.lower,
-            Aspect::Uncertainty => &mut self.beside.uncertainty,
+            role => self.beside.of_role(role),
         };
-        if slot.is_some() {
-            return Err(twice(&series, self.field));
-        }
+        let Some(slot) = slot.filter(|slot| slot.is_none()) else { return Err(twice(&series, self.field)) };
         *slot = Some(series);
         Ok(())
     }
