@@ -139,8 +139,6 @@ pub(crate) struct Heading {
     pub(crate) holds: Option<ValueKind>,
     /// The unit as it is written, known or not.
     pub(crate) unit: Option<String>,
-    /// Whether it is in a language that writes decimal commas.
-    pub(crate) commas: bool,
 }
 
 /// Understands a heading or label; `None` if it names nothing that is known. `own` are names that the spec gives to its
@@ -149,7 +147,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     let text = bare(text);
     let (name, unit) = split_unit(text);
     if let Some(field) = own_field(text, &name, own) {
-        return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit, commas: false });
+        return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit });
     }
     let name = without_ordinal(&name);
     // a bound is no value
@@ -164,8 +162,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     if fields.iter().all(|field| field.is_index()) && (said || aspect != Role::Measured) {
         return None;
     }
-    let commas = known.iter().any(|word| word.commas);
-    Some(Heading { fields, aspect, holds: holds(&senses), unit, commas })
+    Some(Heading { fields, aspect, holds: holds(&senses), unit })
 }
 
 /// Whether a sign stands before a name, so that its values are the other way round: `-ΔM`, `(-) ΔM`.

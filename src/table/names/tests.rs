@@ -363,19 +363,17 @@ fn the_specs_own_names_win() {
 }
 
 #[test]
-fn german_and_french_write_decimal_commas() {
-    for (text, commas) in [
-        ("Rollenmaß", true),
-        ("M Soll", true),
-        ("erreur de pas", true),
-        ("Zahn", true),
-        ("rack pitch", false),
-        ("radial", false),
-        ("position", false),
-        ("リード誤差", false),
-    ] {
-        assert_eq!(heading(text, &[]).unwrap().commas, commas, "{text}");
-    }
+fn short_names_of_every_language() {
+    check(&[
+        ("Rollenmaß", "rack_over_roller"),
+        ("M Soll", "rack_over_roller nominal"),
+        ("erreur de pas", "rack_pitch|pinion_pitch deviation"),
+        ("Zahn", "tooth"),
+        ("rack pitch", "rack_pitch"),
+        ("radial", "pinion_radial"),
+        ("position", "position"),
+        ("リード誤差", "rack_lead deviation"),
+    ]);
 }
 
 #[test]

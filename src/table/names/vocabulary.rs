@@ -124,8 +124,6 @@ pub(super) struct Entry {
     /// Folded, without blanks.
     pub(super) letters: String,
     pub(super) senses: Vec<Sense>,
-    /// Whether it belongs to a language that writes decimal commas.
-    pub(super) commas: bool,
 }
 
 impl Entry {
@@ -147,7 +145,7 @@ pub(super) fn is_japanese(c: char) -> bool {
 
 /// Digits.
 pub(super) static NUMBER: LazyLock<Entry> =
-    LazyLock::new(|| Entry { letters: String::new(), senses: vec![Sense::Number], commas: false });
+    LazyLock::new(|| Entry { letters: String::new(), senses: vec![Sense::Number] });
 
 /// All words.
 pub(super) static VOCABULARY: LazyLock<Vocabulary> = LazyLock::new(|| Vocabulary::of(include_str!("vocabulary.txt")));
@@ -167,29 +165,25 @@ impl Vocabulary {
     fn of(rows: &'static str) -> Self {
         let mut vocabulary = Self::default();
         for row in rows.lines().filter(|row| !row.starts_with('#')) {
-            let mut cells = row.splitn(3, "; ");
-            let (Some(meaning), Some(mark), Some(words)) = (cells.next(), cells.next(), cells.next()) else { continue };
+            let Some((meaning, words)) = row.split_once("; ") else { continue };
             let words = words.split(", ");
             match (meaning, Sense::of_row(meaning)) {
                 ("statistic", _) => vocabulary.statistics.extend(words),
                 ("evaluation length", _) => vocabulary.evaluation_lengths.extend(words.map(joined)),
-                (_, Some(sense)) => words.for_each(|word| vocabulary.add(word, sense, mark == "comma")),
+                (_, Some(sense)) => words.for_each(|word| vocabulary.add(word, sense)),
                 (_, None) => debug_assert!(false, "no meaning: {row}"),
             }
         }
         vocabulary
     }
 
-    fn add(&mut self, word: &str, sense: Sense, commas: bool) {
+    fn add(&mut self, word: &str, sense: Sense) {
         let letters: String = fold(word).split_whitespace().collect();
         let Some(first) = letters.chars().next() else { return };
         let same_first = self.words.entry(first).or_default();
         match same_first.iter_mut().find(|entry| entry.letters == letters) {
-            Some(entry) => {
-                entry.commas &= commas;
-                entry.senses.push(sense);
-            }
-            None => same_first.push(Entry { letters, senses: vec![sense], commas }),
+            Some(entry) => entry.senses.push(sense),
+            None => same_first.push(Entry { letters, senses: vec![sense] }),
         }
     }
 

@@ -253,6 +253,7 @@ fn of_bytes(column: &ColumnDescriptor) -> Option<Values> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::cell::Content;
 
     #[test]
     fn days_are_shown_as_dates() {

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
-use super::headings::{Headings, Named, headings, is_part_name, names_value, says_no_part};
+use super::headings::{Named, headings, is_part_name, names_value, says_no_part};
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
@@ -132,9 +132,9 @@ pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, wan
         }
         rows.push(&records[*row]);
     }
-    let Headings { named, commas } = headings(&names, want)?;
+    let named = headings(&names, want)?;
     let mut shape = Shape::new(Orientation::Columns);
-    (shape.header_line, shape.commas) = (Some(header.line), commas);
+    shape.header_line = Some(header.line);
     let reading = Reading::new(records, found, want);
     for (name, named) in names.iter().zip(named) {
         let rows = &rows_of[name.text().as_ref()];

@@ -15,15 +15,8 @@ pub(crate) struct Named {
     pub(crate) series: Series,
 }
 
-/// What the headings of a table are.
-pub(crate) struct Headings {
-    /// One per heading; `None` if it is not known.
-    pub(crate) named: Vec<Option<Named>>,
-    pub(crate) commas: bool,
-}
-
-/// What headings mean; `None` for those that are not known or that the user leaves out.
-pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape> {
+/// What headings mean, one by one; `None` for those that are not known or that the user leaves out.
+pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>, NoShape> {
     let understood = |cell: &Cell| {
         let text = cell.text();
         if want.ignores(&text) { None } else { heading(&text, &want.own) }
@@ -42,7 +35,6 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
     let counts = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));
     let of_parts =
         want.teeth != Some(true) && found.iter().flatten().any(is_error) && !found.iter().flatten().any(counts);
-    let commas = found.iter().flatten().any(|heading| heading.commas);
     let mut named: Vec<Option<Named>> = Vec::with_capacity(cells.len());
     for (place, (cell, heading)) in cells.iter().zip(found).enumerate() {
         let Some(mut heading) = heading else {
@@ -62,7 +54,7 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Headings, NoShape>
         named.push(Some(Named { field, aspect: heading.aspect, holds: heading.holds, series }));
     }
     drop_second_part_names(&mut named, want)?;
-    Ok(Headings { named, commas })
+    Ok(named)
 }
 
 pub(super) fn one_meaning(found: &[Field], want: &Want, title: &Cell) -> Result<Field, NoShape> {

@@ -1,6 +1,6 @@
 //! Tables with a name in front of each line, and a value per part behind it.
 
-use super::headings::{Headings, Named, headings, is_part_name, names_value, one_meaning, says_no_part};
+use super::headings::{Named, headings, is_part_name, names_value, one_meaning, says_no_part};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
@@ -64,9 +64,8 @@ pub(super) fn by_label(
     want: &Want,
 ) -> Result<Shape, NoShape> {
     let names: Vec<_> = labels.iter().map(|index| records[*index].cells[0].clone()).collect();
-    let Headings { named, commas } = headings(&names, want)?;
+    let named = headings(&names, want)?;
     let mut shape = Shape::new(Orientation::Columns);
-    shape.commas = commas;
     let has_units = labels.iter().zip(&named).any(|(index, named)| {
         let is_angle = named.as_ref().is_some_and(|named| named.field.is_angle());
         records[*index].cells.get(1).is_some_and(|cell| is_unit_of(&cell.text(), is_angle))

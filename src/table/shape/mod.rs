@@ -82,8 +82,6 @@ pub(crate) struct Shape {
     pub(crate) asides: Vec<AsideReading>,
     /// The line of each part, space or tooth.
     pub(crate) lines: Vec<u64>,
-    /// Whether its language writes decimal commas.
-    pub(crate) commas: bool,
     /// Numbers beside the values, which tell the decimal mark as well.
     pub(crate) beside: Vec<Cell>,
 }

@@ -1,6 +1,6 @@
 //! Tables with a header: each row below it is a part, a space or a tooth.
 
-use super::headings::{Headings, headings, known, names_value};
+use super::headings::{headings, known, names_value};
 use super::{NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
@@ -143,10 +143,10 @@ pub(super) fn by_header(
     separator: Separator,
     want: &Want,
 ) -> Result<Shape, NoShape> {
-    let Headings { named, commas } = headings(&header.cells, want)?;
+    let named = headings(&header.cells, want)?;
     let width = header.cells.len();
     let mut shape = Shape::new(Orientation::Rows);
-    (shape.header_line, shape.commas) = (Some(records[header.record].line), commas);
+    shape.header_line = Some(records[header.record].line);
     shape.header.clone_from(&header.cells);
     let Below { units, first } = below(records, header);
     let before = &records[..header.record];
