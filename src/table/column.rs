@@ -26,27 +26,19 @@ pub(crate) enum UnitFrom {
     Key,
 }
 
-/// What is taken from a measured value.
+/// What a value is taken together with.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Nominal {
-    /// Nothing: the column holds deviations.
+pub(crate) enum Stated<T> {
+    /// Nothing.
     None,
     /// The same for every part.
-    Fixed(DeviationValue),
+    Fixed(T),
     /// What stands beside the value.
     Beside,
 }
 
-/// Over what f_Hβ is evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Evaluated {
-    /// It is no f_Hβ.
-    No,
-    /// The same length for every part.
-    Over(Length),
-    /// What stands beside the value.
-    Beside,
-}
+/// What is taken from a measured value; nothing from deviations.
+pub(crate) type Nominal = Stated<DeviationValue>;
 
 /// One column of values.
 #[derive(Debug, Clone)]
@@ -61,7 +53,8 @@ pub(crate) struct Column {
     pub(crate) unit_from: UnitFrom,
     pub(crate) holds: Option<ValueKind>,
     pub(crate) nominal: Nominal,
-    pub(crate) evaluated: Evaluated,
+    /// Over what f_Hβ is evaluated.
+    pub(crate) evaluated: Stated<Length>,
     /// The nominal value that the spec gives, where the table has its own.
     stated: Option<DeviationValue>,
     /// How far a measured value may be from its nominal one, and a deviation from 0.
@@ -163,7 +156,7 @@ impl Column {
             unit_from,
             holds,
             nominal: Nominal::None,
-            evaluated: Evaluated::No,
+            evaluated: Stated::None,
             stated: None,
             farthest: Reach::possible(None),
             module: None,
@@ -175,7 +168,7 @@ impl Column {
         if is_angle && matches!(unit, Unit::Length(_)) {
             let length = measurement.beside.length.as_ref();
             column.evaluated = match length {
-                Some(_) => Evaluated::Beside,
+                Some(_) => Stated::Beside,
                 None => evaluated(given.and_then(|given| given.length), want, &value.title)?,
             };
             column.beside.length = companion(length, Unit::Length(LengthUnit::Millimetre))?;
@@ -269,9 +262,9 @@ impl Column {
     pub(crate) fn plain(&self) -> Option<PlainNumbers> {
         let nominal = self.nominal_of_every_part()?;
         let over = match self.evaluated {
-            Evaluated::No => None,
-            Evaluated::Over(over) => Some(over),
-            Evaluated::Beside => return None,
+            Stated::None => None,
+            Stated::Fixed(over) => Some(over),
+            Stated::Beside => return None,
         };
         self.is_plain().then_some(PlainNumbers { unit: self.unit, nominal, farthest: self.farthest, over })
     }
@@ -283,7 +276,7 @@ impl Column {
         }
         self.check_unit(beside.unit)?;
         let value = self.quantity(cell)?;
-        if let Evaluated::Over(_) | Evaluated::Beside = self.evaluated {
+        if let Stated::Fixed(_) | Stated::Beside = self.evaluated {
             return self.slope(value, beside.length).map(Some);
         }
         let deviation = match self.nominal {
@@ -425,7 +418,7 @@ impl Column {
     fn slope(&self, value: DeviationValue, beside: Option<&Cell>) -> Result<DeviationValue, Problem> {
         let DeviationValue::Length(deviation) = value else { return Ok(value) };
         let over = match (self.evaluated, beside) {
-            (Evaluated::Over(over), _) => over,
+            (Stated::Fixed(over), _) => over,
             (_, cell) => match self.quantity_beside(cell, self.beside.length)? {
                 Some(DeviationValue::Length(over)) => over,
                 _ => return Err(Problem::Bad("there is no evaluation length for this f_Hβ".to_owned())),
@@ -640,12 +633,12 @@ fn unknown_unit(title: &str, symbol: &str, is_angle: bool) -> Diagnostic {
 }
 
 /// Over what f_Hβ is evaluated without a column of lengths: the spec's length, or the face width.
-fn evaluated(given: Option<Length>, want: &Want, title: &str) -> Result<Evaluated, Diagnostic> {
+fn evaluated(given: Option<Length>, want: &Want, title: &str) -> Result<Stated<Length>, Diagnostic> {
     if let Some(doubt) = given.and_then(plausible::evaluation_length) {
         let message = format!("the evaluation length of `{title}`: {doubt}");
         return Err(Diagnostic::error(Code::Implausible, message).help(doubt.remedy(WrittenIn::Spec)));
     }
-    given.or(want.face_width).map(Evaluated::Over).ok_or_else(|| {
+    given.or(want.face_width).map(Stated::Fixed).ok_or_else(|| {
         let message = format!("`{title}` is f_Hβ in a unit of length, and nothing tells its evaluation length");
         Diagnostic::error(Code::MissingKey, message).help(
             "give a column of evaluation lengths, [batch.columns] rack_lead = { length = … }, or the rack's face width",

@@ -94,7 +94,7 @@ use std::sync::Arc;
 
 use crate::deviation::DeviationKind;
 use crate::quantity::{Unit, shown};
-use column::{Evaluated, UnitFrom};
+use column::{Stated, UnitFrom};
 use shape::Measurement;
 use understand::Understood;
 
@@ -254,7 +254,7 @@ impl Table {
 impl Column {
     fn evaluated_over_face_width(&self, want: &Want) -> bool {
         let given = self.kind.and_then(|kind| want.given(kind)).and_then(|given| given.length);
-        matches!(self.evaluated, Evaluated::Over(_)) && given.is_none()
+        matches!(self.evaluated, Stated::Fixed(_)) && given.is_none()
     }
 }
 
