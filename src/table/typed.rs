@@ -20,7 +20,7 @@ use super::text::setup;
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
-use super::workbook::{Shown, Workbook};
+use super::workbook::{Shown, Workbook, listed};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit};
@@ -115,7 +115,6 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
 /// The one sheet that has columns that are known, or the only one with anything in it.
 fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
     let names = book.candidates(want.sheet.as_deref())?;
-    let listed = |names: &[String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let is_known = |record: &Record| record.cells.iter().any(|cell| is_value_heading(&cell.text(), &want.own));
     let mut found: Option<Sheet> = None;
     let (mut all, mut others) = (Vec::new(), Vec::new());
@@ -272,7 +271,7 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
     let read = file.columns().iter().filter(|column| column.is_read());
     let titles: Vec<_> = read.map(|column| column.name.clone()).collect();
     let all = vec![true; titles.len()];
-    file.check(&all)?;
+    file.check()?;
     let head = match file.ranges().first() {
         Some(range) => file.read(&mut None, range.first(HEAD), &all)?,
         None => Vec::new(),
@@ -297,7 +296,7 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
 fn not_read(file: &ParquetTable, want: &Want) -> Result<Vec<NotUsed>, Diagnostic> {
     let mut not_used = Vec::new();
     for (place, column) in file.columns().iter().enumerate() {
-        let Some(why) = &column.unread else { continue };
+        let Err(why) = &column.leaf else { continue };
         let title = column.name.clone();
         let is_known = heading(&title, &want.own).is_some() || role(&title).is_some();
         let number = Cell::from(Content::Number(Decimal::of_i64(1, 0)));

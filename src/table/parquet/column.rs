@@ -12,10 +12,8 @@ use crate::table::stored::Stored;
 pub(crate) struct StoredColumn {
     /// Its name.
     pub(crate) name: String,
-    /// Where its values are; `None` if they are not read.
-    pub(super) leaf: Option<Leaf>,
-    /// Why they are not read.
-    pub(crate) unread: Option<Unread>,
+    /// Where its values are, or why they are not read.
+    pub(crate) leaf: Result<Leaf, Unread>,
 }
 
 /// Why the values of a column are not read.
@@ -30,13 +28,13 @@ pub(crate) enum Unread {
 impl StoredColumn {
     /// Whether its values can be read.
     pub(crate) fn is_read(&self) -> bool {
-        self.leaf.is_some()
+        self.leaf.is_ok()
     }
 }
 
 /// Where the values of a column are, and how they are meant.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Leaf {
+pub(crate) struct Leaf {
     pub(super) index: usize,
     pub(super) values: Values,
 }
@@ -187,8 +185,7 @@ pub(super) fn columns(schema: &SchemaDescriptor) -> Vec<StoredColumn> {
         let first = (0..schema.num_columns()).find(|leaf| schema.get_column_root_idx(*leaf) == root);
         let index = first.filter(|index| field.is_primitive() && schema.column(*index).max_rep_level() == 0);
         let leaf = index.and_then(|index| Some(Leaf { index, values: values(&schema.column(index))? }));
-        let unread = leaf.is_none().then(|| Unread::Type(type_in_words(field)));
-        StoredColumn { name: field.name().to_owned(), leaf, unread }
+        StoredColumn { name: field.name().to_owned(), leaf: leaf.ok_or_else(|| Unread::Type(type_in_words(field))) }
     };
     schema.root_schema().get_fields().iter().enumerate().map(column).collect()
 }

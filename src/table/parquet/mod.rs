@@ -51,10 +51,10 @@ impl ParquetTable {
         let reader = SerializedFileReader::new(source).map_err(|error| Diagnostic::unreadable(name, &error))?;
         let mut columns = column::columns(reader.metadata().file_metadata().schema_descr());
         for column in &mut columns {
-            let Some(leaf) = column.leaf else { continue };
+            let Ok(leaf) = &column.leaf else { continue };
             let mut chunks = reader.metadata().row_groups().iter().map(|group| group.column(leaf.index));
             if let Some(packing) = chunks.find_map(packing_not_read) {
-                (column.leaf, column.unread) = (None, Some(Unread::Packing(packing)));
+                column.leaf = Err(Unread::Packing(packing));
             }
         }
         Ok(Self { name: name.to_owned(), length, reader: Arc::new(reader), columns })
@@ -65,14 +65,23 @@ impl ParquetTable {
         &self.columns
     }
 
-    /// Whether the columns at these places can be read, of those that can be read at all.
+    /// Whether the values of the columns that can be read lie in the file.
     ///
     /// # Errors
-    /// If one of them lies beyond the file's end.
-    pub(crate) fn check(&self, places: &[bool]) -> Result<(), Diagnostic> {
-        let read = self.columns.iter().filter_map(|column| Some((column, column.leaf?)));
-        for ((column, leaf), _) in read.zip(places).filter(|(_, is_wanted)| **is_wanted) {
-            self.check_chunks(&column.name, leaf.index)?;
+    /// The first column that lies beyond the file's end.
+    pub(crate) fn check(&self) -> Result<(), Diagnostic> {
+        for column in &self.columns {
+            let Ok(leaf) = &column.leaf else { continue };
+            for group in self.reader.metadata().row_groups() {
+                let chunk = group.column(leaf.index);
+                let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
+                let end = start.checked_add(chunk.compressed_size()).and_then(|end| u64::try_from(end).ok());
+                let in_file = start >= 0 && chunk.compressed_size() >= 0 && end.is_some_and(|end| end <= self.length);
+                if !in_file {
+                    let problem = format!("column `{}` lies beyond its end", column.name);
+                    return Err(Diagnostic::unreadable(&self.name, &problem));
+                }
+            }
         }
         Ok(())
     }
@@ -130,7 +139,7 @@ impl ParquetTable {
     fn open_group(&self, number: usize, places: &[bool]) -> Result<OpenGroup, ParquetError> {
         let group = self.reader.get_row_group(number)?;
         let mut columns = Vec::new();
-        for (leaf, is_wanted) in self.columns.iter().filter_map(|column| column.leaf).zip(places) {
+        for (leaf, is_wanted) in self.columns.iter().filter_map(|column| column.leaf.as_ref().ok()).zip(places) {
             if !is_wanted {
                 columns.push(None);
                 continue;
@@ -140,20 +149,6 @@ impl ParquetTable {
             columns.push(Some((get_column_reader(column, Box::new(pages)), leaf.values)));
         }
         Ok(OpenGroup { number, columns, next: 0 })
-    }
-
-    /// Whether a column's values lie in the file, and are compressed as they may be.
-    fn check_chunks(&self, column: &str, leaf: usize) -> Result<(), Diagnostic> {
-        for group in self.reader.metadata().row_groups() {
-            let chunk = group.column(leaf);
-            let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
-            let end = start.checked_add(chunk.compressed_size()).and_then(|end| u64::try_from(end).ok());
-            let in_file = start >= 0 && chunk.compressed_size() >= 0 && end.is_some_and(|end| end <= self.length);
-            if !in_file {
-                return Err(Diagnostic::unreadable(&self.name, &format!("column `{column}` lies beyond its end")));
-            }
-        }
-        Ok(())
     }
 
     /// The refusal of a column that is not read.

@@ -89,7 +89,7 @@ fn read_all(bytes: &[u8]) -> Result<Vec<Vec<Content>>, String> {
     let table = opened(bytes).map_err(|error| error.to_string())?;
     let mut all = vec![Vec::new(); table.columns().iter().filter(|column| column.is_read()).count()];
     let places = vec![true; all.len()];
-    table.check(&places).map_err(|error| error.to_string())?;
+    table.check().map_err(|error| error.to_string())?;
     let mut open = None;
     for range in table.ranges() {
         let columns = table.read(&mut open, range, &places).map_err(|error| error.to_string())?;

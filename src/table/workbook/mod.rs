@@ -36,10 +36,7 @@ type Book = Xlsx<Cursor<Vec<u8>>>;
 pub struct Workbook {
     name: String,
     book: Book,
-    /// What each sheet hides, in their order; none where that cannot be known.
-    hidden: Vec<Option<Hidden>>,
-    /// What styles show beside numbers.
-    shown: HashMap<u32, String>,
+    checked: Checked,
 }
 
 /// The rows of a sheet as they stand.
@@ -69,9 +66,9 @@ impl Workbook {
     /// # Errors
     /// If it is no workbook, or unpacks to more than any sheet holds.
     pub fn open(name: &str, bytes: Vec<u8>) -> Result<Self, Diagnostic> {
-        let Checked { hidden, shown } = check(name, &bytes)?;
+        let checked = check(name, &bytes)?;
         let book = Xlsx::new(Cursor::new(bytes)).map_err(|error| no_workbook(name, &error))?;
-        Ok(Self { name: name.to_owned(), book, hidden, shown })
+        Ok(Self { name: name.to_owned(), book, checked })
     }
 
     /// The names of its sheets.
@@ -116,8 +113,12 @@ impl Workbook {
     pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
-        let hidden = self.hidden_count(sheet, range);
-        let shown = self.hidden_of(sheet).map_or_else(Vec::new, |hidden| hidden.shown(&self.shown, range));
+        let Checked { hidden, shown } = &self.checked;
+        let index = self.sheets().iter().position(|name| name == sheet);
+        let of_sheet = index.and_then(|index| hidden.get(index)?.as_ref());
+        let shown = of_sheet.map_or_else(Vec::new, |hidden| hidden.shown(shown, range));
+        let hidden =
+            of_sheet.map(|hidden| HiddenCount { rows: hidden.rows_in(range), columns: hidden.columns_in(range) });
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
@@ -129,23 +130,14 @@ impl Workbook {
         });
         SheetRecords { name, hidden, shown, records: Box::new(receiver.into_iter()) }
     }
-
-    fn hidden_of(&self, sheet: &str) -> Option<&Hidden> {
-        let index = self.sheets().iter().position(|name| name == sheet)?;
-        self.hidden.get(index)?.as_ref()
-    }
-
-    fn hidden_count(&self, sheet: &str, range: CellRange) -> Option<HiddenCount> {
-        let hidden = self.hidden_of(sheet)?;
-        Some(HiddenCount { rows: hidden.rows_in(range), columns: hidden.columns_in(range) })
-    }
 }
 
 fn named(file: &str, sheet: &str) -> String {
     format!("{file}, sheet `{sheet}`")
 }
 
-fn listed(sheets: &[String]) -> String {
+/// The names of sheets as a message lists them.
+pub(super) fn listed(sheets: &[String]) -> String {
     sheets.iter().map(|sheet| format!("`{sheet}`")).collect::<Vec<_>>().join(", ")
 }
 
