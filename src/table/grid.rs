@@ -158,27 +158,22 @@ fn aligned(text: &str, span: &Range<usize>) -> Vec<Cell> {
     cells
 }
 
+/// Cells between single blanks.
 fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     let mut cells = Vec::new();
-    let mut start = None;
+    let mut start = span.start;
     // a name and its value may be joined by a mark: pitch=12
     let breaks =
         |at: usize, c: char| matches!(c, '=' | ':' | '\u{ff1a}') && !text[..at].ends_with(|c: char| c.is_ascii_digit());
-    for (offset, c) in text[span.clone()].char_indices() {
-        let at = span.start + offset;
+    let characters = text[span.clone()].char_indices().map(|(offset, c)| (span.start + offset, c));
+    for (at, c) in characters.chain([(span.end, ' ')]) {
         // blanks other than the plain one and the tab stand inside numbers
-        let blank = matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(at, c);
-        match (blank, start) {
-            (false, None) => start = Some(at),
-            (true, Some(from)) => {
-                cells.push(trimmed(text, from..at));
-                start = None;
+        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(at, c) {
+            if start < at {
+                cells.push(trimmed(text, start..at));
             }
-            _ => {}
+            start = at + c.len_utf8();
         }
-    }
-    if let Some(from) = start {
-        cells.push(trimmed(text, from..span.end));
     }
     cells
 }

@@ -76,9 +76,8 @@ enum Holds {
 /// The rows of a table, ready to be read.
 pub(crate) struct Queue {
     source: Source,
-    /// Records so far; counted where parts have no name.
+    /// Records so far; of text, counted where parts have no name.
     records: u64,
-    counts_records: bool,
     /// Lines before the first row.
     pub(crate) lines: u64,
 }
@@ -96,29 +95,21 @@ impl Pieces {
 
     /// The reader of rows that workers share, and what they take.
     pub(crate) fn open(self, wanted: Wanted) -> (Option<Rows>, Queue) {
-        let queue = |source, rows: Option<&Rows>, lines| Queue {
-            source,
-            records: 0,
-            counts_records: rows.is_some_and(|rows| !rows.has_id()),
-            lines,
-        };
+        let queue = |source, lines| Queue { source, records: 0, lines };
         match self {
             Self::Stream { setup, chunks, lines } => {
-                let rows = Rows::new(setup, wanted);
-                let queue = queue(Source::Chunks(chunks), Some(&rows), lines);
-                (Some(rows), queue)
+                (Some(Rows::new(setup, wanted)), queue(Source::Chunks(chunks), lines))
             }
             Self::Later { setup, make } => {
                 let rows = Rows::new(setup, wanted);
                 let blocks = make(rows.clone());
-                (Some(rows), queue(Source::Blocks(blocks), None, 0))
+                (Some(rows), queue(Source::Blocks(blocks), 0))
             }
             Self::Parquet { setup, file } => {
-                let rows = Rows::new(setup, wanted);
                 let ranges = file.ranges().into_iter();
-                (Some(rows), queue(Source::Parquet(Arc::new(file), ranges), None, 0))
+                (Some(Rows::new(setup, wanted)), queue(Source::Parquet(Arc::new(file), ranges), 0))
             }
-            Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), None, 0)),
+            Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), 0)),
         }
     }
 }
@@ -144,7 +135,7 @@ impl Queue {
             Source::Chunks(chunks) => {
                 let Some(holds) = chunks.next(&mut piece.bytes)? else { return Ok(false) };
                 piece.holds = Holds::Bytes(holds);
-                if let (true, Some(rows)) = (self.counts_records, rows) {
+                if let Some(rows) = rows.filter(|rows| !rows.has_id()) {
                     self.records += records_in(&piece.bytes, holds, rows.separator());
                 }
                 Ok(true)

@@ -396,14 +396,8 @@ impl Rows {
             || (!has_numbers && (self.repeats_header(record) || is_units(record)))
     }
 
-    /// A record that is no row of values at all.
+    /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.
     fn refuse(&self, line: u64, raw: Span, block: &mut Block, text: &str, message: String) {
-        self.hold_place(line, raw, block);
-        block.fault(None, false, &shown(text), message);
-    }
-
-    /// A row without values, so that columns stay as long as each other.
-    fn hold_place(&self, line: u64, raw: Span, block: &mut Block) {
         start(line, raw, block);
         if self.setup.id.is_some() {
             block.names.push(Span::default());
@@ -415,6 +409,7 @@ impl Rows {
         if self.setup.index.is_some() {
             block.index.push(None);
         }
+        block.fault(None, false, &shown(text), message);
     }
 
     /// A piece of a record that is too long: one refused row, however many pieces.
