@@ -20,16 +20,20 @@ use super::split::{Field, next_record};
 use crate::deviation::DeviationValue;
 use crate::quantity::{Decimal, Length, shown};
 
+/// A column of which plain numbers say all.
+#[derive(Debug, Clone, Copy)]
+struct PlainColumn {
+    number: usize,
+    place: usize,
+    numbers: PlainNumbers,
+}
+
 /// What a field of a line of plain numbers is.
 #[derive(Debug, Clone, Copy)]
 enum PlainField {
     Skipped,
     Id,
-    /// A value of the column with that number.
-    Value {
-        column: usize,
-        plain: PlainNumbers,
-    },
+    Value(PlainColumn),
 }
 
 /// How a line of plain numbers is read.
@@ -45,6 +49,8 @@ struct PlainRow {
 pub(crate) struct Rows {
     setup: Setup,
     wanted: Wanted,
+    /// The columns that are needed; `None` where plain numbers do not say all of a row.
+    plain_columns: Option<Vec<PlainColumn>>,
     /// `None` where a line of plain numbers does not say all.
     plain: Option<PlainRow>,
 }
@@ -78,25 +84,31 @@ pub(crate) struct Wanted {
 }
 
 impl PlainRow {
-    /// `None` if a column has more to say than a plain number.
-    fn of(columns: &[Column], needed: &[bool], fields: usize, id: Option<usize>) -> Option<Self> {
-        let mark = columns.first().filter(|column| !column.mark_is_open).map_or(0, |column| column.mark.byte());
-        let mut row = Self { fields: vec![PlainField::Skipped; fields], mark };
-        for (number, column) in columns.iter().enumerate().filter(|(number, _)| needed[*number]) {
-            *row.fields.get_mut(column.place)? = PlainField::Value { column: number, plain: column.plain()? };
+    /// `None` if lines are not made of the fields of a header.
+    fn of(setup: &Setup, columns: &[PlainColumn]) -> Option<Self> {
+        let first = setup.columns.first().filter(|column| !column.mark_is_open);
+        let mark = first.map_or(0, |column| column.mark.byte());
+        let mut row = Self { fields: vec![PlainField::Skipped; setup.titles.len()], mark };
+        for column in columns {
+            *row.fields.get_mut(column.place)? = PlainField::Value(*column);
         }
-        if let Some(id) = id {
+        if let Some(id) = setup.id {
             *row.fields.get_mut(id)? = PlainField::Id;
         }
-        (fields > 0).then_some(row)
+        (setup.is_even && !row.fields.is_empty()).then_some(row)
     }
 }
 
 impl Rows {
     pub(crate) fn new(setup: Setup, wanted: Wanted) -> Self {
-        let is_whole = setup.is_even && setup.index.is_none() && wanted.copied.is_empty() && setup.watched.is_empty();
-        let plain = PlainRow::of(&setup.columns, &wanted.needed, setup.titles.len(), setup.id).filter(|_| is_whole);
-        Self { setup, wanted, plain }
+        let mut rows = Self { setup, wanted, plain_columns: None, plain: None };
+        let is_plain = rows.setup.index.is_none() && rows.wanted.copied.is_empty() && rows.setup.watched.is_empty();
+        let column = |(number, column): (usize, &Column)| {
+            Some(PlainColumn { number, place: column.place, numbers: column.plain()? })
+        };
+        rows.plain_columns = rows.needed().map(column).collect::<Option<_>>().filter(|_| is_plain);
+        rows.plain = rows.plain_columns.as_ref().and_then(|columns| PlainRow::of(&rows.setup, columns));
+        rows
     }
 
     /// The columns that are needed, and their numbers.
@@ -185,9 +197,9 @@ impl Rows {
         let (bytes, mut at) = (&text[..unread.end], unread.start);
         let last = row.fields.len() - 1;
         for (index, field) in row.fields.iter().enumerate() {
-            if let PlainField::Value { column, plain } = field {
+            if let PlainField::Value(column) = field {
                 let (number, end) = Decimal::plain(bytes, at, row.mark)?;
-                values[*column].push(plain.deviation(number)?);
+                values[column.number].push(column.numbers.deviation(number)?);
                 at = end;
             } else {
                 let start = at;

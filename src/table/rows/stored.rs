@@ -2,30 +2,15 @@
 
 use super::super::block::{Block, Span};
 use super::super::cell::{Cell, Record};
-use super::super::column::PlainNumbers;
 use super::super::stored::Stored;
-use super::{Rows, may_be_statistic, start};
+use super::{PlainColumn, Rows, may_be_statistic, start};
 use crate::deviation::DeviationValue;
 use crate::quantity::Length;
 
-/// A column whose plain numbers are all that a row says.
-struct PlainColumn {
-    number: usize,
-    place: usize,
-    plain: PlainNumbers,
-}
-
 impl Rows {
     /// The columns of plain numbers; `None` if rows have more to say.
-    fn plain_columns(&self) -> Option<Vec<PlainColumn>> {
-        let is_all = self.setup.index.is_none()
-            && self.setup.watched.is_empty()
-            && self.wanted.copied.is_empty()
-            && !self.wanted.keeps_raw;
-        let column = |(number, column): (usize, &super::Column)| {
-            Some(PlainColumn { number, place: column.place, plain: column.plain()? })
-        };
-        self.needed().map(column).collect::<Option<Vec<_>>>().filter(|_| is_all)
+    fn plain_columns(&self) -> Option<&Vec<PlainColumn>> {
+        self.plain_columns.as_ref().filter(|_| !self.wanted.keeps_raw)
     }
 
     /// The fields that are looked at, of so many.
@@ -101,7 +86,7 @@ fn deviations(column: &PlainColumn, fields: &[Option<Stored<'_>>], is_odd: &mut 
     let mut values = Vec::with_capacity(is_odd.len());
     if let Some(stored) = &fields[column.place] {
         stored.numbers(|row, number| {
-            let deviation = number.and_then(|number| column.plain.deviation(number));
+            let deviation = number.and_then(|number| column.numbers.deviation(number));
             is_odd[row] |= deviation.is_none();
             values.push(deviation.unwrap_or(DeviationValue::Length(Length::ZERO)));
         });
