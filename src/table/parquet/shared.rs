@@ -9,16 +9,11 @@ use ::bytes::Bytes;
 use ::parquet::errors::Result;
 use ::parquet::file::reader::{ChunkReader, Length};
 
-/// A file that several workers read at once.
+/// A file that several workers read at once, each from a place of its own on.
 #[derive(Clone)]
 pub(crate) struct SharedFile {
     file: Arc<Mutex<File>>,
     length: u64,
-}
-
-/// The file from a place on.
-pub(crate) struct FileFrom {
-    file: Arc<Mutex<File>>,
     at: u64,
 }
 
@@ -30,7 +25,7 @@ impl SharedFile {
     /// If the file does not say how long it is.
     pub(crate) fn new(file: File) -> io::Result<Self> {
         let length = file.metadata()?.len();
-        Ok(Self { file: Arc::new(Mutex::new(file)), length })
+        Ok(Self { file: Arc::new(Mutex::new(file)), length, at: 0 })
     }
 }
 
@@ -41,20 +36,20 @@ impl Length for SharedFile {
 }
 
 impl ChunkReader for SharedFile {
-    type T = BufReader<FileFrom>;
+    type T = BufReader<Self>;
 
     fn get_read(&self, start: u64) -> Result<Self::T> {
-        Ok(BufReader::with_capacity(HEAD, FileFrom { file: Arc::clone(&self.file), at: start }))
+        Ok(BufReader::with_capacity(HEAD, Self { at: start, ..self.clone() }))
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
         let mut bytes = vec![0; length];
-        FileFrom { file: Arc::clone(&self.file), at: start }.read_exact(&mut bytes)?;
+        Self { at: start, ..self.clone() }.read_exact(&mut bytes)?;
         Ok(bytes.into())
     }
 }
 
-impl Read for FileFrom {
+impl Read for SharedFile {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         file.seek(SeekFrom::Start(self.at))?;

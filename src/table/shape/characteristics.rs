@@ -71,18 +71,16 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
             Vec::new()
         } else {
             let is_part = |place: &usize| {
-                let is_counter = || {
-                    let text = record.cells[*place].text();
-                    is_part_name(&text) && !has_digit(&text)
-                };
+                let title = record.cells[*place].text();
+                let is_counter = || is_part_name(&title) && !has_digit(&title);
+                let has_numbers = |row: &usize| records[*row].cells.get(*place).is_some_and(Cell::is_number);
                 *place != name
                     && roles[*place].is_none()
                     && !is_counter()
-                    && !is_statistic(&record.cells[*place].text())
-                    && (has_digit(&record.cells[*place].text()) || !is_context(&record.cells[*place].text()))
+                    && !is_statistic(&title)
+                    && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
-                    && (names_one_part(&record.cells[*place].text())
-                        || rows.iter().any(|row| records[*row].cells.get(*place).is_some_and(Cell::is_number)))
+                    && (names_one_part(&title) || rows.iter().any(has_numbers))
             };
             (0..roles.len()).filter(is_part).collect()
         };

@@ -40,19 +40,18 @@ impl NoShape {
     /// What is wrong, where, and what to do.
     pub(crate) fn explain(self, source: &Arc<Source>, want: &Want) -> Diagnostic {
         let problem = self.problem(&source.name, want);
-        match self {
+        let span = match self {
             // the message names the file
-            Self::NoNumbers | Self::OpenQuote { .. } | Self::NoRows { .. } => problem,
-            Self::TwoMeanings { heading, .. } | Self::Twice { heading, .. } | Self::NoPart { heading } => {
-                located(problem, source, heading.span, "")
-            }
-            Self::TwoColumns { second, .. } => located(problem, source, second.span, ""),
-            Self::Ragged { record, .. } | Self::Units { record } | Self::HasNames { record } => {
-                located(problem, source, record.span(), "")
-            }
-            Self::Count { span, .. } => located(problem, source, span, ""),
-            Self::Square => located(problem, source, 0..0, ""),
-        }
+            Self::NoNumbers | Self::OpenQuote { .. } | Self::NoRows { .. } => return problem,
+            Self::TwoMeanings { heading, .. }
+            | Self::Twice { heading, .. }
+            | Self::NoPart { heading }
+            | Self::TwoColumns { second: heading, .. } => heading.span,
+            Self::Ragged { record, .. } | Self::Units { record } | Self::HasNames { record } => record.span(),
+            Self::Count { span, .. } => span,
+            Self::Square => 0..0,
+        };
+        located(problem, source, span, "")
     }
 
     /// What is wrong, and what to do.

@@ -121,20 +121,12 @@ fn grouped(record: &Record, wanted: usize, want: &Want) -> Option<Vec<Cell>> {
     (cells.len() == wanted).then_some(cells)
 }
 
-/// What stands around a header.
-struct Below {
-    /// The row of units, below the header or right above it.
-    units: Option<usize>,
-    /// Where the rows begin.
-    first: usize,
-}
-
-fn below(records: &[Record], header: &Header) -> Below {
+/// The row of units, below a header or right above it.
+fn units_of(records: &[Record], header: &Header) -> Option<usize> {
     let below = header.record + header.rows;
     let next = records[below..].iter().position(|record| !record.says_nothing()).map(|offset| below + offset);
-    let units = next.filter(|index| is_unit_row(&records[*index]));
-    let above = || header.record.checked_sub(1).filter(|above| is_unit_row(&records[*above]));
-    Below { first: units.map_or(below, |units| units + 1), units: units.or_else(above) }
+    let is_units = |index: &usize| is_unit_row(&records[*index]);
+    next.filter(is_units).or_else(|| header.record.checked_sub(1).filter(is_units))
 }
 
 pub(super) fn by_header(
@@ -148,7 +140,9 @@ pub(super) fn by_header(
     let mut shape = Shape::new(Orientation::Rows);
     shape.header_line = Some(records[header.record].line);
     shape.header.clone_from(&header.cells);
-    let Below { units, first } = below(records, header);
+    let units = units_of(records, header);
+    let below = header.record + header.rows;
+    let first = units.filter(|units| *units >= below).map_or(below, |units| units + 1);
     let before = &records[..header.record];
     shape.asides = before.iter().filter(|record| !record.says_nothing() && !is_unit_row(record)).map(aside).collect();
     let end = first + end_of_rows(&records[first..], width, separator);
