@@ -28,20 +28,21 @@ pub(crate) struct Chunker {
     /// Read, but not handed on: all of it from `at` on.
     pending: Vec<u8>,
     ended: bool,
-    /// Within a record that is too long: whether within quotes, and whether a quote was the last byte.
+    /// Within a record that is too long, where.
     overlong: Option<Overlong>,
     bytes_read: u64,
     separator: u8,
 }
 
-/// Where a record that is too long has got to.
-#[derive(Debug, Clone, Copy, Default)]
-#[expect(clippy::struct_excessive_bools, reason = "each is what the last byte was")]
-struct Overlong {
-    quoted: bool,
-    after_quote: bool,
-    field_start: bool,
-    after_return: bool,
+/// Where in a record that is too long its bytes have got to.
+#[derive(Debug, Clone, Copy)]
+enum Overlong {
+    FieldStart,
+    Quoted,
+    /// Behind a quote that closes a field, or is the first of two that stand for one.
+    AfterQuote,
+    Unquoted,
+    AfterReturn,
 }
 
 impl Chunker {
@@ -100,8 +101,8 @@ impl Chunker {
 
     /// The next chunk into `chunk`; `None` at the end.
     pub(crate) fn next(&mut self, chunk: &mut Vec<u8>) -> io::Result<Option<ChunkContent>> {
-        if self.overlong.is_some() {
-            return self.piece(chunk, false).map(Some);
+        if let Some(state) = self.overlong {
+            return self.piece(chunk, state, false).map(Some);
         }
         let mut size = CHUNK;
         loop {
@@ -119,8 +120,7 @@ impl Chunker {
                 return Ok(Some(ChunkContent::Records { plain }));
             }
             if size >= LONGEST_RECORD {
-                self.overlong = Some(Overlong { field_start: true, ..Overlong::default() });
-                return self.piece(chunk, true).map(Some);
+                return self.piece(chunk, Overlong::FieldStart, true).map(Some);
             }
             size = (2 * size).min(LONGEST_RECORD);
         }
@@ -153,30 +153,25 @@ impl Chunker {
     }
 
     /// The next piece of a record that is too long.
-    fn piece(&mut self, chunk: &mut Vec<u8>, first: bool) -> io::Result<ChunkContent> {
+    fn piece(&mut self, chunk: &mut Vec<u8>, mut state: Overlong, first: bool) -> io::Result<ChunkContent> {
         self.fill(CHUNK)?;
-        let mut state = self.overlong.take().unwrap_or_default();
         let mut end = None;
         for (at, &byte) in self.pending.iter().enumerate() {
-            if state.after_return {
-                end = Some(if byte == b'\n' { at + 1 } else { at });
-                break;
-            }
-            if state.quoted {
-                if byte == b'"' {
-                    (state.quoted, state.after_quote) = (false, true);
+            state = match (state, byte) {
+                (Overlong::AfterReturn, _) => {
+                    end = Some(if byte == b'\n' { at + 1 } else { at });
+                    break;
                 }
-            } else if byte == b'"' && (state.field_start || state.after_quote) {
-                (state.quoted, state.after_quote) = (true, false);
-            } else if byte == b'\n' {
-                end = Some(at + 1);
-                break;
-            } else if byte == b'\r' {
-                state.after_return = true;
-            } else {
-                state.after_quote = false;
-            }
-            state.field_start = !state.quoted && byte == self.separator;
+                (Overlong::Quoted, b'"') => Overlong::AfterQuote,
+                (Overlong::FieldStart | Overlong::AfterQuote, b'"') | (Overlong::Quoted, _) => Overlong::Quoted,
+                (_, b'\n') => {
+                    end = Some(at + 1);
+                    break;
+                }
+                (_, b'\r') => Overlong::AfterReturn,
+                _ if byte == self.separator => Overlong::FieldStart,
+                _ => Overlong::Unquoted,
+            };
         }
         let last = end.is_some() || self.ended;
         let length = end.unwrap_or(self.pending.len());

@@ -374,7 +374,6 @@ fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
     let refused = |code: Code, what: &str, help: &str| {
         Err(Diagnostic::error(code, format!("{name}: `{title}` {what}")).help(help.to_owned()))
     };
-    let is_place = column.field == Field::Position;
     match column.field {
         Field::Error(DeviationKind::PinionPitch) => refused(
             Code::AmbiguousBlock,
@@ -389,7 +388,7 @@ fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
         Field::Error(DeviationKind::PinionLead) => {
             refused(Code::BadTable, "is the lead of a whole pinion", "name that of a tooth lead_deviation")
         }
-        _ if is_place && column.nominal != Nominal::None => refused(
+        Field::Position if column.nominal != Nominal::None => refused(
             Code::BadTable,
             "has nominal positions beside it, and space j stands nominally at (j + 1/2) p_x",
             "give position_deviation, or leave the nominal positions out with --ignore",

@@ -414,38 +414,32 @@ impl Understood {
 
     /// Reads every value: only asked where there is more than one reading to choose from.
     fn examine(&mut self) {
-        (self.values, self.doubt, self.ruled_out) = (Vec::new(), None, None);
-        let (shape, columns) = (Arc::clone(&self.shape), std::mem::take(&mut self.columns));
-        for (measurement, column) in shape.measurements.iter().zip(&columns) {
-            self.take(measurement, column);
-        }
-        self.columns = columns;
-    }
-
-    /// Takes what the cells of a column mean.
-    fn take(&mut self, measurement: &Measurement, column: &Column) {
-        let key = measurement.field.key();
-        let (mut is_possible, mut impossible) = (false, None);
-        for (row, cell) in measurement.value.cells.iter().enumerate() {
-            let is_open = || cell.marks() == Marks::Differ;
-            let value = match column.read(cell, measurement.beside_row(row)) {
-                Ok(None) => continue,
-                Ok(Some(value)) => in_words(value),
-                // how large a deviation may be settles nothing
-                Err(Problem::TooLarge(_)) => "too large".to_owned(),
-                Err(Problem::Bad(what) | Problem::Far(what) | Problem::OtherMark(what)) => {
-                    if impossible.is_none() && is_open() {
-                        impossible = Some(what.clone());
+        let Self { shape, columns, values, doubt, ruled_out, .. } = self;
+        (*values, *doubt, *ruled_out) = (Vec::new(), None, None);
+        for (measurement, column) in shape.measurements.iter().zip(columns) {
+            let key = measurement.field.key();
+            let (mut is_possible, mut impossible) = (false, None);
+            for (row, cell) in measurement.value.cells.iter().enumerate() {
+                let is_open = || cell.marks() == Marks::Differ;
+                let value = match column.read(cell, measurement.beside_row(row)) {
+                    Ok(None) => continue,
+                    Ok(Some(value)) => in_words(value),
+                    // how large a deviation may be settles nothing
+                    Err(Problem::TooLarge(_)) => "too large".to_owned(),
+                    Err(Problem::Bad(what) | Problem::Far(what) | Problem::OtherMark(what)) => {
+                        if impossible.is_none() && is_open() {
+                            impossible = Some(what.clone());
+                        }
+                        doubt.get_or_insert(what);
+                        continue;
                     }
-                    self.doubt.get_or_insert(what);
-                    continue;
-                }
-            };
-            is_possible = is_possible || is_open();
-            self.values.push(format!("{key} {value}"));
-        }
-        if !is_possible {
-            self.ruled_out = self.ruled_out.take().or(impossible);
+                };
+                is_possible = is_possible || is_open();
+                values.push(format!("{key} {value}"));
+            }
+            if !is_possible {
+                *ruled_out = ruled_out.take().or(impossible);
+            }
         }
     }
 }

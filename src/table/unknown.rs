@@ -61,10 +61,8 @@ impl Unknown {
         let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
         // the evaluation length of a lead that was not measured says nothing
         let is_other = is_gear_size(title) || is_evaluation_length(title) || unit.is_some_and(is_foreign_unit);
-        if values.is_empty() || is_other {
-            return false;
-        }
-        if values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
+        // without values, nothing was measured
+        if is_other || values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
             return false;
         }
         let is_in_unit = unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| unit_of(text));

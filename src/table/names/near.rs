@@ -57,15 +57,18 @@ const fn is_silent(sense: Sense) -> bool {
     !matches!(sense, Sense::Name(_) | Sense::Error(_) | Sense::Alone(_) | Sense::Near(_) | Sense::Context | Sense::Gear)
 }
 
-/// What the words of a name can mean that are known; not the words that count only by themselves.
-fn names(known: &[&'static Entry]) -> Vec<Field> {
+/// What the words of a name can mean that are known; some mean it only if nothing else stands beside them, so that they are
+/// the `whole` name.
+fn names(known: &[&'static Entry], whole: bool) -> Vec<Field> {
     let mut fields = Vec::new();
     for sense in known.iter().flat_map(|word| &word.senses) {
-        if let Sense::Name(named) | Sense::Error(named) | Sense::Near(named) = sense {
-            add(&mut fields, named);
+        match sense {
+            Sense::Name(named) | Sense::Error(named) | Sense::Near(named) => add(&mut fields, named),
+            Sense::Alone(named) if whole => add(&mut fields, named),
+            _ => {}
         }
     }
-    fields.retain(|field| !only_whole(*field));
+    fields.retain(|field| *field != Field::PartId && (whole || !only_whole(*field)));
     fields
 }
 
@@ -87,7 +90,7 @@ fn add(fields: &mut Vec<Field>, more: &[Field]) {
 
 /// The fields whose names stand in a heading.
 fn named(words: &Words) -> Vec<Field> {
-    let fields = words.known().map_or_else(|| named_among_others(words), |known| names(&known));
+    let fields = words.known().map_or_else(|| named_among_others(words), |known| names(&known, false));
     if fields.is_empty() { named_alone(words) } else { fields }
 }
 
@@ -96,7 +99,7 @@ fn named_alone(words: &Words) -> Vec<Field> {
     let known = words.known().unwrap_or_default();
     let mut speaking = known.iter().filter(|word| word.senses.iter().any(|sense| !is_silent(*sense)));
     match (speaking.next(), speaking.next()) {
-        (Some(word), None) => meant(word, true),
+        (Some(word), None) => names(&[*word], true),
         _ => Vec::new(),
     }
 }
@@ -108,7 +111,7 @@ fn named_among_others(words: &Words) -> Vec<Field> {
     for length in (1..=LONGEST_PHRASE.min(words.tokens.len())).rev() {
         for phrase in words.tokens.windows(length) {
             let known = Words::of_tokens(phrase.to_vec()).known().filter(|known| known.len() == 1 || length == 1);
-            add(&mut fields, &known.map_or_else(Vec::new, |known| names(&known)));
+            add(&mut fields, &known.map_or_else(Vec::new, |known| names(&known, false)));
         }
     }
     let unknown = |token: &&String| Words::of_tokens(vec![(*token).clone()]).known().is_none();
@@ -118,7 +121,7 @@ fn named_among_others(words: &Words) -> Vec<Field> {
             && unknown.iter().any(|token| token.contains(&entry.letters))
     };
     let within: Vec<&'static Entry> = VOCABULARY.all().filter(within).collect();
-    add(&mut fields, &names(&within));
+    add(&mut fields, &names(&within, false));
     fields
 }
 
@@ -137,7 +140,7 @@ fn misspelt(words: &Words) -> Vec<Field> {
         for phrase in unknown.windows(length) {
             let phrase = phrase.concat();
             for (distance, entry) in VOCABULARY.all().filter_map(|entry| Some((distance(&phrase, entry)?, entry))) {
-                let found = meant(entry, whole);
+                let found = names(&[entry], whole);
                 if found.is_empty() || distance > nearest {
                     continue;
                 }
@@ -149,20 +152,6 @@ fn misspelt(words: &Words) -> Vec<Field> {
             }
         }
     }
-    fields
-}
-
-/// What a word means; some mean it only if nothing else stands beside them, so that it is the `whole` name.
-fn meant(entry: &'static Entry, whole: bool) -> Vec<Field> {
-    let mut fields = Vec::new();
-    for sense in &entry.senses {
-        match sense {
-            Sense::Name(named) | Sense::Error(named) | Sense::Near(named) => add(&mut fields, named),
-            Sense::Alone(named) if whole => add(&mut fields, named),
-            _ => {}
-        }
-    }
-    fields.retain(|field| *field != Field::PartId && (whole || !only_whole(*field)));
     fields
 }
 

@@ -32,10 +32,8 @@ pub(crate) fn role(text: &str) -> Option<Role> {
         (true, true) => return None,
         (true, false) => return Some(Role::Upper),
         (false, true) => return Some(Role::Lower),
+        (false, false) if tolerance => return Some(Role::Upper),
         (false, false) => {}
-    }
-    if tolerance {
-        return Some(Role::Upper);
     }
     // Soll-Ist: the difference, and which sign it has is not said
     if has(Sense::Nominal) && has(Sense::Measured) {

@@ -222,26 +222,22 @@ impl Series {
         let mut of_all: Option<String> = None;
         for cell in cells {
             let text = cell.text();
-            let is_unit = |text: &str| is_unit_of(text, is_angle);
+            let is_unit = is_unit_of(&text, is_angle);
+            let behind = if is_unit { bare_unit(&text) } else { &text };
             match self.cells.last_mut() {
                 // 12,5 | µm
-                Some(_) if is_unit(&text) && of_all.as_ref().is_some_and(|unit| unit != bare_unit(&text)) => {
-                    return false;
-                }
-                Some(last) if is_unit(&text) => {
-                    let united = format!("{} {}", last.text(), bare_unit(&text));
-                    *last = Cell::of_text(&united, last.span.start..cell.span.end);
-                }
-                None if is_unit(&text) && self.unit.is_none() => {
-                    of_all = Some(bare_unit(&text).to_owned());
+                Some(_) if is_unit && of_all.as_ref().is_some_and(|unit| unit != behind) => return false,
+                None if is_unit && self.unit.is_none() => {
+                    of_all = Some(behind.to_owned());
                     self.unit.clone_from(&of_all);
                 }
                 // what stands behind a number and is none belongs to it: nobody else says what it is; 0° 1' 15" is one angle
                 Some(last)
-                    if !cell.is_number() && !cell.is_missing() && last.is_number()
+                    if is_unit
+                        || !cell.is_number() && !cell.is_missing() && last.is_number()
                         || goes_on_with_angle(&last.text(), &text) =>
                 {
-                    let whole = format!("{} {text}", last.text());
+                    let whole = format!("{} {behind}", last.text());
                     *last = Cell::of_text(&whole, last.span.start..cell.span.end);
                 }
                 _ => self.cells.push(cell.clone()),
