@@ -41,11 +41,6 @@ impl DecimalMark {
         }
     }
 
-    /// The character.
-    pub(crate) const fn character(self) -> char {
-        self.byte() as char
-    }
-
     /// The character, as the byte that it is in every code of text.
     pub(crate) const fn byte(self) -> u8 {
         match self {
@@ -128,7 +123,7 @@ pub(crate) fn normalise(cell: &str, mark: DecimalMark) -> Option<String> {
 
 /// The number at the start of `text` with a decimal point, and how many bytes it takes.
 fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
-    let decimal = mark.character();
+    let decimal = char::from(mark.byte());
     let mut groups: Vec<&str> = Vec::new();
     let mut group_mark = None;
     let mut at = 0;

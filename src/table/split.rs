@@ -41,8 +41,6 @@ impl Field {
 pub(crate) struct Record {
     /// The first byte of the first field.
     pub(crate) start: usize,
-    /// The byte behind the last field.
-    pub(crate) end: usize,
     /// The byte behind the line end.
     pub(crate) next: usize,
     /// Line ends before the record's first byte.
@@ -105,7 +103,7 @@ pub(crate) fn next_record(
         let closed = length.is_some() && !(length == Some(1) && bytes[at] == b'\r' && at + 1 == bytes.len());
         let next = at + length.unwrap_or(0);
         let lines = lines_before + inner_lines + u64::from(length.is_some());
-        return Some(Record { start, end: at, next, lines_before, lines, open, closed });
+        return Some(Record { start, next, lines_before, lines, open, closed });
     }
 }
 

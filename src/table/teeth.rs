@@ -144,8 +144,6 @@ pub(crate) struct ToothedPart {
     pub(crate) raw: Vec<u8>,
     /// What is wrong with a row, and on which line.
     pub(crate) fault: Option<LineFault>,
-    /// Whether its rows stand apart in the table.
-    pub(crate) is_scattered: bool,
     /// The numbers of its spaces or teeth so far.
     numbers: BTreeSet<i64>,
 }
@@ -182,7 +180,6 @@ pub(crate) struct Gatherer {
     is_numbered: bool,
     parts: Vec<ToothedPart>,
     known: HashMap<String, usize>,
-    last: Option<usize>,
     records: u64,
 }
 
@@ -200,7 +197,6 @@ impl Gatherer {
             is_numbered: table.index_field.is_some(),
             parts: Vec::new(),
             known: HashMap::new(),
-            last: None,
             records: 0,
         })
     }
@@ -236,7 +232,7 @@ impl Gatherer {
     }
 
     fn part(&mut self, name: &str, line: u64, record: u64) -> usize {
-        let number = self.known.get(name).copied().unwrap_or_else(|| {
+        self.known.get(name).copied().unwrap_or_else(|| {
             let teeth = if self.is_rack {
                 Teeth::Rack(RackSpaces { name: self.name.to_string(), rows: Vec::new() })
             } else {
@@ -251,16 +247,10 @@ impl Gatherer {
                 teeth,
                 raw: Vec::new(),
                 fault: None,
-                is_scattered: false,
                 numbers: BTreeSet::new(),
             });
             self.parts.len() - 1
-        });
-        if self.last.is_some_and(|last| last != number) && self.parts[number].line != line {
-            self.parts[number].is_scattered = true;
-        }
-        self.last = Some(number);
-        number
+        })
     }
 
     fn refuse(&mut self, part: usize, line: u64, fault: &Fault) {

@@ -190,7 +190,7 @@ fn of_part(fields: Vec<Field>, words: &Words) -> Vec<Field> {
     let says = |part: Sense| {
         let is_part = |entry: &&Entry| entry.senses.contains(&part);
         let said = |entry: &Entry| {
-            let within = entry.is_japanese() && words.letters().contains(&entry.letters);
+            let within = entry.is_japanese() && words.letters.contains(&entry.letters);
             let token = |token: &String| {
                 token.starts_with(&entry.letters) || (token.len() > 4 && distance(token, entry).is_some())
             };

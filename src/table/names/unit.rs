@@ -82,14 +82,11 @@ fn behind(text: &str) -> Option<(String, Option<String>)> {
         let stem = stem.trim_end().trim_end_matches([',', '/', ';', ':', '-']).trim_end();
         // no name ends in a sign: ° and ㎛ are no letters
         let is_word = unit.chars().all(char::is_alphabetic);
-        let clear = if said { !slash || !is_word || !is_name(text) } else { is_clear(unit, mark) };
+        // `P/N` and `S/N` are names
+        let is_name = || Words::of(text).known().is_some();
+        let clear = if said { !slash || !is_word || !is_name() } else { is_clear(unit, mark) };
         (clear && is_known(unit)).then(|| (stem.to_owned(), Some(unit.to_owned())))
     })
-}
-
-/// `P/N` and `S/N` are names.
-fn is_name(text: &str) -> bool {
-    Words::of(text).known().is_some()
 }
 
 /// Whether it is a unit although nothing around it says so: `in` may be the word, `min` the least, `m` a name.

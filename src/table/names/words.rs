@@ -16,7 +16,7 @@ const LINKS: [&str; 4] = ["s", "n", "es", "en"];
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Words {
     pub(super) tokens: Vec<String>,
-    letters: String,
+    pub(super) letters: String,
     /// Where in the letters a token starts or ends.
     edges: Vec<usize>,
 }
@@ -37,10 +37,6 @@ impl Words {
             edges.push(letters.len());
         }
         Self { tokens, letters, edges }
-    }
-
-    pub(super) fn letters(&self) -> &str {
-        &self.letters
     }
 
     /// The fewest known words that make up all of the letters; `None` if some letters belong to no known word.
@@ -76,7 +72,8 @@ impl Words {
             if !rest.starts_with(&word.letters) {
                 continue;
             }
-            if self.may_stand(word, start, next) {
+            // short words stand by themselves only; longer ones also within a compound
+            if word.letters.len() > 2 || (self.is_edge(start) && self.is_edge(next)) {
                 consider(word, next);
             }
             let takes_link = word.takes_link() && !self.is_edge(next);
@@ -89,12 +86,6 @@ impl Words {
             consider(&NUMBER, start + digits);
         }
         best
-    }
-
-    /// Short words stand by themselves only; longer ones also within a compound.
-    fn may_stand(&self, word: &Entry, start: usize, next: usize) -> bool {
-        let within = word.letters.len() > 2;
-        within || (self.is_edge(start) && self.is_edge(next))
     }
 
     fn is_edge(&self, at: usize) -> bool {

@@ -82,7 +82,7 @@ impl QdasTable {
     pub(crate) fn mark(&self) -> Result<Option<DecimalMark>, String> {
         let mut known: Option<DecimalMark> = None;
         for text in self.rows.iter().flat_map(|(part, sample)| self.values(*part, *sample)).flatten() {
-            for mark in DecimalMark::ALL.into_iter().filter(|mark| text.contains(mark.character())) {
+            for mark in DecimalMark::ALL.into_iter().filter(|mark| text.contains(char::from(mark.byte()))) {
                 if *known.get_or_insert(mark) != mark {
                     return Err(text.to_owned());
                 }

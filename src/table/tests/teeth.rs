@@ -115,11 +115,10 @@ fn the_rows_of_a_part_may_stand_anywhere() {
         .map(|part| {
             let Teeth::Rack(rack) = &part.teeth else { panic!("racks") };
             let spaces: Vec<_> = rack.rows.iter().map(|row| (row.space, row.line)).collect();
-            (part.name.as_str(), part.line, part.is_scattered, spaces)
+            (part.name.as_str(), part.line, spaces)
         })
         .collect();
-    let expected =
-        [("A", 2, true, vec![(0, 2), (1, 4)]), ("B", 3, true, vec![(0, 3), (1, 5)]), ("C", 6, false, vec![(7, 6)])];
+    let expected = [("A", 2, vec![(0, 2), (1, 4)]), ("B", 3, vec![(0, 3), (1, 5)]), ("C", 6, vec![(7, 6)])];
     assert_eq!(shown, expected);
     assert!(parts.iter().all(|part| part.fault.is_none()));
 }
