@@ -12,7 +12,7 @@ mod vocabulary;
 mod words;
 
 pub(crate) use near::{is_context, is_gear_size, near};
-pub(crate) use role::{is_evaluation_length, is_statistic, role};
+pub(crate) use role::{has_stated_unit, is_evaluation_length, is_statistic, role, stands_before_unit};
 pub(crate) use unit::split_unit;
 
 use crate::deviation::{DeviationKind, Part};

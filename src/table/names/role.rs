@@ -67,6 +67,16 @@ pub(crate) fn is_statistic(name: &str) -> bool {
     VOCABULARY.statistics.contains(&plain.as_str())
 }
 
+/// Whether a unit that is stated for a whole table may be that of this word, in lower case: `Maße`, `values`.
+pub(crate) fn has_stated_unit(word: &str) -> bool {
+    VOCABULARY.unit_subjects.contains(&word)
+}
+
+/// Whether a word, in lower case, may stand between that and the unit: `are`, `in`.
+pub(crate) fn stands_before_unit(word: &str) -> bool {
+    VOCABULARY.before_units.contains(&word)
+}
+
 /// Whether a heading is the length over which f_Hβ is evaluated. Asked where a column names no error.
 pub(crate) fn is_evaluation_length(text: &str) -> bool {
     VOCABULARY.evaluation_lengths.contains(&joined(&split_unit(text).0))

@@ -157,6 +157,9 @@ pub(super) struct Vocabulary {
     words: HashMap<char, Vec<Entry>>,
     /// What rows and columns beside the parts are called that are made of them.
     pub(super) statistics: Vec<&'static str>,
+    /// What a line speaks of that states a unit for a whole table, and what may stand between that and the unit.
+    pub(super) unit_subjects: Vec<&'static str>,
+    pub(super) before_units: Vec<&'static str>,
     /// What the length over which f_Hβ is evaluated is called, as names are compared.
     pub(super) evaluation_lengths: Vec<String>,
 }
@@ -169,6 +172,8 @@ impl Vocabulary {
             let words = words.split(", ");
             match (meaning, Sense::of_row(meaning)) {
                 ("statistic", _) => vocabulary.statistics.extend(words),
+                ("unit subject", _) => vocabulary.unit_subjects.extend(words),
+                ("before unit", _) => vocabulary.before_units.extend(words),
                 ("evaluation length", _) => vocabulary.evaluation_lengths.extend(words.map(joined)),
                 (_, Some(sense)) => words.for_each(|word| vocabulary.add(word, sense)),
                 (_, None) => debug_assert!(false, "no meaning: {row}"),

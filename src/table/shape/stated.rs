@@ -2,7 +2,7 @@
 
 use super::{Shape, has_digit};
 use crate::quantity::Unit;
-use crate::table::names::{Role, role};
+use crate::table::names::{Role, has_stated_unit, role, stands_before_unit};
 use crate::table::want::Want;
 
 /// A unit in a line beside a table.
@@ -13,66 +13,17 @@ pub(crate) struct StatedUnit {
     is_clear: bool,
 }
 
-/// What a line speaks of that states a unit for a whole table, in lower case.
-const SUBJECTS: [&str; 24] = [
-    "angaben",
-    "angabe",
-    "maße",
-    "masse",
-    "längenmaße",
-    "werte",
-    "messwerte",
-    "istwerte",
-    "abweichungen",
-    "ergebnisse",
-    "dimensions",
-    "lengths",
-    "values",
-    "measurements",
-    "deviations",
-    "results",
-    "cotes",
-    "mesures",
-    "valeurs",
-    "longueurs",
-    "寸法",
-    "測定値",
-    "数値",
-    "長さ",
-];
-/// What may stand between that and the unit.
-const BETWEEN: [&str; 18] = [
-    "in",
-    "is",
-    "are",
-    "given",
-    "of",
-    "measure",
-    "measurement",
-    "all",
-    "sind",
-    "ist",
-    "angegeben",
-    "en",
-    "dans",
-    "sont",
-    "length",
-    "lengths",
-    "länge",
-    "längen",
-];
-
 /// The units that a line beside a table states for it: behind a word for units or values, or by themselves in a line
 /// without numbers.
 pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     let words = text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°'));
     let words: Vec<String> = words.filter(|word| !word.is_empty()).map(str::to_lowercase).collect();
     let is_unit = |word: &String| Unit::from_symbol(word).is_some();
-    let is_between = |word: &String| BETWEEN.contains(&word.as_str());
+    let is_between = |word: &String| stands_before_unit(word);
     let unit_of = |at: usize| {
         let unit = Unit::from_symbol(&words[at])?;
         let mut before = words[..at].iter().rev().skip_while(|word| is_between(word) || is_unit(word));
-        let is_subject = |word: &String| role(word) == Some(Role::Unit) || SUBJECTS.contains(&word.as_str());
+        let is_subject = |word: &String| role(word) == Some(Role::Unit) || has_stated_unit(word);
         let is_clear = before.next().is_some_and(is_subject);
         let is_word = words[at].chars().count() > 1 && !matches!(words[at].as_str(), "in" | "min");
         // in mm: no inches
