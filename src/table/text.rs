@@ -63,10 +63,8 @@ impl Text {
     pub(crate) fn is_qdas(&mut self) -> Result<bool, Diagnostic> {
         let (start, _) = self.start(START)?;
         let line = start.split(|byte| matches!(byte, b'\n' | b'\r')).find(|line| !line.trim_ascii().is_empty());
-        Ok(line.is_some_and(|line| {
-            let key = |digits: &[u8]| digits.len() == 4 && digits.iter().all(u8::is_ascii_digit);
-            matches!(line, [b'K' | b'k', rest @ ..] if rest.get(..4).is_some_and(key) && matches!(rest.get(4), Some(b' ' | b'/' | b'\t')))
-        }))
+        Ok(matches!(line, Some([b'K' | b'k', a, b, c, d, b' ' | b'/' | b'\t', ..])
+            if [a, b, c, d].into_iter().all(u8::is_ascii_digit)))
     }
 
     /// All of it, for files that are read as a whole.
@@ -81,31 +79,25 @@ impl Text {
     pub(crate) fn table(mut self, want: &Want) -> Result<Table, Diagnostics> {
         let mut want = want.clone();
         want.separator = want.separator.or(self.stated);
-        let (start, is_all) = self.start(START)?;
-        let source = self.source(&start, is_all);
-        let understood = understand(&source, &want);
-        if is_all {
-            return Ok(self.whole_table(&source, understood?, &want));
-        }
-        match understood {
-            Ok(understood) if can_stream(&understood) => self.streamed(&source, understood, &want),
-            problem => {
-                let (whole, is_all) = self.start(LARGEST_WHOLE)?;
-                if !is_all {
-                    return Err(problem.err().unwrap_or_else(|| {
-                        let message = format!(
-                            "{} is larger than {} MiB, and its parts are not in rows",
-                            self.name,
-                            LARGEST_WHOLE >> 20
-                        );
-                        Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into()
-                    }));
-                }
-                let source = self.source(&whole, true);
-                let understood = understand(&source, &want)?;
-                Ok(self.whole_table(&source, understood, &want))
+        let (mut bytes, mut is_all) = self.start(START)?;
+        if !is_all {
+            let source = self.source(&bytes, false);
+            let problem = match understand(&source, &want) {
+                Ok(understood) if can_stream(&understood) => return self.streamed(&source, understood, &want),
+                understood => understood.err(),
+            };
+            (bytes, is_all) = self.start(LARGEST_WHOLE)?;
+            if !is_all {
+                return Err(problem.unwrap_or_else(|| {
+                    let most = LARGEST_WHOLE >> 20;
+                    let message = format!("{} is larger than {most} MiB, and its parts are not in rows", self.name);
+                    Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into()
+                }));
             }
         }
+        let source = self.source(&bytes, true);
+        let understood = understand(&source, &want)?;
+        Ok(self.whole_table(&source, understood, &want))
     }
 
     /// The text as messages point into it: whole lines, line ends of one kind where it is all there.

@@ -3,6 +3,7 @@
 //! it, the text is refused with the readings shown. The computer's locale is never asked. Called for the whole of a short
 //! text, and for the start of a long one.
 
+use std::mem::discriminant;
 use std::sync::Arc;
 
 use super::cell::{Cell, Content, Record};
@@ -386,11 +387,7 @@ fn other_unit(shape: &Shape, column: &Column, want: &Want) -> Option<Diagnostic>
     if column.unit_from != UnitFrom::Key {
         return None;
     }
-    let is_other = |unit: &Unit| match (unit, column.unit) {
-        (Unit::Length(unit), Unit::Length(assumed)) => *unit != assumed,
-        (Unit::Angle(unit), Unit::Angle(assumed)) => *unit != assumed,
-        _ => false,
-    };
+    let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
     let asides = shape.asides.iter().filter(|aside| !want.ignores(&aside.text));
     let (aside, unit) = asides
         .flat_map(|aside| stated_units(&aside.text).into_iter().map(move |stated| (aside, stated.unit)))

@@ -231,25 +231,18 @@ pub(crate) struct OpenGroup {
     next: usize,
 }
 
-/// Calls a reader's typed reader.
-macro_rules! with_reader {
-    ($reader:expr, $typed:ident => $call:expr) => {
-        match $reader {
-            ColumnReader::BoolColumnReader($typed) => $call,
-            ColumnReader::Int32ColumnReader($typed) => $call,
-            ColumnReader::Int64ColumnReader($typed) => $call,
-            ColumnReader::Int96ColumnReader($typed) => $call,
-            ColumnReader::FloatColumnReader($typed) => $call,
-            ColumnReader::DoubleColumnReader($typed) => $call,
-            ColumnReader::ByteArrayColumnReader($typed) => $call,
-            ColumnReader::FixedLenByteArrayColumnReader($typed) => $call,
-        }
-    };
-}
-
 /// Leaves out the next rows; pages that lie among them are not unpacked.
 fn skip(reader: &mut ColumnReader, rows: usize) -> Result<(), ParquetError> {
-    let skipped = with_reader!(reader, reader => reader.skip_records(rows))?;
+    let skipped = match reader {
+        ColumnReader::BoolColumnReader(reader) => reader.skip_records(rows),
+        ColumnReader::Int32ColumnReader(reader) => reader.skip_records(rows),
+        ColumnReader::Int64ColumnReader(reader) => reader.skip_records(rows),
+        ColumnReader::Int96ColumnReader(reader) => reader.skip_records(rows),
+        ColumnReader::FloatColumnReader(reader) => reader.skip_records(rows),
+        ColumnReader::DoubleColumnReader(reader) => reader.skip_records(rows),
+        ColumnReader::ByteArrayColumnReader(reader) => reader.skip_records(rows),
+        ColumnReader::FixedLenByteArrayColumnReader(reader) => reader.skip_records(rows),
+    }?;
     if skipped == rows { Ok(()) } else { Err(ended_early(rows - skipped)) }
 }
 

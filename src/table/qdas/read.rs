@@ -246,8 +246,7 @@ impl Reader {
         } else {
             0
         };
-        let all = 1..=self.drafts.len();
-        let indices = if line.index == 0 { all } else { line.index..=line.index };
+        let indices = if line.index == 0 { 1..=self.drafts.len() } else { line.index..=line.index };
         self.work(indices.clone().count(), line)?;
         let counts = line.key != 2 || counts(text);
         let mut has_value = false;
