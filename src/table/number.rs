@@ -223,9 +223,6 @@ pub(crate) fn marks(cell: &str) -> Marks {
     if let Some(plain) = plain_marks(cell.as_bytes()) {
         return plain;
     }
-    if cell.bytes().all(|byte| byte.is_ascii() && !byte.is_ascii_digit()) {
-        return Marks::None;
-    }
     match DecimalMark::ALL.map(|mark| normalise(cell, mark)) {
         [None, None] => Marks::None,
         [Some(point), Some(comma)] if point == comma => Marks::Same,

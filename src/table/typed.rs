@@ -205,10 +205,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
             if *count == 1 { "1 value does not count".to_owned() } else { format!("{count} values do not count") };
         let note = format!("{name}: attribute {code}{meaning}: {values}, the first in line {first_line}");
         found.reading.notes.push(note);
-        found
-            .reading
-            .not_used
-            .push(NotUsed { title: format!("values with attribute {code}"), why: "they do not count" });
+        let title = format!("values with attribute {code}");
+        found.reading.not_used.push(NotUsed { title, why: "they do not count" });
     }
     Ok(found)
 }

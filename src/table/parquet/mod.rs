@@ -110,30 +110,19 @@ impl ParquetTable {
         range: RowRange,
         places: &[bool],
     ) -> Result<Vec<Option<Stored<'static>>>, Diagnostic> {
-        self.read_range(open, range, places).map_err(|error| Diagnostic::unreadable(&self.name, &error))
-    }
-
-    fn read_range(
-        &self,
-        open: &mut Option<OpenGroup>,
-        range: RowRange,
-        places: &[bool],
-    ) -> Result<Vec<Option<Stored<'static>>>, ParquetError> {
+        let unreadable = |error: ParquetError| Diagnostic::unreadable(&self.name, &error);
         let group = match open {
             Some(group) if group.number == range.group && group.next <= range.start => group,
-            _ => open.insert(self.open_group(range.group, places)?),
+            _ => open.insert(self.open_group(range.group, places).map_err(unreadable)?),
         };
         let skipped = range.start - group.next;
         group.next = range.start + range.rows;
-        let mut columns = Vec::with_capacity(group.columns.len());
-        for column in &mut group.columns {
-            let stored = column.as_mut().map(|(reader, values)| {
-                skip(reader, skipped)?;
-                stored(reader, *values, range.rows)
-            });
-            columns.push(stored.transpose()?);
-        }
-        Ok(columns)
+        let column = |column: &mut Option<(ColumnReader, Values)>| {
+            let Some((reader, values)) = column else { return Ok(None) };
+            skip(reader, skipped)?;
+            stored(reader, *values, range.rows).map(Some)
+        };
+        group.columns.iter_mut().map(column).collect::<Result<_, _>>().map_err(unreadable)
     }
 
     fn open_group(&self, number: usize, places: &[bool]) -> Result<OpenGroup, ParquetError> {

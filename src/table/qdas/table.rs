@@ -118,9 +118,7 @@ impl QdasTable {
     /// The names of the columns as the file writes them, with their units: `part_id` first. Of a characteristic's number
     /// and name it is what the spec or an error is called, if either is.
     pub(crate) fn header(&self, own: &[(String, Field)]) -> Record {
-        let first =
-            |indices: &Vec<usize>| indices.first().map(|index| heading(&self.qdas.characteristics[*index], own));
-        let names = self.indices.iter().map(|indices| first(indices).unwrap_or_default());
+        let names = self.indices.iter().map(|indices| heading(&self.qdas.characteristics[indices[0]], own));
         let cells = std::iter::once("part_id".to_owned()).chain(names).map(|name| Content::of_text(&name).into());
         Record::new(cells.collect(), 1)
     }
@@ -174,9 +172,5 @@ fn heading(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
 
 /// A value with a decimal point or comma, as it stands there.
 fn number(text: &str) -> Option<Decimal> {
-    let mark = if text.contains(',') { b',' } else { b'.' };
-    match Decimal::plain(text.as_bytes(), 0, mark) {
-        Some((number, end)) if end == text.len() => Some(number),
-        _ => Decimal::parse(&text.replace(',', ".")).ok(),
-    }
+    Decimal::parse(&text.replace(',', ".")).ok()
 }
