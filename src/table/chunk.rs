@@ -73,29 +73,14 @@ impl Chunker {
 
     /// Reads until so many bytes are pending, or the input ends.
     fn fill(&mut self, count: usize) -> io::Result<()> {
-        let mut filled = self.pending.len();
-        if self.ended || filled >= count {
+        let before = self.pending.len();
+        let missing = count.saturating_sub(before);
+        if self.ended || missing == 0 {
             return Ok(());
         }
-        self.pending.resize(count, 0);
-        while filled < count {
-            match self.reader.read(&mut self.pending[filled..]) {
-                Ok(0) => {
-                    self.ended = true;
-                    break;
-                }
-                Ok(read) => {
-                    filled += read;
-                    self.bytes_read += read as u64;
-                }
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => {
-                    self.pending.truncate(filled);
-                    return Err(error);
-                }
-            }
-        }
-        self.pending.truncate(filled);
+        let read = self.reader.by_ref().take(missing as u64).read_to_end(&mut self.pending);
+        self.bytes_read += (self.pending.len() - before) as u64;
+        self.ended = read? < missing;
         Ok(())
     }
 

@@ -203,7 +203,9 @@ impl Column {
             self.nominal = Nominal::Beside;
             self.stated = in_spec.and_then(Result::ok);
         } else if let Some(nominal) = in_spec {
-            self.nominal = Nominal::Fixed(nominal?);
+            let nominal = nominal?;
+            self.farthest = near(nominal, self.farthest);
+            self.nominal = Nominal::Fixed(nominal);
         } else if self.holds == Some(ValueKind::Measured) && !want.only_shown {
             let message =
                 format!("`{}` holds measured values, and nothing tells the nominal value of {kind}", self.title);
@@ -213,9 +215,6 @@ impl Column {
                     kind.key()
                 ))
                 .into());
-        }
-        if let Nominal::Fixed(nominal) = self.nominal {
-            self.farthest = near(nominal, self.farthest);
         }
         Ok(())
     }
@@ -253,11 +252,6 @@ impl Column {
         }
     }
 
-    /// Whether a plain number is all that a row needs to say.
-    pub(crate) fn is_plain(&self) -> bool {
-        self.tolerance.is_none() && self.beside.iter().next().is_none()
-    }
-
     /// What a plain number of this column is; `None` if a row has more to say.
     pub(crate) fn plain(&self) -> Option<PlainNumbers> {
         let nominal = self.nominal_of_every_part()?;
@@ -266,7 +260,8 @@ impl Column {
             Stated::Fixed(over) => Some(over),
             Stated::Beside => return None,
         };
-        self.is_plain().then_some(PlainNumbers { unit: self.unit, nominal, farthest: self.farthest, over })
+        let is_plain = self.tolerance.is_none() && self.beside.iter().next().is_none();
+        is_plain.then_some(PlainNumbers { unit: self.unit, nominal, farthest: self.farthest, over })
     }
 
     /// The deviation that a cell means; `None` if it says that there is none.

@@ -141,8 +141,7 @@ fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
             at = after + count;
             break;
         }
-        let groups_digits =
-            GROUP_BLANKS.contains(&next) || matches!(next, '\'' | '\u{2019}') || matches!(next, '.' | ',');
+        let groups_digits = GROUP_BLANKS.contains(&next) || matches!(next, '\'' | '\u{2019}' | '.' | ',');
         // 12' 30" is an angle, and `12 500 um` a number: only a group of three continues a number
         if !groups_digits || count == 0 || (count != 3 && !matches!(next, '.' | ',')) {
             break;
@@ -153,7 +152,7 @@ fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
         group_mark = Some(next);
         at = after;
     }
-    if groups.len() > 1 && !(1..=3).contains(&groups[0].len()) || groups.len() > 1 && groups[0].starts_with('0') {
+    if groups.len() > 1 && (!(1..=3).contains(&groups[0].len()) || groups[0].starts_with('0')) {
         return None;
     }
     let mut number = groups.concat();

@@ -89,16 +89,17 @@ pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
 }
 
 impl Reader {
+    /// What is read.
+    fn source(&self) -> &Arc<Source> {
+        &self.sources[self.sources.len() - 1]
+    }
+
     fn bad(&self, line: Range<usize>, message: String) -> Diagnostic {
-        let diagnostic = Diagnostic::error(Code::BadTable, message);
-        match self.sources.last() {
-            Some(source) => diagnostic.at(source, line, ""),
-            None => diagnostic,
-        }
+        Diagnostic::error(Code::BadTable, message).at(self.source(), line, "")
     }
 
     fn file(&mut self) -> Result<(), Diagnostic> {
-        let Some(source) = self.sources.last().cloned() else { return Ok(()) };
+        let source = Arc::clone(self.source());
         let mut start = 0;
         for (number, whole) in source.text.split_inclusive('\n').enumerate() {
             let line = whole.trim_end_matches(['\n', '\r', '\u{1a}']);
@@ -164,14 +165,14 @@ impl Reader {
             let message = format!("K0100 counts {count} characteristics, and {other} before it in the same header");
             return Err(self.bad(line.span(), message));
         }
-        self.count = self.said(line).map(|said| (count, said));
+        self.count = Some((count, self.said(line)));
         Ok(())
     }
 
     /// What a line says, with its place.
-    fn said(&self, line: &Line<'_>) -> Option<Said> {
-        let source = Arc::clone(self.sources.last()?);
-        Some(Said { text: line.text.trim().to_owned(), of_all: line.index == 0, source, span: line.span() })
+    fn said(&self, line: &Line<'_>) -> Said {
+        let source = Arc::clone(self.source());
+        Said { text: line.text.trim().to_owned(), of_all: line.index == 0, source, span: line.span() }
     }
 
     fn part_field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
@@ -209,7 +210,7 @@ impl Reader {
             (index, _) => index..=index,
         };
         self.work(indices.clone().count(), line)?;
-        let Some(mut said) = self.said(line) else { return Ok(()) };
+        let mut said = self.said(line);
         if NUMBERS.contains(&line.key) && !said.text.is_empty() {
             // no thousands marks, so that a comma is a decimal comma
             let plain = said.text.replace(',', ".");
