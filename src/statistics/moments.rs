@@ -19,6 +19,7 @@ impl Default for LengthMoments {
 
 impl LengthMoments {
     /// Those of a single length.
+    #[cfg(feature = "batch")]
     #[inline]
     pub(crate) fn of(fm: i64) -> Self {
         let fm = i128::from(fm);
@@ -26,6 +27,7 @@ impl LengthMoments {
     }
 
     /// Adds other lengths.
+    #[cfg(feature = "batch")]
     #[inline]
     pub(crate) fn merge(&mut self, other: &Self) {
         self.count += other.count;

@@ -16,8 +16,8 @@ pub(crate) const LONGEST_RECORD: usize = 1 << 18;
 /// What a chunk holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ChunkContent {
-    /// Whole records; `plain` if each is one line without quotes.
-    Records { plain: bool },
+    /// Whole records.
+    Records,
     /// A piece of a record that is too long; `first` and `last` piece of it.
     Piece { first: bool, last: bool },
 }
@@ -98,11 +98,11 @@ impl Chunker {
             if self.ended {
                 // the last record needs no line end
                 self.hand_on(chunk, self.pending.len());
-                return Ok(Some(ChunkContent::Records { plain: split::is_plain(chunk) }));
+                return Ok(Some(ChunkContent::Records));
             }
-            if let Some((length, plain)) = self.whole_records() {
+            if let Some(length) = self.whole_records() {
                 self.hand_on(chunk, length);
-                return Ok(Some(ChunkContent::Records { plain }));
+                return Ok(Some(ChunkContent::Records));
             }
             if size >= LONGEST_RECORD {
                 return self.piece(chunk, Overlong::FieldStart, true).map(Some);
@@ -111,13 +111,13 @@ impl Chunker {
         }
     }
 
-    /// How many of the pending bytes are whole records, and whether these are plain lines.
-    fn whole_records(&self) -> Option<(usize, bool)> {
+    /// How many of the pending bytes are whole records.
+    fn whole_records(&self) -> Option<usize> {
         let bytes = self.pending.as_slice();
         if let Some(end) = memchr::memrchr(b'\n', bytes)
             && split::is_plain(&bytes[..=end])
         {
-            return Some((end + 1, true));
+            return Some(end + 1);
         }
         let (mut fields, mut at, mut lines) = (Vec::new(), 0, 0);
         while let Some(record) = split::next_record(bytes, at, self.separator, &mut fields, &mut lines) {
@@ -126,7 +126,7 @@ impl Chunker {
             }
             at = record.next;
         }
-        (at > 0).then_some((at, false))
+        (at > 0).then_some(at)
     }
 
     /// Hands on the first pending bytes.
@@ -216,7 +216,7 @@ mod tests {
                 all.iter().filter(|(_, holds)| matches!(holds, ChunkContent::Piece { last: true, .. })).count(),
                 1
             );
-            assert_eq!(all.last().unwrap(), &(b"P2,2\n".to_vec(), ChunkContent::Records { plain: true }));
+            assert_eq!(all.last().unwrap(), &(b"P2,2\n".to_vec(), ChunkContent::Records));
             assert!(all.iter().all(|(chunk, _)| chunk.len() <= LONGEST_RECORD));
             assert_eq!(all.iter().flat_map(|(chunk, _)| chunk.clone()).collect::<Vec<_>>(), text.as_bytes());
         }

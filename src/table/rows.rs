@@ -130,19 +130,24 @@ impl Rows {
         block.clear(self.setup.columns.len());
         std::mem::swap(&mut block.text, chunk);
         match holds {
-            ChunkContent::Records { plain } => self.records(plain, block),
+            ChunkContent::Records => self.records(block),
             ChunkContent::Piece { first, last } => self.piece(first, last, block),
         }
     }
 
-    fn records(&self, plain: bool, block: &mut Block) {
+    /// The same without the fast case.
+    #[cfg(test)]
+    pub(super) fn without_plain_lines(self) -> Self {
+        Self { plain: None, ..self }
+    }
+
+    fn records(&self, block: &mut Block) {
         // what is added to the text stands behind what is read
         let length = block.text.len();
         let mut fields = Vec::new();
         let mut at = 0;
-        let plain = self.plain.as_ref().filter(|_| plain);
         while at < length && block.contradiction.is_none() {
-            if let Some(plain) = plain
+            if let Some(plain) = &self.plain
                 && let Some(next) = self.plain_row(plain, at..length, block)
             {
                 (block.record_count, block.line_count) = (block.record_count + 1, block.line_count + 1);
@@ -172,8 +177,8 @@ impl Rows {
         }
     }
 
-    /// Reads the line at the start of `unread` if it is made of as many fields as the header, with plain numbers where values are read;
-    /// the place behind it. Nothing is left in the block if it is not.
+    /// Reads the line at the start of `unread` if it is made of as many fields as the header, with plain numbers where values
+    /// are read, all in quotes or not; the place behind it. Nothing is left in the block if it is not.
     #[inline]
     fn plain_row(&self, row: &PlainRow, unread: Range<usize>, block: &mut Block) -> Option<usize> {
         // a line without a character is no record
@@ -197,6 +202,8 @@ impl Rows {
         let (bytes, mut at) = (&text[..unread.end], unread.start);
         let last = row.fields.len() - 1;
         for (index, field) in row.fields.iter().enumerate() {
+            let quoted = bytes.get(at) == Some(&b'"');
+            at += usize::from(quoted);
             if let PlainField::Value(column) = field {
                 let (number, end) = Decimal::plain(bytes, at, row.mark)?;
                 values[column.number].push(column.numbers.deviation(number)?);
@@ -204,7 +211,7 @@ impl Rows {
             } else {
                 let start = at;
                 while let Some(&byte) = bytes.get(at) {
-                    if byte == self.setup.separator || byte == b'\n' || byte == b'\r' {
+                    if byte == b'\n' || byte == b'\r' || byte == if quoted { b'"' } else { self.setup.separator } {
                         break;
                     }
                     at += 1;
@@ -215,6 +222,12 @@ impl Rows {
                     }
                     names.push(Span { start: span_end(start), end: span_end(at) });
                 }
+            }
+            if quoted {
+                if bytes.get(at) != Some(&b'"') {
+                    return None;
+                }
+                at += 1;
             }
             if index < last {
                 if bytes.get(at) != Some(&self.setup.separator) {
