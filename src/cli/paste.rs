@@ -328,6 +328,7 @@ impl Args {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
         let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
+        read.reading.asides.extend(blocks.iter().flat_map(|block| block.asides.iter().cloned()));
         let mut parts = gather(gatherer, &blocks)?.into_iter();
         let (part, others) = (parts.next(), parts.next());
         let Some(part) = part else {

@@ -47,11 +47,22 @@ impl LengthUnit {
         match self {
             Self::Nanometre => &["nm", "\u{339a}"],
             // the micro sign and the Greek letter look alike and are both typed
-            Self::Micrometre => &["um", "\u{b5}m", "\u{3bc}m", "\u{339b}", "micron", "microns"],
-            Self::Millimetre => &["mm", "\u{339c}"],
+            Self::Micrometre => &[
+                "um",
+                "\u{b5}m",
+                "\u{3bc}m",
+                "\u{339b}",
+                "micron",
+                "microns",
+                "micrometer",
+                "micrometre",
+                "mikrometer",
+                "ミクロン",
+            ],
+            Self::Millimetre => &["mm", "\u{339c}", "millimeter", "millimetre", "ミリ"],
             Self::Centimetre => &["cm", "\u{339d}"],
             Self::Metre => &["m"],
-            Self::Inch => &["in", "inch", "inches", "zoll", "pouce", "pouces", "\u{2033}"],
+            Self::Inch => &["in", "inch", "inches", "zoll", "pouce", "pouces", "インチ", "\u{2033}"],
             Self::Mil => &["mil", "mils", "thou"],
         }
     }

@@ -40,6 +40,9 @@ pub(crate) enum Stated<T> {
 /// What is taken from a measured value; nothing from deviations.
 pub(crate) type Nominal = Stated<DeviationValue>;
 
+/// A tenth of a micrometre is no contradiction, mm.
+const SMALLEST_DIGIT: f64 = 1e-4;
+
 /// One column of values.
 #[derive(Debug, Clone)]
 pub(crate) struct Column {
@@ -279,8 +282,7 @@ impl Column {
             Nominal::Fixed(nominal) => self.less(value, nominal)?,
             Nominal::Beside => self.less(value, self.nominal_beside(beside.nominal)?)?,
         };
-        self.check(cell, deviation, &beside)?;
-        Ok(Some(deviation))
+        self.checked(cell, deviation, &beside).map(Some)
     }
 
     /// A measured value less its nominal one, if they are near each other.
@@ -369,12 +371,25 @@ impl Column {
         let not_a_number = || Problem::Bad(format!("`{}` is not a number with a {}", shown(text), self.mark.name()));
         let number = normalise(text, self.mark).ok_or_else(not_a_number)?;
         let is_bare = number.ends_with(|c: char| c.is_ascii_digit() || c == '.');
+        if !is_bare && self.unit_from == UnitFrom::Key && self.is_in_other_unit(text) {
+            return Err(Problem::Bad(format!(
+                "`{}` has a unit of its own, and numbers without one are taken to be {}",
+                shown(whole),
+                self.unit.symbol()
+            )));
+        }
         let united = if is_bare { format!("{number} {}", unit.symbol()) } else { number };
         let read = match unit {
             Unit::Length(_) => united.parse().map(DeviationValue::Length),
             Unit::Angle(_) => united.parse().map(DeviationValue::Angle),
         };
         read.map_err(|error| Problem::Bad(error.to_string()))
+    }
+
+    /// Whether a length has another unit behind it than the column's.
+    fn is_in_other_unit(&self, text: &str) -> bool {
+        let unit = unit_in(text).and_then(|unit| unit_of(&unit, self.field.is_angle()));
+        unit.is_some_and(|unit| matches!(unit, Unit::Length(_)) && unit != self.unit)
     }
 
     /// Whether every value is far below the tolerances beside it, as it is if it has another unit than they.
@@ -449,15 +464,25 @@ impl Column {
     }
 
     /// Holds a deviation against what stands beside the value: the deviation, and the tolerances.
-    fn check(&self, cell: &Cell, deviation: DeviationValue, beside: &Companions<&Cell>) -> Result<(), Problem> {
+    fn checked(
+        &self,
+        cell: &Cell,
+        mut deviation: DeviationValue,
+        beside: &Companions<&Cell>,
+    ) -> Result<DeviationValue, Problem> {
         /// Values this much beyond a tolerance have another unit.
         const TIMES: f64 = 100.0;
-        let of = self.beside;
-        let stated = self.quantity_beside(beside.deviation, of.deviation)?;
-        if let Some(stated) = stated.filter(|_| self.checks_deviation())
-            && (stated.base() - deviation.base()).abs() > self.rounding(cell, beside)
-        {
-            return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
+        let stated = self.quantity_beside(beside.deviation, self.beside.deviation)?;
+        if let Some(stated) = stated.filter(|_| self.checks_deviation()) {
+            let apart = (stated.base() - deviation.base()).abs();
+            if apart > self.rounding(cell, beside) {
+                return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
+            }
+            let digit = self.digit_beside(beside.deviation, self.beside.deviation);
+            if digit.is_some_and(|digit| apart > digit.max(SMALLEST_DIGIT)) {
+                // it has the digits that the value lost
+                deviation = stated;
+            }
         }
         let widest = self.widest(beside)?;
         if widest > 0.0 && deviation.base().abs() > TIMES * widest {
@@ -465,27 +490,27 @@ impl Column {
                 "a deviation of {deviation} is more than {TIMES} times the tolerance beside it: check the units"
             )));
         }
-        Ok(())
+        Ok(deviation)
+    }
+
+    /// One of the last digit of a companion, mm or degrees.
+    fn digit_beside(&self, cell: Option<&Cell>, of: Option<Companion>) -> Option<f64> {
+        Some(self.digit(cell?, of.map_or(self.unit, |companion| companion.unit)))
     }
 
     /// By how much a deviation may differ from measured less nominal, because each is rounded to its last digit, mm or
     /// degrees. What has far fewer digits than the others has lost its zeros, and is no rounder than they.
     fn rounding(&self, cell: &Cell, beside: &Companions<&Cell>) -> f64 {
-        /// A tenth of a micrometre is no contradiction.
-        const LEAST: f64 = 1e-4;
         /// Finer digits of a deviation are those of a computation.
         const FINE: f64 = 1e-3;
         const FEWER: f64 = 15.0;
-        let digit = |cell: Option<&Cell>, of: Option<Companion>| {
-            Some(self.digit(cell?, of.map_or(self.unit, |companion| companion.unit)))
-        };
         let value = Some(self.digit(cell, self.unit));
-        let nominal = digit(beside.nominal, self.beside.nominal);
-        let deviation = digit(beside.deviation, self.beside.deviation);
+        let nominal = self.digit_beside(beside.nominal, self.beside.nominal);
+        let deviation = self.digit_beside(beside.deviation, self.beside.deviation);
         let all = [value, nominal, deviation.map(|digit| digit.max(FINE))].into_iter().flatten();
         let finest = all.fold(f64::INFINITY, f64::min);
         let each = [value, nominal, deviation].into_iter().flatten();
-        each.map(|digit| if digit > FEWER * finest { finest } else { digit }).sum::<f64>().max(LEAST)
+        each.map(|digit| if digit > FEWER * finest { finest } else { digit }).sum::<f64>().max(SMALLEST_DIGIT)
     }
 
     /// One of the last digit that is written, in mm or degrees.
@@ -622,6 +647,10 @@ fn of_tooth(field: Field) -> Field {
 }
 
 fn unknown_unit(title: &str, symbol: &str, is_angle: bool) -> Diagnostic {
+    if symbol.is_empty() {
+        let message = format!("`{title}` has no unit beside it, and others have");
+        return Diagnostic::error(Code::BadTable, message).help("write the unit of every value");
+    }
     let (what, units) = if is_angle { ("an angle", AngleUnit::NAMES) } else { ("a length", LengthUnit::NAMES) };
     let message = format!("`{title}`: `{}` is not a unit of {what}", shown(symbol));
     Diagnostic::error(Code::BadTable, message).help(format!("write {units}"))

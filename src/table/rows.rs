@@ -14,8 +14,9 @@ use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::is_unit;
-use super::names::{Role, heading, is_statistic, is_value_heading, role};
+use super::names::{Role, heading, is_context, is_statistic, is_value_heading, role};
 use super::reading::AsideReading;
+use super::shape::has_digit;
 use super::split::{Field, next_record};
 use crate::deviation::DeviationValue;
 use crate::quantity::{Decimal, Length, shown};
@@ -416,8 +417,8 @@ impl Rows {
         let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
         let is_words = !self.setup.is_even && !has_numbers && record.cells.len() != self.setup.titles.len();
-        name.is_some_and(|name| is_of_parts(&name))
-            || is_words
+        name.as_ref().is_some_and(|name| is_of_parts(name))
+            || is_words && !name.as_ref().is_some_and(|name| is_part(name))
             || (!has_numbers && (self.repeats_header(record) || is_units(record)))
     }
 
@@ -531,6 +532,12 @@ fn swallowed(record: &Record, separator: u8) -> Option<String> {
 fn is_units(record: &Record) -> bool {
     let mut cells = record.cells.iter().filter(|cell| !cell.is_missing()).peekable();
     cells.peek().is_some() && cells.all(|cell| is_unit(&cell.text()))
+}
+
+/// Whether a name looks like that of a part, though nothing stands beside it: `R17`.
+fn is_part(name: &str) -> bool {
+    let word = name.split_whitespace().next().unwrap_or_default();
+    has_digit(word) && !name.contains(':') && !is_context(word)
 }
 
 /// Whether a row of that name is made of the parts', or says what is wanted of them.

@@ -12,7 +12,7 @@ use super::companions::Companions;
 use super::grid::{Separator, cut, separators};
 use super::names::Field;
 use super::number::{DecimalMark, Marks};
-use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units};
+use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -388,19 +388,28 @@ fn other_unit(shape: &Shape, column: &Column, want: &Want) -> Option<Diagnostic>
         return None;
     }
     let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
-    let asides = shape.asides.iter().filter(|aside| !want.ignores(&aside.text));
-    let (aside, unit) = asides
-        .flat_map(|aside| stated_units(&aside.text).into_iter().map(move |stated| (aside, stated.unit)))
-        .find(|(_, unit)| is_other(unit))?;
-    let (line, title, assumed) = (aside.line, &column.title, column.unit.symbol());
-    let message = format!(
-        "line {line} says `{}`, and nothing else tells the unit of `{title}`, which would be {assumed}",
-        shown(&aside.text)
-    );
-    Some(
-        Diagnostic::error(Code::BadTable, message)
-            .help(format!("write the unit behind the name: `{title} [{}]` or `{title} [{assumed}]`", unit.symbol())),
-    )
+    let title = &column.title;
+    for statement in shape.statements(want) {
+        let unit = stated_units(&statement.text).into_iter().map(|stated| stated.unit).find(is_other);
+        let help = match (unit, unknown_unit(&statement.text)) {
+            (Some(unit), _) => format!(
+                "write the unit behind the name: `{title} [{}]` or `{title} [{}]`",
+                unit.symbol(),
+                column.unit.symbol()
+            ),
+            (None, Some(unknown)) => format!(
+                "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: --ignore \"{}\"",
+                shown(&statement.text)
+            ),
+            (None, None) => continue,
+        };
+        let (line, text, assumed) = (statement.line, shown(&statement.text), column.unit.symbol());
+        let message = format!(
+            "line {line} says `{text}`, and nothing else tells the unit of `{title}`, which would be {assumed}"
+        );
+        return Some(Diagnostic::error(Code::BadTable, message).help(help));
+    }
+    None
 }
 
 impl Understood {

@@ -28,7 +28,7 @@ use crate::mesh::Summary;
 use crate::parallel;
 use crate::quantity::Length;
 use crate::spec::{MeasuredTables, Spec};
-use crate::table::{self, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
+use crate::table::{self, AsideReading, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
 
 /// What is asked of a batch of parts with their teeth.
 #[derive(Debug, Clone, Default)]
@@ -225,10 +225,11 @@ impl<'a> Teeth<'a> {
         if self.spec.has_other_deviations(is_rack) {
             reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
         }
-        self.ledger.outcome.readings.push(reading);
         let place = Where { file: name, unit: table.place, encoding: table.encoding };
         let (header, has_names) = (table.header_raw.clone(), table.has_id);
-        Ok(match self.gathered(table, gatherer).map_err(RunError::Read) {
+        let gathered = self.gathered(table, gatherer, &mut reading.asides).map_err(RunError::Read);
+        self.ledger.outcome.readings.push(reading);
+        Ok(match gathered {
             Ok(Ok(parts)) => {
                 self.lots.push(Lot { parts, is_rack, has_names, place, header, judge });
                 Ok(())
@@ -238,17 +239,19 @@ impl<'a> Teeth<'a> {
         })
     }
 
-    /// The rows of a table, put together to parts.
+    /// The rows of a table, put together to parts; records that are none go to `asides`.
     fn gathered(
         &self,
         table: Table,
         mut gatherer: Gatherer,
+        asides: &mut Vec<AsideReading>,
     ) -> io::Result<Result<Vec<ToothedPart>, table::Contradiction>> {
         let keeps_raw = self.ledger.sinks.rejects.is_some();
         let needed = vec![true; table.columns.len()];
         for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
             let block = block?;
             gatherer.take(&block, keeps_raw);
+            asides.extend(block.asides.iter().cloned());
             if let Some(contradiction) = block.contradiction {
                 return Ok(Err(contradiction));
             }

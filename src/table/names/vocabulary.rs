@@ -36,6 +36,13 @@ pub(crate) enum Role {
     Status,
 }
 
+impl Role {
+    /// Whether it says something of a value that stands elsewhere.
+    pub(crate) fn is_beside_value(self) -> bool {
+        matches!(self, Self::Nominal | Self::Deviation | Self::Upper | Self::Lower | Self::Uncertainty)
+    }
+}
+
 /// What a word can mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]

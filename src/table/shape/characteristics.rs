@@ -7,10 +7,11 @@ use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 use super::headings::{Named, headings, is_part_name, names_value, says_no_part};
+use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
-use crate::table::grid::{bare_unit, differ};
+use crate::table::grid::{Separator, bare_unit, differ, is_unit};
 use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -40,6 +41,8 @@ struct Reading<'a> {
     /// The index of each part by its name, where a column names it.
     indices: HashMap<String, usize>,
     lines: Vec<u64>,
+    /// Whether a row has a unit beside its value.
+    has_units: bool,
 }
 
 /// A header that speaks of nominal and actual values, or of values of parts, and the records below it that start with a
@@ -80,7 +83,9 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                     && !is_statistic(&title)
                     && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
-                    && (names_one_part(&title) || rows.iter().any(has_numbers))
+                    && (names_one_part(&title)
+                        || is_called_like_another(&record.cells, *place)
+                        || rows.iter().any(has_numbers))
             };
             (0..roles.len()).filter(is_part).collect()
         };
@@ -91,6 +96,16 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
         ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
     })
+}
+
+/// Whether a column has the axes along which something was measured.
+fn is_axis(title: &str) -> bool {
+    ["ax", "axis", "achse", "axe", "軸"].contains(&title.trim().to_lowercase().as_str())
+}
+
+/// Whether a cell of that column is a direction: M, R, X.
+fn is_direction(name: &Cell) -> bool {
+    name.text().trim().chars().count() <= 2
 }
 
 /// Whether a line numbers parts behind a word for names: `Merkmal | Einheit | 417 | 418`.
@@ -104,15 +119,33 @@ fn numbers_parts(record: &Record) -> bool {
 }
 
 /// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
+/// Whether a heading is that of another column but for its digits: `R17` beside `R16`.
+fn is_called_like_another(header: &[Cell], place: usize) -> bool {
+    let stem = |cell: &Cell| cell.text().trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
+    let own = stem(&header[place]);
+    has_digit(&header[place].text())
+        && !own.is_empty()
+        && header.iter().enumerate().any(|(other, cell)| other != place && has_digit(&cell.text()) && stem(cell) == own)
+}
+
 fn names_one_part(title: &str) -> bool {
     has_digit(title) && is_part_name(title.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-'))
 }
 
 /// Reads the characteristics.
-pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, want: &Want) -> Result<Shape, NoShape> {
+pub(crate) fn by_characteristic(
+    records: &[Record],
+    found: &Characteristics,
+    separator: Separator,
+    want: &Want,
+) -> Result<Shape, NoShape> {
     let records = &found.with_part_names(records);
     let header = &records[found.header];
-    if let Some(row) = found.rows.iter().find(|row| records[**row].filled().len() > header.cells.len()) {
+    let is_ragged = |row: &&usize| {
+        let record = &records[**row];
+        record.filled().len() > header.cells.len() || is_shifted(header.start, &header.cells, record, separator)
+    };
+    if let Some(row) = found.rows.iter().find(is_ragged) {
         return Err(NoShape::Ragged { record: records[*row].clone(), expected: header.cells.len() });
     }
     found.has_each_role_once(records)?;
@@ -130,7 +163,9 @@ pub(crate) fn by_characteristic(records: &[Record], found: &Characteristics, wan
         }
         rows.push(&records[*row]);
     }
-    let named = headings(&names, want)?;
+    let is_axis = is_axis(&header.cells[found.name].text());
+    let named = headings(&names, want)?.into_iter().zip(&names);
+    let named: Vec<_> = named.map(|(named, name)| named.filter(|_| !(is_axis && is_direction(name)))).collect();
     let mut shape = Shape::new(Orientation::Columns);
     shape.header_line = Some(header.line);
     let reading = Reading::new(records, found, want);
@@ -228,7 +263,12 @@ impl<'a> Reading<'a> {
         let header = &records[found.header];
         let titles: Vec<_> = header.cells.iter().map(|cell| cell.text().into_owned()).collect();
         let first = found.rows.first().map_or(header.line, |row| records[*row].line);
-        let mut reading = Self { found, want, titles, parts: Vec::new(), indices: HashMap::new(), lines: Vec::new() };
+        let has_unit = |place| {
+            found.rows.iter().any(|row| records[*row].cells.get(place).is_some_and(|cell: &Cell| is_unit(&cell.text())))
+        };
+        let has_units = found.place(Role::Unit).is_some_and(has_unit);
+        let (parts, indices, lines) = (Vec::new(), HashMap::new(), Vec::new());
+        let mut reading = Self { found, want, titles, parts, indices, lines, has_units };
         match found.place(Role::Part) {
             Some(place) => {
                 for row in &found.rows {
@@ -292,7 +332,9 @@ impl<'a> Reading<'a> {
         if differ(named.series.unit.as_deref(), unit_of_row.as_deref()) {
             return Err(NoShape::Units { record: rows[0].clone() });
         }
-        let unit = named.series.unit.clone().or(unit_of_row);
+        // where others have a unit beside them, none is assumed
+        let missing = || self.has_units.then(String::new);
+        let unit = named.series.unit.clone().or(unit_of_row).or_else(missing);
         // the unit in the heading of a column is that of its numbers
         let united = |series: Series| Series { unit: series.unit.clone().or_else(|| unit.clone()), ..series };
         let of_role = |role: Role| -> Result<Option<Series>, NoShape> {

@@ -243,7 +243,14 @@ impl Series {
                 _ => self.cells.push(cell.clone()),
             }
         }
-        true
+        // a unit behind the last value alone may be that of all
+        let in_cell = |cell: &Cell| unit_in(&cell.text()).is_some_and(|unit| is_unit_of(&unit, is_angle));
+        match self.cells.split_last() {
+            Some((last, others)) if self.unit.is_none() && !others.is_empty() && in_cell(last) => {
+                others.iter().any(in_cell) || !others.iter().any(Cell::is_number)
+            }
+            _ => true,
+        }
     }
 }
 

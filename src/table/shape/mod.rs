@@ -19,7 +19,7 @@ mod stated;
 pub(crate) use headings::is_part_name;
 pub(crate) use labels::uncounted;
 pub(crate) use refusal::{NoShape, located};
-pub(crate) use stated::stated_units;
+pub(crate) use stated::{stated_units, unknown_unit};
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashSet};
@@ -292,7 +292,7 @@ fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Sha
     let labels = find_labels(&inner, want);
     let named = header.as_ref().map_or(0, |header| header.known);
     if let Some(found) = characteristics.filter(|found| found.known >= named) {
-        return by_characteristic(records, &found, want);
+        return by_characteristic(records, &found, separator, want);
     }
     if let Some(columns) = columns_of_no_part(&inner, &labels) {
         return Err(columns);

@@ -1,10 +1,12 @@
 //! Tables with a header: each row below it is a part, a space or a tooth.
 
+use std::ops::Range;
+
 use super::headings::{headings, known, names_value};
 use super::{NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{heading, is_context, is_evaluation_length, is_statistic, split_unit};
+use crate::table::names::{Role, heading, is_context, is_evaluation_length, is_statistic, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -129,6 +131,26 @@ fn units_of(records: &[Record], header: &Header) -> Option<usize> {
     next.filter(is_units).or_else(|| header.record.checked_sub(1).filter(is_units))
 }
 
+/// The rows in a range of records: at least one, and none with a cell less than it seems.
+fn rows_of<'r>(
+    records: &'r [Record],
+    header: &Header,
+    range: Range<usize>,
+    separator: Separator,
+) -> Result<Vec<&'r Record>, NoShape> {
+    let (names, first) = (&records[header.record], range.start);
+    let ragged = |record: &Record| NoShape::Ragged { record: record.clone(), expected: header.cells.len() };
+    let rows: Vec<&Record> = records[range].iter().filter(|record| !record.says_nothing()).collect();
+    if rows.is_empty() {
+        let numbers = records[first..].iter().find(|record| record.numbers() > 0);
+        return Err(numbers.map_or_else(|| NoShape::NoRows { names: names.in_words() }, ragged));
+    }
+    match rows.iter().find(|row| is_shifted(names.start, &header.cells, row, separator)) {
+        Some(shifted) => Err(ragged(shifted)),
+        None => Ok(rows),
+    }
+}
+
 pub(super) fn by_header(
     records: &[Record],
     header: &Header,
@@ -146,14 +168,7 @@ pub(super) fn by_header(
     let before = &records[..header.record];
     shape.asides = before.iter().filter(|record| !record.says_nothing() && !is_unit_row(record)).map(aside).collect();
     let end = first + end_of_rows(&records[first..], width, separator);
-    let rows: Vec<&Record> = records[first..end].iter().filter(|record| !record.says_nothing()).collect();
-    if rows.is_empty() {
-        let ragged = records[first..].iter().find(|record| record.numbers() > 0);
-        return Err(ragged.map_or_else(
-            || NoShape::NoRows { names: records[header.record].in_words() },
-            |record| NoShape::Ragged { record: record.clone(), expected: width },
-        ));
-    }
+    let rows = rows_of(records, header, first..end, separator)?;
     shape.data = first..end;
     let mut lengths = None;
     let has_lead = named.iter().flatten().any(|named| named.field.is_angle());
@@ -163,7 +178,7 @@ pub(super) fn by_header(
         Some(bare_unit(&unit.text()).to_owned())
     };
     for (place, (cell, named)) in header.cells.iter().zip(named).enumerate() {
-        if let Some(mut named) = named {
+        if let Some(mut named) = named.filter(|_| !has_minus(&cell.text())) {
             let below = unit_of(place);
             if let Some(record) = units.filter(|_| differ(named.series.unit.as_deref(), below.as_deref())) {
                 return Err(NoShape::Units { record: records[record].clone() });
@@ -175,7 +190,11 @@ pub(super) fn by_header(
             let (_, unit) = split_unit(&cell.text());
             lengths = Some(Series { title: cell.text().into_owned(), place, unit, cells: column(place) });
         } else if !shape.take_beside(&cell.text(), place, &column) || want.ignores(&cell.text()) {
-            shape.unknown.push(Unknown { unit: unit_of(place), ..Unknown::column(&cell.text(), place, column(place)) });
+            // a nominal value or tolerance in front of every value is that of one of them
+            let is_of_value = shape.measurements.is_empty() && role(&cell.text()).is_some_and(Role::is_beside_value);
+            let unknown = Unknown::column(&cell.text(), place, column(place));
+            let unknown = unknown.measured(is_of_value || has_minus(&cell.text()));
+            shape.unknown.push(Unknown { unit: unit_of(place), ..unknown });
         }
     }
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
@@ -189,6 +208,25 @@ pub(super) fn by_header(
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
     Ok(shape)
+}
+
+/// Whether a row between blanks lacks a cell in front of one that it has: that one stands below another heading than its
+/// number says.
+pub(super) fn is_shifted(start: usize, header: &[Cell], row: &Record, separator: Separator) -> bool {
+    let has_places = !matches!(separator, Separator::AlignedBlanks | Separator::Blanks);
+    if has_places || row.cells.len() >= header.len() || row.numbers() == 0 {
+        return false;
+    }
+    let away = |place: usize, cell: &Cell| {
+        let heading = &header[place].span;
+        let (from, to) = (heading.start.saturating_sub(start), heading.end.saturating_sub(start));
+        let (left, right) = (cell.span.start.saturating_sub(row.start), cell.span.end.saturating_sub(row.start));
+        left.saturating_sub(to).max(from.saturating_sub(right))
+    };
+    row.cells
+        .iter()
+        .enumerate()
+        .any(|(place, cell)| (0..header.len()).any(|other| away(other, cell) < away(place, cell)))
 }
 
 /// The cell of a row of units that stands below a heading: the one in its place, or, of fewer cells between blanks, the
@@ -217,6 +255,13 @@ fn is_unit_row(record: &Record) -> bool {
             let text = cell.text();
             is_unit(&text) || text.chars().count() <= LONGEST && !text.trim().contains(' ')
         })
+}
+
+/// Whether a minus stands before a name, so that its values are the other way round: `- M`.
+fn has_minus(title: &str) -> bool {
+    let name = title.trim_start();
+    name.strip_prefix(['-', '–', '−'])
+        .is_some_and(|name| name.trim_start().starts_with(|c: char| c.is_alphabetic() || c == '('))
 }
 
 /// How many records are rows: the table ends with the last line that has as many cells as it has columns and a number in

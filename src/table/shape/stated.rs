@@ -1,7 +1,11 @@
 //! Units that a line beside a table states for all of it: `Alle Maße in µm`, `Units: mm`.
 
+use std::borrow::Cow;
+
 use super::{Shape, has_digit};
-use crate::quantity::Unit;
+use crate::quantity::{LengthUnit, Unit};
+use crate::table::cell::Cell;
+use crate::table::grid::is_unit;
 use crate::table::names::{Role, has_stated_unit, role, stands_before_unit};
 use crate::table::want::Want;
 
@@ -13,32 +17,75 @@ pub(crate) struct StatedUnit {
     is_clear: bool,
 }
 
+/// A line beside a table, or a heading of no value, that may say something of units.
+#[derive(Debug, Clone)]
+pub(crate) struct Statement<'s> {
+    pub(crate) line: u64,
+    pub(crate) text: Cow<'s, str>,
+}
+
 /// The units that a line beside a table states for it: behind a word for units or values, or by themselves in a line
 /// without numbers.
 pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     let words = text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°'));
     let words: Vec<String> = words.filter(|word| !word.is_empty()).map(str::to_lowercase).collect();
-    let is_unit = |word: &String| Unit::from_symbol(word).is_some();
+    let is_symbol = |word: &String| Unit::from_symbol(word).is_some();
     let is_between = |word: &String| stands_before_unit(word);
     let unit_of = |at: usize| {
         let unit = Unit::from_symbol(&words[at])?;
-        let mut before = words[..at].iter().rev().skip_while(|word| is_between(word) || is_unit(word));
+        let mut before = words[..at].iter().rev().skip_while(|word| is_between(word) || is_symbol(word));
         let is_subject = |word: &String| role(word) == Some(Role::Unit) || has_stated_unit(word);
         let is_clear = before.next().is_some_and(is_subject);
         let is_word = words[at].chars().count() > 1 && !matches!(words[at].as_str(), "in" | "min");
-        // in mm: no inches
-        let goes_on = is_between(&words[at]) && words[at + 1..].iter().any(is_unit);
-        (!goes_on && (is_clear || is_word && !has_digit(text))).then_some(StatedUnit { unit, is_clear })
+        if words[at] == "in" {
+            return inch(&words, at);
+        }
+        (is_clear || is_word && !has_digit(text)).then_some(StatedUnit { unit, is_clear })
     };
     (0..words.len()).filter_map(unit_of).collect()
 }
 
+/// Inches behind a word for units, `Units: in`; before another unit of length `in` is none.
+fn inch(words: &[String], at: usize) -> Option<StatedUnit> {
+    let is_of_units = role(words[..at].last()?) == Some(Role::Unit);
+    let behind = &words[at + 1..];
+    let is_other = behind.iter().any(|word| word != "in" && Unit::of_length(word).is_some());
+    let is_clear = behind.first().is_none_or(|word| Unit::of_angle(word).is_some());
+    (is_of_units && !is_other).then_some(StatedUnit { unit: Unit::Length(LengthUnit::Inch), is_clear })
+}
+
+/// What a line beside a table calls a unit, and is none that is known: `Maßeinheit: Fuß`, `Werte in my`.
+pub(crate) fn unknown_unit(text: &str) -> Option<&str> {
+    const IN_ORDER: &str = "ordnung";
+    let words = text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°'));
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let (last, before) = words.split_last()?;
+    let (before, subject) = (before.last()?.to_lowercase(), before.iter().rev().map(|word| word.to_lowercase()));
+    let is_of_units = role(&before) == Some(Role::Unit);
+    let mut subject = subject.skip_while(|word| stands_before_unit(word));
+    let is_of_values = before == "in" && subject.next().is_some_and(|word| has_stated_unit(&word));
+    let is_word = last.chars().all(char::is_alphabetic) && last.to_lowercase() != IN_ORDER;
+    (is_word && (is_of_units || is_of_values) && stated_units(text).is_empty()).then_some(*last)
+}
+
 impl Shape {
+    /// What lines beside the table, and headings that are those of no value, state of units.
+    pub(crate) fn statements<'s>(&'s self, want: &'s Want) -> impl Iterator<Item = Statement<'s>> {
+        let asides = self.asides.iter().filter(|aside| !want.ignores(&aside.text));
+        let asides = asides.map(|aside| Statement { line: aside.line, text: aside.text.as_str().into() });
+        let is_value = |text: &str| self.measurements.iter().any(|measurement| measurement.value.title == text);
+        let line = self.header_line.unwrap_or_default();
+        let headings = self.header.iter().map(Cell::text).filter(move |text| !is_value(text) && !want.ignores(text));
+        let speaks_of_units = |text: &Cow<'_, str>| {
+            is_unit(text) || stated_units(text).iter().any(|stated| stated.is_clear) || unknown_unit(text).is_some()
+        };
+        asides.chain(headings.filter(speaks_of_units).map(move |text| Statement { line, text }))
+    }
+
     /// Gives values of which nothing else tells the unit the one that a line beside the table states, if no line states
     /// another.
     pub(super) fn take_stated_units(&mut self, want: &Want) {
-        let asides = self.asides.iter().filter(|aside| !want.ignores(&aside.text));
-        let stated: Vec<_> = asides.flat_map(|aside| stated_units(&aside.text)).collect();
+        let stated: Vec<_> = self.statements(want).flat_map(|statement| stated_units(&statement.text)).collect();
         for measurement in &mut self.measurements {
             let is_angle = measurement.field.is_angle();
             let mut fitting = stated.iter().filter(|stated| matches!(stated.unit, Unit::Angle(_)) == is_angle);
@@ -51,7 +98,7 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quantity::{AngleUnit, LengthUnit};
+    use crate::quantity::AngleUnit;
 
     #[test]
     fn a_line_states_a_unit() {
@@ -71,6 +118,11 @@ mod tests {
         }
         let both = stated_units("units: mm, deg");
         assert_eq!(both.iter().map(|stated| stated.unit).collect::<Vec<_>>(), [mm, Unit::Angle(AngleUnit::Degree)]);
-        assert_eq!(stated_units("Werte siehe unten, Taster 3 mm"), []);
+        for text in ["Werte siehe unten, Taster 3 mm", "Werte in my", "Alle Werte in Tabelle 3 geprüft"] {
+            assert_eq!(stated_units(text), [], "{text}");
+        }
+        let both = stated_units("UNITS=IN,DEG");
+        assert_eq!(both.iter().map(|stated| stated.unit).collect::<Vec<_>>(), [inch, Unit::Angle(AngleUnit::Degree)]);
+        assert_eq!(["Werte in my", "単位：尺", "Werte in Ordnung"].map(unknown_unit), [Some("my"), Some("尺"), None]);
     }
 }

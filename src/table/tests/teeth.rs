@@ -45,7 +45,7 @@ fn separators_units_and_decimal_marks() {
         "space,over_pin_deviation [um],note\n0,12.5,a\n1,-3,b\n",
         "over_pin_deviation_mm;space\r\n0,0125;0\r\n-0,003;1",
         "Over pin deviation (µm)\tspace\n12,5\t0\n-3\t1\n",
-        "\u{feff}over_pin_deviation\n0.0125\n-3 um\n\n",
+        "\u{feff}over_pin_deviation [mm]\n0.0125\n-3 um\n\n",
         "Lücke\t0\t1\nRollenmaß Abweichung [µm]\t12,5\t-3\n",
         "Rollenmaß-Abweichung\tLücke\nµm\t\n12,5\t0\n-3\t1\n",
     ] {
