@@ -1,6 +1,5 @@
 //! `rackmesh budget`: from a ΔCD tolerance to a tolerance for each error.
 
-use super::decision::ModelArg;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
@@ -58,7 +57,7 @@ pub(super) struct Args {
     seed: u64,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    model: Model,
     /// Do not look for the worst teeth to put the errors on.
     #[arg(long, alias = "no-mesh")]
     no_worst_teeth: bool,
@@ -108,7 +107,7 @@ impl Args {
             limit: decision.accepted(&self.limit(&spec)?),
             own_limits: own_limits.map(|(kind, limit)| (kind, decision.accepted(&limit))).collect(),
             rule: self.rule(&spec)?,
-            model: self.model.into(),
+            model: self.model,
             basis: spec.pair_basis()?,
         };
         let budget = budget::allocate(&request).map_err(|error| no_budget(&error, &spec))?;

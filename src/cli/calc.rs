@@ -2,7 +2,6 @@
 
 use clap::Subcommand;
 
-use super::decision::ModelArg;
 use super::explain::for_screen;
 use super::output::{Failure, Output, Status};
 use crate::deviation::plausible::{self, Doubt, WrittenIn};
@@ -147,7 +146,7 @@ struct Pitch {
     helix_angle: Angle,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    model: Model,
     #[command(flatten)]
     common: Common,
 }
@@ -175,7 +174,7 @@ struct Lead {
     helix_angle: Angle,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    model: Model,
     #[command(flatten)]
     common: Common,
 }
@@ -487,7 +486,7 @@ fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Re
     let (law, asked) = (law.map_err(|error| refused(&error))?, args.given.asked::<Length>()?);
     let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
     notes.extend(sensible_error(output, law, &args.given, &asked)?);
-    let calculation = Calculation { notes, ..by_models(law, &asked, args.model.into())? };
+    let calculation = Calculation { notes, ..by_models(law, &asked, args.model)? };
     args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
 }
 
@@ -514,7 +513,7 @@ fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
     let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
     notes.extend(sensible(output, "--face-width", plausible::face_width(args.face_width, None))?);
     notes.extend(sensible_error(output, law, &args.given, &asked)?);
-    let calculation = Calculation { notes, ..by_models(law, &asked, args.model.into())? };
+    let calculation = Calculation { notes, ..by_models(law, &asked, args.model)? };
     args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
 }
 

@@ -1,6 +1,5 @@
 //! `rackmesh class`: permissible deviations of a grade, grades obtained, and the coarsest grade within a ΔCD.
 
-use super::decision::ModelArg;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use crate::deviation::{DeviationKind, Part};
@@ -70,7 +69,7 @@ pub(super) struct Args {
     pressure_angle: Option<Angle>,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
-    model: ModelArg,
+    model: Model,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -218,7 +217,6 @@ impl Args {
         output: &mut Output,
     ) -> Result<Status, Failure> {
         let sized = self.sized(self.part(), spec)?;
-        let model: Model = self.model.into();
         let mut notes = Vec::new();
         let pair = match spec.map(|spec| spec.pair("the exact mesh")) {
             Some(Ok(pair)) => Some(pair),
@@ -233,7 +231,7 @@ impl Args {
         for one in [Some(standard), standard.companion()].into_iter().flatten() {
             for deviation in one.deviations() {
                 match one.permissible(deviation, grade, &sized.wheel) {
-                    Ok(permissible) => rows.push(row(permissible, &sized, model, pair.as_ref())),
+                    Ok(permissible) => rows.push(row(permissible, &sized, self.model, pair.as_ref())),
                     Err(error) => not_given.push((one, deviation, error)),
                 }
             }

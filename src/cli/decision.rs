@@ -1,7 +1,5 @@
 //! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
 
-use clap::ValueEnum;
-
 use super::output::Failure;
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, PartSimulation, Settings};
 use crate::diagnostic::{Code, Diagnostic};
@@ -14,7 +12,7 @@ use crate::judge::bound::Basis;
 use crate::judge::{Limits, Rule};
 use crate::report::UncertaintyPart;
 use crate::spec::{Spec, keys};
-use crate::uncertainty::{self, Part, Propagation, Uncertainties, UncertaintyError};
+use crate::uncertainty::{self, Part, Uncertainties, UncertaintyError};
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct DecisionArgs {
@@ -38,10 +36,10 @@ pub(super) struct DecisionArgs {
 pub(super) struct JudgeArgs {
     /// How errors add up.
     #[arg(long, value_enum, default_value_t)]
-    pub(super) stack: StackArg,
+    pub(super) stack: Stack,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
-    pub(super) model: ModelArg,
+    pub(super) model: Model,
     #[command(flatten)]
     pub(super) decision: DecisionArgs,
 }
@@ -49,7 +47,7 @@ pub(super) struct JudgeArgs {
 impl JudgeArgs {
     /// As the spec says: the worst case by its own rule, and no simulation.
     pub(super) fn of_spec() -> Self {
-        Self { stack: StackArg::Range, model: ModelArg::Exact, decision: DecisionArgs::of_spec() }
+        Self { stack: Stack::Range, model: Model::Exact, decision: DecisionArgs::of_spec() }
     }
 
     /// Evaluates a part's errors by what is known of the pair and decides by its rule, with what is known of their
@@ -60,54 +58,11 @@ impl JudgeArgs {
         errors: &[PartDeviation],
         basis: &Basis,
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        let mut evaluation = evaluate(errors, &spec.limits(), self.model.into(), self.stack.into(), basis)
+        let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
             .map_err(|failure| spec.explain_failure(&failure))?;
         let uncertainty = self.decision.judge(spec, errors, basis, &mut evaluation)?;
         Ok((evaluation, uncertainty))
     }
-}
-
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-pub(super) enum StackArg {
-    /// The worst case: what these errors can do wherever on the teeth they are.
-    #[default]
-    #[value(alias = "worst")]
-    Range,
-    /// Mean ± 3 standard deviations; no bound.
-    Rss,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum ModelArg {
-    /// Exact for rigid teeth.
-    #[default]
-    Exact,
-    /// As the paper prints it.
-    Paper,
-}
-
-impl From<StackArg> for Stack {
-    fn from(stack: StackArg) -> Self {
-        match stack {
-            StackArg::Range => Self::Range,
-            StackArg::Rss => Self::Rss,
-        }
-    }
-}
-
-impl From<ModelArg> for Model {
-    fn from(model: ModelArg) -> Self {
-        match model {
-            ModelArg::Exact => Self::Exact,
-            ModelArg::Paper => Self::Paper,
-        }
-    }
-}
-
-/// What is known of a part's uncertainty.
-struct KnownUncertainty {
-    propagation: Propagation,
-    simulation: Option<PartSimulation>,
 }
 
 /// A number of draws as people write it: `1000000`, `1_000_000`, `1e6`.
@@ -185,16 +140,11 @@ impl DecisionArgs {
                 )
                 .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
         }
-        Ok(known.map(|known| UncertaintyPart {
-            propagation: known.propagation,
-            simulation: known.simulation,
-            taken_as_exact: spec.taken_as_exact(),
-            through_mesh: !spec.teeth_sensitivities.is_empty(),
-        }))
+        Ok(known)
     }
 
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<KnownUncertainty>, Failure> {
+    fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<UncertaintyPart>, Failure> {
         let settings = self.settings()?;
         let uncertainties = spec.uncertainties()?;
         if uncertainties.is_empty() {
@@ -210,7 +160,12 @@ impl DecisionArgs {
         }
         let propagation = uncertainty::propagate(part, &uncertainties).map_err(|error| no_uncertainty(&error))?;
         let simulation = settings.map(|settings| simulate(part, &uncertainties, limits, &settings)).transpose()?;
-        Ok(Some(KnownUncertainty { propagation, simulation }))
+        Ok(Some(UncertaintyPart {
+            propagation,
+            simulation,
+            taken_as_exact: spec.taken_as_exact(),
+            through_mesh: !spec.teeth_sensitivities.is_empty(),
+        }))
     }
 }
 

@@ -12,19 +12,18 @@ pub(super) fn is_office(path: &str) -> bool {
 }
 
 /// Rows of CSV that are kept until they are all there.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Collected(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+#[derive(Debug, Default)]
+pub(super) struct Collected(Vec<u8>);
 
 /// Bytes of rows that are kept at most: a full Excel sheet and more.
 const LARGEST_RESULT: usize = 512 << 20;
 
 impl std::io::Write for Collected {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let mut kept = self.0.lock().map_err(|_| std::io::Error::other("the rows are lost"))?;
-        if kept.len() + bytes.len() > LARGEST_RESULT {
+        if self.0.len() + bytes.len() > LARGEST_RESULT {
             return Err(std::io::Error::other("there are too many rows for this format; write .csv"));
         }
-        kept.extend_from_slice(bytes);
+        self.0.extend_from_slice(bytes);
         Ok(bytes.len())
     }
 
@@ -36,8 +35,7 @@ impl std::io::Write for Collected {
 impl Collected {
     /// The rows, header included.
     pub(super) fn rows(&self) -> Result<Vec<Vec<String>>, Failure> {
-        let kept = self.0.lock().map_err(|_| std::io::Error::other("the rows are lost"))?;
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(kept.as_slice());
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(self.0.as_slice());
         let rows = reader.records().map(|row| row.map(|row| row.iter().map(str::to_owned).collect()));
         Ok(rows.collect::<Result<_, csv::Error>>().map_err(std::io::Error::from)?)
     }

@@ -124,7 +124,7 @@ impl Args {
     }
 
     fn open(&self, spec: &Arc<Spec>, interruption: &Interruption, output: &mut Output) -> Result<Opened, Failure> {
-        let opener = Opener::new(&self.reading, spec, self.judge.model.into(), interruption.stop());
+        let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
         if let Some(path) = self.file.as_deref().filter(|path| *path != "-") {
             return opener.open(path);
         }
@@ -358,7 +358,7 @@ impl Args {
     fn spaces(&self, read: &ReadBlock, tables: MeasuredTables, output: &mut Output) -> Result<Status, Failure> {
         let spec = &read.spec;
         let is_rack = tables.rack.is_some();
-        let measured = spec.measured(&tables, self.judge.model.into())?;
+        let measured = spec.measured(&tables, self.judge.model)?;
         let title = self.block_name();
         let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();

@@ -194,7 +194,7 @@ impl Args {
         let interruption = long::interrupted(output);
         let spec = Arc::new(spec.clone());
         let files: Vec<&str> = self.files.iter().map(String::as_str).collect();
-        let opener = Opener::new(&self.reading, &spec, self.judge.model.into(), interruption.stop());
+        let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: self.teeth.then_some(true), ..opener };
         let mut found = interruption.while_waiting(|| opener.look(&files))?;
         if let Some(failed) = found.failed.pop() {
@@ -227,8 +227,8 @@ impl Args {
         let Some(first) = found.first() else { return Err(no_table().into()) };
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
         let request = Request {
-            model: self.judge.model.into(),
-            stack: self.judge.stack.into(),
+            model: self.judge.model,
+            stack: self.judge.stack,
             rule: self.judge.decision.rule(&spec),
             monte_carlo: self.judge.decision.settings()?,
             rows: Rows::All,
@@ -288,8 +288,7 @@ impl Args {
     }
 
     fn assumptions(&self) -> Section {
-        let stack: Stack = self.judge.stack.into();
-        let model: crate::formula::Model = self.judge.model.into();
+        let JudgeArgs { stack, model, .. } = &self.judge;
         let notes = [
             format!("Formulas: the {model} model. Lengths and angles are exact decimals; a result is rounded once, and one that equals a limit is inside it."),
             format!("Verdicts judge the {stack}. The worst case is a bound: wherever on the teeth that their extents allow the errors are, the exact mesh of the same errors stays inside it."),

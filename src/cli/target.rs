@@ -39,6 +39,16 @@ impl Target {
         Ok(Self { path: path.to_owned(), inputs: inputs.iter().map(|&input| input.to_owned()).collect(), sink })
     }
 
+    /// What writes to the same place, for a writer that keeps it to its end.
+    pub(super) fn writer(&self) -> io::Result<Box<dyn Write + Send>> {
+        Ok(match &self.sink {
+            Sink::Stdout => Box::new(stream::Stdout),
+            Sink::Stderr => Box::new(io::stderr()),
+            Sink::Stream(file) => Box::new(file.try_clone()?),
+            Sink::Beside(beside) => Box::new(beside.file.as_ref().ok_or_else(closed)?.try_clone()?),
+        })
+    }
+
     /// Puts the file in its place, now that it is complete.
     pub(super) fn finish(mut self) -> Result<(), Failure> {
         let finished = match &mut self.sink {
@@ -157,7 +167,7 @@ impl Beside {
     }
 
     fn file(&mut self) -> io::Result<&mut File> {
-        self.file.as_mut().ok_or_else(|| io::Error::other("the file is closed"))
+        self.file.as_mut().ok_or_else(closed)
     }
 
     fn has_bytes(&self) -> bool {
@@ -188,6 +198,10 @@ impl Drop for Beside {
             self.remove();
         }
     }
+}
+
+fn closed() -> io::Error {
+    io::Error::other("the file is closed")
 }
 
 /// Makes a file beside `place` that nobody else has made.

@@ -40,11 +40,16 @@ use crate::quantity::Length;
 
 /// Which reading of a formula to use, where the paper's differs from the exact one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Model {
-    /// Exact for rigid teeth: the pressure angle is taken in the plane in which the error was measured.
+    /// Exact for rigid teeth.
+    ///
+    /// The pressure angle is taken in the plane in which the error was measured.
     #[default]
     Exact,
-    /// The formula as the paper prints it; of the pinion's lead, which it has no formula for, the exact one.
+    /// As the paper prints it.
+    ///
+    /// Of the pinion's lead, which the paper has no formula for, the exact formula.
     Paper,
 }
 

@@ -10,11 +10,17 @@ use crate::quantity::{FM_PER_MM, Length, QuantityError};
 
 /// How errors are combined to the result that is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[non_exhaustive]
 pub enum Stack {
-    /// The worst case: no placement of these errors on the teeth leaves it.
+    /// The worst case: what these errors can do wherever on the teeth they are.
+    ///
+    /// No placement of these errors on the teeth leaves it.
     #[default]
+    #[cfg_attr(feature = "cli", value(alias = "worst"))]
     Range,
+    /// Mean ± 3 standard deviations; no bound.
+    ///
     /// Statistical: all but a few of many such parts, at any one stroke.
     Rss,
 }

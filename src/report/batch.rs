@@ -3,9 +3,9 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::number::{ends, grouped, millimetres, plain, unsigned};
+use super::number::{ends, grouped, millimetres, unsigned};
 use super::uncertainty::{micrometres, rule_name};
-use super::{Block, Column, Report, Table, judged_without, titled};
+use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Statistics};
 use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
@@ -496,38 +496,18 @@ impl Report for BatchReport<'_> {
 
     /// One row per result.
     fn rows(&self) -> Vec<Vec<String>> {
-        let mut header: Vec<String> =
-            ["name", "count", "mean_mm", "standard_deviation_mm", "min_mm", "max_mm"].map(str::to_owned).to_vec();
-        header.extend(QUANTILES.iter().map(|q| format!("q{q}_mm")));
-        header.extend(["limit_lower_mm", "limit_upper_mm", "pp", "ppk"].map(str::to_owned));
-        header.extend(self.outcome.counts.named().map(|(name, _)| name.to_owned()));
-        header.extend(["cp", "cpk", "normality_p", "gauge_variance_share"].map(str::to_owned));
-        let number = |value: Option<f64>| value.map(plain).unwrap_or_default();
-        let mut rows = vec![header];
-        for quantity in &self.quantities {
-            let statistics = quantity.statistics;
-            let mut row = vec![
-                quantity.name.to_owned(),
-                statistics.count().to_string(),
-                number(statistics.mean_mm()),
-                number(statistics.standard_deviation_mm()),
-                number(statistics.min_mm()),
-                number(statistics.max_mm()),
-            ];
-            row.extend(QUANTILES.iter().map(|q| number(statistics.quantile_mm(*q))));
-            row.extend([number(quantity.limits.0), number(quantity.limits.1)]);
-            row.extend(
-                [quantity.capability.pp, quantity.capability.ppk].map(|index| number(index.map(|index| index.value))),
-            );
-            row.extend(self.outcome.counts.named().map(|(_, count)| count.to_string()));
-            row.extend(
-                [quantity.capability.cp, quantity.capability.cpk].map(|index| number(index.map(|index| index.value))),
-            );
-            row.push(number(quantity.capability.normality.map(|normality| normality.p_value)));
-            row.push(number(quantity.capability.gauge.map(|gauge| gauge.variance_share)));
-            rows.push(row);
-        }
-        rows
+        let fixed = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+        let quantile = |(place, share): (usize, f64)| format!("q{share}_mm=quantiles/{place}/value_mm");
+        let counts = self.outcome.counts.named().map(|(name, _)| format!("{name}=counts/{name}")).to_vec();
+        let names = [
+            fixed(&["name", "count", "mean_mm", "standard_deviation_mm", "min_mm", "max_mm"]),
+            QUANTILES.into_iter().enumerate().map(quantile).collect(),
+            fixed(&["limit_lower_mm", "limit_upper_mm", "pp=pp/value", "ppk=ppk/value"]),
+            counts,
+            fixed(&["cp=cp/value", "cpk=cpk/value"]),
+            fixed(&["normality_p=normality/p_value", "gauge_variance_share=gauge/variance_share"]),
+        ];
+        fact::rows(&self.json(), "results", &names.concat())
     }
 
     fn blocks(&self) -> Vec<Block> {

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::evaluation::{ClassFact, IntervalFact, ON_WORST_TEETH, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
-use super::{Block, Column, Report, Screen, Table, titled};
+use super::{Block, Column, Report, Screen, Table, fact, titled};
 use crate::budget::{Budget, Line, Rule};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::formula::{Input, Model};
@@ -267,39 +267,18 @@ impl Report for BudgetReport<'_> {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header = [
+        const NAMES: [&str; 9] = [
             "error",
             "fixed",
             "tolerance_mm",
             "tolerance_deg",
             "delta_cd_mm",
             "share",
-            "sensitivity",
+            "sensitivity=sensitivities/0/value",
             "feasible",
             "extent",
         ];
-        let mut rows = vec![header.map(str::to_owned).to_vec()];
-        let feasible = self.budget.is_feasible();
-        for line in &self.budget.lines {
-            let kind = line.error.kind();
-            let known = feasible || line.is_fixed;
-            let value = if known { plain(line.error.value().abs().base()) } else { String::new() };
-            let (mm, deg) =
-                if kind == DeviationKind::RackLead { (String::new(), value) } else { (value, String::new()) };
-            let slope = line.sensitivities.iter().find(|sensitivity| sensitivity.input == Input::Error);
-            rows.push(vec![
-                kind.key().to_owned(),
-                line.is_fixed.to_string(),
-                mm,
-                deg,
-                if known { plain(line.delta_cd.mm()) } else { String::new() },
-                plain(line.share),
-                slope.and_then(|slope| slope.value).map(plain).unwrap_or_default(),
-                feasible.to_string(),
-                line.error.extent().name().to_owned(),
-            ]);
-        }
-        rows
+        fact::rows(&self.json(), "tolerances", &NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::evaluation::IntervalFact;
-use super::number::{plain, plain_padded, truncated};
-use super::{Block, Column, Report, Table};
+use super::number::{plain_padded, truncated};
+use super::{Block, Column, Report, Table, fact};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{FormulaPage, Model};
 use crate::judge::Interval;
@@ -176,20 +176,11 @@ impl Report for Calculation {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let (key, base) = base_value(self.result);
-        let model = self.model.map(Model::name).unwrap_or_default();
-        let mut header = ["formula", "model", key, "value", "unit"].map(str::to_owned).to_vec();
-        let mut row = [self.formula.name, model, &plain(base), &plain(self.number(self.result)), self.unit_name()]
-            .map(str::to_owned)
-            .to_vec();
-        if let Some(worst_case) = self.worst_case {
-            let end = |end: fn(Interval) -> Length| worst_case.range.map(|range| plain(end(range).mm()));
-            let ends = [end(|range| range.lower), end(|range| range.upper)].map(Result::unwrap_or_default);
-            header.extend(["extent", "lower_mm", "upper_mm"].map(str::to_owned));
-            row.push(worst_case.extent.name().to_owned());
-            row.extend(ends);
+        let mut names = vec!["formula", "model", base_value(self.result).0, "value", "unit"];
+        if self.worst_case.is_some() {
+            names.extend(["extent", "lower_mm=range_mm/lower", "upper_mm=range_mm/upper"]);
         }
-        vec![header, row]
+        fact::rows(&json!({ "calculations": [self.json()] }), "calculations", &names)
     }
 
     fn blocks(&self) -> Vec<Block> {

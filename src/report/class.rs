@@ -394,22 +394,15 @@ impl Report for GradeSearchReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let mut rows = vec![
-            ["grade", "worst_case_lower_mm", "worst_case_upper_mm", "rss_lower_mm", "rss_upper_mm", "missing"]
-                .map(str::to_owned)
-                .to_vec(),
+        const NAMES: [&str; 6] = [
+            "grade",
+            "worst_case_lower_mm=worst_case_mm/lower",
+            "worst_case_upper_mm=worst_case_mm/upper",
+            "rss_lower_mm=rss_mm/lower",
+            "rss_upper_mm=rss_mm/upper",
+            "missing",
         ];
-        for step in &self.search.steps {
-            let mut row = vec![step.grade.to_string()];
-            for stack in Stack::ALL {
-                let interval = step.combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
-                let ends = interval.map(|interval| [plain(interval.lower.mm()), plain(interval.upper.mm())]);
-                row.extend(ends.unwrap_or_default());
-            }
-            row.push(why_none(&step.combined).unwrap_or_default());
-            rows.push(row);
-        }
-        rows
+        fact::rows(&self.json(), "grades", &NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {

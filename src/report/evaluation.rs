@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{ends, millimetres, plain, signed, tidy, unsigned};
-use super::uncertainty::{DecisionFact, UncertaintyCells, UncertaintyPart, indeterminate_sentence, rule_name};
+use super::uncertainty::{self, DecisionFact, UncertaintyPart, indeterminate_sentence, rule_name};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, Unjudged};
@@ -479,54 +479,34 @@ impl<'a> From<&'a MeshPart> for MeshFact<'a> {
     }
 }
 
-/// A row of CSV: an error, a combination, a limit or an uncertainty; what it has no value for is empty.
-#[derive(Serialize, Default)]
-struct EvaluationRow {
-    kind: &'static str,
-    name: &'static str,
-    extent: Option<&'static str>,
-    deviation_mm: Option<f64>,
-    deviation_deg: Option<f64>,
-    delta_cd_mm: Option<f64>,
-    delta_cd_exact_mm: Option<f64>,
-    delta_cd_paper_mm: Option<f64>,
-    model: Option<&'static str>,
-    formula: Option<&'static str>,
-    share: Option<f64>,
-    lower_mm: Option<f64>,
-    upper_mm: Option<f64>,
-    limit_lower_mm: Option<f64>,
-    limit_upper_mm: Option<f64>,
-    verdict: Option<&'static str>,
-    standard: Option<&'static str>,
-    grade: Option<u8>,
-    diameter_mm: Option<f64>,
-    #[serde(flatten)]
-    uncertainty: Option<UncertaintyCells>,
-}
+/// The columns of CSV, of an error, a combination, a limit or an uncertainty.
+const COLUMNS: [&str; 19] = [
+    "kind",
+    "name",
+    "extent",
+    "deviation_mm",
+    "deviation_deg",
+    "delta_cd_mm",
+    "delta_cd_exact_mm",
+    "delta_cd_paper_mm",
+    "model",
+    "formula",
+    "share",
+    "lower_mm=range_mm/lower",
+    "upper_mm=range_mm/upper",
+    "limit_lower_mm=limit/lower_mm",
+    "limit_upper_mm=limit/upper_mm",
+    "verdict=limit/verdict",
+    "standard=class/standard",
+    "grade=class/grade",
+    "diameter_mm=class/diameter_mm",
+];
 
-impl From<ContributionRow> for EvaluationRow {
-    fn from(row: ContributionRow) -> Self {
-        Self {
-            kind: "error",
-            name: row.error,
-            extent: Some(row.extent),
-            deviation_mm: row.deviation_mm,
-            deviation_deg: row.deviation_deg,
-            delta_cd_mm: Some(row.delta_cd_mm),
-            delta_cd_exact_mm: Some(row.delta_cd_exact_mm),
-            delta_cd_paper_mm: Some(row.delta_cd_paper_mm),
-            model: Some(row.model),
-            formula: Some(row.formula),
-            share: row.share,
-            lower_mm: row.range_mm.as_ref().map(|range| range.lower),
-            upper_mm: row.range_mm.as_ref().map(|range| range.upper),
-            standard: row.class.as_ref().map(|class| class.standard),
-            grade: row.class.as_ref().map(|class| class.grade),
-            diameter_mm: row.class.as_ref().and_then(|class| class.diameter_mm),
-            ..Self::default()
-        }
-    }
+/// What a row of CSV is made of, with what it is of.
+fn record(kind: &str, name: impl Into<Value>, mut fact: Value) -> Value {
+    fact["kind"] = kind.into();
+    fact["name"] = name.into();
+    fact
 }
 
 impl Report for EvaluationReport<'_> {
@@ -557,43 +537,28 @@ impl Report for EvaluationReport<'_> {
     /// One row per error, then one per combination, then one per limit, then one per uncertainty.
     fn rows(&self) -> Vec<Vec<String>> {
         let evaluation = self.evaluation;
-        let model = Some(evaluation.model.name());
-        let ends = |kind, name, ends: Option<Interval>| EvaluationRow {
-            kind,
-            name,
-            model,
-            lower_mm: ends.map(|ends| ends.lower.mm()),
-            upper_mm: ends.map(|ends| ends.upper.mm()),
-            ..EvaluationRow::default()
+        let ends = |kind, name, range: Option<IntervalFact>| {
+            record(kind, name, json!({ "model": evaluation.model.name(), "range_mm": range }))
         };
-        let mut rows: Vec<EvaluationRow> = self.contributions().map(EvaluationRow::from).collect();
-        let combined = Stack::ALL.map(|stack| ends("combined", stack.name(), evaluation.combined.interval(stack).ok()));
-        rows.extend(combined);
-        rows.extend(evaluation.reached.map(|reached| ends("combined", "reached", Some(reached))));
-        rows.extend(self.mesh.as_ref().map(|MeshPart { summary, .. }| EvaluationRow {
-            lower_mm: Some(tidy(summary.min_mm)),
-            upper_mm: Some(tidy(summary.max_mm)),
-            ..ends("mesh", "mesh", None)
+        let mut records: Vec<_> = self.contributions().map(|row| record("error", row.error, json!(row))).collect();
+        let combined = |stack| evaluation.combined.interval(stack).ok().map(IntervalFact::from);
+        records.extend(Stack::ALL.map(|stack| ends("combined", stack.name(), combined(stack))));
+        records.extend(evaluation.reached.map(|reached| ends("combined", "reached", Some(reached.into()))));
+        records.extend(self.mesh.as_ref().map(|MeshPart { summary, .. }| {
+            let range = IntervalFact { lower: tidy(summary.min_mm), upper: tidy(summary.max_mm) };
+            ends("mesh", "mesh", Some(range))
         }));
-        rows.extend(evaluation.limits.iter().map(|check| EvaluationRow {
-            limit_lower_mm: check.limit.lower.map(Length::mm),
-            limit_upper_mm: check.limit.upper.map(Length::mm),
-            verdict: verdict_name(check.verdict),
-            ..ends("limit", check.on.key(), check.result.ok())
+        records.extend(evaluation.limits.iter().map(|check| {
+            let mut row = ends("limit", check.on.key(), check.result.ok().map(IntervalFact::from));
+            row["limit"] = json!(LimitFact::from(check));
+            row
         }));
+        let mut names = COLUMNS.to_vec();
         if let Some(part) = &self.uncertainty {
-            for row in &mut rows {
-                row.uncertainty = Some(UncertaintyCells::default());
-            }
-            rows.extend(part.rows().map(|(name, value_mm, cells)| EvaluationRow {
-                kind: "uncertainty",
-                name,
-                delta_cd_mm: Some(value_mm),
-                uncertainty: Some(cells),
-                ..EvaluationRow::default()
-            }));
+            names.extend(uncertainty::COLUMNS);
+            records.extend(part.facts().map(|fact| record("uncertainty", fact["of"].clone(), fact)));
         }
-        fact::rows_of(&rows)
+        fact::rows(&json!({ "records": records }), "records", &names)
     }
 
     fn blocks(&self) -> Vec<Block> {

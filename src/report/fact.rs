@@ -1,7 +1,6 @@
 //! Facts as programs read them: what serialises becomes a document of JSON, and rows of CSV are columns of its records.
 
-use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use crate::quantity::plain;
 
@@ -19,23 +18,17 @@ pub(crate) fn document(result: Value) -> Value {
 }
 
 /// The cells of CSV, header first: a row for each record below the key `records`, with what it has below each name, or
-/// else the whole result has.
+/// else the whole result has. Where a value stands at another place than its name says, that place follows: `pp=pp/value`.
 pub(super) fn rows(result: &Value, records: &str, names: &[impl AsRef<str>]) -> Vec<Vec<String>> {
-    let header = names.iter().map(|name| name.as_ref().to_owned()).collect();
+    let columns = names.iter().map(AsRef::as_ref).map(|name| name.split_once('=').unwrap_or((name, name)));
+    let (header, places): (Vec<_>, Vec<_>) =
+        columns.map(|(name, place)| (name.to_owned(), format!("/{place}"))).unzip();
     let records = result.get(records).and_then(Value::as_array).into_iter().flatten();
     let row = |record: &Value| {
-        let found = names.iter().map(|name| record.get(name.as_ref()).or_else(|| result.get(name.as_ref())));
+        let found = places.iter().map(|place| record.pointer(place).or_else(|| result.pointer(place)));
         found.map(|value| value.map(cell).unwrap_or_default()).collect()
     };
     std::iter::once(header).chain(records.map(row)).collect()
-}
-
-/// The cells of CSV, header first, of records that have the same names; at least one is needed.
-pub(super) fn rows_of(records: &[impl Serialize]) -> Vec<Vec<String>> {
-    let records = json!(records);
-    let first = records.get(0).and_then(Value::as_object).into_iter().flat_map(Map::keys);
-    let names: Vec<_> = first.cloned().collect();
-    rows(&json!({ "records": records }), "records", &names)
 }
 
 /// A value as the text of a cell: nothing where it is null.

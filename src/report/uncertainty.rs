@@ -262,48 +262,48 @@ impl UncertaintyPart {
         blocks
     }
 
-    pub(super) fn json(&self) -> Value {
-        let results: Vec<_> = self
-            .results()
-            .into_iter()
-            .map(|(key, _, linear, simulated)| {
-                let contributions: Vec<_> = linear
-                    .contributions
-                    .iter()
-                    .map(|c| {
-                        let angle = c.source.is_angle();
-                        json!({
-                            "input": c.source.key(),
-                            "standard_uncertainty_mm": (!angle).then_some(c.standard),
-                            "standard_uncertainty_deg": angle.then_some(c.standard),
-                            "degrees_of_freedom": finite(c.dof),
-                            "sensitivity": c.sensitivity,
-                            "sensitivity_unit": if angle { "mm/deg" } else { "mm/mm" },
-                            "contribution_mm": tidy(c.contribution_mm),
-                            "share": c.share,
-                        })
+    /// Each result, for programs.
+    pub(super) fn facts(&self) -> impl Iterator<Item = Value> + '_ {
+        self.results().into_iter().map(|(key, _, linear, simulated)| {
+            let contributions: Vec<_> = linear
+                .contributions
+                .iter()
+                .map(|c| {
+                    let angle = c.source.is_angle();
+                    json!({
+                        "input": c.source.key(),
+                        "standard_uncertainty_mm": (!angle).then_some(c.standard),
+                        "standard_uncertainty_deg": angle.then_some(c.standard),
+                        "degrees_of_freedom": finite(c.dof),
+                        "sensitivity": c.sensitivity,
+                        "sensitivity_unit": if angle { "mm/deg" } else { "mm/mm" },
+                        "contribution_mm": tidy(c.contribution_mm),
+                        "share": c.share,
                     })
-                    .collect();
-                json!({
-                    "of": key,
-                    "delta_cd_mm": tidy(linear.value_mm),
-                    "standard_uncertainty_mm": tidy(linear.standard_mm),
-                    "coverage_factor": linear.coverage_factor,
-                    "expanded_uncertainty_mm": tidy(linear.expanded_mm()),
-                    "effective_degrees_of_freedom": linear.dof.and_then(finite),
-                    "linear": linear.folded.is_empty(),
-                    "folded": linear.folded.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
-                    "contributions": contributions,
-                    "monte_carlo": simulated.map(|simulated| {
-                        simulation_json(simulated, &validate(linear, simulated, self.digits()))
-                    }),
                 })
+                .collect();
+            json!({
+                "of": key,
+                "delta_cd_mm": tidy(linear.value_mm),
+                "standard_uncertainty_mm": tidy(linear.standard_mm),
+                "coverage_factor": linear.coverage_factor,
+                "expanded_uncertainty_mm": tidy(linear.expanded_mm()),
+                "effective_degrees_of_freedom": linear.dof.and_then(finite),
+                "linear": linear.folded.is_empty(),
+                "folded": linear.folded.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
+                "contributions": contributions,
+                "monte_carlo": simulated.map(|simulated| {
+                    simulation_json(simulated, &validate(linear, simulated, self.digits()))
+                }),
             })
-            .collect();
+        })
+    }
+
+    pub(super) fn json(&self) -> Value {
         json!({
             "stack": self.propagation.stack.name(),
             "coverage": "95.45 %",
-            "results": results,
+            "results": self.facts().collect::<Vec<_>>(),
             "monte_carlo": self.simulation.as_ref().map(|simulation| {
                 let outcome = &simulation.outcome;
                 json!({
@@ -317,37 +317,19 @@ impl UncertaintyPart {
             "notes": self.notes(),
         })
     }
-
-    /// Each result with its key and ΔCD, mm.
-    pub(super) fn rows(&self) -> impl Iterator<Item = (&'static str, f64, UncertaintyCells)> + '_ {
-        self.results().into_iter().map(|(key, _, linear, simulated)| {
-            let cells = UncertaintyCells {
-                standard_uncertainty_mm: Some(tidy(linear.standard_mm)),
-                expanded_uncertainty_mm: Some(tidy(linear.expanded_mm())),
-                coverage_factor: Some(linear.coverage_factor),
-                monte_carlo_mean_mm: simulated.map(|simulated| tidy(simulated.mean)),
-                monte_carlo_standard_mm: simulated.map(|simulated| tidy(simulated.standard)),
-                monte_carlo_lower_mm: simulated.map(|simulated| tidy(simulated.symmetric.0)),
-                monte_carlo_upper_mm: simulated.map(|simulated| tidy(simulated.symmetric.1)),
-                linear_validated: simulated.map(|simulated| validate(linear, simulated, self.digits()).validated),
-            };
-            (key, tidy(linear.value_mm), cells)
-        })
-    }
 }
 
-/// The uncertainty of a result as cells of CSV.
-#[derive(Serialize, Default)]
-pub(super) struct UncertaintyCells {
-    standard_uncertainty_mm: Option<f64>,
-    expanded_uncertainty_mm: Option<f64>,
-    coverage_factor: Option<f64>,
-    monte_carlo_mean_mm: Option<f64>,
-    monte_carlo_standard_mm: Option<f64>,
-    monte_carlo_lower_mm: Option<f64>,
-    monte_carlo_upper_mm: Option<f64>,
-    linear_validated: Option<bool>,
-}
+/// The columns of CSV that a result's uncertainty has.
+pub(super) const COLUMNS: [&str; 8] = [
+    "standard_uncertainty_mm",
+    "expanded_uncertainty_mm",
+    "coverage_factor",
+    "monte_carlo_mean_mm=monte_carlo/mean_mm",
+    "monte_carlo_standard_mm=monte_carlo/standard_uncertainty_mm",
+    "monte_carlo_lower_mm=monte_carlo/symmetric_95_mm/lower",
+    "monte_carlo_upper_mm=monte_carlo/symmetric_95_mm/upper",
+    "linear_validated=monte_carlo/linear_validated",
+];
 
 fn upper_error(simulation: &PartSimulation) -> f64 {
     let (low, high) = simulation.upper().end_errors;

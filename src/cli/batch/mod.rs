@@ -190,7 +190,7 @@ impl Args {
             );
         }
         let (rows_format, summary_format) = self.formats()?;
-        let opener = Opener::new(&self.reading, &spec, self.judge.model.into(), interruption.stop());
+        let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: Some(self.teeth), ..opener };
         let mut found = interruption.while_waiting(|| opener.look(&files))?;
         if self.teeth {
@@ -248,7 +248,7 @@ impl Args {
         outcome.notes.extend(outcome.duplicates.note());
         outcome.is_cut |= !failed.is_empty();
         let is_complete = !outcome.interrupted && !outcome.is_cut;
-        targets.finish(is_complete, self.output.as_deref(), spec, output)?;
+        targets.finish(is_complete, spec, output)?;
         for diagnostic in failed {
             output.diagnostic(diagnostic);
         }
@@ -361,8 +361,8 @@ impl Args {
     fn request(&self, format: RowFormat, spec: &Spec) -> Result<Request, Failure> {
         self.refuse_repeated_columns()?;
         Ok(Request {
-            model: self.judge.model.into(),
-            stack: self.judge.stack.into(),
+            model: self.judge.model,
+            stack: self.judge.stack,
             rule: self.judge.decision.rule(spec),
             monte_carlo: self.judge.decision.settings()?,
             decimals: self.decimals,

@@ -1,53 +1,35 @@
 //! The files that a batch writes: rows in their format and packing, and rejected rows. They appear under their names when
 //! the run is complete; of one that is not, what there is stands beside as NAME.partial.
 
-use std::io::{self, Write};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::io::Write as _;
 
 use super::Args;
 use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink, Sinks};
+use crate::cli::office;
 use crate::cli::output::{Failure, Output};
 use crate::cli::target::{self, Target};
-use crate::cli::{office, stream};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::Spec;
 
-/// A file that a writer of its own format writes, and that is ended here.
-#[derive(Clone)]
-struct Shared(Arc<Mutex<Option<Target>>>);
-
-impl Shared {
-    fn new(target: Target) -> Self {
-        Self(Arc::new(Mutex::new(Some(target))))
-    }
-
-    fn take(&self) -> Option<Target> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-}
-
-impl Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self.0.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
-            Some(target) => target.write(bytes),
-            None => Err(io::Error::other("the file has ended")),
-        }
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).as_mut().map_or(Ok(()), Write::flush)
-    }
+/// Where rows go.
+enum RowTarget {
+    Text(Target),
+    /// A Parquet file, which has an end of its own.
+    Parquet {
+        rows: ParquetRows,
+        file: Target,
+    },
+    /// A file whose format needs all rows.
+    Office {
+        path: String,
+        rows: office::Collected,
+        file: Target,
+    },
 }
 
 /// Files that are written.
 pub(super) struct Targets {
-    rows: Option<Box<dyn Write + Send>>,
-    /// The file of the rows, if they go to one.
-    file: Option<Shared>,
-    /// The rows, if they become a Parquet file, which has an end of its own.
-    parquet: Option<ParquetRows>,
-    /// The rows, if their format needs all of them.
-    collected: Option<office::Collected>,
+    rows: Option<RowTarget>,
     rejects: Option<Target>,
     packing: Packing,
     rejects_packing: Packing,
@@ -57,33 +39,29 @@ impl Targets {
     pub(super) fn sinks(&mut self) -> Sinks<'_> {
         let (packing, rejects_packing) = (self.packing, self.rejects_packing);
         Sinks {
-            rows: match (&mut self.parquet, &mut self.rows) {
-                (Some(parquet), _) => Some(RowSink::Columns(parquet)),
-                (None, rows) => rows.as_mut().map(|writer| RowSink::Text(Sink { writer, packing })),
-            },
+            rows: self.rows.as_mut().map(|rows| match rows {
+                RowTarget::Text(writer) => RowSink::Text(Sink { writer, packing }),
+                RowTarget::Parquet { rows, .. } => RowSink::Columns(rows),
+                RowTarget::Office { rows, .. } => RowSink::Text(Sink { writer: rows, packing }),
+            }),
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
         }
     }
 
     /// Ends the files. Of a run that is not complete, what there is is kept beside, and that is said.
-    pub(super) fn finish(
-        self,
-        is_complete: bool,
-        path: Option<&str>,
-        spec: &Spec,
-        output: &mut Output,
-    ) -> Result<(), Failure> {
-        if let Some(parquet) = self.parquet {
-            parquet.finish()?;
-        }
-        let file = self.file.and_then(|file| file.take());
-        let file = match (self.collected, path, file) {
-            (Some(collected), Some(path), Some(mut file)) => {
-                let title = spec.title.as_deref().unwrap_or("rackmesh");
-                file.write_all(&office::rows_as(path, &collected.rows()?, title, &spec.limits())?)?;
+    pub(super) fn finish(self, is_complete: bool, spec: &Spec, output: &mut Output) -> Result<(), Failure> {
+        let file = match self.rows {
+            None => None,
+            Some(RowTarget::Text(file)) => Some(file),
+            Some(RowTarget::Parquet { rows, file }) => {
+                rows.finish()?;
                 Some(file)
             }
-            (_, _, file) => file,
+            Some(RowTarget::Office { path, rows, mut file }) => {
+                let title = spec.title.as_deref().unwrap_or("rackmesh");
+                file.write_all(&office::rows_as(&path, &rows.rows()?, title, &spec.limits())?)?;
+                Some(file)
+            }
         };
         for target in [file, self.rejects].into_iter().flatten() {
             target.end(is_complete, output)?;
@@ -110,38 +88,21 @@ impl Args {
         self.rejects.as_deref().map_or(Ok(()), refuse_other_format)?;
         let rejects = self.rejects.as_ref().map(|path| Target::create(path, &inputs)).transpose()?;
         let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
-        let mut targets = Targets {
-            rows: None,
-            file: None,
-            parquet: None,
-            collected: None,
-            rejects,
-            packing: packing(&self.output),
-            rejects_packing: packing(&self.rejects),
-        };
-        if self.summary {
-            return Ok(targets);
-        }
-        let rows: Box<dyn Write + Send> = match &self.output {
-            Some(path) => {
-                let file = Shared::new(Target::create(path, &inputs)?);
-                targets.file = Some(file.clone());
-                if office::is_office(path) {
-                    let collected = office::Collected::default();
-                    targets.collected = Some(collected.clone());
-                    Box::new(collected)
-                } else {
-                    Box::new(file)
-                }
-            }
-            None => Box::new(stream::Stdout),
-        };
-        if format == RowFormat::Columns {
-            targets.parquet = Some(ParquetRows::new(rows, &columns())?);
+        let (packing, rejects_packing) = (packing(&self.output), packing(&self.rejects));
+        let path = self.output.as_deref().unwrap_or("-");
+        let rows = if self.summary {
+            None
         } else {
-            targets.rows = Some(rows);
-        }
-        Ok(targets)
+            let file = Target::create(path, &inputs)?;
+            Some(if office::is_office(path) {
+                RowTarget::Office { path: path.to_owned(), rows: office::Collected::default(), file }
+            } else if format == RowFormat::Columns {
+                RowTarget::Parquet { rows: ParquetRows::new(file.writer()?, &columns())?, file }
+            } else {
+                RowTarget::Text(file)
+            })
+        };
+        Ok(Targets { rows, rejects, packing, rejects_packing })
     }
 }
 
