@@ -49,12 +49,8 @@ pub(super) fn spec_sections(spec: &Spec) -> impl Iterator<Item = Section> {
 /// The blocks; their verdicts go to the top of the page as well.
 pub(super) fn without_verdict(blocks: Vec<Block>, page: &mut Page, of: &str) -> Vec<Block> {
     for block in &blocks {
-        let (verdict, sentence) = match block {
-            Block::Verdict(verdict, sentence) => (Some(*verdict), sentence),
-            Block::Open(why) => (None, why),
-            _ => continue,
-        };
-        page.verdicts.push(Headline { verdict, sentence: format!("{of}: {sentence}") });
+        let Block::Verdict(verdict, sentence) = block else { continue };
+        page.verdicts.push(Headline { verdict: *verdict, sentence: format!("{of}: {sentence}") });
     }
     blocks
 }

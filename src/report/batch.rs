@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::number::{ends, grouped, millimetres, unsigned};
-use super::uncertainty::{micrometres, rule_name};
+use super::uncertainty::{micrometres, rule_words};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Statistics};
 use crate::deviation::DeviationKind;
@@ -64,8 +64,7 @@ impl Basis {
     #[must_use]
     pub fn judged_by(&self) -> String {
         let by = self.stack.map_or_else(|| self.model.to_owned(), |stack| format!("{} model, {stack}", self.model));
-        let rule = if self.rule == Rule::Simple { String::new() } else { format!(", rule {}", rule_name(&self.rule)) };
-        format!("{by}{rule}{}", judged_without(&self.without))
+        format!("{by}{}{}", rule_words(&self.rule), judged_without(&self.without))
     }
 }
 
@@ -292,46 +291,35 @@ impl<'a> BatchReport<'a> {
         };
         let parts = counts.rows - counts.rejected;
         let by = self.basis.stack.map_or_else(|| self.basis.model.to_owned(), |stack| stack.to_string());
-        let judged_by = match &self.basis.rule {
-            Rule::Simple => format!("(judged by {by})"),
-            rule => format!("(judged by {by}, rule {})", rule_name(rule)),
+        let judged_by =
+            format!("(judged by {by}{}){}", rule_words(&self.basis.rule), judged_without(&self.basis.without));
+        let unfit = |count: u64, how: &str| {
+            format!("{} of {} parts are {how} a limit {judged_by}{rejected}", grouped(count), grouped(parts))
         };
-        let judged_by = format!("{judged_by}{}", judged_without(&self.basis.without));
-        if counts.fail > 0 {
-            let sentence = format!(
-                "{} of {} parts are outside a limit {judged_by}{rejected}",
-                grouped(counts.fail),
-                grouped(parts)
-            );
-            return Block::Verdict(Verdict::Fail, sentence);
-        }
-        if counts.indeterminate > 0 {
-            let sentence = format!(
-                "{} of {} parts are too near a limit {judged_by}{rejected}",
-                grouped(counts.indeterminate),
-                grouped(parts)
-            );
-            return Block::Verdict(Verdict::Indeterminate, sentence);
-        }
+        let unjudged = self.basis.unjudged_sentence(counts);
         let is_incomplete = self.outcome.interrupted || self.outcome.is_cut;
-        if counts.unjudged > 0 || parts == 0 || counts.rejected > 0 || is_incomplete {
-            let why = match (counts.rows, self.basis.unjudged_sentence(counts)) {
+        let is_open = counts.unjudged > 0 || counts.rejected > 0 || unjudged.is_some();
+        let (verdict, sentence) = if counts.fail > 0 {
+            (Some(Verdict::Fail), unfit(counts.fail, "outside"))
+        } else if counts.indeterminate > 0 {
+            (Some(Verdict::Indeterminate), unfit(counts.indeterminate, "too near"))
+        } else if is_open || is_incomplete || parts == 0 {
+            let why = match (counts.rows, unjudged) {
                 (0, _) => "the table has no rows".to_owned(),
                 _ if is_incomplete => "the run is incomplete".to_owned(),
                 (_, Some(why)) => why,
                 _ if self.basis.limits.is_empty() => "there is no limit".to_owned(),
                 _ => "not every row could be judged".to_owned(),
             };
-            return Block::Open(format!("{why}{rejected}"));
-        }
-        if let Some(why) = self.basis.unjudged_sentence(counts) {
-            return Block::Open(why);
-        }
-        let parts = match parts {
-            1 => "the part is".to_owned(),
-            parts => format!("all {} parts are", grouped(parts)),
+            (None, format!("{why}{rejected}"))
+        } else {
+            let parts = match parts {
+                1 => "the part is".to_owned(),
+                parts => format!("all {} parts are", grouped(parts)),
+            };
+            (Some(Verdict::Pass), format!("{parts} inside the limits {judged_by}"))
         };
-        Block::Verdict(Verdict::Pass, format!("{parts} inside the limits {judged_by}"))
+        Block::Verdict(verdict, sentence)
     }
 
     fn notes(&self) -> Vec<String> {

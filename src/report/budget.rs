@@ -10,7 +10,7 @@ use crate::budget::{Budget, Line, Rule};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::formula::{Input, Model};
 use crate::judge::class::ErrorClass;
-use crate::judge::{Interval, Limit, Stack};
+use crate::judge::{Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 
 /// A budget with what it was asked for.
@@ -348,7 +348,7 @@ impl Report for BudgetReport<'_> {
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
-            Block::Verdict(crate::judge::Verdict::Pass, self.sentence())
+            Block::Verdict(Some(Verdict::Pass), self.sentence())
         } else {
             let names: Vec<String> = budget
                 .broken_by
@@ -361,7 +361,7 @@ impl Report for BudgetReport<'_> {
                 .collect();
             let sentence =
                 format!("the fixed tolerances take more than the limit: {}; {}", names.join(", "), self.sentence());
-            Block::Verdict(crate::judge::Verdict::Fail, sentence)
+            Block::Verdict(Some(Verdict::Fail), sentence)
         });
         blocks
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{ends, millimetres, plain, signed, tidy, unsigned};
-use super::uncertainty::{self, DecisionFact, UncertaintyPart, indeterminate_sentence, rule_name};
+use super::uncertainty::{self, DecisionFact, UncertaintyPart, indeterminate_sentence, rule_words, subject};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, Unjudged};
@@ -234,34 +234,28 @@ impl EvaluationReport<'_> {
         if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
             let sentence = failure_sentence(failed, evaluation.stack);
             let reached = self.beyond_reach(failed);
-            return Some(Block::Verdict(Verdict::Fail, format!("{sentence}{reached}{without}")));
+            return Some(Block::Verdict(Some(Verdict::Fail), format!("{sentence}{reached}{without}")));
         }
         let not_given: Vec<_> = evaluation.not_given().map(|target| target.to_string()).collect();
-        let unjudged = evaluation.limits.iter().find_map(|check| check.result.err());
-        match unjudged {
-            Some(Unjudged::NotGiven) => {
-                return Some(Block::Open(format!("there is no value for {}", not_given.join(", "))));
-            }
-            Some(Unjudged::Lacking) => {
-                return Some(Block::Open("the sum lacks errors that the spec asks for".to_owned()));
-            }
-            Some(Unjudged::NoBound(open)) => return Some(Block::Open(open.to_string())),
-            None => {}
+        if let Some(unjudged) = evaluation.limits.iter().find_map(|check| check.result.err()) {
+            let why = match unjudged {
+                Unjudged::NotGiven => format!("there is no value for {}", not_given.join(", ")),
+                Unjudged::Lacking => "the sum lacks errors that the spec asks for".to_owned(),
+                Unjudged::NoBound(open) => open.to_string(),
+            };
+            return Some(Block::Verdict(None, why));
         }
         if let Some(open) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Indeterminate)) {
             let sentence = indeterminate_sentence(open, &self.rule, evaluation.stack);
-            return Some(Block::Verdict(Verdict::Indeterminate, format!("{sentence}{without}")));
+            return Some(Block::Verdict(Some(Verdict::Indeterminate), format!("{sentence}{without}")));
         }
-        let rule = match &self.rule {
-            Rule::Simple => String::new(),
-            rule => format!(", rule {}", rule_name(rule)),
-        };
         let count = match evaluation.limits.len() {
             0 => return None,
             1 => "the limit is met".to_owned(),
             count => format!("all {count} limits are met"),
         };
-        Some(Block::Verdict(Verdict::Pass, format!("{count} (judged by {}{rule}){without}", evaluation.judged_by)))
+        let by = format!("{}{}", evaluation.judged_by, rule_words(&self.rule));
+        Some(Block::Verdict(Some(Verdict::Pass), format!("{count} (judged by {by}){without}")))
     }
 }
 
@@ -379,10 +373,7 @@ pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
 
 /// Which end of the limit is broken and by how much, however little that is.
 fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
-    let what = match check.on {
-        LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
-        LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
-    };
+    let what = subject(check.on, stack);
     let Ok(Interval { lower, upper }) = check.result else { return what };
     let above = check.limit.upper.filter(|limit| upper > *limit).map(|limit| (upper, limit, "above"));
     let below = check.limit.lower.filter(|limit| lower < *limit).map(|limit| (lower, limit, "below"));

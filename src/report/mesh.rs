@@ -72,14 +72,15 @@ impl MeshReport<'_> {
                     if self.rule == Rule::Simple { String::new() } else { format!(" by the rule {}", self.rule) };
                 let result = interval_text(&result);
                 let sentence = format!("{subject} {result} mm{by} is {how} the limit ({}){rule}", check.limit);
-                Block::Verdict(verdict, sentence)
+                Block::Verdict(Some(verdict), sentence)
             }
-            (Err(Unjudged::NoBound(open)), _) => Block::Open(open.to_string()),
+            (Err(Unjudged::NoBound(open)), _) => Block::Verdict(None, open.to_string()),
             (Err(Unjudged::NotGiven), _) => {
-                Block::Open(format!("the limit on {subject} is not judged: that error is not given"))
+                Block::Verdict(None, format!("the limit on {subject} is not judged: that error is not given"))
             }
             (Ok(_) | Err(Unjudged::Lacking), _) => {
-                Block::Open(format!("the limit on {subject} is not judged: something is missing, see the notes"))
+                let why = format!("the limit on {subject} is not judged: something is missing, see the notes");
+                Block::Verdict(None, why)
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::number::{millimetres, plain, signed, tidy};
+use super::number::{millimetres, signed};
 use super::uncertainty::micrometres;
 use super::{Block, Column, Report, Table, UncertaintyPart, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -10,7 +10,6 @@ use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
 use crate::judge::{Interval, MeasuredPart, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
-use crate::uncertainty::{Linear, Propagation};
 
 /// One part of several.
 #[derive(Debug)]
@@ -53,41 +52,6 @@ impl PartsReport<'_> {
         let evaluations = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
         evaluations.filter(|evaluation| evaluation.verdict == Some(verdict)).count()
     }
-}
-
-/// A result that has an uncertainty.
-#[derive(Clone, Copy)]
-enum UncertainResult {
-    Error(DeviationKind),
-    Lower,
-    Upper,
-}
-
-impl UncertainResult {
-    fn of(self, propagation: &Propagation) -> Option<&Linear> {
-        match self {
-            Self::Error(kind) => propagation.errors.iter().find(|(of, _)| *of == kind).map(|(_, linear)| linear),
-            Self::Lower => Some(&propagation.lower),
-            Self::Upper => Some(&propagation.upper),
-        }
-    }
-}
-
-/// Each error's ΔCD and the ends of the combination, by the names that `batch` gives them.
-fn kinds_and_ends(kinds: &[DeviationKind], stack: Stack) -> Vec<(String, UncertainResult)> {
-    let mut all: Vec<_> =
-        kinds.iter().map(|kind| (format!("delta_cd_{}", kind.key()), UncertainResult::Error(*kind))).collect();
-    match stack {
-        Stack::Range => all.extend([
-            ("range_lower".to_owned(), UncertainResult::Lower),
-            ("range_upper".to_owned(), UncertainResult::Upper),
-        ]),
-        Stack::Rss => all.extend([
-            ("rss_lower".to_owned(), UncertainResult::Lower),
-            ("rss_upper".to_owned(), UncertainResult::Upper),
-        ]),
-    }
-    all
 }
 
 /// The ends of the combinations, by the names that `batch` gives them.
@@ -136,33 +100,26 @@ impl Report for PartsReport<'_> {
 
     fn rows(&self) -> Vec<Vec<String>> {
         let kinds = self.kinds();
-        let mut header = vec!["part_id".to_owned()];
-        header.extend(kinds.iter().map(|kind| format!("delta_cd_{}_mm", kind.key())));
-        header.extend(ENDS.into_iter().chain(["verdict"]).map(str::to_owned));
-        let first = self.rows.iter().find_map(|row| row.uncertainty.as_ref());
-        let results = first.map_or_else(Vec::new, |known| kinds_and_ends(&kinds, known.propagation.stack));
-        for (name, _) in &results {
-            header.extend(["standard", "expanded"].map(|which| format!("{name}_{which}_uncertainty_mm")));
-        }
-        let width = header.len();
-        let mut rows = vec![header];
-        for part in self.rows {
-            let mut row = vec![part.name.clone()];
-            if let Some(evaluation) = &part.evaluation {
-                let mm = |length: Length| plain(length.mm());
-                row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map(mm).unwrap_or_default()));
-                row.extend(ends(Some(evaluation)).map(|end| end.map(mm).unwrap_or_default()));
-                row.push(evaluation.verdict.map(Verdict::name).unwrap_or_default().to_owned());
+        let own = |kind: &DeviationKind| format!("delta_cd_{}", kind.key());
+        let mut names = vec!["part_id".to_owned()];
+        names.extend(kinds.iter().map(|kind| own(kind) + "_mm"));
+        names.extend(ENDS.into_iter().chain(["verdict"]).map(str::to_owned));
+        if let Some(known) = self.rows.iter().find_map(|row| row.uncertainty.as_ref()) {
+            let stack = known.propagation.stack.name();
+            let ends = ["lower", "upper"].map(|end| (format!("{stack}_{end}"), end));
+            for (name, of) in kinds.iter().map(|kind| (own(kind), kind.key())).chain(ends) {
+                let cell = |u: &str| format!("{name}_{u}_uncertainty_mm={of}/{u}_uncertainty_mm");
+                names.extend(["standard", "expanded"].map(cell));
             }
-            for (_, result) in &results {
-                let linear = part.uncertainty.as_ref().and_then(|known| result.of(&known.propagation));
-                let cells = linear.map(|linear| [linear.standard_mm, linear.expanded_mm()].map(|mm| plain(tidy(mm))));
-                row.extend(cells.unwrap_or_default());
-            }
-            row.resize(width, String::new());
-            rows.push(row);
         }
-        rows
+        let mut json = self.json();
+        for part in json["parts"].as_array_mut().into_iter().flatten() {
+            let results = part.pointer_mut("/uncertainty/results").map(Value::take);
+            for result in results.iter().filter_map(Value::as_array).flatten() {
+                part[result["of"].as_str().unwrap_or_default()] = result.clone();
+            }
+        }
+        fact::rows(&json, "parts", &names)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -229,15 +186,13 @@ impl Report for PartsReport<'_> {
                 }
             }
             sentence.push_str(&judged_without(self.without));
-            if fail > 0 {
-                blocks.push(Block::Verdict(Verdict::Fail, sentence));
-            } else if pass == self.rows.len() {
-                blocks.push(Block::Verdict(Verdict::Pass, sentence));
-            } else if pass + indeterminate == self.rows.len() {
-                blocks.push(Block::Verdict(Verdict::Indeterminate, sentence));
-            } else {
-                blocks.push(Block::Open(sentence));
-            }
+            let verdict = match self.rows.len() {
+                _ if fail > 0 => Some(Verdict::Fail),
+                all if pass == all => Some(Verdict::Pass),
+                all if pass + indeterminate == all => Some(Verdict::Indeterminate),
+                _ => None,
+            };
+            blocks.push(Block::Verdict(verdict, sentence));
         }
         blocks
     }
@@ -386,8 +341,7 @@ impl Report for FormulaAndMesh<'_> {
 
     fn blocks(&self) -> Vec<Block> {
         // one verdict is enough: that of the mesh, which counts
-        let is_verdict = |block: &Block| matches!(block, Block::Verdict(..) | Block::Open(_));
-        let formula = self.formula.blocks().into_iter().filter(|block| !is_verdict(block));
+        let formula = self.formula.blocks().into_iter().filter(|block| !matches!(block, Block::Verdict(..)));
         formula.chain(self.mesh.blocks()).collect()
     }
 }

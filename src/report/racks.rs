@@ -393,10 +393,7 @@ impl Report for RacksReport<'_> {
                 100.0 * lower,
                 100.0 * upper
             );
-            blocks.push(match self.summary.verdict {
-                Some(verdict) => Block::Verdict(verdict, sentence),
-                None => Block::Open(sentence),
-            });
+            blocks.push(Block::Verdict(self.summary.verdict, sentence));
         }
         blocks
     }

@@ -103,8 +103,7 @@ impl Report for WithReading<'_> {
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = self.report.blocks();
         // the verdict stays last
-        let is_verdict = |block: &Block| matches!(block, Block::Verdict(..) | Block::Open(_));
-        let end = blocks.iter().position(is_verdict).unwrap_or(blocks.len());
+        let end = blocks.iter().position(|block| matches!(block, Block::Verdict(..))).unwrap_or(blocks.len());
         let notes = remarks(self.readings, self.notes).into_iter().map(Block::Remark);
         blocks.splice(end..end, notes);
         blocks

@@ -24,10 +24,8 @@ pub enum Block {
     Note(String),
     /// A remark on what the result rests on; the writer says that it is a note.
     Remark(String),
-    /// The verdict and its sentence.
-    Verdict(Verdict, String),
-    /// Why there is no verdict.
-    Open(String),
+    /// The verdict and its sentence; without one, why there is none.
+    Verdict(Option<Verdict>, String),
 }
 
 /// A table.
@@ -67,6 +65,11 @@ impl Column {
     pub fn number(heading: impl Into<String>) -> Self {
         Self { heading: heading.into(), align: Align::Right }
     }
+}
+
+/// What stands before a verdict's sentence.
+pub(super) fn verdict_word(verdict: Option<Verdict>) -> String {
+    verdict.map_or_else(|| "No verdict".to_owned(), |verdict| verdict.name().to_uppercase())
 }
 
 /// A remark for people, marked as what it is.
@@ -115,16 +118,12 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
             Block::Remark(remark) => out.push_str(&wrap(&noted(remark), screen.width)),
             Block::Verdict(verdict, sentence) => {
                 let color = match verdict {
-                    Verdict::Pass => AnsiColor::Green,
-                    Verdict::Fail => AnsiColor::Red,
-                    Verdict::Indeterminate => AnsiColor::Yellow,
+                    Some(Verdict::Pass) => AnsiColor::Green,
+                    Some(Verdict::Fail) => AnsiColor::Red,
+                    Some(Verdict::Indeterminate) | None => AnsiColor::Yellow,
                 };
-                let word = paint(&verdict.name().to_uppercase(), color.on_default().bold());
+                let word = paint(&verdict_word(*verdict), color.on_default().bold());
                 out.push_str(&wrap(&format!("{word}: {sentence}"), screen.width));
-            }
-            Block::Open(why) => {
-                let word = paint("No verdict", AnsiColor::Yellow.on_default().bold());
-                out.push_str(&wrap(&format!("{word}: {why}"), screen.width));
             }
             Block::Table(table) => {
                 out.push_str(&table_text(table, screen.width));
@@ -194,9 +193,8 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
             Block::Note(note) => out.push_str(&format!("{note}\n")),
             Block::Remark(remark) => out.push_str(&format!("{}\n", noted(remark))),
             Block::Verdict(verdict, sentence) => {
-                out.push_str(&format!("**{}**: {sentence}\n", verdict.name().to_uppercase()));
+                out.push_str(&format!("**{}**: {sentence}\n", verdict_word(*verdict)));
             }
-            Block::Open(why) => out.push_str(&format!("**No verdict**: {why}\n")),
             Block::Table(table) => {
                 let mut escaped = table.clone();
                 for column in &mut escaped.columns {

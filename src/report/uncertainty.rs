@@ -9,7 +9,7 @@ use crate::chance::{PartSimulation, Simulation, Validation, validate};
 use crate::deviation::DeviationKind;
 use crate::evaluation::LimitCheck;
 use crate::judge::rule::{Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
-use crate::judge::{Rule, Stack, Verdict};
+use crate::judge::{LimitTarget, Rule, Stack, Verdict};
 use crate::uncertainty::{FOLD, Linear, Propagation};
 
 /// The uncertainty of an evaluation's results.
@@ -381,7 +381,7 @@ impl From<&Decision> for DecisionFact {
     }
 }
 
-pub(super) fn rule_name(rule: &Rule) -> String {
+fn rule_name(rule: &Rule) -> String {
     match rule {
         Rule::Simple => "simple".to_owned(),
         Rule::Iso14253 => "ISO 14253-1".to_owned(),
@@ -429,12 +429,22 @@ fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> 
     notes
 }
 
+/// The rule as the end of what a verdict is judged by; nothing for the simple one.
+pub(super) fn rule_words(rule: &Rule) -> String {
+    if *rule == Rule::Simple { String::new() } else { format!(", rule {}", rule_name(rule)) }
+}
+
+/// What a limit is on.
+pub(super) fn subject(on: LimitTarget, stack: Stack) -> String {
+    match on {
+        LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
+        LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
+    }
+}
+
 /// The sentence of a verdict that is indeterminate.
 pub(super) fn indeterminate_sentence(check: &LimitCheck, rule: &Rule, stack: Stack) -> String {
-    let what = match check.on {
-        crate::judge::LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
-        crate::judge::LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
-    };
     debug_assert_eq!(check.verdict, Some(Verdict::Indeterminate));
+    let what = subject(check.on, stack);
     format!("{what} is too near a limit to prove conformity or non-conformity (rule {})", rule_name(rule))
 }

@@ -8,6 +8,7 @@ use std::fmt;
 use sha2::{Digest as _, Sha256};
 
 use super::chart::{self, Chart};
+use super::table::verdict_word;
 use super::{Align, Block, Table, escape, noted};
 use crate::judge::Verdict;
 
@@ -70,8 +71,7 @@ pub struct Headline {
 
 impl fmt::Display for Headline {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = self.verdict.map_or_else(|| "No verdict".to_owned(), |verdict| verdict.name().to_uppercase());
-        write!(f, "{word}: {}", self.sentence)
+        write!(f, "{}: {}", verdict_word(self.verdict), self.sentence)
     }
 }
 
@@ -159,7 +159,7 @@ fn figure(chart: &Chart) -> String {
 
 fn verdict_html(verdict: Option<Verdict>, sentence: &str) -> String {
     let class = verdict.map_or("open", Verdict::name);
-    let word = verdict.map_or("No verdict", Verdict::name).to_uppercase();
+    let word = verdict_word(verdict).to_uppercase();
     format!("<p class=\"verdict {class}\"><b>{word}</b>{}</p>\n", escape(sentence))
 }
 
@@ -171,8 +171,7 @@ fn block_html(block: &Block) -> String {
         Block::Drawing(lines) => format!("<pre>{}</pre>\n", escape(lines)),
         Block::Remark(remark) => format!("<p class=\"note\">{}</p>\n", escape(&noted(remark))),
         Block::Note(note) => format!("<p class=\"note\">{}</p>\n", escape(note)),
-        Block::Verdict(verdict, sentence) => verdict_html(Some(*verdict), sentence),
-        Block::Open(why) => verdict_html(None, why),
+        Block::Verdict(verdict, sentence) => verdict_html(*verdict, sentence),
     }
 }
 
