@@ -46,7 +46,7 @@ fn batch(spec: &Arc<Spec>, data: &[u8]) {
     let counts = outcome.counts;
     assert_eq!(counts.rows, counts.pass + counts.fail + counts.indeterminate + counts.unjudged + counts.rejected);
     assert_eq!(outcome.problems.len() as u64, counts.rejected);
-    assert_eq!(outcome.statistics[0].count(), counts.rows - counts.rejected);
+    assert_eq!(outcome.quantities[0].statistics.count(), counts.rows - counts.rejected);
     let (again, rejected_again, twice) = run(spec, data, 3).expect("it ran before");
     assert_eq!((&rows, &rejects, twice.counts), (&again, &rejected_again, counts));
     let written = csv::ReaderBuilder::new().from_reader(rows.as_slice()).into_byte_records();

@@ -3,9 +3,8 @@
 use std::io::{self, Write};
 
 use super::columns::ResultColumns;
-use super::outcome::{KeptPart, Outcome};
+use super::outcome::{KeptPart, Outcome, Quantity};
 use super::pack::Packing;
-use super::statistics::Statistics;
 use crate::table::Encoding;
 
 /// Where results go.
@@ -67,10 +66,8 @@ pub(super) struct Ledger<'a> {
 
 impl<'a> Ledger<'a> {
     /// An empty one, with statistics of these quantities.
-    pub(super) fn new(sinks: Sinks<'a>, quantities: Option<Vec<String>>) -> Self {
-        let quantities = quantities.unwrap_or_default();
-        let statistics = vec![Statistics::default(); quantities.len()];
-        let outcome = Outcome { statistics, quantities, ..Outcome::default() };
+    pub(super) fn new(sinks: Sinks<'a>, quantities: Vec<Quantity>) -> Self {
+        let outcome = Outcome { quantities, ..Outcome::default() };
         Self { sinks, outcome, worst: Vec::new(), rejects_header: None, wrote_header: false }
     }
 

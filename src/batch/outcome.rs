@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::source::KINDS;
 use super::statistics::{MovingRange, Statistics};
 use crate::diagnostic::Code;
-use crate::judge::{LimitTarget, Verdict};
+use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
 use crate::table::{AsideReading, Contradiction, Place, Reading, cell_text};
 
@@ -144,6 +144,33 @@ pub struct Part {
     pub result_mm: (f64, f64),
 }
 
+/// A result over all parts.
+#[derive(Debug, Clone)]
+pub struct Quantity {
+    /// Its name.
+    pub name: String,
+    /// On what a limit is that it is held against. Of the two ends of a combination, the upper one stands last.
+    pub on: Option<LimitTarget>,
+    /// The lower and the upper limit that it is held against, mm.
+    pub limits: (Option<f64>, Option<f64>),
+    /// Its statistics.
+    pub statistics: Statistics,
+}
+
+impl Quantity {
+    /// A result without a value so far, and the limit that it is held against.
+    pub(super) fn new(name: String, on: Option<LimitTarget>, limit: Option<&Limit>) -> Self {
+        let ends = |limit: &Limit| (limit.lower.map(Length::mm), limit.upper.map(Length::mm));
+        Self { name, on, limits: limit.map_or((None, None), ends), statistics: Statistics::default() }
+    }
+
+    /// Whether it is held against a limit.
+    #[must_use]
+    pub fn is_limited(&self) -> bool {
+        self.limits != (None, None)
+    }
+}
+
 /// What a batch came to.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
@@ -155,10 +182,8 @@ pub struct Outcome {
     pub failures: Vec<Part>,
     /// The parts nearest to their limits, or furthest outside, the worst first.
     pub worst: Vec<Part>,
-    /// Statistics of the results, in the order of [`quantities`](Self::quantities).
-    pub statistics: Vec<Statistics>,
-    /// The names of the results that have statistics.
-    pub quantities: Vec<String>,
+    /// The results that have statistics.
+    pub quantities: Vec<Quantity>,
     /// How each table was read.
     pub readings: Vec<Reading>,
     /// What the spec and the tables leave to say: what was left out, what was assumed.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::columns::ColumnKind;
 use super::number::{Decimals, Places};
+use super::outcome::Quantity;
 use super::output::{
     Output, RequestedOutput, UncertainOutput, column_name, conformance_name, end_name, expanded_name, own_name,
     standard_name,
@@ -19,9 +20,8 @@ use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
-use crate::judge::{Limit, LimitTarget, Limits, Rule, Stack};
+use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
-use crate::quantity::Length;
 use crate::spec::Spec;
 use crate::table::Table;
 
@@ -183,9 +183,8 @@ impl Plan {
             self.without_verdict = self.no_verdict();
         }
         if self.request.statistics {
-            let limited = self.quantity_limits().into_iter().map(|limit| limit != (None, None));
-            let quantities = self.quantities().cloned().enumerate().zip(limited);
-            self.followed = quantities.filter(|(_, limited)| *limited).map(|(quantity, _)| quantity).collect();
+            let quantities = self.quantities().cloned().enumerate().zip(self.quantities_kept());
+            self.followed = quantities.filter(|(_, kept)| kept.is_limited()).map(|(output, _)| output).collect();
         }
         for (index, name) in self.column_names().into_iter().enumerate() {
             let start = if index == 0 { '{' } else { ',' };
@@ -237,29 +236,27 @@ impl Plan {
         &self.request.rule
     }
 
-    /// The names of the results that are numbers.
-    #[must_use]
-    pub fn quantity_names(&self) -> Vec<String> {
-        self.quantities().map(|output| self.output_name(output)).collect()
-    }
-
-    /// The limits (mm, lower and upper) that each result that is a number is held against, if it is.
-    #[must_use]
-    pub fn quantity_limits(&self) -> Vec<(Option<f64>, Option<f64>)> {
-        let limit = |on: LimitTarget| self.limits.iter().find(|(target, _)| *target == on).map(|(_, limit)| limit);
-        let ends = |limit: &Limit| (limit.lower.map(Length::mm), limit.upper.map(Length::mm));
-        let combined = |stack: Stack| {
-            limit(LimitTarget::CenterDistance).filter(|_| self.stack == stack).map_or((None, None), ends)
-        };
-        let quantities = self.quantities().map(|output| match output {
-            Output::Error(source) => {
-                limit(LimitTarget::Error(self.sources[*source].law.kind())).map_or((None, None), ends)
-            }
-            Output::RangeLower | Output::RangeUpper => combined(Stack::Range),
-            Output::RssLower | Output::RssUpper => combined(Stack::Rss),
-            _ => (None, None),
+    /// The results that have statistics, without a value so far.
+    pub(super) fn quantities_kept(&self) -> Vec<Quantity> {
+        let together = |stack: Stack| (self.stack == stack).then_some(LimitTarget::CenterDistance);
+        let quantities = self.quantities().map(|output| {
+            let on = match output {
+                Output::Error(source) => Some(LimitTarget::Error(self.sources[*source].law.kind())),
+                Output::RangeLower | Output::RangeUpper => together(Stack::Range),
+                Output::RssLower | Output::RssUpper => together(Stack::Rss),
+                _ => None,
+            };
+            let limit = self.limits.iter().find(|(target, _)| on == Some(*target)).map(|(_, limit)| limit);
+            Quantity::new(self.output_name(output), on, limit)
         });
         quantities.collect()
+    }
+
+    /// The columns of the lower and the upper end of the worst case, if they are written.
+    #[must_use]
+    pub fn range_columns(&self) -> Option<[usize; 2]> {
+        let column = |of: &Output| self.outputs.iter().position(|output| output == of);
+        Some([column(&Output::RangeLower)?, column(&Output::RangeUpper)?])
     }
 
     /// The names of the columns written, in order.

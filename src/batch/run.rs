@@ -49,7 +49,7 @@ impl<'a> Batch<'a> {
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         Self {
             plan,
-            ledger: Ledger::new(sinks, plan.request.statistics.then(|| plan.quantity_names())),
+            ledger: Ledger::new(sinks, if plan.request.statistics { plan.quantities_kept() } else { Vec::new() }),
             moving: vec![MovingRange::default(); plan.followed.len()],
             workers: workers.unwrap_or_else(cores).clamp(1, MOST_WORKERS),
         }
@@ -134,8 +134,8 @@ impl<'a> Batch<'a> {
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            for (statistics, more) in outcome.statistics.iter_mut().zip(&worker) {
-                statistics.merge(more);
+            for (quantity, more) in outcome.quantities.iter_mut().zip(&worker) {
+                quantity.statistics.merge(more);
             }
         }
         outcome.interrupted |= stop.load(Ordering::Relaxed);
@@ -165,8 +165,8 @@ impl<'a> Batch<'a> {
     /// If the results cannot be written.
     pub fn finish(mut self) -> (Outcome, io::Result<()>) {
         for (moving, (index, _)) in self.moving.iter().zip(&self.plan.followed) {
-            if let Some(statistics) = self.ledger.outcome.statistics.get_mut(*index) {
-                statistics.add_moving(moving);
+            if let Some(quantity) = self.ledger.outcome.quantities.get_mut(*index) {
+                quantity.statistics.add_moving(moving);
             }
         }
         self.ledger.outcome.is_cut |= self.is_over();

@@ -16,7 +16,6 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
-use crate::report::chart::{Chart, Layer, Mark, Shape, Span};
 use crate::report::mesh_points::{self, ListedPoint, Trust};
 use crate::report::{Format, MeshReport, Screen, noted};
 use crate::spec::{MeshInput, Origin, Spec, WrittenPinionDeviation};
@@ -268,9 +267,9 @@ impl Args {
             ..solved(&spec, &input.mesh, &curve, &prediction, &judged)
         };
         if let Some(picture) = &picture {
-            picture.write(&chart(&report))?;
+            picture.write(&report.chart())?;
         }
-        output.picture(|| chart(&report));
+        output.picture(|| report.chart());
         let listed = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output),
             (Some(strokes), Format::Json) => list_json(strokes, &report, output),
@@ -412,30 +411,4 @@ fn list(
             Ok(Listed { trust: Trust { interrupted: true, ..trust }, interrupted: interruption.status() })
         }
     }
-}
-
-/// The picture of a curve, with what it is held against.
-pub(super) fn chart(report: &MeshReport<'_>) -> Chart {
-    let marks = report.curve.kinks.iter().filter_map(|kink| {
-        let (before, after) = (kink.before, kink.after);
-        let text = match (before.0.rack_tooth != after.0.rack_tooth, before.1.rack_tooth != after.1.rack_tooth) {
-            (true, true) => format!("r{} l{}", after.0.rack_tooth, after.1.rack_tooth),
-            (true, false) => format!("r{}", after.0.rack_tooth),
-            (false, true) => format!("l{}", after.1.rack_tooth),
-            // the place on the flank changes, not the tooth
-            (false, false) => return None,
-        };
-        Some(Mark { x: kink.stroke_mm, y: kink.delta_cd_mm, text })
-    });
-    let limits = report.limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]);
-    let points: Vec<_> = report.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
-    let (low, high) = report.prediction.range_mm();
-    let ends = points.first().into_iter().chain(points.last());
-    let layers = vec![
-        Layer::new("formulas", Shape::Band(ends.map(|(x, _)| Span { x: *x, low, high }).collect())),
-        Layer::new("limits", Shape::Limits(limits.flatten().map(Length::mm).collect())),
-        Layer::new("exact mesh", Shape::Line(points)),
-        Layer::new("contact moves to the right (r) or left (l) flank of a tooth", Shape::Marks(marks.collect())),
-    ];
-    Chart::along_the_stroke(report.title.unwrap_or("ΔCD along the stroke"), layers)
 }

@@ -23,7 +23,7 @@ pub(super) fn of_report(
         page.inputs.push(hashed(input)?);
     }
     let blocks = without_verdict(report.blocks(), &mut page, "the measured values");
-    page.sections.push(Section { heading: "Result".to_owned(), blocks, ..Section::default() });
+    page.sections.push(Section::new("Result", blocks));
     page.sections.push(reading_section(readings, notes));
     page.sections.extend(spec_sections(spec));
     Ok(page.html())
@@ -31,19 +31,16 @@ pub(super) fn of_report(
 
 /// How tables were read.
 pub(super) fn reading_section(readings: &[Reading], notes: &[String]) -> Section {
-    let blocks = reading_blocks(readings, notes);
-    Section { heading: "How the tables were read".to_owned(), blocks, ..Section::default() }
+    Section::new("How the tables were read", reading_blocks(readings, notes))
 }
 
 /// The spec as it stands in its file, and what the command line sets of it.
 pub(super) fn spec_sections(spec: &Spec) -> impl Iterator<Item = Section> {
     let file = Some(("Spec", &spec.source));
     let set = spec.source.next.as_ref().map(|options| ("Set on the command line", options));
-    file.into_iter().chain(set).map(|(heading, source)| Section {
-        heading: heading.to_owned(),
-        source: Some(source.text.clone()),
-        ..Section::default()
-    })
+    file.into_iter()
+        .chain(set)
+        .map(|(heading, source)| Section { source: Some(source.text.clone()), ..Section::new(heading, Vec::new()) })
 }
 
 /// The blocks; their verdicts go to the top of the page as well.

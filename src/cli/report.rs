@@ -1,7 +1,5 @@
 //! `rackmesh report`: everything about a spec and its parts on one page.
 
-use super::spec_files;
-use std::io;
 use std::sync::Arc;
 
 use super::decision::JudgeArgs;
@@ -12,18 +10,14 @@ use super::page::{hashed, reading_section, spec_sections, without_verdict};
 use super::set::SetArgs;
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::teeth::{Judged, WorstTeeth, with_known_teeth};
-use super::{batch, mesh, target};
-use crate::batch::{
-    Batch, ColumnSink, Layout, Outcome, Plan, Request, ResultColumn, ResultColumns, ResultValues, RowFormat, RowSink,
-    Rows, Sinks, Teeth, TeethRequest,
-};
+use super::{batch, mesh, spec_files, target};
+use crate::batch::{Batch, Layout, Outcome, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::judge::{LimitTarget, Stack};
-use crate::quantity::Length;
-use crate::report::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
+use crate::judge::LimitTarget;
+use crate::report::chart::Chart;
 use crate::report::html::{Headline, InputFile, Page, Section};
-use crate::report::{Basis, BatchReport, Block, MeshReport, Report as _};
+use crate::report::{Basis, BatchReport, Block, MeshReport, Report as _, RunChart, error_histograms, judged_histogram};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
@@ -131,11 +125,7 @@ impl Args {
         let mut part = EvaluatedPart::new(spec, &self.judge, worst, output)?;
         let status = Status::of(part.evaluation.verdict, &part.evaluation.limits);
         let blocks = without_verdict(part.report(None)?.blocks(), page, "this part");
-        page.sections.push(Section {
-            heading: "Deviations and ΔCD by formula".to_owned(),
-            blocks,
-            ..Section::default()
-        });
+        page.sections.push(Section::new("Deviations and ΔCD by formula", blocks));
         Ok(status)
     }
 
@@ -148,7 +138,7 @@ impl Args {
         output: &mut Output,
     ) -> Result<(), Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
-        let heading = "Exact mesh along the stroke".to_owned();
+        const HEADING: &str = "Exact mesh along the stroke";
         let tables = spec_files::measured_tables(spec, &self.spec)?;
         let mut input = match spec.mesh(&tables) {
             Ok(input) => input,
@@ -159,7 +149,7 @@ impl Args {
                 }
                 let missing: Vec<_> = problems.iter().map(|problem| problem.message.clone()).collect();
                 let note = format!("The mesh is not solved: {}.", missing.join("; "));
-                page.sections.push(Section { heading, blocks: vec![Block::Note(note)], ..Section::default() });
+                page.sections.push(Section::new(HEADING, vec![Block::Note(note)]));
                 return Ok(());
             }
         };
@@ -171,7 +161,7 @@ impl Args {
             Err(error) => {
                 output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
                 let note = format!("The mesh has no solution: {error}.");
-                page.sections.push(Section { heading, blocks: vec![Block::Note(note)], ..Section::default() });
+                page.sections.push(Section::new(HEADING, vec![Block::Note(note)]));
                 return Ok(());
             }
         };
@@ -179,9 +169,8 @@ impl Args {
         let prediction = mesh::prediction(&input)?;
         let solved = mesh::solved(spec, &input.mesh, &curve, &prediction, &judged);
         let report = MeshReport { notes: mesh::notes(&input), ..solved };
-        let chart = mesh::chart(&report);
         let blocks = without_verdict(report.blocks(), page, "the mesh");
-        page.sections.push(Section { heading, charts: vec![chart], blocks, ..Section::default() });
+        page.sections.push(Section { charts: vec![report.chart()], ..Section::new(HEADING, blocks) });
         Ok(())
     }
 
@@ -217,7 +206,7 @@ impl Args {
         let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
         blocks.extend(unread);
         let heading = format!("Batch: {}", self.files.join(", "));
-        page.sections.push(Section { heading, charts, small_charts, blocks, ..Section::default() });
+        page.sections.push(Section { charts, small_charts, ..Section::new(heading, blocks) });
         page.sections.push(reading_section(&outcome.readings, &outcome.notes));
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
     }
@@ -254,9 +243,10 @@ impl Args {
         let (mut outcome, written) = lot.finish();
         written?;
         outcome.notes.extend(notes);
-        let (judged, small_charts) = histograms(&plan, &outcome);
-        let charts = judged.into_iter().chain(run.chart(&plan)).collect();
-        Ok(Lot { outcome, basis: Basis::of(&plan), charts, small_charts })
+        let basis = Basis::of(&plan);
+        let charts = judged_histogram(&outcome).into_iter().chain(run.chart(&basis.limits)).collect();
+        let small_charts = error_histograms(&outcome);
+        Ok(Lot { outcome, basis, charts, small_charts })
     }
 
     /// Parts with their teeth, by the exact mesh.
@@ -295,7 +285,7 @@ impl Args {
             "The statistical sum (RSS) is no bound: mean ± 3 standard deviations, errors independent, tolerances normal with 3 standard deviations.".to_owned(),
             "The exact mesh is free of backlash, of rigid teeth, minimised over the pinion's rotation; the curve is exact to 1e-6 mm between its points.".to_owned(),
         ];
-        Section { heading: "Assumptions".to_owned(), blocks: notes.map(Block::Note).into(), ..Section::default() }
+        Section::new("Assumptions", notes.map(Block::Note).into())
     }
 }
 
@@ -313,160 +303,4 @@ struct Lot {
 
 fn no_table() -> Diagnostic {
     Diagnostic::error(Code::BadTable, "there is no table that can be read")
-}
-
-/// The result that is judged: the names of its upper and its lower end.
-fn judged_names(stack: Stack) -> (&'static str, &'static str) {
-    match stack {
-        Stack::Range => ("range_upper_mm", "range_lower_mm"),
-        Stack::Rss => ("rss_upper_mm", "rss_lower_mm"),
-    }
-}
-
-/// How the results are distributed: the one that is judged first, then that of each error.
-fn histograms(plan: &Plan, outcome: &crate::batch::Outcome) -> (Option<Chart>, Vec<Chart>) {
-    const BINS: usize = 40;
-    let (upper, _) = judged_names(plan.stack());
-    let (mut judged, mut charts) = (None, Vec::new());
-    for (index, name) in outcome.quantities.iter().enumerate() {
-        let is_error = name.starts_with("delta_cd_");
-        if name != upper && !is_error {
-            continue;
-        }
-        let statistics = &outcome.statistics[index];
-        let (Some(low), Some(high)) = (statistics.min_mm(), statistics.max_mm()) else { continue };
-        let limits = plan.quantity_limits().get(index).copied().unwrap_or_default();
-        let (low, high) = if high > low { (low, high.next_up()) } else { (low - 0.000_5, high + 0.000_5) };
-        let counts = statistics.histogram(low, high, BINS);
-        let edge = |bin: usize| low + (high - low) * bin as f64 / BINS as f64;
-        let title = name.trim_end_matches("_mm").replace("delta_cd_", "ΔCD of ").replace('_', " ");
-        let bars = counts.into_iter().enumerate().map(|(bin, count)| Bar {
-            left: edge(bin),
-            right: edge(bin + 1),
-            low: 0.0,
-            high: count as f64,
-            text: String::new(),
-        });
-        let (width, height) = if is_error { (420.0, 300.0) } else { (800.0, 400.0) };
-        let chart = Chart {
-            title: format!("Histogram of {title}"),
-            x: Axis { label: format!("{title} [mm]"), scale: Scale::Airy },
-            y: Axis { label: "parts".to_owned(), scale: Scale::Whole },
-            layers: vec![
-                Layer::new("", Shape::Bars(bars.collect())),
-                Layer::new("limits", Shape::LimitsOnX([limits.0, limits.1].into_iter().flatten().collect())),
-            ],
-            width,
-            height,
-        };
-        if is_error {
-            charts.push(chart);
-        } else {
-            judged = Some(chart);
-        }
-    }
-    (judged, charts)
-}
-
-/// Takes the rows of a batch and keeps the lowest and highest result of each group of neighbours; groups grow with the
-/// batch, so that memory does not.
-#[derive(Debug, Default)]
-struct RunChart {
-    /// The columns of the lower and the upper end.
-    ends: Option<(usize, usize)>,
-    /// Parts per group.
-    size: u64,
-    /// In the last group.
-    held: u64,
-    groups: Vec<(f64, f64)>,
-}
-
-/// Groups at most: more than a picture shows.
-const MOST_GROUPS: usize = 1024;
-
-impl ColumnSink for RunChart {
-    fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
-        let Some((lower, upper)) = self.ends else { return Ok(()) };
-        let values = |column: usize| match &rows.columns[column] {
-            ResultColumn { has_value, values: ResultValues::Numbers(values) } => {
-                values.iter().zip(has_value).map(|(value, has_value)| has_value.then_some(*value)).collect()
-            }
-            _ => Vec::new(),
-        };
-        for (low, high) in values(lower).into_iter().zip(values(upper)) {
-            if let (Some(low), Some(high)) = (low, high) {
-                self.add(low, high);
-            }
-        }
-        Ok(())
-    }
-}
-
-impl RunChart {
-    fn of(plan: &Plan) -> Self {
-        let names = plan.column_names();
-        let find = |name: &str| names.iter().position(|column| column == name);
-        let ends = [("range_lower_mm", "range_upper_mm"), ("rss_lower_mm", "rss_upper_mm")];
-        Self { ends: ends.iter().find_map(|(low, high)| Some((find(low)?, find(high)?))), ..Self::default() }
-    }
-
-    fn add(&mut self, low: f64, high: f64) {
-        self.size = self.size.max(1);
-        if self.groups.is_empty() || self.held == self.size {
-            if self.groups.len() == MOST_GROUPS {
-                self.groups = self.groups.chunks(2).map(|pair| pair.iter().copied().fold(pair[0], joined)).collect();
-                self.size *= 2;
-            }
-            self.groups.push((low, high));
-            self.held = 1;
-        } else if let Some(last) = self.groups.last_mut() {
-            *last = joined(*last, (low, high));
-            self.held += 1;
-        }
-    }
-
-    fn chart(&self, plan: &Plan) -> Option<Chart> {
-        if self.groups.is_empty() {
-            return None;
-        }
-        let limit = plan.limits().iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
-        let limits = limit.into_iter().flat_map(|(_, limit)| [limit.lower, limit.upper]).flatten().map(Length::mm);
-        let at = |index: usize| (index as u64 * self.size + 1) as f64;
-        let groups = self.groups.iter().enumerate();
-        let spans: Vec<_> = groups.map(|(index, (low, high))| Span { x: at(index), low: *low, high: *high }).collect();
-        let grouped = if self.size > 1 { format!("; each point holds {} parts", self.size) } else { String::new() };
-        Some(Chart {
-            title: format!("Run chart: ΔCD in the order of the rows{grouped}"),
-            x: Axis { label: "part".to_owned(), scale: Scale::Whole },
-            y: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
-            layers: vec![
-                Layer::new("highest", Shape::Line(spans.iter().map(|span| (span.x, span.high)).collect())),
-                Layer::new("lowest to highest", Shape::Band(spans)),
-                Layer::new("limits", Shape::Limits(limits.collect())),
-            ],
-            ..Chart::default()
-        })
-    }
-}
-
-fn joined(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (a.0.min(b.0), a.1.max(b.1))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_run_chart_keeps_every_extreme_in_little_memory() {
-        let mut run = RunChart::default();
-        for part in 0..50_000 {
-            run.add(-0.1, if part == 31_415 { 0.9 } else { 0.1 });
-        }
-        assert!(run.groups.len() <= MOST_GROUPS);
-        assert_eq!(run.size, 64);
-        let group = 31_415 / 64;
-        assert_eq!(run.groups[group], (-0.1, 0.9));
-        assert_eq!(run.groups.iter().filter(|group| group.1 > 0.5).count(), 1);
-    }
 }

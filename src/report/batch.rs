@@ -6,11 +6,11 @@ use serde_json::{Map, Value, json};
 use super::number::{ends, grouped, millimetres, unsigned};
 use super::uncertainty::{micrometres, rule_words};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
-use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Statistics};
+use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Quantity};
 use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
 use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
-use crate::statistics::capability::{FEWEST_PARTS, Index, PRELIMINARY_PARTS};
+use crate::statistics::capability::{FEWEST_PARTS, Gauge, Index, PRELIMINARY_PARTS};
 
 /// What the parts of a batch were evaluated by and held against.
 #[derive(Debug)]
@@ -23,8 +23,6 @@ pub struct Basis {
     pub rule: Rule,
     /// The limits that are judged.
     pub limits: Limits,
-    /// The limits (mm, lower and upper) of each result that has statistics.
-    pub quantity_limits: Vec<(Option<f64>, Option<f64>)>,
     /// The limits that something needed is missing for.
     pub unjudged: Vec<LimitTarget>,
     /// Errors that the spec asks for and the parts were judged without.
@@ -40,7 +38,6 @@ impl Basis {
             stack: Some(plan.stack()),
             rule: plan.rule().clone(),
             limits: plan.limits().clone(),
-            quantity_limits: plan.quantity_limits(),
             unjudged: plan.unjudged().to_vec(),
             without: if plan.is_partial() { plan.lacking().to_vec() } else { Vec::new() },
         }
@@ -74,26 +71,20 @@ pub struct BatchReport<'a> {
     title: Option<&'a str>,
     basis: &'a Basis,
     outcome: &'a Outcome,
-    quantities: Vec<Quantity<'a>>,
+    results: Vec<Capable<'a>>,
 }
 
-/// One result over all parts.
+/// One result over all parts, and how capable the process is of its limits.
 #[derive(Debug)]
-struct Quantity<'a> {
-    name: &'a str,
-    statistics: &'a Statistics,
-    limits: (Option<f64>, Option<f64>),
+struct Capable<'a> {
+    quantity: &'a Quantity,
     capability: Capability,
 }
 
-impl Quantity<'_> {
-    fn is_limited(&self) -> bool {
-        self.limits != (None, None)
-    }
-
+impl Capable<'_> {
     /// Its name for people.
     fn shown(&self) -> String {
-        self.name.trim_start_matches("delta_cd_").trim_end_matches("_mm").replace('_', " ")
+        self.quantity.name.trim_start_matches("delta_cd_").trim_end_matches("_mm").replace('_', " ")
     }
 
     fn indices(&self) -> [(&'static str, Option<Index>); 4] {
@@ -106,13 +97,11 @@ impl<'a> BatchReport<'a> {
     /// The report of a batch that was run with statistics.
     #[must_use]
     pub fn new(title: Option<&'a str>, basis: &'a Basis, outcome: &'a Outcome) -> Self {
-        let limits = basis.quantity_limits.iter().copied();
-        let quantities = outcome.quantities.iter().zip(&outcome.statistics).zip(limits);
-        let quantities = quantities.map(|((name, statistics), limits)| {
-            let capability = Capability::of(statistics, limits);
-            Quantity { name, statistics, limits, capability }
-        });
-        Self { title, basis, outcome, quantities: quantities.collect() }
+        let capable = |quantity: &'a Quantity| {
+            let capability = Capability::of(&quantity.statistics, quantity.limits);
+            Capable { quantity, capability }
+        };
+        Self { title, basis, outcome, results: outcome.quantities.iter().map(capable).collect() }
     }
 
     fn counts_table(&self) -> Table {
@@ -144,11 +133,11 @@ impl<'a> BatchReport<'a> {
 
     fn statistics_table(&self) -> Table {
         let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), millimetres);
-        let rows = self.quantities.iter().map(|quantity| {
-            let statistics = quantity.statistics;
+        let rows = self.results.iter().map(|result| {
+            let statistics = &result.quantity.statistics;
             let deviation = statistics.standard_deviation_mm();
             vec![
-                quantity.shown(),
+                result.shown(),
                 mm(statistics.mean_mm()),
                 deviation.map_or_else(|| "-".to_owned(), unsigned),
                 mm(statistics.min_mm()),
@@ -167,11 +156,11 @@ impl<'a> BatchReport<'a> {
     /// The indices of the results that have limits; `None` where there are none.
     fn capability_table(&self) -> Option<Table> {
         let mut rows = Vec::new();
-        for quantity in self.quantities.iter().filter(|quantity| quantity.is_limited()) {
-            for (name, index) in quantity.indices() {
+        for result in self.results.iter().filter(|result| result.quantity.is_limited()) {
+            for (name, index) in result.indices() {
                 let Some(index) = index else { continue };
                 let [value, lower, upper] = [index.value, index.lower, index.upper].map(|value| format!("{value:.2}"));
-                rows.push(vec![quantity.shown(), name.to_owned(), value, format!("{lower} … {upper}")]);
+                rows.push(vec![result.shown(), name.to_owned(), value, format!("{lower} … {upper}")]);
             }
         }
         let columns = vec![
@@ -186,10 +175,10 @@ impl<'a> BatchReport<'a> {
     /// What measuring does to the spread; `None` where no uncertainty is given.
     fn gauge_table(&self) -> Option<Table> {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let rows = self.quantities.iter().filter_map(|quantity| {
-            let gauge = quantity.capability.gauge?;
+        let rows = self.results.iter().filter_map(|result| {
+            let gauge = result.capability.gauge?;
             Some(vec![
-                quantity.shown(),
+                result.shown(),
                 micrometres(gauge.uncertainty_mm),
                 percent(gauge.variance_share),
                 gauge.tolerance_share.map_or_else(|| "-".to_owned(), percent),
@@ -233,9 +222,9 @@ impl<'a> BatchReport<'a> {
 
     fn capability_notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        let limited: Vec<_> = self.quantities.iter().filter(|quantity| quantity.is_limited()).collect();
+        let limited: Vec<_> = self.results.iter().filter(|result| result.quantity.is_limited()).collect();
         let Some(first) = limited.first() else { return notes };
-        let parts = first.statistics.count();
+        let parts = first.quantity.statistics.count();
         if parts < FEWEST_PARTS as u64 {
             let parts = if parts == 1 { "1 part is".to_owned() } else { format!("{parts} parts are") };
             notes.push(format!(
@@ -252,14 +241,14 @@ impl<'a> BatchReport<'a> {
                 "{parts} parts make the indices preliminary: {PRELIMINARY_PARTS} or more are customary."
             ));
         }
-        for quantity in limited {
-            if quantity.capability.ppk.is_none() && quantity.statistics.standard_deviation_mm().is_some() {
-                notes.push(format!("{}: no indices, because all values are the same.", quantity.shown()));
+        for result in limited {
+            if result.capability.ppk.is_none() && result.quantity.statistics.standard_deviation_mm().is_some() {
+                notes.push(format!("{}: no indices, because all values are the same.", result.shown()));
             }
-            match quantity.capability.normality {
+            match result.capability.normality {
                 Some(normality) if normality.rejected() => notes.push(format!(
                     "{}: not normally distributed (Anderson-Darling A*² {:.2}, p {}; skewness {:+.2}, excess kurtosis {:+.2}), so the indices do not give the share outside: see the quantiles.",
-                    quantity.shown(),
+                    result.shown(),
                     normality.anderson_darling,
                     if normality.p_value < 1e-4 { "below 0.0001".to_owned() } else { format!("{:.4}", normality.p_value) },
                     normality.skewness,
@@ -267,13 +256,13 @@ impl<'a> BatchReport<'a> {
                 )),
                 Some(normality) => notes.push(format!(
                     "{}: a normal distribution is not contradicted (Anderson-Darling A*² {:.2}, p {:.2}).",
-                    quantity.shown(),
+                    result.shown(),
                     normality.anderson_darling,
                     normality.p_value
                 )),
-                None if quantity.capability.ppk.is_some() => notes.push(format!(
+                None if result.capability.ppk.is_some() => notes.push(format!(
                     "{}: its mean is too far from 0 for its spread to tell whether it is normally distributed.",
-                    quantity.shown()
+                    result.shown()
                 )),
                 None => {}
             }
@@ -328,25 +317,20 @@ impl<'a> BatchReport<'a> {
             self.basis.model
         )];
         notes.extend(self.capability_notes());
-        if self.quantities.iter().any(|quantity| quantity.capability.gauge.is_some()) {
+        if self.results.iter().any(|result| result.capability.gauge.is_some()) {
             notes.push(
                 "Gauge share: of the uncertainties of the measured errors alone; what is uncertain about the gear is the same for all parts."
                     .to_owned(),
             );
         }
-        if self
-            .quantities
-            .iter()
-            .any(|quantity| quantity.capability.gauge.is_some_and(|gauge| gauge.part_deviation_mm.is_none()))
-        {
+        let is_overstated = |gauge: Gauge| gauge.part_deviation_mm.is_none();
+        if self.results.iter().any(|result| result.capability.gauge.is_some_and(is_overstated)) {
             notes.push("The given uncertainty exceeds the spread of some values: it is overstated there.".to_owned());
         }
-        let quantities = self.quantities.iter();
-        for quantity in quantities
-            .filter(|quantity| quantity.statistics.count() > 1 && quantity.statistics.standard_deviation_mm().is_none())
-        {
-            notes
-                .push(format!("{}: no standard deviation, because the sum of the squares is too large", quantity.name));
+        for Quantity { name, statistics, .. } in &self.outcome.quantities {
+            if statistics.count() > 1 && statistics.standard_deviation_mm().is_none() {
+                notes.push(format!("{name}: no standard deviation, because the sum of the squares is too large"));
+            }
         }
         if self.outcome.interrupted {
             notes.push("The run is incomplete: it was interrupted, and this is of the rows up to there.".to_owned());
@@ -417,12 +401,12 @@ struct PartFact<'a> {
     verdict: Option<&'static str>,
 }
 
-impl<'a> From<&Quantity<'a>> for ResultFact<'a> {
-    fn from(quantity: &Quantity<'a>) -> Self {
-        let statistics = quantity.statistics;
+impl<'a> From<&Capable<'a>> for ResultFact<'a> {
+    fn from(Capable { quantity, capability }: &Capable<'a>) -> Self {
+        let statistics = &quantity.statistics;
         let quantile = |share| QuantileFact { share, value_mm: statistics.quantile_mm(share) };
         Self {
-            name: quantity.name,
+            name: &quantity.name,
             count: statistics.count(),
             mean_mm: statistics.mean_mm(),
             standard_deviation_mm: statistics.standard_deviation_mm(),
@@ -431,7 +415,7 @@ impl<'a> From<&Quantity<'a>> for ResultFact<'a> {
             quantiles: QUANTILES.map(quantile).into(),
             limit_lower_mm: quantity.limits.0,
             limit_upper_mm: quantity.limits.1,
-            capability: quantity.capability,
+            capability: *capability,
         }
     }
 }
@@ -473,7 +457,7 @@ impl Report for BatchReport<'_> {
                 .into_iter()
                 .map(|(name, count)| (name.to_owned(), count.into()))
                 .collect(),
-            results: self.quantities.iter().map(ResultFact::from).collect(),
+            results: self.results.iter().map(ResultFact::from).collect(),
             worst: self.outcome.worst.iter().map(PartFact::from).collect(),
             unjudged_limits: self.basis.unjudged.iter().map(|on| on.key()).collect(),
             interrupted: self.outcome.interrupted,

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::chart::{Chart, Layer, Mark, Shape, Span};
 use super::evaluation::{IntervalFact, interval_text};
 use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
@@ -83,6 +84,33 @@ impl MeshReport<'_> {
                 Block::Verdict(None, why)
             }
         }
+    }
+
+    /// The picture of the curve, with what it is held against.
+    #[must_use]
+    pub fn chart(&self) -> Chart {
+        let marks = self.curve.kinks.iter().filter_map(|kink| {
+            let (before, after) = (kink.before, kink.after);
+            let text = match (before.0.rack_tooth != after.0.rack_tooth, before.1.rack_tooth != after.1.rack_tooth) {
+                (true, true) => format!("r{} l{}", after.0.rack_tooth, after.1.rack_tooth),
+                (true, false) => format!("r{}", after.0.rack_tooth),
+                (false, true) => format!("l{}", after.1.rack_tooth),
+                // the place on the flank changes, not the tooth
+                (false, false) => return None,
+            };
+            Some(Mark { x: kink.stroke_mm, y: kink.delta_cd_mm, text })
+        });
+        let limits = self.limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]);
+        let points: Vec<_> = self.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
+        let (low, high) = self.prediction.range_mm();
+        let ends = points.first().into_iter().chain(points.last());
+        let layers = vec![
+            Layer::new("formulas", Shape::Band(ends.map(|(x, _)| Span { x: *x, low, high }).collect())),
+            Layer::new("limits", Shape::Limits(limits.flatten().map(Length::mm).collect())),
+            Layer::new("exact mesh", Shape::Line(points)),
+            Layer::new("contact moves to the right (r) or left (l) flank of a tooth", Shape::Marks(marks.collect())),
+        ];
+        Chart::along_the_stroke(self.title.unwrap_or("ΔCD along the stroke"), layers)
     }
 
     /// How far the curve's own points can be trusted.

@@ -10,6 +10,8 @@
 
 #[cfg(feature = "batch")]
 mod batch;
+#[cfg(feature = "batch")]
+mod batch_chart;
 mod budget;
 mod calculation;
 pub mod chart;
@@ -39,6 +41,8 @@ pub mod xlsx;
 
 #[cfg(feature = "batch")]
 pub use batch::{Basis, BatchReport};
+#[cfg(feature = "batch")]
+pub use batch_chart::{RunChart, error_histograms, judged_histogram};
 pub use budget::BudgetReport;
 pub use calculation::{Calculation, ResultUnit, WorstCase};
 #[cfg(feature = "batch")]

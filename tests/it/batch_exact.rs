@@ -481,7 +481,7 @@ fn the_gauge_share_is_of_measuring_alone() {
     }
     let request = Request { statistics: true, ..Request::default() };
     let (_, outcome) = run(spec, &table, request);
-    let gauge = outcome.statistics[0].gauge_mm().expect("it is uncertain");
+    let gauge = outcome.quantities[0].statistics.gauge_mm().expect("it is uncertain");
     // 1/(2 tan 20°)
     assert!((gauge / 0.001 - 1.373_738_709_727_311).abs() < 1e-9, "{gauge}");
 }

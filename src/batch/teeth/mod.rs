@@ -17,7 +17,7 @@ pub use judge::{JudgedTeeth, TeethJudge};
 
 use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::ledger::{Ledger, RowSink, Sinks};
-use super::outcome::{KeptPart, Outcome, Part, Problem, keep_worst};
+use super::outcome::{KeptPart, Outcome, Part, Problem, Quantity, keep_worst};
 use super::request::Request;
 use super::run::{Progress, RunError};
 use super::statistics::MovingRange;
@@ -173,14 +173,20 @@ impl<'a> Teeth<'a> {
     ) -> Result<Self, Diagnostic> {
         let columns = columns_asked(request.rows.columns.as_deref())?;
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
-        let quantities = request.rows.statistics.then(|| QUANTITIES.map(|(name, _)| name.to_owned()).to_vec());
+        let limit = limit.map(|(_, limit)| &limit.value);
+        let quantity = |(name, number): (&str, Number)| {
+            let is_held = matches!(number, Number::Lower | Number::Upper);
+            let on = is_held.then_some(LimitTarget::CenterDistance);
+            Quantity::new(name.to_owned(), on, limit.filter(|_| is_held))
+        };
+        let quantities = if request.rows.statistics { QUANTITIES.map(quantity).to_vec() } else { Vec::new() };
         Ok(Self {
             spec,
             tables,
             lots: Vec::new(),
             request,
             columns,
-            limit: limit.map(|(_, limit)| &limit.value),
+            limit,
             ledger: Ledger::new(sinks, quantities),
             workers: workers.max(1),
             moving: [MovingRange::default(); QUANTITIES.len()],
@@ -195,16 +201,6 @@ impl<'a> Teeth<'a> {
     pub fn columns_written(columns: Option<&[String]>) -> Result<Vec<(String, ColumnKind)>, Diagnostic> {
         let written = |(name, column): (&str, Column)| (name.to_owned(), column.kind());
         Ok(columns_asked(columns)?.into_iter().map(written).collect())
-    }
-
-    /// The limits (mm, lower and upper) that each quantity is held against, if it is.
-    #[must_use]
-    pub fn quantity_limits(spec: &Spec) -> Vec<(Option<f64>, Option<f64>)> {
-        let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
-        let ends = limit
-            .map_or((None, None), |(_, limit)| (limit.value.lower.map(Length::mm), limit.value.upper.map(Length::mm)));
-        let held = |number: Number| matches!(number, Number::Lower | Number::Upper);
-        QUANTITIES.map(|(_, number)| if held(number) { ends } else { (None, None) }).to_vec()
     }
 
     /// Reads the parts of one table.
@@ -305,10 +301,9 @@ impl<'a> Teeth<'a> {
     /// If the results cannot be written. What was computed before is kept.
     pub fn finish(mut self, stop: &AtomicBool, progress: &mut dyn FnMut(&Progress)) -> (Outcome, io::Result<()>) {
         let judged = self.judge(stop, progress);
-        let limits = Self::quantity_limits(self.spec);
-        for ((statistics, moving), limit) in self.ledger.outcome.statistics.iter_mut().zip(&self.moving).zip(limits) {
-            if limit != (None, None) {
-                statistics.add_moving(moving);
+        for (quantity, moving) in self.ledger.outcome.quantities.iter_mut().zip(&self.moving) {
+            if quantity.is_limited() {
+                quantity.statistics.add_moving(moving);
             }
         }
         self.ledger.outcome.is_cut |= self.ledger.is_over(self.request.rows.strict);
@@ -355,10 +350,10 @@ impl<'a> Teeth<'a> {
     }
 
     fn count(&mut self, solved: &Solved) {
-        let quantities = self.ledger.outcome.statistics.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
-        for ((statistics, moving), (_, number)) in quantities {
+        let quantities = self.ledger.outcome.quantities.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
+        for ((quantity, moving), (_, number)) in quantities {
             let Some(Ok(value)) = number.of(solved).map(Length::from_mm) else { continue };
-            statistics.add(value);
+            quantity.statistics.add(value);
             moving.add(value);
         }
     }

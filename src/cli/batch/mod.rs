@@ -17,9 +17,7 @@ use super::set::SetArgs;
 use super::tables::{self, Opener, ReadArgs};
 use super::teeth::with_known_teeth;
 use super::{stream, target};
-use crate::batch::{
-    Batch, Counts, Decimals, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError, Teeth,
-};
+use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Rule};
@@ -487,7 +485,6 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
         // what teeth have one by one is no single error
         unjudged: limits.iter().map(|(on, _)| *on).filter(|on| !is_judged(*on)).collect(),
         limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
-        quantity_limits: Teeth::quantity_limits(spec),
         without: Vec::new(),
     }
 }

@@ -27,6 +27,14 @@ pub struct Section {
     pub source: Option<String>,
 }
 
+impl Section {
+    /// A part of tables, remarks and verdicts.
+    #[must_use]
+    pub fn new(heading: impl Into<String>, blocks: Vec<Block>) -> Self {
+        Self { heading: heading.into(), blocks, ..Self::default() }
+    }
+}
+
 /// Something that the page was made from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InputFile {

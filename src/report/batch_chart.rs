@@ -1,0 +1,153 @@
+//! The pictures of a batch: how its results are distributed, and how they run in the order of the rows. Called by the
+//! page of `report`.
+
+use std::io;
+
+use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
+use crate::batch::{ColumnSink, Outcome, Plan, Quantity, ResultColumn, ResultColumns, ResultValues};
+use crate::judge::{LimitTarget, Limits};
+use crate::quantity::Length;
+
+/// How the upper end of the combination that is judged is distributed; `None` if there is none.
+#[must_use]
+pub fn judged_histogram(outcome: &Outcome) -> Option<Chart> {
+    histogram(outcome.quantities.iter().rfind(|quantity| quantity.on == Some(LimitTarget::CenterDistance))?)
+}
+
+/// How ΔCD of each error is distributed, in small pictures.
+#[must_use]
+pub fn error_histograms(outcome: &Outcome) -> Vec<Chart> {
+    let is_error = |quantity: &&Quantity| matches!(quantity.on, Some(LimitTarget::Error(_)));
+    let charts = outcome.quantities.iter().filter(is_error).filter_map(histogram);
+    charts.map(|chart| Chart { width: 420.0, height: 300.0, ..chart }).collect()
+}
+
+fn histogram(Quantity { name, limits, statistics, .. }: &Quantity) -> Option<Chart> {
+    const BINS: usize = 40;
+    let (low, high) = (statistics.min_mm()?, statistics.max_mm()?);
+    let (low, high) = if high > low { (low, high.next_up()) } else { (low - 0.000_5, high + 0.000_5) };
+    let counts = statistics.histogram(low, high, BINS);
+    let edge = |bin: usize| low + (high - low) * bin as f64 / BINS as f64;
+    let title = name.trim_end_matches("_mm").replace("delta_cd_", "ΔCD of ").replace('_', " ");
+    let bars = counts.into_iter().enumerate().map(|(bin, count)| Bar {
+        left: edge(bin),
+        right: edge(bin + 1),
+        low: 0.0,
+        high: count as f64,
+        text: String::new(),
+    });
+    Some(Chart {
+        title: format!("Histogram of {title}"),
+        x: Axis { label: format!("{title} [mm]"), scale: Scale::Airy },
+        y: Axis { label: "parts".to_owned(), scale: Scale::Whole },
+        layers: vec![
+            Layer::new("", Shape::Bars(bars.collect())),
+            Layer::new("limits", Shape::LimitsOnX([limits.0, limits.1].into_iter().flatten().collect())),
+        ],
+        ..Chart::default()
+    })
+}
+
+/// Takes the rows of a batch and keeps the lowest and highest result of each group of neighbours; groups grow with the
+/// batch, so that memory does not.
+#[derive(Debug, Default)]
+pub struct RunChart {
+    /// The columns of the lower and the upper end.
+    ends: Option<[usize; 2]>,
+    /// Parts per group.
+    size: u64,
+    /// In the last group.
+    held: u64,
+    groups: Vec<(f64, f64)>,
+}
+
+/// Groups at most: more than a picture shows.
+const MOST_GROUPS: usize = 1024;
+
+impl ColumnSink for RunChart {
+    fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
+        let Some([lower, upper]) = self.ends else { return Ok(()) };
+        let values = |column: usize| match &rows.columns[column] {
+            ResultColumn { has_value, values: ResultValues::Numbers(values) } => {
+                values.iter().zip(has_value).map(|(value, has_value)| has_value.then_some(*value)).collect()
+            }
+            _ => Vec::new(),
+        };
+        for (low, high) in values(lower).into_iter().zip(values(upper)) {
+            if let (Some(low), Some(high)) = (low, high) {
+                self.add(low, high);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl RunChart {
+    /// Of the worst case.
+    #[must_use]
+    pub fn of(plan: &Plan) -> Self {
+        Self { ends: plan.range_columns(), ..Self::default() }
+    }
+
+    fn add(&mut self, low: f64, high: f64) {
+        self.size = self.size.max(1);
+        if self.groups.is_empty() || self.held == self.size {
+            if self.groups.len() == MOST_GROUPS {
+                self.groups = self.groups.chunks(2).map(|pair| pair.iter().copied().fold(pair[0], joined)).collect();
+                self.size *= 2;
+            }
+            self.groups.push((low, high));
+            self.held = 1;
+        } else if let Some(last) = self.groups.last_mut() {
+            *last = joined(*last, (low, high));
+            self.held += 1;
+        }
+    }
+
+    /// The picture, with the limits on ΔCD; `None` without a part.
+    #[must_use]
+    pub fn chart(&self, limits: &Limits) -> Option<Chart> {
+        if self.groups.is_empty() {
+            return None;
+        }
+        let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
+        let limits = limit.into_iter().flat_map(|(_, limit)| [limit.lower, limit.upper]).flatten().map(Length::mm);
+        let at = |index: usize| (index as u64 * self.size + 1) as f64;
+        let groups = self.groups.iter().enumerate();
+        let spans: Vec<_> = groups.map(|(index, (low, high))| Span { x: at(index), low: *low, high: *high }).collect();
+        let grouped = if self.size > 1 { format!("; each point holds {} parts", self.size) } else { String::new() };
+        Some(Chart {
+            title: format!("Run chart: ΔCD in the order of the rows{grouped}"),
+            x: Axis { label: "part".to_owned(), scale: Scale::Whole },
+            y: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
+            layers: vec![
+                Layer::new("highest", Shape::Line(spans.iter().map(|span| (span.x, span.high)).collect())),
+                Layer::new("lowest to highest", Shape::Band(spans)),
+                Layer::new("limits", Shape::Limits(limits.collect())),
+            ],
+            ..Chart::default()
+        })
+    }
+}
+
+fn joined(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_chart_keeps_every_extreme_in_little_memory() {
+        let mut run = RunChart::default();
+        for part in 0..50_000 {
+            run.add(-0.1, if part == 31_415 { 0.9 } else { 0.1 });
+        }
+        assert!(run.groups.len() <= MOST_GROUPS);
+        assert_eq!(run.size, 64);
+        let group = 31_415 / 64;
+        assert_eq!(run.groups[group], (-0.1, 0.9));
+        assert_eq!(run.groups.iter().filter(|group| group.1 > 0.5).count(), 1);
+    }
+}
