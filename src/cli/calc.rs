@@ -267,15 +267,16 @@ fn usage(message: impl Into<String>) -> Failure {
     Diagnostic::error(Code::Usage, message).help("`rackmesh calc --help` shows examples").into()
 }
 
-/// A value that a formula refuses.
-fn refused(error: &DomainError) -> Failure {
-    let code = match error {
-        DomainError::Outside { .. } | DomainError::NoSpace { .. } | DomainError::WrongDimension { .. } => {
-            Code::OutOfDomain
-        }
-        DomainError::NeverReached { .. } | DomainError::Overflow(_) => Code::NoResult,
-    };
-    Diagnostic::error(code, error.to_string()).into()
+impl From<DomainError> for Failure {
+    fn from(error: DomainError) -> Self {
+        let code = match error {
+            DomainError::Outside { .. } | DomainError::NoSpace { .. } | DomainError::WrongDimension { .. } => {
+                Code::OutOfDomain
+            }
+            DomainError::NeverReached { .. } | DomainError::Overflow(_) => Code::NoResult,
+        };
+        Diagnostic::error(code, error.to_string()).into()
+    }
 }
 
 fn read<Q: std::str::FromStr<Err = QuantityError>>(text: &str) -> Result<Q, Failure> {
@@ -342,9 +343,11 @@ impl Common {
         &self,
         output: &mut Output,
         given: &GivenValue,
+        law: Law,
+        asked: &Question,
         calculation: Calculation,
     ) -> Result<Status, Failure> {
-        let printed = self.print(output, calculation)?;
+        let printed = self.print(output, with_worst_case(calculation, law, given, asked)?)?;
         if given.extent.is_none() {
             return Ok(Status::Pass);
         }
@@ -409,7 +412,7 @@ fn sensible_error(
     asked: &Question,
 ) -> Result<Option<String>, Failure> {
     let Question::DeltaCd(error) = asked else { return Ok(None) };
-    by_law(law, asked, Model::Exact).map_err(|error| refused(&error))?;
+    by_law(law, asked, Model::Exact)?;
     let doubt = plausible::deviation(*error, None);
     let doubt = if given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
     sensible(output, "the error", doubt)
@@ -446,7 +449,7 @@ fn with_worst_case(
         return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
     }
     let bound = Basis::default().bound_of(&[PartDeviation::new(law, *error).with_extent(extent)]);
-    let range = Interval::of(bound.total).map_err(|problem| refused(&problem.into()))?;
+    let range = Interval::of(bound.total).map_err(DomainError::from)?;
     let notes = [bound_remarks(&bound.notes, &missing_geometry(law)), calculation.notes].concat();
     Ok(Calculation { worst_case: Some(WorstCase { kind, extent, range }), notes, ..calculation })
 }
@@ -476,23 +479,22 @@ fn by_law(law: Law, asked: &Question, model: Model) -> Result<DeviationValue, Do
 /// The laws whose ΔCD is the error itself.
 fn signed(args: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
     let asked = args.given.asked::<Length>()?;
-    let result = by_law(law, &asked, Model::Exact).map_err(|error| refused(&error))?;
     let notes = sensible_error(output, law, &args.given, &asked)?.into_iter().collect();
-    let calculation = Calculation { is_bound: asked.is_bound(), notes, ..calculation(law.page(), result) };
-    args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
+    let calculation = Calculation { model: None, other: None, notes, ..by_models(law, &asked, Model::Exact)? };
+    args.common.print_error(output, &args.given, law, &asked, calculation)
 }
 
 fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Result<Status, Failure> {
-    let (law, asked) = (law.map_err(|error| refused(&error))?, args.given.asked::<Length>()?);
+    let (law, asked) = (law?, args.given.asked::<Length>()?);
     let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
     notes.extend(sensible_error(output, law, &args.given, &asked)?);
     let calculation = Calculation { notes, ..by_models(law, &asked, args.model)? };
-    args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
+    args.common.print_error(output, &args.given, law, &asked, calculation)
 }
 
 /// The chosen model's value and the other's.
 fn by_models(law: Law, asked: &Question, model: Model) -> Result<Calculation, Failure> {
-    let result = by_law(law, asked, model).map_err(|error| refused(&error))?;
+    let result = by_law(law, asked, model)?;
     // the other model may have no value where the chosen one has
     let other = Some(by_law(law, asked, model.other()).unwrap_or(result));
     let (is_bound, unit) = (asked.is_bound(), asked.unit(result));
@@ -502,19 +504,18 @@ fn by_models(law: Law, asked: &Question, model: Model) -> Result<Calculation, Fa
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
     sensible(output, "--length", args.length.and_then(plausible::evaluation_length))?;
     let asked = match (args.f_h_beta, args.length) {
-        (Some(slope), Some(length)) => Question::DeltaCd(lead_slope(slope, length).map_err(|error| refused(&error))?),
+        (Some(slope), Some(length)) => Question::DeltaCd(lead_slope(slope, length)?),
         (_, length) => match (args.given.asked::<Angle>()?, length) {
             (Question::Error(delta_cd), Some(length)) => Question::SlopeDeviation { delta_cd, length },
             (asked, _) => asked,
         },
     };
-    let law =
-        Law::rack_lead(args.pressure_angle, args.helix_angle, args.face_width).map_err(|error| refused(&error))?;
+    let law = Law::rack_lead(args.pressure_angle, args.helix_angle, args.face_width)?;
     let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
     notes.extend(sensible(output, "--face-width", plausible::face_width(args.face_width, None))?);
     notes.extend(sensible_error(output, law, &args.given, &asked)?);
     let calculation = Calculation { notes, ..by_models(law, &asked, args.model)? };
-    args.common.print_error(output, &args.given, with_worst_case(calculation, law, &args.given, &asked)?)
+    args.common.print_error(output, &args.given, law, &asked, calculation)
 }
 
 /// The page of a formula that is no law.
@@ -523,8 +524,7 @@ fn page(name: &str) -> &'static FormulaPage {
 }
 
 fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {
-    let diameter = ideal_pin::diameter(args.normal_module, args.pressure_angle, args.tooth_thickness);
-    let diameter = diameter.map_err(|error| refused(&error))?;
+    let diameter = ideal_pin::diameter(args.normal_module, args.pressure_angle, args.tooth_thickness)?;
     let notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
     args.common.print(output, Calculation { notes, ..calculation(page("ideal-pin"), diameter) })?;
     Ok(Status::Pass)
@@ -538,15 +538,14 @@ fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> 
         pin_diameter: args.pin,
         datum: args.datum,
     };
-    let measure = over_pin.measure().map_err(|error| refused(&error))?;
+    let measure = over_pin.measure()?;
     let notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
     args.common.print(output, Calculation { notes, ..calculation(page("over-pin"), measure) })?;
     Ok(Status::Pass)
 }
 
 fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status, Failure> {
-    let difference = roller_change::difference(args.old_roller, args.new_roller, args.pressure_angle);
-    let difference = difference.map_err(|error| refused(&error))?;
+    let difference = roller_change::difference(args.old_roller, args.new_roller, args.pressure_angle)?;
     let doubt = sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
     let notes = doubt.into_iter().collect();
     args.common.print(output, Calculation { notes, ..calculation(page("roller-change"), difference) })?;

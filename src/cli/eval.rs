@@ -92,8 +92,8 @@ impl<'a> EvaluatedPart<'a> {
 
     /// The report on it.
     pub(super) fn report<'r>(&'r mut self, title: Option<&'r str>) -> Result<EvaluationReport<'r>, Failure> {
-        let report = EvaluationReport::new(title, &self.evaluation, &self.spec.missing_geometry());
-        let mut report = report.with_classes(self.spec.classes()?);
+        let mut report = EvaluationReport::new(title, &self.evaluation, &self.spec.missing_geometry());
+        report.classes = self.spec.classes()?;
         report.notes.extend(self.spec.suspicions_in_words());
         report.rule = self.judge.decision.rule(self.spec);
         report.uncertainty = self.uncertainty.take();

@@ -9,7 +9,7 @@ use super::long::Interruption;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
-use super::teeth::{Judged, WorstTeeth, with_known_teeth};
+use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic};
@@ -17,7 +17,7 @@ use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::{Format, MeshReport, Screen, noted};
+use crate::report::{Format, JudgedMesh, MeshReport, Screen, noted};
 use crate::spec::{MeshInput, Origin, Spec, WrittenPinionDeviation};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
@@ -135,7 +135,7 @@ pub(super) fn solved<'a>(
     mesh: &'a Mesh,
     curve: &'a Curve,
     prediction: &'a Prediction,
-    judged: &'a Judged,
+    judged: &'a JudgedMesh,
 ) -> MeshReport<'a> {
     MeshReport {
         title: None,
@@ -145,11 +145,7 @@ pub(super) fn solved<'a>(
         listed: &[],
         prediction,
         limit: spec.limit_on(LimitTarget::CenterDistance),
-        judged: judged.range,
-        judged_by: judged.by,
-        checks: &judged.checks,
-        verdict: judged.verdict,
-        rule: judged.rule.clone(),
+        judged,
         notes: Vec::new(),
         screen: Screen::default(),
     }
@@ -240,7 +236,7 @@ impl Args {
             // nothing is asked that needs the curve between these strokes
             return Ok(list_csv(strokes, &input.mesh, output)?.unwrap_or(Status::Pass));
         }
-        let judged = Judged::new(&spec, &JudgeArgs::of_spec())?;
+        let judged = judged(&spec, &JudgeArgs::of_spec())?;
         if let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)? {
             worst.place(&mut input, limit)?;
         }
@@ -275,7 +271,7 @@ impl Args {
             (Some(strokes), Format::Json) => list_json(strokes, &report, output),
             _ => output.report(&report, self.format).map(|()| None),
         };
-        let status = Status::of(report.verdict, report.checks);
+        let status = Status::of(judged.verdict, &judged.checks);
         match listed {
             // the verdict is that of the curve, whoever reads the list
             Err(failure) if failure.is_closed_pipe() => Ok(status),

@@ -244,21 +244,13 @@ fn status(summary: &RacksSummary, is_judged: bool) -> Status {
 
 impl From<RacksError> for Failure {
     fn from(error: RacksError) -> Self {
-        unsolved(&error).into()
-    }
-}
-
-fn unsolved(error: &RacksError) -> Diagnostic {
-    let code = match error {
-        RacksError::Mesh { .. } => Code::NoMesh,
-        RacksError::Count { .. } | RacksError::Stroke { .. } => Code::Usage,
-        _ => Code::NoMonteCarlo,
-    };
-    let diagnostic = Diagnostic::error(code, error.to_string());
-    match error {
-        RacksError::Mesh { .. } => {
-            diagnostic.help("the deviations drawn are too large for these teeth: check the units in [scatter]")
+        let diagnostic = |code| Diagnostic::error(code, error.to_string());
+        match error {
+            RacksError::Mesh { .. } => diagnostic(Code::NoMesh)
+                .help("the deviations drawn are too large for these teeth: check the units in [scatter]"),
+            RacksError::Count { .. } | RacksError::Stroke { .. } => diagnostic(Code::Usage),
+            _ => diagnostic(Code::NoMonteCarlo),
         }
-        _ => diagnostic,
+        .into()
     }
 }

@@ -13,7 +13,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, render};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
-use crate::report::{self, Format, Report, Screen, WithoutRemarks};
+use crate::report::{self, Format, Report, Screen};
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,6 +145,7 @@ impl Output {
                 width,
                 color: AutoStream::choice(&stdout) != anstream::ColorChoice::Never,
                 is_dumb: is_dumb(),
+                is_quiet,
             },
             color_messages: AutoStream::choice(&stderr) != anstream::ColorChoice::Never,
             is_quiet,
@@ -201,12 +202,7 @@ impl Output {
             held.markdown = report::write(report, Format::Markdown, self.screen)?;
             return Ok(());
         }
-        let text = if self.is_quiet {
-            report::write(&WithoutRemarks(report), format, self.screen)?
-        } else {
-            report::write(report, format, self.screen)?
-        };
-        self.text(&text)
+        self.text(&report::write(report, format, self.screen)?)
     }
 
     /// Writes text to standard output; a reader that has seen enough changes nothing.

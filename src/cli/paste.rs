@@ -20,8 +20,8 @@ use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
-    self, EvaluationReport, Format, FormulaAndMesh, MeshReport, PartRow, PartsReport, Report, Screen, SpacesReport,
-    UncertaintyPart, WithReading,
+    self, EvaluationReport, Format, FormulaAndMesh, JudgedMesh, MeshReport, PartRow, PartsReport, Report, Screen,
+    SpacesReport, UncertaintyPart, WithReading,
 };
 use crate::spec::{MeasuredTables, Spec};
 use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
@@ -393,7 +393,7 @@ impl Args {
                 covered.start, covered.end
             ));
         }
-        let judged = teeth::Judged {
+        let judged = JudgedMesh {
             range: judged.range,
             by: judged.by,
             checks: judged.limits,
@@ -407,7 +407,7 @@ impl Args {
         };
         let both = FormulaAndMesh { formula: &report, mesh: &solved };
         self.report(&Shown { report: &both, ..shown }, read, output)?;
-        Ok(Status::of(solved.verdict, solved.checks))
+        Ok(Status::of(judged.verdict, &judged.checks))
     }
 }
 

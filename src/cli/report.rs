@@ -9,7 +9,7 @@ use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_sections, without_verdict};
 use super::set::SetArgs;
 use super::tables::{self, Files, Opener, ReadArgs};
-use super::teeth::{Judged, WorstTeeth, with_known_teeth};
+use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use super::{batch, mesh, spec_files, target};
 use crate::batch::{Batch, Layout, Outcome, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest};
 use crate::deviation::DeviationKind;
@@ -165,7 +165,7 @@ impl Args {
                 return Ok(());
             }
         };
-        let judged = Judged::new(spec, &self.judge)?;
+        let judged = judged(spec, &self.judge)?;
         let prediction = mesh::prediction(&input)?;
         let solved = mesh::solved(spec, &input.mesh, &curve, &prediction, &judged);
         let report = MeshReport { notes: mesh::notes(&input), ..solved };
@@ -189,7 +189,7 @@ impl Args {
         if let Some(failed) = found.failed.pop() {
             return Err(failed.into());
         }
-        let done = if found.first().is_some_and(|first| first.table.is_teeth) {
+        let done = if found.first.as_ref().is_some_and(|first| first.table.is_teeth) {
             self.toothed(&spec, &mut found, &interruption)?
         } else {
             self.parts(&mut found, &interruption)?
@@ -213,7 +213,7 @@ impl Args {
 
     /// Parts by the formulas.
     fn parts(&self, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
-        let Some(first) = found.first() else { return Err(no_table().into()) };
+        let Some(first) = &found.first else { return Err(no_table().into()) };
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
         let request = Request {
             model: self.judge.model,
@@ -232,7 +232,7 @@ impl Args {
         let mut run = RunChart::of(&plan);
         let sinks = Sinks { rows: Some(RowSink::Columns(&mut run)), rejects: None };
         let mut lot = Batch::new(&plan, sinks, None);
-        for path in found.paths() {
+        for path in found.paths.clone() {
             let opened = found.next(&path)?;
             let layout = Layout::new(&plan, &opened.table)?;
             let ran = lot.run(opened.table, &layout, interruption.stop(), &mut |_| {});
@@ -266,7 +266,7 @@ impl Args {
         let basis = batch::mesh_basis(spec, &request.rows.rule);
         let measured = spec_files::measured_tables(spec, &self.spec)?;
         let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;
-        for path in found.paths() {
+        for path in found.paths.clone() {
             let ran = teeth.take(found.next(&path)?.table)?;
             if let Some(problem) = batch::unfinished(&path, ran)? {
                 return Err(problem.into());

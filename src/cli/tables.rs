@@ -93,9 +93,10 @@ pub(super) struct Opener<'a> {
 /// The files of a run, all of them looked at.
 pub(super) struct Files<'a> {
     opener: Opener<'a>,
-    paths: Vec<String>,
-    /// The first table, and with one file the only one.
-    first: Option<Opened>,
+    /// Those that can be read.
+    pub(super) paths: Vec<String>,
+    /// The first table, and with one file the only one; `None` once it is evaluated.
+    pub(super) first: Option<Opened>,
     /// What is wrong with files that cannot be read; the others are evaluated all the same.
     pub(super) failed: Vec<Diagnostic>,
 }
@@ -205,16 +206,6 @@ impl<'a> Opener<'a> {
 }
 
 impl Files<'_> {
-    /// The first table.
-    pub(super) fn first(&self) -> Option<&Opened> {
-        self.first.as_ref()
-    }
-
-    /// The files that can be read.
-    pub(super) fn paths(&self) -> Vec<String> {
-        self.paths.clone()
-    }
-
     /// The next table: the first one was opened to look at it.
     pub(super) fn next(&mut self, path: &str) -> Result<Opened, Failure> {
         self.first.take().map_or_else(|| self.opener.open(path), Ok)

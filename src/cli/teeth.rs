@@ -5,13 +5,14 @@ use super::decision::JudgeArgs;
 use super::output::Failure;
 use super::spec_files::{measured_tables, unsolved};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::{Evaluation, JudgedBy, LimitCheck};
+use crate::evaluation::Evaluation;
 use crate::formula::PartDeviation;
-use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, NoBound, Range};
+use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Placement, Reached};
 use crate::judge::strokes::{CurveSearch, StrokesError};
-use crate::judge::{Interval, Limit, PlacedError, Rule, Verdict};
+use crate::judge::{Interval, Limit, PlacedError};
 use crate::mesh::{Mesh, Support};
+use crate::report::JudgedMesh;
 use crate::spec::{MeshInput, Origin, Spec};
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
@@ -37,25 +38,12 @@ fn no_strokes(error: &StrokesError) -> Failure {
     }
 }
 
-/// What is held against the limit of the combination, and who says so.
-pub(super) struct Judged {
-    pub(super) range: Result<Interval, NoBound>,
-    pub(super) by: JudgedBy,
-    /// One for each limit, by the rule.
-    pub(super) checks: Vec<LimitCheck>,
-    pub(super) rule: Rule,
-    /// Of all of them; `None` if there is none, or one has nothing to hold against it.
-    pub(super) verdict: Option<Verdict>,
-}
-
-impl Judged {
-    /// Of a spec whose known teeth are solved.
-    pub(super) fn new(spec: &Spec, judge: &JudgeArgs) -> Result<Self, Failure> {
-        let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
-        let (evaluation, _) = judge.judged(spec, &errors, &basis)?;
-        let Evaluation { combined, judged_by, limits, verdict, .. } = evaluation;
-        Ok(Self { range: combined.range, by: judged_by, checks: limits, rule: judge.decision.rule(spec), verdict })
-    }
+/// What is held against the limits of a spec whose known teeth are solved, and what came of it.
+pub(super) fn judged(spec: &Spec, judge: &JudgeArgs) -> Result<JudgedMesh, Failure> {
+    let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
+    let (evaluation, _) = judge.judged(spec, &errors, &basis)?;
+    let Evaluation { combined, judged_by, limits, verdict, .. } = evaluation;
+    Ok(JudgedMesh { range: combined.range, by: judged_by, checks: limits, rule: judge.decision.rule(spec), verdict })
 }
 
 /// Errors on the worst teeth that a search finds.

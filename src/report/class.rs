@@ -46,18 +46,6 @@ impl ClassHead {
         ];
         format!("{}: {}", self.part.name(), parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
     }
-
-    fn add_to(&self, json: &mut Value) {
-        let mm = |length: &Option<Length>| length.map(Length::mm);
-        json["title"] = self.title.clone().into();
-        json["standard_name"] = standards(self.standard).into();
-        json["part"] = self.part.name().into();
-        json["normal_module_mm"] = mm(&self.wheel.normal_module).into();
-        json["diameter_mm"] = mm(&self.wheel.diameter).into();
-        json["diameter_source"] = self.diameter_source.map(DiameterSource::in_words).into();
-        json["face_width_mm"] = mm(&self.wheel.face_width).into();
-        json["teeth"] = self.wheel.teeth.into();
-    }
 }
 
 /// A standard with the one that has the other deviations.
@@ -157,15 +145,22 @@ impl Report for ClassReport {
             .iter()
             .map(|(standard, deviation, reason)| json!({ "symbol": standard.symbol(*deviation), "reason": reason }))
             .collect();
-        let mut json = json!({
-            "standard": self.head.standard.id(),
+        let ClassHead { title, standard, part, wheel, diameter_source } = &self.head;
+        json!({
+            "standard": standard.id(),
             "grade": self.grade,
             "values": values,
             "not_given": not_given,
-        });
-        self.head.add_to(&mut json);
-        json["notes"] = self.notes.clone().into();
-        json
+            "title": title,
+            "standard_name": standards(*standard),
+            "part": part.name(),
+            "normal_module_mm": wheel.normal_module.map(Length::mm),
+            "diameter_mm": wheel.diameter.map(Length::mm),
+            "diameter_source": diameter_source.map(DiameterSource::in_words),
+            "face_width_mm": wheel.face_width.map(Length::mm),
+            "teeth": wheel.teeth,
+            "notes": self.notes,
+        })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {

@@ -589,11 +589,4 @@ impl<'a> EvaluationReport<'a> {
             without: Vec::new(),
         }
     }
-
-    /// Adds what errors given as classes came to.
-    #[must_use]
-    pub fn with_classes(mut self, classes: Vec<ErrorClass>) -> Self {
-        self.classes = classes;
-        self
-    }
 }

@@ -9,42 +9,33 @@ use super::{Column, Table};
 use crate::gear::{Hand, Pair};
 use crate::quantity::{Degrees, Length};
 
-/// What follows from a pair's drawings.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Geometry<'a> {
-    /// The pair.
-    pub(super) pair: &'a Pair,
-    /// The nominal measure M over the pin, if the spec has what it takes.
-    pub(super) over_pin: Option<Length>,
+/// For people; the measure M over the pin is nominal, if the spec has what it takes.
+pub(super) fn table(pair: &Pair, over_pin: Option<Length>) -> Table {
+    let ratio = pair.contact_ratio();
+    let mut rows = vec![
+        row("hand of the rack", hand(pair.rack().helix_angle_rad)),
+        row("hand of the pinion", hand(pair.pinion().helix_angle_rad)),
+        row("shaft angle Σ", Degrees(pair.shaft_angle_rad().abs()).to_string()),
+        row("contact ratio ε", format!("{:.3}", ratio.total)),
+        row("offset of the contact c", format!("{:.3}", ratio.offset)),
+        row("centre distance a_0", millimetres(pair.nominal_center_distance_mm())),
+    ];
+    rows.extend(over_pin.map(|measure| row("measure M over the pin", millimetres(measure.mm()))));
+    Table { columns: vec![Column::text("nominal pair"), Column::number("value")], rows }
 }
 
-impl Geometry<'_> {
-    pub(super) fn table(&self) -> Table {
-        let ratio = self.pair.contact_ratio();
-        let mut rows = vec![
-            row("hand of the rack", hand(self.pair.rack().helix_angle_rad)),
-            row("hand of the pinion", hand(self.pair.pinion().helix_angle_rad)),
-            row("shaft angle Σ", Degrees(self.pair.shaft_angle_rad().abs()).to_string()),
-            row("contact ratio ε", format!("{:.3}", ratio.total)),
-            row("offset of the contact c", format!("{:.3}", ratio.offset)),
-            row("centre distance a_0", millimetres(self.pair.nominal_center_distance_mm())),
-        ];
-        rows.extend(self.over_pin.map(|measure| row("measure M over the pin", millimetres(measure.mm()))));
-        Table { columns: vec![Column::text("nominal pair"), Column::number("value")], rows }
-    }
-
-    pub(super) fn json(&self) -> Value {
-        let (rack, pinion, ratio) = (self.pair.rack(), self.pair.pinion(), self.pair.contact_ratio());
-        json!({
-            "rack_hand": Hand::of(rack.helix_angle_rad).name(),
-            "pinion_hand": Hand::of(pinion.helix_angle_rad).name(),
-            "shaft_angle_deg": tidy(self.pair.shaft_angle_rad().abs() * DEGREES_PER_RADIAN),
-            "contact_ratio": tidy(ratio.total),
-            "contact_offset": tidy(ratio.offset),
-            "nominal_center_distance_mm": self.pair.nominal_center_distance_mm(),
-            "nominal_over_pin_mm": self.over_pin.map(Length::mm),
-        })
-    }
+/// For programs.
+pub(super) fn json(pair: &Pair, over_pin: Option<Length>) -> Value {
+    let (rack, pinion, ratio) = (pair.rack(), pair.pinion(), pair.contact_ratio());
+    json!({
+        "rack_hand": Hand::of(rack.helix_angle_rad).name(),
+        "pinion_hand": Hand::of(pinion.helix_angle_rad).name(),
+        "shaft_angle_deg": tidy(pair.shaft_angle_rad().abs() * DEGREES_PER_RADIAN),
+        "contact_ratio": tidy(ratio.total),
+        "contact_offset": tidy(ratio.offset),
+        "nominal_center_distance_mm": pair.nominal_center_distance_mm(),
+        "nominal_over_pin_mm": over_pin.map(Length::mm),
+    })
 }
 
 fn row(name: &str, value: String) -> Vec<String> {
@@ -77,8 +68,7 @@ mod tests {
             (0.0, -21.0, ["spur", "left 21°"], "21°"),
         ] {
             let pair = Pair::new(&example(20, degrees(rack), degrees(pinion))).unwrap();
-            let geometry = Geometry { pair: &pair, over_pin: None };
-            let values: Vec<_> = geometry.table().rows.into_iter().map(|row| row[1].clone()).collect();
+            let values: Vec<_> = table(&pair, None).rows.into_iter().map(|row| row[1].clone()).collect();
             assert_eq!(values[..3], [hands[0], hands[1], shaft_angle]);
             assert_eq!(values.len(), 6);
         }

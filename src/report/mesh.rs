@@ -4,10 +4,9 @@ use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
 use super::evaluation::{IntervalFact, interval_text};
-use super::geometry::Geometry;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
-use super::{Block, Column, Report, Screen, Table, document, fact, noted, sketch, titled};
+use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
 use crate::evaluation::{JudgedBy, LimitCheck, Unjudged};
 use crate::judge::bound::NoBound;
 use crate::judge::{Interval, Limit, LimitTarget, Prediction, Rule, Verdict};
@@ -31,27 +30,30 @@ pub struct MeshReport<'a> {
     pub prediction: &'a Prediction,
     /// The limit of the combined ΔCD.
     pub limit: Option<&'a Limit>,
-    /// What is held against it: over all strokes at which a deviated tooth can carry, or wherever errors are.
-    pub judged: Result<Interval, NoBound>,
-    /// Who says so.
-    pub judged_by: JudgedBy,
-    /// One for each limit.
-    pub checks: &'a [LimitCheck],
-    /// Of all of them; `None` if there is none, or one has nothing to hold against it.
-    pub verdict: Option<Verdict>,
-    /// The rule that came to it.
-    pub rule: Rule,
+    /// What is held against the limits, and what came of it.
+    pub judged: &'a JudgedMesh,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
     pub screen: Screen,
 }
 
-impl MeshReport<'_> {
-    fn geometry(&self) -> Geometry<'_> {
-        Geometry { pair: self.mesh.pair(), over_pin: self.over_pin }
-    }
+/// What is held against limits, and what came of it.
+#[derive(Debug)]
+pub struct JudgedMesh {
+    /// Over all strokes at which a deviated tooth can carry, or wherever errors are.
+    pub range: Result<Interval, NoBound>,
+    /// Who says so.
+    pub by: JudgedBy,
+    /// One for each limit.
+    pub checks: Vec<LimitCheck>,
+    /// The rule that came to them.
+    pub rule: Rule,
+    /// Of all of them; `None` if there is none, or one has nothing to hold against it.
+    pub verdict: Option<Verdict>,
+}
 
+impl MeshReport<'_> {
     fn summary(&self) -> Option<Summary> {
         self.curve.summary(self.mesh)
     }
@@ -59,7 +61,7 @@ impl MeshReport<'_> {
     /// What came of one limit, in a sentence.
     fn verdict_block(&self, check: &LimitCheck) -> Block {
         let (subject, by) = match check.on {
-            LimitTarget::CenterDistance => ("ΔCD".to_owned(), format!(" by {}", self.judged_by)),
+            LimitTarget::CenterDistance => ("ΔCD".to_owned(), format!(" by {}", self.judged.by)),
             LimitTarget::Error(kind) => (format!("ΔCD of {kind}"), String::new()),
         };
         match (check.result, check.verdict) {
@@ -69,8 +71,8 @@ impl MeshReport<'_> {
                     Verdict::Fail => "not within",
                     Verdict::Indeterminate => "too near",
                 };
-                let rule =
-                    if self.rule == Rule::Simple { String::new() } else { format!(" by the rule {}", self.rule) };
+                let rule = &self.judged.rule;
+                let rule = if *rule == Rule::Simple { String::new() } else { format!(" by the rule {rule}") };
                 let result = interval_text(&result);
                 let sentence = format!("{subject} {result} mm{by} is {how} the limit ({}){rule}", check.limit);
                 Block::Verdict(Some(verdict), sentence)
@@ -187,15 +189,15 @@ impl MeshReport<'_> {
         let (lower, upper) = self.prediction.range_mm();
         json!({
             "title": self.title,
-            "geometry": self.geometry().json(),
+            "geometry": geometry::json(self.mesh.pair(), self.over_pin),
             "nominal_center_distance_mm": self.mesh.pair().nominal_center_distance_mm(),
             "tolerance_mm": self.curve.tolerance_mm,
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
-            "judged_mm": self.judged.ok().map(IntervalFact::from),
-            "judged_by": self.judged_by.name(),
-            "verdict": self.verdict.map(Verdict::name),
+            "judged_mm": self.judged.range.ok().map(IntervalFact::from),
+            "judged_by": self.judged.by.name(),
+            "verdict": self.judged.verdict.map(Verdict::name),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
                 "delta_cd_mm": tidy(kink.delta_cd_mm),
@@ -224,7 +226,7 @@ impl Report for MeshReport<'_> {
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
-        blocks.push(Block::Table(self.geometry().table()));
+        blocks.push(Block::Table(geometry::table(self.mesh.pair(), self.over_pin)));
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(Block::Table(summary_table(&summary)));
         if let Some(width) = self.screen.drawing_width() {
@@ -246,7 +248,7 @@ impl Report for MeshReport<'_> {
                 plain(self.curve.tolerance_mm)
             ))));
         }
-        blocks.extend(self.checks.iter().map(|check| self.verdict_block(check)));
+        blocks.extend(self.judged.checks.iter().map(|check| self.verdict_block(check)));
         blocks
     }
 }

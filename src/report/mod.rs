@@ -52,7 +52,7 @@ pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
-pub use mesh::{MeasureReport, MeshReport};
+pub use mesh::{JudgedMesh, MeasureReport, MeshReport};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;
 pub use paste::{FormulaAndMesh, PartRow, PartsReport, SpacesReport};
@@ -97,6 +97,8 @@ pub struct Screen {
     pub color: bool,
     /// Whether it only prints line after line of plain text, so that nothing is drawn on it.
     pub is_dumb: bool,
+    /// Whether remarks are left out.
+    pub is_quiet: bool,
 }
 
 impl Screen {
@@ -117,23 +119,6 @@ pub trait Report {
 
     /// The result for people.
     fn blocks(&self) -> Vec<Block>;
-}
-
-/// A report without the remarks that people read; programs get them all the same.
-pub struct WithoutRemarks<'a>(pub &'a dyn Report);
-
-impl Report for WithoutRemarks<'_> {
-    fn json(&self) -> Value {
-        self.0.json()
-    }
-
-    fn rows(&self) -> Vec<Vec<String>> {
-        self.0.rows()
-    }
-
-    fn blocks(&self) -> Vec<Block> {
-        self.0.blocks().into_iter().filter(|block| !matches!(block, Block::Remark(_))).collect()
-    }
 }
 
 /// Text that cannot be taken for markup, in an element or in an attribute; XML has no place for most control characters.
@@ -170,9 +155,14 @@ fn judged_without(kinds: &[DeviationKind]) -> String {
 /// # Errors
 /// If the rows are not a table (a fault of the report, not of its data).
 pub fn write(report: &dyn Report, format: Format, screen: Screen) -> Result<String, std::io::Error> {
+    let blocks = || {
+        let mut blocks = report.blocks();
+        blocks.retain(|block| !(screen.is_quiet && matches!(block, Block::Remark(_))));
+        blocks
+    };
     match format {
-        Format::Table => Ok(table::text(&report.blocks(), screen)),
-        Format::Markdown => Ok(table::markdown(&report.blocks())),
+        Format::Table => Ok(table::text(&blocks(), screen)),
+        Format::Markdown => Ok(table::markdown(&blocks())),
         Format::Json => Ok(format!("{:#}\n", document(report.json()))),
         Format::Csv => {
             let mut writer = csv::Writer::from_writer(Vec::new());

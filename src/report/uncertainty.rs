@@ -274,7 +274,8 @@ impl UncertaintyPart {
                         "input": c.source.key(),
                         "standard_uncertainty_mm": (!angle).then_some(c.standard),
                         "standard_uncertainty_deg": angle.then_some(c.standard),
-                        "degrees_of_freedom": finite(c.dof),
+                        // infinity is no JSON number: it is null
+                        "degrees_of_freedom": c.dof,
                         "sensitivity": c.sensitivity,
                         "sensitivity_unit": if angle { "mm/deg" } else { "mm/mm" },
                         "contribution_mm": tidy(c.contribution_mm),
@@ -288,7 +289,7 @@ impl UncertaintyPart {
                 "standard_uncertainty_mm": tidy(linear.standard_mm),
                 "coverage_factor": linear.coverage_factor,
                 "expanded_uncertainty_mm": tidy(linear.expanded_mm()),
-                "effective_degrees_of_freedom": linear.dof.and_then(finite),
+                "effective_degrees_of_freedom": linear.dof,
                 "linear": linear.folded.is_empty(),
                 "folded": linear.folded.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
                 "contributions": contributions,
@@ -334,11 +335,6 @@ pub(super) const COLUMNS: [&str; 8] = [
 fn upper_error(simulation: &PartSimulation) -> f64 {
     let (low, high) = simulation.upper().end_errors;
     low.max(high)
-}
-
-/// Infinity is no JSON number: it is null.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }
 
 fn simulation_json(simulated: &Simulation, validation: &Validation) -> Value {

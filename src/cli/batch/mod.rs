@@ -194,7 +194,7 @@ impl Args {
         if self.teeth {
             return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
         }
-        let Some(first) = found.first() else { return Ok(Status::Undecided) };
+        let Some(first) = &found.first else { return Ok(Status::Undecided) };
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
         let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
         self.remarks(&plan, output);
@@ -204,7 +204,7 @@ impl Args {
         let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
         let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "rows", output);
-        for path in found.paths() {
+        for path in found.paths.clone() {
             let run = found.next(&path).map_err(tables::diagnostics).and_then(|opened| {
                 let layout = Layout::new(&plan, &opened.table).map_err(|diagnostics| diagnostics.0)?;
                 Ok(batch.run(opened.table, &layout, interruption.stop(), &mut |progress| bar.show(progress)))

@@ -34,7 +34,7 @@ impl Args {
         }
         let measured = spec_files::measured_tables(spec, &self.spec)?;
         let workers = self.threads.map_or_else(cores, usize::from);
-        let paths = found.paths();
+        let paths = found.paths.clone();
         let files: Vec<&str> = paths.iter().map(String::as_str).collect();
         let inputs = spec_files::inputs(spec, &self.spec, &files);
         let columns = Teeth::columns_written(self.columns.as_deref())?;
