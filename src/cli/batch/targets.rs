@@ -16,7 +16,7 @@ enum RowTarget {
     Text(Target),
     /// A Parquet file, which has an end of its own.
     Parquet {
-        rows: ParquetRows,
+        rows: Box<ParquetRows>,
         file: Target,
     },
     /// A file whose format needs all rows.
@@ -41,7 +41,7 @@ impl Targets {
         Sinks {
             rows: self.rows.as_mut().map(|rows| match rows {
                 RowTarget::Text(writer) => RowSink::Text(Sink { writer, packing }),
-                RowTarget::Parquet { rows, .. } => RowSink::Columns(rows),
+                RowTarget::Parquet { rows, .. } => RowSink::Columns(rows.as_mut()),
                 RowTarget::Office { rows, .. } => RowSink::Text(Sink { writer: rows, packing }),
             }),
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
@@ -97,7 +97,7 @@ impl Args {
             Some(if office::is_office(path) {
                 RowTarget::Office { path: path.to_owned(), rows: office::Collected::default(), file }
             } else if format == RowFormat::Columns {
-                RowTarget::Parquet { rows: ParquetRows::new(file.writer()?, &columns())?, file }
+                RowTarget::Parquet { rows: Box::new(ParquetRows::new(file.writer()?, &columns())?), file }
             } else {
                 RowTarget::Text(file)
             })
