@@ -371,7 +371,9 @@ impl Column {
         let not_a_number = || Problem::Bad(format!("`{}` is not a number with a {}", shown(text), self.mark.name()));
         let number = normalise(text, self.mark).ok_or_else(not_a_number)?;
         let is_bare = number.ends_with(|c: char| c.is_ascii_digit() || c == '.');
-        if !is_bare && self.unit_from == UnitFrom::Key && self.is_in_other_unit(text) {
+        // a value near its nominal one tells its unit, a deviation does not
+        let is_assumed = self.unit_from == UnitFrom::Key && self.nominal == Nominal::None;
+        if !is_bare && is_assumed && self.is_in_other_unit(text) {
             return Err(Problem::Bad(format!(
                 "`{}` has a unit of its own, and numbers without one are taken to be {}",
                 shown(whole),
