@@ -10,7 +10,8 @@
 //!
 //! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences. Of a
 //! pair's sizes they are differences over the standard uncertainty, to the side where they are steeper: the bound jumps where
-//! one more tooth comes to carry.
+//! one more tooth comes to carry. Of errors the steepest counts that a value within its uncertainty may have: a size on some
+//! teeth raises the upper end where it lifts, and not where it sinks.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, own_slope, range_alone};
@@ -153,6 +154,18 @@ pub struct Propagator {
 /// their digits lose.
 const VARIED_BY: f64 = 1e-6;
 
+/// The way from zero.
+fn away(value: f64) -> f64 {
+    if value < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// The steeper of two slopes; the first unless the other one is clearly so.
+fn steeper(slope: f64, other: f64) -> f64 {
+    /// Differences have fewer digits than their ends.
+    const CLEARLY: f64 = 1.0 + 1e-6;
+    if other.abs() > slope.abs() * CLEARLY + 1e-9 { other } else { slope }
+}
+
 impl Propagator {
     /// Prepares the uncertainties of parts with the errors of this one, whatever their values.
     ///
@@ -261,8 +274,16 @@ impl Propagator {
         }
         let values = values(points);
         let centre = self.ends(&values, None, &self.basis);
+        let within = [1.0, -1.0].map(|side| self.moved(&values, side));
+        let at_ends_of = within.map(|values| self.ends(&values, None, &self.basis));
         for input in 0..count {
-            let Range { lower, upper } = self.by_input(input, &values, centre);
+            let mut slopes = self.by_input(input, &values, centre);
+            for (values, centre) in within.iter().zip(at_ends_of) {
+                let there = self.by_error(input, values, centre);
+                slopes.lower = steeper(slopes.lower, there.map_or(0.0, |there| there.lower));
+                slopes.upper = steeper(slopes.upper, there.map_or(0.0, |there| there.upper));
+            }
+            let Range { lower, upper } = slopes;
             let (source, _) = self.uncertainties.inputs()[input];
             let teeth = self.teeth.iter().find(|teeth| teeth.source == source);
             let own = self.own_slopes[input];
@@ -276,14 +297,19 @@ impl Propagator {
         let alone = |value: f64, basis: &Basis| {
             of.varied.map_or(NO_RANGE, |varied| range_alone(&varied.with_value(value), basis))
         };
-        let step = if value < 0.0 { -VARIED_BY } else { VARIED_BY };
-        let (here, there) = (alone(value, &self.basis), alone(value + step, &self.basis));
-        let per_delta_cd = 1.0 / (step * of.law.slope(value, self.model));
-        let mut weights = EndWeights {
-            lower: (there.lower - here.lower) * per_delta_cd,
-            upper: (there.upper - here.upper) * per_delta_cd,
-            ..EndWeights::default()
+        let here = alone(value, &self.basis);
+        let slopes_at = |value: f64| {
+            let step = away(value) * VARIED_BY;
+            let (from, to) = (alone(value, &self.basis), alone(value + step, &self.basis));
+            Range { lower: (to.lower - from.lower) / step, upper: (to.upper - from.upper) / step }
         };
+        let Range { mut lower, mut upper } = slopes_at(value);
+        for side in [1.0, -1.0] {
+            let there = slopes_at(self.moved_value(of, value, side));
+            (lower, upper) = (steeper(lower, there.lower), steeper(upper, there.upper));
+        }
+        let of_law = of.law.slope(value, self.model);
+        let mut weights = EndWeights { lower: lower / of_law, upper: upper / of_law, ..EndWeights::default() };
         for pair in &self.pairs {
             let Range { lower, upper } = pair.steepest(here, |basis| alone(value, basis));
             let standard = self.uncertainties.of(pair.source).map_or(0.0, |uncertainty| uncertainty.standard);
@@ -299,7 +325,7 @@ impl Propagator {
         let own = self.derivatives.iter().position(|of| of.own.is_some_and(|(own, _)| own == input));
         let one_sided = own.filter(|&index| self.stack == Stack::Range || values[index].abs() < VARIED_BY);
         if let Some(index) = one_sided {
-            let step = if values[index] < 0.0 { -VARIED_BY } else { VARIED_BY };
+            let step = away(values[index]) * VARIED_BY;
             let ends = self.ends(values, Some((input, step)), &self.basis);
             return Range { lower: (ends.lower - centre.lower) / step, upper: (ends.upper - centre.upper) / step };
         }
@@ -310,6 +336,31 @@ impl Propagator {
         let Some(pair) = self.pairs.iter().find(|pair| pair.source == source) else { return laws };
         let of_pair = pair.steepest(centre, |basis| self.ends(values, None, basis));
         Range { lower: laws.lower + of_pair.lower, upper: laws.upper + of_pair.upper }
+    }
+
+    /// ∂(both ends)/∂x of an input that errors follow from; `None` of any other.
+    fn by_error(&self, input: usize, values: &[f64; KINDS], centre: Range) -> Option<Range> {
+        let follows = |of: &Derivatives| of.own.is_some_and(|(own, _)| own == input) || of.constant[input] != 0.0;
+        self.derivatives.iter().any(follows).then(|| self.by_input(input, values, centre))
+    }
+
+    /// The errors as far off, to one side, as their uncertainties let expect.
+    fn moved(&self, values: &[f64; KINDS], side: f64) -> [f64; KINDS] {
+        let mut moved = *values;
+        for (value, of) in moved.iter_mut().zip(&self.derivatives) {
+            *value = self.moved_value(of, *value, side);
+        }
+        moved
+    }
+
+    /// One error so far off: a size up or down, a magnitude away from zero or beyond it.
+    fn moved_value(&self, of: &Derivatives, value: f64, side: f64) -> f64 {
+        let own = of.own.map_or(0.0, |(_, standard)| standard);
+        let inputs = self.uncertainties.inputs().iter().zip(of.constant);
+        let of_nominal = inputs.map(|((_, uncertainty), slope)| (slope * uncertainty.standard).abs());
+        let standard = own + of_nominal.sum::<f64>();
+        let up = if of.law.kind().always_acts() { 1.0 } else { away(value) };
+        value + side * up * FOLD * standard
     }
 
     /// Both ends of the combination for errors of these values, with one input off by so much.

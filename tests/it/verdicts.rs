@@ -487,6 +487,26 @@ fn uncertain_sizes_of_the_pair_count() {
     }
 }
 
+/// A size on one space lifts the upper end where it stands out, and does nothing where it sinks: measured just below zero it
+/// may be either.
+#[test]
+fn a_size_near_zero_is_uncertain_to_the_side_where_it_acts() {
+    let limits = ["center_distance", "pinion_radial"].map(|on| format!("{on} = {{ upper = 0.002 }}\n"));
+    for (pair, limit) in ["", PAPER].into_iter().flat_map(|pair| limits.iter().map(move |limit| (pair, limit))) {
+        let spec = |value: &str| {
+            format!(
+                "{pair}[errors]\npinion_radial = {{ value = \"{value} um\", u = \"5 um\", extent = \"one\" }}\n\
+                 [limits]\n{limit}[decision]\nrule = \"iso14253\"\n"
+            )
+        };
+        for draws in [&[][..], &["--monte-carlo", "2e4"]] {
+            let of = |value| run(&[&["eval", "-", "--format", "json"], draws].concat(), &spec(value)).json();
+            assert_eq!(of("-1")["verdict"], "indeterminate", "{limit} {draws:?}");
+            assert_eq!(of("-40")["verdict"], "pass", "{limit} {draws:?}");
+        }
+    }
+}
+
 /// A rack that may roll and has no error sinks by nothing: a limit of 0 is met.
 #[test]
 fn a_rolling_rack_without_errors_is_at_nought() {
