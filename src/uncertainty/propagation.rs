@@ -10,8 +10,8 @@
 //!
 //! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences. Of a
 //! pair's sizes they are differences over the standard uncertainty, to the side where they are steeper: the bound jumps where
-//! one more tooth comes to carry. Of errors the steepest counts that a value within its uncertainty may have: a size on some
-//! teeth raises the upper end where it lifts, and not where it sinks.
+//! one more tooth comes to carry. Of errors near zero the steepest counts that a value within its uncertainty may
+//! have: a size on some teeth raises the upper end where it lifts, and not where it sinks.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, own_slope, range_alone};
@@ -344,7 +344,7 @@ impl Propagator {
         self.derivatives.iter().any(follows).then(|| self.by_input(input, values, centre))
     }
 
-    /// The errors as far off, to one side, as their uncertainties let expect.
+    /// The errors near zero as far off, to one side, as their uncertainties let expect.
     fn moved(&self, values: &[f64; KINDS], side: f64) -> [f64; KINDS] {
         let mut moved = *values;
         for (value, of) in moved.iter_mut().zip(&self.derivatives) {
@@ -353,14 +353,17 @@ impl Propagator {
         moved
     }
 
-    /// One error so far off: a size up or down, a magnitude away from zero or beyond it.
+    /// One error so far off if it is near zero: a size up or down, a magnitude away from zero or beyond it.
     fn moved_value(&self, of: &Derivatives, value: f64, side: f64) -> f64 {
         let own = of.own.map_or(0.0, |(_, standard)| standard);
         let inputs = self.uncertainties.inputs().iter().zip(of.constant);
         let of_nominal = inputs.map(|((_, uncertainty), slope)| (slope * uncertainty.standard).abs());
-        let standard = own + of_nominal.sum::<f64>();
+        let reach = FOLD * (own + of_nominal.sum::<f64>());
+        if value.abs() >= reach {
+            return value;
+        }
         let up = if of.law.kind().always_acts() { 1.0 } else { away(value) };
-        value + side * up * FOLD * standard
+        value + side * up * reach
     }
 
     /// Both ends of the combination for errors of these values, with one input off by so much.
