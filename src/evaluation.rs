@@ -138,7 +138,7 @@ pub struct Evaluation {
     /// One per error, in the order given.
     pub contributions: Vec<Contribution>,
     /// The combinations.
-    pub combined: Combined,
+    pub combined: Combined<Interval>,
     /// What they rest on.
     pub notes: Vec<Note>,
     /// Who judges the combination.
@@ -243,10 +243,7 @@ pub fn evaluate(
             contribution.share = Some(contribution.delta_cd(model).abs().mm() / sum);
         }
     }
-    let combined = Combined {
-        range: Interval::of(bound.total).map_err(of_sum)?,
-        rss: Interval::of(bound.statistical).map_err(of_sum)?,
-    };
+    let combined = bound.combined.nearest().map_err(of_sum)?;
     let limits: Vec<_> = limits
         .iter()
         .map(|(on, limit)| {

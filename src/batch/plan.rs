@@ -352,7 +352,7 @@ impl Plan {
             return None;
         }
         let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
-        self.basis.together(&errors).total.err()
+        self.basis.together(&errors).range.err()
     }
 
     /// The errors that are read.

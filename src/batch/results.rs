@@ -86,7 +86,7 @@ impl Results {
         if plan.needs_range || plan.needs_rss {
             let together = plan.basis.together(errors);
             let of = |stack: Stack| {
-                let ends = stack.ends(&together).ok().map(Interval::nearest).transpose();
+                let ends = together.interval(stack).ok().map(Interval::nearest).transpose();
                 ends.map_err(|problem| Refusal::of(plan, None, &problem.into()))
             };
             if plan.needs_range {

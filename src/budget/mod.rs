@@ -13,7 +13,7 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::EvaluationError;
 use crate::formula::{Law, Model, PartDeviation};
 use crate::judge::bound::{Basis, ExtendedError, NoBound};
-use crate::judge::{Combined, Interval, Stack, Verdict};
+use crate::judge::{Interval, Stack, Verdict};
 use crate::quantity::{DomainError, Length};
 use request::Allocated;
 pub use request::{Budget, BudgetError, Entry, Free, Freedom, Line, Request, Rule, Simulated, Simulation, Spread};
@@ -44,7 +44,7 @@ pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
 
 /// Whether a combination of tolerances lies inside the limit.
 fn conforms(request: &Request, stack: Stack, errors: &[PartDeviation]) -> Result<bool, NoBound> {
-    let combined = Combined::of(errors, &request.basis).map_err(|_| NoBound::TooLarge)?;
+    let combined = request.basis.bound_of(errors).combined.nearest().map_err(|_| NoBound::TooLarge)?;
     Ok(request.limit.judge(combined.interval(stack)?) == Verdict::Pass)
 }
 
@@ -145,13 +145,15 @@ fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembl
         lines.push(line);
     }
     set_shares(&mut lines, request.rule != Rule::WorstCase);
-    let combined = Combined::of(&allocated.errors, &request.basis)
+    let bound = request.basis.bound_of(&allocated.errors);
+    let combined = bound
+        .combined
+        .nearest()
         .map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
     let simulated = assembly.map(|assembly| assembly.outcome(&allocated.errors)).transpose()?;
     broken_by.sort();
     broken_by.dedup();
-    let notes = request.basis.bound_of(&allocated.errors).notes;
-    Ok(Budget { lines, combined, notes, simulated, broken_by })
+    Ok(Budget { lines, combined, notes: bound.notes, simulated, broken_by })
 }
 
 /// The free tolerances of a request at one scale of their ratios, in mm of ΔCD.
@@ -169,7 +171,7 @@ impl<'a> Scaled<'a> {
         let mut scaled = Self { request, own: vec![None; request.entries.len()] };
         // a bound of every tooth's tolerance takes what is known of the pair
         if let Err(open @ (NoBound::TeethInContactUnknown | NoBound::OwnCurveUnknown)) =
-            request.basis.bound_of(&scaled.at(SMALL_MM)?).total
+            request.basis.bound_of(&scaled.at(SMALL_MM)?).combined.range
         {
             return Err(open.into());
         }

@@ -122,7 +122,7 @@ pub struct Budget {
     /// One per error.
     pub lines: Vec<Line>,
     /// The tolerances combined as `eval` does.
-    pub combined: Combined,
+    pub combined: Combined<Interval>,
     /// What their bound rests on.
     pub notes: Vec<Note>,
     /// What the simulation of these tolerances gave.

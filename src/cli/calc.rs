@@ -449,7 +449,7 @@ fn with_worst_case(
         return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
     }
     let bound = Basis::default().bound_of(&[PartDeviation::new(law, *error).with_extent(extent)]);
-    let range = Interval::of(bound.total).map_err(DomainError::from)?;
+    let range = Interval::of(bound.combined.range).map_err(DomainError::from)?;
     let notes = [bound_remarks(&bound.notes, &missing_geometry(law)), calculation.notes].concat();
     Ok(Calculation { worst_case: Some(WorstCase { kind, extent, range }), notes, ..calculation })
 }

@@ -4,7 +4,7 @@
 //! grade; it knows no formula of ΔCD itself.
 
 use super::class::NoEffect;
-use super::{Combined, Limit, Stack, Verdict};
+use super::{Combined, Interval, Limit, Stack, Verdict};
 use crate::deviation::Part;
 use crate::formula::PartDeviation;
 use crate::judge::bound::Basis;
@@ -102,7 +102,7 @@ pub struct GradeStep {
     /// The grade.
     pub grade: u8,
     /// The combination of every deviation's ΔCD, or why there is none.
-    pub combined: Result<Combined, ToleranceError>,
+    pub combined: Result<Combined<Interval>, ToleranceError>,
 }
 
 /// The grades of a standard against a limit of ΔCD.
@@ -128,7 +128,7 @@ impl GradeSearch {
         let mut steps = Vec::new();
         for grade in standard.grades() {
             let combined = match errors(grade) {
-                Ok(errors) => Ok(Combined::of(&errors, basis)?),
+                Ok(errors) => Ok(basis.bound_of(&errors).combined.nearest()?),
                 Err(reason) => Err(reason),
             };
             steps.push(GradeStep { grade, combined });
@@ -150,8 +150,9 @@ impl GradeSearch {
 
     fn coarsest(&self, stack: Stack) -> Option<u8> {
         let limit = Limit::symmetric(self.limit);
-        let is_within =
-            |combined: &Combined| combined.interval(stack).is_ok_and(|interval| limit.judge(interval) == Verdict::Pass);
+        let is_within = |combined: &Combined<Interval>| {
+            combined.interval(stack).is_ok_and(|interval| limit.judge(interval) == Verdict::Pass)
+        };
         let within = self.steps.iter().filter(|step| step.combined.as_ref().is_ok_and(is_within));
         within.map(|step| step.grade).max()
     }

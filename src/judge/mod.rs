@@ -21,8 +21,9 @@ pub mod rule;
 mod stack;
 pub mod strokes;
 
+pub use bound::Combined;
 pub use limit::{Limit, LimitTarget, Limits, Verdict};
 pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};
 pub use prediction::{PlacedError, Predicted, Prediction};
 pub use rule::{Rule, RuleError};
-pub use stack::{Combined, Interval, Stack};
+pub use stack::{Interval, Stack};

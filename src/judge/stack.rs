@@ -4,8 +4,7 @@
 
 use std::fmt;
 
-use crate::formula::PartDeviation;
-use crate::judge::bound::{Basis, Bound, CombinedBound, NoBound, Note, Range};
+use crate::judge::bound::{Bound, Combined, NoBound, Note, Range};
 use crate::quantity::{FM_PER_MM, Length, QuantityError};
 
 /// How errors are combined to the result that is judged.
@@ -44,17 +43,6 @@ impl Stack {
         match self {
             Self::Range => bound.notes.clone(),
             Self::Rss => [bound.notes.as_slice(), &bound.statistical_notes].concat(),
-        }
-    }
-
-    /// Both ends of the combination, mm.
-    ///
-    /// # Errors
-    /// [`NoBound`] if there is none.
-    pub fn ends(self, together: &CombinedBound) -> Result<Range, NoBound> {
-        match self {
-            Self::Range => together.total,
-            Self::Rss => together.statistical,
         }
     }
 }
@@ -111,30 +99,22 @@ impl Interval {
     }
 }
 
-/// The combinations of several errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Combined {
-    /// The worst case.
-    pub range: Result<Interval, NoBound>,
-    /// The statistical combination.
-    pub rss: Result<Interval, NoBound>,
-}
-
-impl Combined {
-    /// Combines a part's errors, of a pair of which this is known.
+impl Combined<Range> {
+    /// The nearest decimals.
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] if a sum is beyond the largest length.
-    pub fn of(errors: &[PartDeviation], basis: &Basis) -> Result<Self, QuantityError> {
-        let bound = basis.bound_of(errors);
-        Ok(Self { range: Interval::of(bound.total)?, rss: Interval::of(bound.statistical)? })
+    pub fn nearest(self) -> Result<Combined<Interval>, QuantityError> {
+        Ok(Combined { range: Interval::of(self.range)?, rss: Interval::of(self.rss)? })
     }
+}
 
+impl<T> Combined<T> {
     /// The combination that is judged.
     ///
     /// # Errors
     /// [`NoBound`] if there is none.
-    pub fn interval(&self, stack: Stack) -> Result<Interval, NoBound> {
+    pub fn interval(self, stack: Stack) -> Result<T, NoBound> {
         match stack {
             Stack::Range => self.range,
             Stack::Rss => self.rss,
@@ -147,10 +127,12 @@ mod tests {
     use super::*;
     use crate::deviation::Extent;
     use crate::formula::Law;
+    use crate::formula::PartDeviation;
+    use crate::judge::bound::Basis;
     use crate::quantity::Angle;
 
-    fn combined(errors: &[PartDeviation]) -> Combined {
-        Combined::of(errors, &Basis::default()).unwrap()
+    fn combined(errors: &[PartDeviation]) -> Combined<Interval> {
+        Basis::default().bound_of(errors).combined.nearest().unwrap()
     }
 
     fn length(text: &str) -> Length {
@@ -205,7 +187,7 @@ mod tests {
     fn nothing_combines_to_nothing_and_overflow_is_an_error() {
         assert_eq!(combined(&[]).range, Ok(Interval::default()));
         let large = PartDeviation::new(Law::rack_over_roller(), length("9e5"));
-        let error = Combined::of(&[large, large], &Basis::default()).unwrap_err();
+        let error = Basis::default().bound_of(&[large, large]).combined.nearest().unwrap_err();
         assert_eq!(error.to_string(), "the sum of ΔCD is too large: its magnitude must stay within 1e6 mm");
     }
 }

@@ -8,7 +8,7 @@ use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
 use crate::judge::class::{ClassEffect, DiameterSource, NoEffect};
 use crate::judge::grade::{GradeSearch, ObtainedGrade, ToleranceError, overall};
-use crate::judge::{Combined, Limit, Stack, Verdict};
+use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
 
@@ -350,7 +350,7 @@ pub struct GradeSearchReport {
 }
 
 /// Why a grade has no worst case.
-fn why_none(combined: &Result<Combined, ToleranceError>) -> Option<String> {
+fn why_none(combined: &Result<Combined<Interval>, ToleranceError>) -> Option<String> {
     match combined {
         Ok(combined) => combined.range.err().map(|open| open.to_string()),
         Err(error) => Some(error.to_string()),
@@ -359,7 +359,7 @@ fn why_none(combined: &Result<Combined, ToleranceError>) -> Option<String> {
 
 impl Report for GradeSearchReport {
     fn json(&self) -> Value {
-        let ends = |combined: &Result<Combined, ToleranceError>, stack| {
+        let ends = |combined: &Result<Combined<Interval>, ToleranceError>, stack| {
             let interval = combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
             interval.map(IntervalFact::from)
         };

@@ -193,7 +193,7 @@ pub(crate) fn own_slope(source: Source, part: &Part<'_>) -> f64 {
 
 /// Both ends of a combination, not numbers if there are none.
 pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
-    stack.ends(&basis.together(errors)).unwrap_or(NO_RANGE)
+    basis.together(errors).interval(stack).unwrap_or(NO_RANGE)
 }
 
 /// What one error can do alone, not numbers if there is no bound.

@@ -5,7 +5,7 @@ use crate::deviation::{DeviationKind, Extent};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, PartDeviation};
 use crate::judge::bound::{Basis, GivenGeometry, OwnCurve};
-use crate::judge::{Combined, Interval, Stack};
+use crate::judge::{Interval, Stack};
 use crate::quantity::{Angle, Length};
 use crate::statistics::student_quantile;
 use crate::trig;
@@ -120,7 +120,8 @@ impl Scene {
     /// ΔCD of each error, and the lower and upper end of all, mm.
     pub(crate) fn delta_cd(&self) -> Vec<f64> {
         let errors = self.errors();
-        let Interval { lower, upper } = Combined::of(&errors, &self.basis()).unwrap().interval(self.stack).unwrap();
+        let Interval { lower, upper } =
+            self.basis().bound_of(&errors).combined.nearest().unwrap().interval(self.stack).unwrap();
         let each = errors.iter().map(|error| error.delta_cd(self.model).unwrap().mm());
         each.chain([lower.mm(), upper.mm()]).collect()
     }

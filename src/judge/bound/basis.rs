@@ -4,10 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use super::known::KnownTeeth;
 use super::single::range_of;
-use super::sum::{CombinedBound, bound, reached_at_least, together};
-use super::{
-    Bound, ErrorRange, ExtendedError, Geometry, GivenPair, Knowledge, KnownPair, NoBound, OwnCurve, Range, Reach,
-};
+use super::sum::{Combined, bound, reached_at_least, together};
+use super::{Bound, ErrorRange, ExtendedError, GivenPair, Knowledge, KnownPair, NoBound, OwnCurve, Range, Reach};
 use crate::formula::PartDeviation;
 
 /// What a bound rests on.
@@ -25,13 +23,14 @@ pub struct Basis {
     pub normal_module_mm: Option<f64>,
 }
 
-/// What is given of the pair's geometry: [`Geometry`] before any errors are known.
+/// What is given of the pair's geometry.
 #[derive(Debug, Clone, Default)]
 pub enum GivenGeometry {
     /// Nothing but what the errors' own laws need.
     #[default]
     Unknown,
-    /// The statement of [`Geometry::BothFlanks`].
+    /// Somebody states that a tooth of the rack, and one of the pinion, always carries with both flanks:
+    /// ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|.
     BothFlanks,
     /// All of it.
     Known(KnownPairs),
@@ -71,13 +70,17 @@ impl KnownPairs {
     ///
     /// # Errors
     /// [`NoBound`] if errors as large leave no pair.
-    pub fn for_errors(&self, errors: &[ExtendedError], teeth: Option<KnownTeeth>) -> Result<&KnownPair, NoBound> {
+    pub(super) fn for_errors(
+        &self,
+        errors: &[ExtendedError],
+        teeth: Option<KnownTeeth>,
+    ) -> Result<&KnownPair, NoBound> {
         let least = reached_at_least(errors);
         let mut step = (0..STEPS).find(|&step| reach(step).range.upper >= least).ok_or(NoBound::BeyondReach)?;
         loop {
             let known = self.step(step)?;
             let reached = known.reached(errors).with(teeth);
-            if known.reach().holds(&reached) {
+            if known.reach.holds(&reached) {
                 return Ok(known);
             }
             let wider = step + 1..STEPS;
@@ -86,7 +89,7 @@ impl KnownPairs {
     }
 
     fn step(&self, step: usize) -> Result<&KnownPair, NoBound> {
-        let known = self.steps[step].get_or_init(|| KnownPair::new(*self.given, reach(step)).map_err(NoBound::from));
+        let known = self.steps[step].get_or_init(|| KnownPair::new(*self.given, reach(step)));
         known.as_ref().map_err(|open| *open)
     }
 }
@@ -96,17 +99,15 @@ impl Basis {
     ///
     /// # Errors
     /// [`NoBound`] as [`KnownPairs::for_errors`].
-    pub fn knowledge(&self, errors: &[ExtendedError]) -> Result<Knowledge<'_>, NoBound> {
-        let geometry = match &self.geometry {
-            GivenGeometry::Unknown => Geometry::Unknown,
-            GivenGeometry::BothFlanks => Geometry::BothFlanks,
-            GivenGeometry::Known(pairs) => Geometry::Known(pairs.for_errors(errors, self.known_teeth)?),
+    pub(super) fn knowledge(&self, errors: &[ExtendedError]) -> Result<Knowledge<'_>, NoBound> {
+        let pair = match &self.geometry {
+            GivenGeometry::Unknown | GivenGeometry::BothFlanks => None,
+            GivenGeometry::Known(pairs) => Some(pairs.for_errors(errors, self.known_teeth)?),
         };
-        let Self { own_curve, known_teeth, rolls, normal_module_mm, .. } = *self;
-        Ok(Knowledge { geometry, own_curve, known_teeth, rolls, normal_module_mm })
+        Ok(Knowledge { basis: self, pair })
     }
 
-    /// The bound of errors: [`bound`](super::bound()).
+    /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
     #[must_use]
     pub fn bound(&self, errors: &[ExtendedError]) -> Bound {
         match self.knowledge(errors) {
@@ -136,10 +137,10 @@ impl Basis {
 
     /// Its sums alone.
     #[must_use]
-    pub fn together(&self, errors: &[ExtendedError]) -> CombinedBound {
+    pub fn together(&self, errors: &[ExtendedError]) -> Combined<Range> {
         match self.knowledge(errors) {
             Ok(knowledge) => together(errors, &knowledge),
-            Err(open) => CombinedBound { total: Err(open), statistical: Err(open) },
+            Err(open) => Combined { range: Err(open), rss: Err(open) },
         }
     }
 }

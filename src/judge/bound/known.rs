@@ -11,9 +11,9 @@ use super::levels::Levels;
 use super::profile::{Profile, Rolls};
 use super::undercut::Undercut;
 use super::{NoBound, Range};
-use crate::deviation::{DeviationError, Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
+use crate::deviation::{Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
-use crate::mesh::{Mesh, MeshError, MeshPoint, SOLVED_MM, Support};
+use crate::mesh::{Mesh, MeshPoint, SOLVED_MM, Support};
 use crate::trig;
 
 /// Everything that is given of a pair but its errors.
@@ -36,7 +36,7 @@ pub struct KnownPair {
     /// The errors that this holds for.
     pub(super) reach: Reach,
     /// The path without errors.
-    nominal: ContactPath,
+    pub(super) nominal: ContactPath,
     /// Where lines of contact carry whatever the errors.
     pub(super) line: ContactPath,
     /// Where flanks carry that stand out by so much: in rising order.
@@ -118,45 +118,6 @@ impl Reach {
     }
 }
 
-/// Why nothing is known about a pair.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum KnownPairError {
-    /// Errors leave nothing of the flanks.
-    #[error("errors of {} to {} mm leave no pair: {source}", .reach.range.lower, .reach.range.upper)]
-    Geometry {
-        /// How large the errors are.
-        reach: Reach,
-        /// What is wrong with it.
-        source: GeometryError,
-    },
-    /// A form that does not fit.
-    #[error(transparent)]
-    Form(#[from] DeviationError),
-    /// No line of contact lies on both flanks.
-    #[error("the flanks touch nowhere but at their edges")]
-    EdgesOnly,
-    /// A stroke without errors is not solved.
-    #[error("the mesh without errors is not solved at stroke {stroke_mm} mm")]
-    NotSolved {
-        /// The stroke.
-        stroke_mm: f64,
-    },
-    /// The pair has no curve.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-}
-
-impl From<KnownPairError> for NoBound {
-    fn from(error: KnownPairError) -> Self {
-        match error {
-            KnownPairError::EdgesOnly => Self::EdgesOnly,
-            KnownPairError::NotSolved { .. } => Self::NotSolved,
-            KnownPairError::Geometry { .. } | KnownPairError::Form(_) | KnownPairError::Mesh(_) => Self::NoFlanks,
-        }
-    }
-}
-
 /// Tolerance of an own curve, mm: of one that is told apart by sides, and of a rack that may roll, which is slow.
 const ROLLING_CURVE_MM: f64 = 1e-5;
 const SIDES_CURVE_MM: f64 = 1e-6;
@@ -199,11 +160,11 @@ impl KnownPair {
     /// rack that may roll.
     ///
     /// # Errors
-    /// [`KnownPairError`] if errors as large leave no flanks or the pair does not mesh.
-    pub fn new(given: GivenPair, reach: Reach) -> Result<Self, KnownPairError> {
+    /// [`NoBound`] if errors as large leave no flanks or the pair does not mesh.
+    pub fn new(given: GivenPair, reach: Reach) -> Result<Self, NoBound> {
         let mut known = Self::of_lines(given, reach);
         if known.nominal.ratio <= 0.0 {
-            return Err(KnownPairError::EdgesOnly);
+            return Err(NoBound::EdgesOnly);
         }
         let of_pinion_mm = known.reach.of_pinion_mm;
         let range = Range { lower: known.lowest()?, upper: known.highest(0.0, of_pinion_mm)? };
@@ -272,7 +233,7 @@ impl KnownPair {
     }
 
     /// The lowest ΔCD of the pair with flanks shortened by what errors may shift them.
-    fn lowest(&self) -> Result<f64, KnownPairError> {
+    fn lowest(&self) -> Result<f64, NoBound> {
         let GivenPair { pair, mut rack_form, pinion_form, support } = self.given;
         let offset = thickness_offset(&pair);
         if self.carries_lines() {
@@ -280,11 +241,11 @@ impl KnownPair {
         }
         let raised = self.reach.range.upper + excess(&pair, -self.reach.range.lower);
         let less = shortened(&pair, raised, raised.max(-self.reach.range.lower));
-        let pair = Pair::new(&less).map_err(|source| KnownPairError::Geometry { reach: self.reach, source })?;
+        let pair = Pair::new(&less).map_err(|_| NoBound::NoFlanks)?;
         rack_form.tip_relief_start_mm -= raised;
-        let rack = RackFlanks::nominal(&pair).with_form(&pair, rack_form)?;
-        let pinion = PinionFlanks::nominal(&pair).with_form(pinion_form)?;
-        let mesh = Mesh::new(pair, rack, pinion, support)?;
+        let rack = RackFlanks::nominal(&pair).with_form(&pair, rack_form).map_err(|_| NoBound::NoFlanks)?;
+        let pinion = PinionFlanks::nominal(&pair).with_form(pinion_form).map_err(|_| NoBound::NoFlanks)?;
+        let mesh = Mesh::new(pair, rack, pinion, support).map_err(|_| NoBound::NoFlanks)?;
         if !self.given.rolls() {
             let sides = both_sides(&mesh, shift_rad(&pair, self.reach.of_pinion_mm))?;
             return Ok(offset + sides.lower.min(0.0) - self.form_moved());
@@ -327,7 +288,7 @@ impl KnownPair {
 
     /// The highest ΔCD without errors, with rack teeth whose tips stand out more by `deeper_mm`, and both sides shifted
     /// against each other by what errors of the pinion do that move ΔCD by `of_pinion_mm`.
-    fn highest(&self, deeper_mm: f64, of_pinion_mm: f64) -> Result<f64, KnownPairError> {
+    fn highest(&self, deeper_mm: f64, of_pinion_mm: f64) -> Result<f64, NoBound> {
         let pair = &self.given.pair;
         let offset = self.of_lines_mm();
         let excess = excess(pair, deeper_mm);
@@ -337,31 +298,14 @@ impl KnownPair {
         let mut data = data_of(pair);
         data.rack.addendum_mm += deeper_mm;
         let Ok(deeper) = Pair::new(&data) else { return Ok(offset + excess) };
-        let both = both_sides(&Mesh::nominal(deeper)?, shift_rad(pair, of_pinion_mm))?;
+        let mesh = Mesh::nominal(deeper).map_err(|_| NoBound::NoFlanks)?;
+        let both = both_sides(&mesh, shift_rad(pair, of_pinion_mm))?;
         Ok(offset + excess.min(both.upper.max(0.0)))
     }
 
     /// How far the pair alone sinks at most because lines of contact leave gaps, mm.
     pub(super) fn gap(&self) -> f64 {
         (thickness_offset(&self.given.pair) - self.own.range.lower).max(0.0)
-    }
-
-    /// The nominal path of contact.
-    #[must_use]
-    pub const fn nominal_path(&self) -> ContactPath {
-        self.nominal
-    }
-
-    /// The pair's own range without errors, as wide as errors up to the reach may make it, mm.
-    #[must_use]
-    pub const fn own_mm(&self) -> Range {
-        Range { lower: self.own.range.lower, upper: self.own.upper_of_sunk_flanks }
-    }
-
-    /// The errors that this holds for.
-    #[must_use]
-    pub const fn reach(&self) -> Reach {
-        self.reach
     }
 
     fn set_sections(&mut self, rolls: Rolls, narrower: f64) {
@@ -404,17 +348,14 @@ fn excess(pair: &Pair, deeper_mm: f64) -> f64 {
 }
 
 /// The curve of a pair without errors.
-fn own_curve(mesh: &Mesh, strokes: Strokes<f64>, tolerance_mm: f64) -> Result<Vec<MeshPoint>, KnownPairError> {
-    let points = mesh.curve(strokes.start, strokes.end, tolerance_mm)?.points;
-    match points.iter().find(|point| !point.is_solved()) {
-        Some(point) => Err(KnownPairError::NotSolved { stroke_mm: point.stroke_mm }),
-        None => Ok(points),
-    }
+fn own_curve(mesh: &Mesh, strokes: Strokes<f64>, tolerance_mm: f64) -> Result<Vec<MeshPoint>, NoBound> {
+    let points = mesh.curve(strokes.start, strokes.end, tolerance_mm).map_err(|_| NoBound::NoFlanks)?.points;
+    if points.iter().all(MeshPoint::is_solved) { Ok(points) } else { Err(NoBound::NotSolved) }
 }
 
 /// The least and the most that both sides together ask for beyond their contact lines, if errors shift one against the other
 /// by up to an angle of the pinion. Each stroke says what each side asks for: ΔCD ± the transmission error's share.
-fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, KnownPairError> {
+fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, NoBound> {
     let pair = mesh.pair();
     let (teeth, pitch) = (f64::from(pair.pinion().teeth), pair.rack().pitch_mm);
     let per_rad = 0.5 * pair.normal_module_mm() * teeth / trig::tan(pair.normal_pressure_angle_rad());

@@ -1,7 +1,7 @@
 #![doc = include_str!("bound.md")]
 //!
 //! Called by whoever judges errors whose teeth are not known. [`ExtendedError`] is an error with its [`Extent`],
-//! [`Knowledge`] what is known of the pair ([`KnownPair`] if it is its geometry), [`bound`] gives a [`Bound`]. It must not
+//! [`Basis`] what is known of the pair, and [`Basis::bound`] gives a [`Bound`]. It must not
 //! know files, limits or reports.
 
 mod basis;
@@ -25,10 +25,9 @@ mod undercut;
 pub use basis::{Basis, GivenGeometry, KnownPairs};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use field::ContactPath;
-pub use known::{GivenPair, KnownPair, KnownPairError, KnownTeeth, Reach};
-pub use moments::{Moments, moments};
+pub use known::{GivenPair, KnownPair, KnownTeeth, Reach};
 pub use scales::Scales;
-pub use sum::{Bound, CombinedBound, bound};
+pub use sum::{Bound, Combined};
 
 use crate::deviation::Extent;
 
@@ -106,19 +105,6 @@ impl ErrorRange {
     }
 }
 
-/// What is known of the pair's geometry.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Geometry<'a> {
-    /// Nothing but what the errors' own laws need.
-    #[default]
-    Unknown,
-    /// Somebody states that a tooth of the rack, and one of the pinion, always carries with both flanks:
-    /// ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|.
-    BothFlanks,
-    /// All of it.
-    Known(&'a KnownPair),
-}
-
 /// What a pair without errors does whose geometry is not all known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OwnCurve {
@@ -134,35 +120,17 @@ impl Default for OwnCurve {
     }
 }
 
-/// What is known beside the errors.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Knowledge<'a> {
-    /// The geometry.
-    pub geometry: Geometry<'a>,
-    /// What the pair without errors does, if its geometry is not known.
-    pub own_curve: OwnCurve,
-    /// What the teeth do that are known one by one; the errors are then those of the other part.
-    pub known_teeth: Option<KnownTeeth>,
-    /// Whether the rack is free to roll; of a known pair its support says so.
-    pub rolls: bool,
-    /// Normal module, if it is known without the geometry, mm.
-    pub normal_module_mm: Option<f64>,
+/// What is known beside the errors, for errors of some size.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Knowledge<'a> {
+    basis: &'a Basis,
+    /// The pair, if its geometry is known.
+    pair: Option<&'a KnownPair>,
 }
 
-impl<'a> Knowledge<'a> {
-    /// The pair, if its geometry is known.
-    const fn pair(&self) -> Option<&'a KnownPair> {
-        match self.geometry {
-            Geometry::Known(known) => Some(known),
-            Geometry::Unknown | Geometry::BothFlanks => None,
-        }
-    }
-
+impl Knowledge<'_> {
     fn rolls(&self) -> bool {
-        match self.geometry {
-            Geometry::Known(known) => known.given.rolls(),
-            Geometry::Unknown | Geometry::BothFlanks => self.rolls,
-        }
+        self.pair.map_or(self.basis.rolls, |known| known.given.rolls())
     }
 }
 

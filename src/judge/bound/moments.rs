@@ -2,16 +2,16 @@
 
 use super::error::{ErrorEffect, PitchEffect};
 use super::single::range_of;
-use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, NoBound};
+use super::{ErrorRange, ExtendedError, Extent, Knowledge, NoBound};
 use crate::deviation::Part;
 
 /// Mean and standard deviation of ΔCD, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moments {
+pub(super) struct Moments {
     /// Mean.
-    pub mean_mm: f64,
+    pub(super) mean_mm: f64,
     /// Standard deviation.
-    pub deviation_mm: f64,
+    pub(super) deviation_mm: f64,
 }
 
 /// Of a normal x whose tolerance is 3σ, |x| has this mean and this standard deviation, as shares of the tolerance:
@@ -35,7 +35,7 @@ impl Moments {
 ///
 /// # Errors
 /// [`NoBound`] if it follows from a range that there is not.
-pub fn moments(
+pub(super) fn moments(
     error: &ExtendedError,
     range: Result<ErrorRange, NoBound>,
     knowledge: &Knowledge,
@@ -68,8 +68,8 @@ pub fn moments(
 
 /// The pitches of stroke during which a step acts, at most one.
 fn share_of_stroke(part: Part, value: f64, knowledge: &Knowledge) -> f64 {
-    let Geometry::Known(known) = knowledge.geometry else { return 1.0 };
-    let path = known.nominal_path();
+    let Some(known) = knowledge.pair else { return 1.0 };
+    let path = known.nominal;
     let offset = match part {
         Part::Rack => 2.0 * path.offset * value.signum(),
         Part::Pinion => (1.0 - 2.0 * path.offset) * value.signum(),

@@ -4,7 +4,7 @@
 use super::known::Own;
 use super::single::range_of;
 use super::sum::Sum;
-use super::{Basis, ErrorRange, ExtendedError, Geometry, Knowledge, NoBound, Range};
+use super::{Basis, ErrorRange, ExtendedError, Knowledge, NoBound, Range};
 use crate::deviation::Part;
 use crate::formula::PartDeviation;
 
@@ -34,10 +34,7 @@ impl Basis {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
         let extended = extended.map_err(|_| NoBound::TooLarge)?;
         let knowledge = self.knowledge(&extended)?;
-        let own = match knowledge.geometry {
-            Geometry::Known(known) => known.own,
-            Geometry::Unknown | Geometry::BothFlanks => Own::default(),
-        };
+        let own = knowledge.pair.map_or(Own::default(), |known| known.own);
         let errors = extended.iter().map(|error| Scale::new(error, &knowledge)).collect::<Result<_, _>>()?;
         Ok(Scales { own, errors })
     }

@@ -5,7 +5,7 @@ use super::known::{KnownPair, flanks_apart};
 use super::lead::{Leads, undercut};
 use super::pitch;
 use super::undercut::UndercutTable;
-use super::{ErrorRange, ExtendedError, Extent, Geometry, Knowledge, NoBound};
+use super::{ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, NoBound};
 use crate::deviation::Part;
 use crate::mesh::LARGEST_ROLL_RAD;
 use crate::trig;
@@ -35,7 +35,7 @@ pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<E
 #[inline]
 fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorRange {
     let sometimes = ErrorRange::within(value.min(0.0), value.max(0.0));
-    match (extent, knowledge.pair()) {
+    match (extent, knowledge.pair) {
         (Extent::All, _) => ErrorRange::signed(value),
         (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
         (Extent::One, Some(known)) if value > 0.0 => {
@@ -64,7 +64,7 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
 #[inline]
 fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     let PitchEffect { part, value, gain, cap } = *pitch;
-    let known = knowledge.pair();
+    let known = knowledge.pair;
     let teeth = known.map(|known| known.given.pair.pinion().teeth);
     // a pinion's deviations are measured from the mean of the turn
     let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
@@ -75,9 +75,10 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
     let range = match (extent, known) {
         (Extent::Total, _) => ErrorRange::either_way(total(value.abs())),
         (_, Some(known)) => pitch::of_pair(part, extent, value >= 0.0, step, known),
-        (Extent::One, None) => {
-            pitch::one_of_any_pair(step, knowledge.geometry == Geometry::BothFlanks && !knowledge.rolls)
-        }
+        (Extent::One, None) => pitch::one_of_any_pair(
+            step,
+            matches!(knowledge.basis.geometry, GivenGeometry::BothFlanks) && !knowledge.rolls(),
+        ),
         (_, None) if cap.is_some() => ErrorRange::either_way(limit),
         (_, None) => return Err(NoBound::TeethInContactUnknown),
     };
@@ -111,14 +112,14 @@ pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     if let Some([one, other]) = leads.signs() {
         return of_leads(&one, knowledge).or(of_leads(&other, knowledge));
     }
-    match knowledge.pair() {
+    match knowledge.pair {
         Some(known) => leads.of_pair(known),
         None => leads.of_any_pair(leads.lines().map_or(0.0, |lines| assumed_height(lines, knowledge))),
     }
 }
 
 pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
-    knowledge.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * lines.face_width, |module| MODULES_HIGH * module)
+    knowledge.basis.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * lines.face_width, |module| MODULES_HIGH * module)
 }
 
 /// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.

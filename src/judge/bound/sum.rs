@@ -7,8 +7,8 @@ use super::lead::Leads;
 use super::moments::{Moments, moments};
 use super::single::{assumed_height, of_leads, range_of, supported};
 use super::{
-    ErrorRange, ExtendedError, Extent, Geometry, Knowledge, KnownPair, KnownTeeth, NoBound, Note, OwnCurve, Range,
-    Reach,
+    Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, KnownPair, KnownTeeth, NoBound, Note, OwnCurve,
+    Range, Reach,
 };
 use crate::deviation::Part;
 
@@ -17,23 +17,21 @@ use crate::deviation::Part;
 pub struct Bound {
     /// What each error can do alone, in the order given; the pair's own curve not counted.
     pub errors: Vec<Result<ErrorRange, NoBound>>,
-    /// What all can do together, the pair's own curve counted.
-    pub total: Result<Range, NoBound>,
-    /// No bound: mean ± 3 standard deviations of ΔCD at one stroke, see [`moments`](super::moments()).
-    pub statistical: Result<Range, NoBound>,
+    /// What all can do together.
+    pub combined: Combined<Range>,
     /// What it rests on.
     pub notes: Vec<Note>,
     /// What the statistical range rests on beside that.
     pub statistical_notes: Vec<Note>,
 }
 
-/// [`Bound::total`] and [`Bound::statistical`] alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CombinedBound {
-    /// What all can do together, the pair's own curve counted.
-    pub total: Result<Range, NoBound>,
-    /// No bound: mean ± 3 standard deviations of ΔCD at one stroke.
-    pub statistical: Result<Range, NoBound>,
+/// The combinations of several errors, as ranges or as the nearest decimals of these.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Combined<T> {
+    /// The worst case: what all can do together, the pair's own curve counted.
+    pub range: Result<T, NoBound>,
+    /// The statistical combination, no bound: mean ± 3 standard deviations of ΔCD at one stroke.
+    pub rss: Result<T, NoBound>,
 }
 
 /// Errors move points of contact over the known teeth, whose own leads and steps they then meet elsewhere: by this share
@@ -45,18 +43,17 @@ const DEVIATIONS: f64 = 3.0;
 const SPARE_MM: f64 = 1e-6;
 
 /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
-#[must_use]
-pub fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
-    let CombinedBound { total, statistical } = together(errors, knowledge);
+pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
+    let combined = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
     let (mut acts, mut counts) = (false, false);
-    for error in errors.iter().filter(|error| is_pitch(error) && knowledge.pair().is_none()) {
+    for error in errors.iter().filter(|error| is_pitch(error) && knowledge.pair.is_none()) {
         acts |= error.extent == Extent::One && !error.either_sign;
         counts |= error.extent == Extent::Each;
     }
     let statistical_notes = [(acts, Note::StepsAlwaysAct), (counts, Note::OneStepCounts)];
     let statistical_notes = statistical_notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note).collect();
-    Bound { errors: each, total, statistical, notes: notes(errors, knowledge), statistical_notes }
+    Bound { errors: each, combined, notes: notes(errors, knowledge), statistical_notes }
 }
 
 /// What errors of both parts add up to, mm.
@@ -162,7 +159,7 @@ impl Sum {
     /// lowers no upper one. Every end is raw, and what undercut and gaps do counts once more: errors may shift them
     /// against what the known teeth do.
     fn beside(&self, teeth: KnownTeeth, own: Own, knowledge: &Knowledge) -> Range {
-        let offset = knowledge.pair().map_or(0.0, |known| thickness_offset(&known.given.pair));
+        let offset = knowledge.pair.map_or(0.0, |known| thickness_offset(&known.given.pair));
         let moved = MOVED * self.reach().with(Some(teeth)).largest();
         Range {
             lower: teeth.range.lower + self.sinks + (own.range.lower - offset).min(0.0) - moved,
@@ -185,10 +182,10 @@ impl Sum {
 
 /// The pair's own range, if these errors are within what the pair is known for.
 fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
-    match knowledge.pair() {
-        Some(known) if !known.reach.holds(&sum.reach().with(knowledge.known_teeth)) => Err(NoBound::BeyondReach),
+    match knowledge.pair {
+        Some(known) if !known.reach.holds(&sum.reach().with(knowledge.basis.known_teeth)) => Err(NoBound::BeyondReach),
         Some(known) => Ok(known.own),
-        None => match knowledge.own_curve {
+        None => match knowledge.basis.own_curve {
             OwnCurve::At(delta_cd_mm) => Ok(Own::at(delta_cd_mm)),
             OwnCurve::Unknown => Err(NoBound::OwnCurveUnknown),
         },
@@ -196,7 +193,7 @@ fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
 }
 
 /// What errors do together; what each does alone is computed once.
-pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> CombinedBound {
+pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combined<Range> {
     let (mut adding, mut scatter) = (Adding::default(), StatisticalSum::default());
     let (mut summed, mut scattered) = (Ok(()), Ok(()));
     for error in errors {
@@ -206,20 +203,20 @@ pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combi
     }
     let sum = summed.map(|()| adding.sum(knowledge));
     let own = sum.and_then(|sum| own(&sum, knowledge));
-    let total = match knowledge.known_teeth {
+    let total = match knowledge.basis.known_teeth {
         Some(teeth) if !teeth.solved => Err(NoBound::NotSolved),
         Some(teeth) if errors.is_empty() => Ok(teeth.range),
         Some(teeth) => sum.and_then(|sum| Ok(sum.beside(teeth, own?, knowledge))),
         None => sum.and_then(|sum| Ok(sum.with_own(own?))),
     };
-    let of_pair = match (knowledge.known_teeth, knowledge.geometry) {
+    let of_pair = match (knowledge.basis.known_teeth, knowledge.pair) {
         (Some(teeth), _) => Ok(teeth.range),
-        (None, Geometry::Known(_)) => own.map(|own| own.range),
+        (None, Some(_)) => own.map(|own| own.range),
         // a statistical sum takes no count of steps that add up
-        (None, Geometry::Unknown | Geometry::BothFlanks) => self::own(&Sum::default(), knowledge).map(|own| own.range),
+        (None, None) => self::own(&Sum::default(), knowledge).map(|own| own.range),
     };
     let statistical = scattered.and_then(|()| Ok(scatter.around(of_pair?, total)));
-    CombinedBound { total, statistical }
+    Combined { range: total, rss: statistical }
 }
 
 /// Means and variances of errors, which are independent.
@@ -252,7 +249,7 @@ impl StatisticalSum {
 impl KnownPair {
     /// How far these errors move ΔCD by what is known of this pair, and a little more.
     pub(super) fn reached(&self, errors: &[ExtendedError]) -> Reach {
-        let knowledge = Knowledge { geometry: Geometry::Known(self), ..Knowledge::default() };
+        let knowledge = Knowledge { basis: &Basis::default(), pair: Some(self) };
         // nothing is open where the geometry is known
         let Reach { range, of_pinion_mm } = Sum::of(errors, &knowledge).map_or(self.reach, |sum| sum.reach());
         let Range { lower, upper } = range;
@@ -278,8 +275,8 @@ pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
 impl Bound {
     /// Of errors that have none.
     pub(super) fn open(errors: usize, open: NoBound) -> Self {
-        let (notes, statistical_notes) = (Vec::new(), Vec::new());
-        Self { errors: vec![Err(open); errors], total: Err(open), statistical: Err(open), notes, statistical_notes }
+        let combined = Combined { range: Err(open), rss: Err(open) };
+        Self { errors: vec![Err(open); errors], combined, notes: Vec::new(), statistical_notes: Vec::new() }
     }
 }
 
@@ -294,10 +291,10 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     if errors.iter().any(whole_teeth) {
         notes.push(Note::WholeTeeth);
     }
-    if knowledge.pair().is_some() {
+    if knowledge.pair.is_some() {
         return notes;
     }
-    match knowledge.own_curve {
+    match knowledge.basis.own_curve {
         OwnCurve::At(delta_cd_mm) => notes.push(Note::OwnCurveAt(delta_cd_mm)),
         OwnCurve::Unknown => {
             notes.push(Note::GeometryNeeded);
@@ -307,8 +304,8 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     if !errors.is_empty() {
         notes.push(Note::GeometryNarrows);
     }
-    if knowledge.geometry == Geometry::Unknown
-        && !knowledge.rolls
+    if matches!(knowledge.basis.geometry, GivenGeometry::Unknown)
+        && !knowledge.rolls()
         && errors.iter().any(|error| is_pitch(error) && error.extent == Extent::One)
     {
         notes.push(Note::BothFlanksNarrows);

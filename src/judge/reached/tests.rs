@@ -108,7 +108,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
         errors = errors.into_iter().map(ExtendedError::of_either_sign).collect();
     }
     let basis = Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..Basis::default() };
-    let range = basis.together(&errors).total.ok()?;
+    let range = basis.together(&errors).range.ok()?;
     let found = match reached(&errors, &given) {
         Ok(found) => found?,
         Err(error) => return Some(vec![format!("seed {seed}: {error}")]),

@@ -51,7 +51,7 @@ fn tried(seed: u64) -> Option<Tried> {
         ..Basis::default()
     };
     let errors: Vec<_> = unknown.iter().map(|drawn| drawn.error).collect();
-    let total = basis.together(&errors).total.ok()?;
+    let total = basis.together(&errors).range.ok()?;
     for drawn in &unknown {
         placed.put(&mut random, drawn);
     }

@@ -5,8 +5,8 @@ use crate::deviation::DeviationKind;
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
-    Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, Geometry, GivenGeometry, GivenPair, Knowledge,
-    KnownPairs, KnownTeeth, NoBound, Note, Range, bound, moments,
+    Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, GivenGeometry, GivenPair, Knowledge, KnownPairs,
+    KnownTeeth, NoBound, Note, Range, moments::moments, sum::bound,
 };
 use crate::mesh::Support;
 use crate::quantity::{Angle, Length};
@@ -16,7 +16,7 @@ use crate::trig;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 fn unknown(errors: &[ExtendedError]) -> Bound {
-    bound(errors, &Knowledge::default())
+    Basis::default().bound(errors)
 }
 
 fn of(pair: Pair, errors: &[ExtendedError]) -> Bound {
@@ -47,12 +47,13 @@ fn tolerances_hold_errors_of_either_sign() {
         let tolerances: Vec<_> = errors.iter().copied().map(ExtendedError::of_either_sign).collect();
         let pairs = KnownPairs::new(GivenPair::plain(pair));
         let Ok(known) = pairs.for_errors(&tolerances, None) else { continue };
-        let known = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
-        for knowledge in [known, Knowledge::default(), Knowledge { rolls: true, ..Knowledge::default() }] {
-            let Ok(outer) = bound(&tolerances, &knowledge).total else { continue };
+        let (none, rolls) = (Basis::default(), Basis { rolls: true, ..Basis::default() });
+        for (basis, pair) in [(&none, Some(known)), (&none, None), (&rolls, None)] {
+            let knowledge = Knowledge { basis, pair };
+            let Ok(outer) = bound(&tolerances, &knowledge).combined.range else { continue };
             for _ in 0..8 {
                 let some: Vec<_> = errors.iter().map(|error| error.scaled(random.range(-1.0, 1.0))).collect();
-                let Range { lower, upper } = bound(&some, &knowledge).total.unwrap();
+                let Range { lower, upper } = bound(&some, &knowledge).combined.range.unwrap();
                 assert!(
                     lower >= outer.lower - 1e-9 && upper <= outer.upper + 1e-9,
                     "{some:?} {lower} {upper} {outer:?}"
@@ -69,7 +70,8 @@ fn tolerances_hold_errors_of_either_sign() {
 fn the_spread_of_a_tolerance_is_that_of_both_signs() {
     let pair = reproduction::pair().unwrap();
     let of = |kind, extent| {
-        let (error, knowledge) = (error(&pair, kind, extent, 0.03).of_either_sign(), Knowledge::default());
+        let error = error(&pair, kind, extent, 0.03).of_either_sign();
+        let knowledge = Knowledge { basis: &Basis::default(), pair: None };
         moments(&error, bound(&[error], &knowledge).errors[0], &knowledge).unwrap()
     };
     let size = of(0, Extent::All);
@@ -117,7 +119,7 @@ fn every_pitch_of_the_papers_rack_adds_up() {
     }
     let one = of(pair, &[error(&pair, 1, Extent::One, 0.012)]);
     near(one.errors[0].unwrap().upper_mm, step);
-    assert_eq!(unknown(&[error(&pair, 1, Extent::All, 0.012)]).total, Err(NoBound::TeethInContactUnknown));
+    assert_eq!(unknown(&[error(&pair, 1, Extent::All, 0.012)]).combined.range, Err(NoBound::TeethInContactUnknown));
 }
 
 /// A rack step and a pinion step of 20 µm, each 0 to 27.5 µm alone, reach −24.8 µm together in the mesh.
@@ -126,15 +128,15 @@ fn two_steps_that_only_push_may_sink_together() {
     let pair = spur();
     let g = 0.02 / (2.0 * trig::tan(20.0 * DEGREE));
     let steps = [error(&pair, 1, Extent::One, 0.02), error(&pair, 4, Extent::One, 0.02)];
-    let alone = bound(&steps, &Knowledge { geometry: Geometry::BothFlanks, ..Knowledge::default() });
+    let alone = Basis { geometry: GivenGeometry::BothFlanks, ..Basis::default() }.bound(&steps);
     for range in &alone.errors {
         assert!((range.unwrap().lower_mm, range.unwrap().raw_lower_mm) == (0.0, -range.unwrap().upper_mm));
         near(range.unwrap().upper_mm, g);
     }
-    let Range { lower, upper } = alone.total.unwrap();
+    let Range { lower, upper } = alone.combined.range.unwrap();
     near(lower, -g);
     near(upper, 2.0 * g);
-    let Range { lower, .. } = unknown(&steps).total.unwrap();
+    let Range { lower, .. } = unknown(&steps).combined.range.unwrap();
     assert!(lower < -0.0289, "{lower}");
     // one tooth alone in the wider space sinks by the whole step
     near(of(pair, &steps[..1]).errors[0].unwrap().lower_mm, -g);
@@ -154,8 +156,8 @@ fn a_space_acts_as_its_extent_says() {
     assert_eq!(ends(Extent::One, 0.004), (0.0, 0.004));
     // +13 µm of all rack spaces and −4 µm of one pinion space: the mesh says +13
     let both = of(pair, &[error(&pair, 0, Extent::All, 0.013), error(&pair, 3, Extent::One, -0.004)]);
-    near(both.total.unwrap().upper, 0.013);
-    near(both.total.unwrap().lower, 0.009);
+    near(both.combined.range.unwrap().upper, 0.013);
+    near(both.combined.range.unwrap().lower, 0.009);
 }
 
 /// f_Hβ cos β_b / (2 sin α_n) of a pinion, k |sin Δβ| / (2 tan α_n) of a straight rack: always, like a size.
@@ -176,7 +178,7 @@ fn a_lead_of_every_tooth_acts_always() {
     // twice the angle: the sum of both as angles
     let half = error(&pair, 2, Extent::All, 0.05 * DEGREE);
     // a single lead is taken between nodes
-    assert!((of(pair, &[half, half]).total.unwrap().upper - lead.upper_mm).abs() < 2e-7);
+    assert!((of(pair, &[half, half]).combined.range.unwrap().upper - lead.upper_mm).abs() < 2e-7);
 }
 
 /// F_p of a pinion per flank side: one thick tooth.
@@ -195,8 +197,8 @@ fn what_would_narrow_a_range_is_said() {
     let expected =
         [Note::OwnCurveAt(0.0), Note::GeometryNarrows, Note::BothFlanksNarrows, Note::AssumedHeight(0.25 * 20.0)];
     assert_eq!(notes, expected);
-    let with_module = Knowledge { normal_module_mm: Some(2.0), ..Knowledge::default() };
-    let notes = bound(&[error(&pair, 2, Extent::All, 0.001)], &with_module).notes;
+    let with_module = Basis { normal_module_mm: Some(2.0), ..Basis::default() };
+    let notes = with_module.bound(&[error(&pair, 2, Extent::All, 0.001)]).notes;
     assert!(notes.contains(&Note::AssumedHeight(3.0)));
     assert_eq!(of(pair, &[error(&pair, 4, Extent::Each, 0.02)]).notes, [Note::WholeTeeth]);
 }
@@ -219,9 +221,9 @@ fn what_a_known_pair_is_for() {
     let small = [error(&pair, 3, Extent::Each, 0.001)];
     let large = [error(&pair, 3, Extent::Each, 0.1)];
     let pairs = KnownPairs::new(GivenPair::plain(pair));
-    let knowledge =
-        Knowledge { geometry: Geometry::Known(pairs.for_errors(&small, None).unwrap()), ..Knowledge::default() };
-    assert_eq!(bound(&large, &knowledge).total, Err(NoBound::BeyondReach));
+    let pair_of_small = pairs.for_errors(&small, None).unwrap();
+    let knowledge = Knowledge { basis: &Basis::default(), pair: Some(pair_of_small) };
+    assert_eq!(bound(&large, &knowledge).combined.range, Err(NoBound::BeyondReach));
     let support = Support::FreeRoll { axis_depth_mm: 8.0 };
     let step = [error(&pair, 1, Extent::One, 0.02)];
     let rolling = of_given(GivenPair { support, ..GivenPair::plain(pair) }, &step);
@@ -237,7 +239,7 @@ fn mean_and_spread_for_a_statistical_sum() {
     let of_one = |error: ExtendedError| {
         let pairs = KnownPairs::new(GivenPair::plain(pair));
         let known = pairs.for_errors(&[error], None).unwrap();
-        let knowledge = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
+        let knowledge = Knowledge { basis: &Basis::default(), pair: Some(known) };
         let found = moments(&error, bound(&[error], &knowledge).errors[0], &knowledge).unwrap();
         (found.mean_mm, found.deviation_mm)
     };
@@ -267,7 +269,7 @@ fn a_pitch_tolerance_is_capped_by_the_total_of_either_flank_side() {
     near(range.raw_lower_mm, total.raw_lower_mm);
     let free = of(pair, &[error(&pair, 4, Extent::Each, 0.001)]).errors[0].unwrap();
     near(of(pair, &[capped(0.001)]).errors[0].unwrap().upper_mm, free.upper_mm);
-    let unknown = bound(&[capped(0.1)], &Knowledge::default()).errors[0].unwrap();
+    let unknown = unknown(&[capped(0.1)]).errors[0].unwrap();
     assert!(unknown.upper_mm <= 2.0 * g(0.01) + 1e-12 && unknown.upper_mm >= total.upper_mm, "{unknown:?}");
 }
 
@@ -275,7 +277,7 @@ fn a_pitch_tolerance_is_capped_by_the_total_of_either_flank_side() {
 #[test]
 fn teeth_whose_mesh_is_not_solved_have_no_bound() {
     let teeth = |solved| Some(KnownTeeth { range: Range { lower: -0.01, upper: 0.02 }, solved });
-    let total = |solved| bound(&[], &Knowledge { known_teeth: teeth(solved), ..Knowledge::default() }).total;
+    let total = |solved| Basis { known_teeth: teeth(solved), ..Basis::default() }.bound(&[]).combined.range;
     assert_eq!(total(true), Ok(Range { lower: -0.01, upper: 0.02 }));
     assert_eq!(total(false), Err(NoBound::NotSolved));
 }

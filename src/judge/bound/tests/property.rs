@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::random::{self, Drawn, Random};
 use crate::gear::Pair;
-use crate::judge::bound::{Bound, ExtendedError, Geometry, GivenPair, Knowledge, KnownPairs, NoBound, Range, bound};
+use crate::judge::bound::{Basis, Bound, ExtendedError, GivenGeometry, GivenPair, KnownPairs, NoBound, Range};
 use crate::judge::reached::placed::Placed;
 use crate::mesh::{Ending, Mesh, Sampler, Support};
 use crate::parallel;
@@ -95,15 +95,18 @@ fn check(seed: u64) -> Result<Vec<String>, NotHeld> {
     let errors: Vec<ExtendedError> = drawn.iter().map(|drawn| drawn.error).collect();
     let pairs = KnownPairs::new(given);
     let known = pairs.for_errors(&errors, None).map_err(NotHeld::Open)?;
-    let with = |geometry| bound(&errors, &Knowledge { geometry, rolls, ..Knowledge::default() });
-    let of_known = with(Geometry::Known(known));
+    let with = |geometry| Basis { geometry, rolls, ..Basis::default() }.bound(&errors);
+    let of_known = with(GivenGeometry::Known(pairs.clone()));
     // errors that bring ever more teeth into play are open
-    let total = of_known.total.map_err(NotHeld::Open)?;
+    let total = of_known.combined.range.map_err(NotHeld::Open)?;
     let mut wider: Vec<(&str, Bound)> = Vec::new();
-    if known.carries_lines() && is_as_high_as_assumed(&pair) && known.own_mm() == (Range { lower: 0.0, upper: 0.0 }) {
-        wider.push(("unknown", with(Geometry::Unknown)));
+    if known.carries_lines()
+        && is_as_high_as_assumed(&pair)
+        && (known.own.range.lower, known.own.upper_of_sunk_flanks) == (0.0, 0.0)
+    {
+        wider.push(("unknown", with(GivenGeometry::Unknown)));
         if known.line.has_both_flanks_of_a_pinion_tooth() && known.line.has_both_flanks_of_a_rack_tooth() {
-            wider.push(("both flanks", with(Geometry::BothFlanks)));
+            wider.push(("both flanks", with(GivenGeometry::BothFlanks)));
         }
     }
     let mut placed = Placed::new(&pair);
@@ -113,7 +116,7 @@ fn check(seed: u64) -> Result<Vec<String>, NotHeld> {
     let mesh = placed.mesh(&given).map_err(|_| NotHeld::NoTeeth)?;
     let reached = extremes(&mesh, if rolls { 5 } else { 24 }).ok_or(NotHeld::NotSolved)?;
     let mut failures = Vec::new();
-    let ranges = wider.iter().filter_map(|(name, bound)| Some((*name, bound.total.ok()?)));
+    let ranges = wider.iter().filter_map(|(name, bound)| Some((*name, bound.combined.range.ok()?)));
     for (name, range) in std::iter::once(("known", total)).chain(ranges) {
         let by = outside(&range, &reached);
         if by > TOLERANCE_MM {
@@ -122,8 +125,8 @@ fn check(seed: u64) -> Result<Vec<String>, NotHeld> {
                 "seed {seed} {name} by {:.3e}: reached {reached:?} of {range:?}; line {:?} nominal {:?} own {:?} z {} rolls {rolls} form {}\n   {}",
                 by,
                 known.line,
-                known.nominal_path(),
-                known.own_mm(),
+                known.nominal,
+                known.own,
                 pair.pinion().teeth,
                 !given.rack_form.is_plain() || !given.pinion_form.is_plain(),
                 errors.join("\n   ")

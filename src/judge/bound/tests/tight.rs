@@ -1,7 +1,8 @@
 //! One error alone at the worst places that a search finds: the upper end is reached.
 
 use super::random::{self, Random};
-use crate::judge::bound::{ErrorRange, ExtendedError, Extent, Geometry, GivenPair, Knowledge, KnownPairs, bound};
+use crate::judge::bound::sum::bound;
+use crate::judge::bound::{Basis, ErrorRange, ExtendedError, Extent, GivenPair, Knowledge, KnownPairs};
 use crate::judge::reached::reached;
 use crate::parallel;
 
@@ -28,19 +29,17 @@ fn tried(seed: u64) -> Option<Tried> {
     let errors = [drawn.error];
     let pairs = KnownPairs::new(GivenPair::plain(pair));
     let known = pairs.for_errors(&errors, None).ok()?;
-    if known.nominal_path().ratio < 1.1 {
+    if known.nominal.ratio < 1.1 {
         return None;
     }
-    let knowledge = Knowledge { geometry: Geometry::Known(known), ..Knowledge::default() };
+    let knowledge = Knowledge { basis: &Basis::default(), pair: Some(known) };
     let bound = bound(&errors, &knowledge);
-    let (total, ErrorRange { upper_mm, .. }) = (bound.total.ok()?, bound.errors[0].ok()?);
+    let (total, ErrorRange { upper_mm, .. }) = (bound.combined.range.ok()?, bound.errors[0].ok()?);
     let highest = reached(&errors, &GivenPair::plain(pair)).ok()??.upper_mm;
     let short = total.upper - highest;
     let text = format!(
         "seed {seed}: {short:.6} short of {upper_mm:.6}; own {:?} path {:?} {:?}",
-        known.own,
-        known.nominal_path(),
-        drawn.error
+        known.own, known.nominal, drawn.error
     );
     let undercut = known.own.range.upper - known.own.of_lines;
     let plain = undercut < 1e-9;
