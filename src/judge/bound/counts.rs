@@ -6,10 +6,6 @@ use super::levels::Levels;
 /// Paths of contact this near to a whole number of pitches are taken for the worse.
 const SLACK: f64 = 1e-9;
 
-fn whole(pitches: f64) -> f64 {
-    pitches.floor()
-}
-
 /// Steps of a part one way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StepDirection {
@@ -34,7 +30,7 @@ impl StepDirection {
 }
 
 /// How many steps of one way act at once.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Counts {
     /// On lines, whatever the errors.
     pub(super) on_lines: f64,
@@ -49,7 +45,7 @@ pub(super) struct Counts {
 impl Counts {
     pub(super) fn new(way: StepDirection, levels: &Levels, line: &ContactPath, gap_mm: f64) -> Self {
         let length = |path: &ContactPath| way.length(path);
-        let at_least = |path: &ContactPath| whole(length(path) + SLACK);
+        let at_least = |path: &ContactPath| (length(path) + SLACK).floor();
         let nominal = at_least(&levels.nominal().path);
         let mut stands_back = Vec::new();
         let mut count = nominal;
@@ -58,7 +54,7 @@ impl Counts {
             stands_back.push(levels.stands_back(length, count));
         }
         Self {
-            on_lines: whole(length(line) - SLACK),
+            on_lines: (length(line) - SLACK).floor(),
             nominal,
             stands_back,
             beside_others: at_least(&levels.last().path),

@@ -60,7 +60,7 @@ pub(in crate::judge) struct Spot {
 }
 
 /// The corners of a convex field of contact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(in crate::judge) struct Field {
     corners: Vec<Spot>,
 }

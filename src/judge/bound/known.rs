@@ -3,13 +3,14 @@
 
 use std::f64::consts::PI;
 use std::ops::Range as Strokes;
+use std::sync::OnceLock;
 
 use super::counts::{Counts, StepDirection};
 use super::field::{ContactPath, Field, line_distance, shift_rad, skew, thickness_deviation, thickness_offset};
 use super::lead_tables::LeadTables;
 use super::levels::Levels;
 use super::profile::{Profile, Rolls};
-use super::undercut::Undercut;
+use super::undercut::UndercutTable;
 use super::{NoBound, Range};
 use crate::deviation::{Part, PinionFlanks, PinionForm, RackFlanks, RackForm};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
@@ -30,7 +31,7 @@ pub struct GivenPair {
 }
 
 /// A pair whose geometry is known, and what follows from it for errors up to a reach.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct KnownPair {
     pub(super) given: GivenPair,
     /// The errors that this holds for.
@@ -46,8 +47,8 @@ pub struct KnownPair {
     counts: Vec<Counts>,
     /// How much less one space of the rack, and of the pinion, lifts because edges stand back.
     space_stands_back: [f64; 2],
-    /// What flanks of two teeth lift together.
-    pub(super) undercut: Undercut,
+    /// What flanks of two teeth lift together, where some are undercut: computed when it is first asked for.
+    pub(super) undercut: Option<OnceLock<UndercutTable>>,
     /// Leads at the nodes that were asked for.
     pub(super) leads: LeadTables,
     /// Half the rack's width, and half the pinion's, over which profiles alone always carry; `None` if they do not.
@@ -199,7 +200,7 @@ impl KnownPair {
             own: Own::default(),
             counts: Vec::new(),
             space_stands_back: [0.0; 2],
-            undercut: Undercut::None,
+            undercut: None,
             leads: LeadTables::default(),
             rack_sections: None,
             pinion_sections: None,
@@ -215,7 +216,7 @@ impl KnownPair {
         let space = |part| self.levels.stands_back(|path| path.ratio - flanks_apart(part, path), 0.0);
         self.space_stands_back = [space(Part::Rack), space(Part::Pinion)];
         self.leads = LeadTables::new(&self.given.pair, self.reach.largest());
-        self.undercut = if self.is_undercut() { Undercut::not_yet() } else { Undercut::None };
+        self.undercut = self.is_undercut().then(OnceLock::new);
     }
 
     pub(super) fn counts(&self, way: StepDirection) -> &Counts {

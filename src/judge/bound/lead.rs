@@ -24,14 +24,14 @@ pub(in crate::judge) struct Slopes {
 /// The leads of all errors of one part.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leads {
-    part: Part,
+    pub(super) part: Part,
     /// Angles of the rack, or ΔCD of a pinion's lead over its whole face.
     values: Range,
-    lines: Option<RackLines>,
+    pub(super) lines: Option<RackLines>,
     /// Whether they are on one tooth only.
     one_tooth: bool,
     /// The extent, where there is only one lead.
-    extent: Option<Extent>,
+    pub(super) extent: Option<Extent>,
     /// The only lead, if its sign is not known.
     unsigned: Option<ExtendedError>,
 }
@@ -105,19 +105,6 @@ impl Leads {
         self.values = Range { lower: self.values.lower + added.lower, upper: self.values.upper + added.upper };
         self.lines = lines;
         self
-    }
-
-    /// Whether all that they do is what the last one does.
-    pub(super) fn is_one(&self) -> bool {
-        self.extent.is_some()
-    }
-
-    pub(super) fn part(&self) -> Part {
-        self.part
-    }
-
-    pub(super) fn lines(&self) -> Option<&RackLines> {
-        self.lines.as_ref()
     }
 
     /// The values at which what a flank asks for can be extreme: both ends, none at all, and the turn that brings a rack's
@@ -203,11 +190,12 @@ impl Leads {
 
     /// A node of the table, computed when it is first needed.
     fn node(&self, known: &KnownPair, extent: Extent, index: i32) -> LeadDemand {
-        let table = &known.leads.nodes[Extent::EVERY.len() * self.part as usize + extent as usize];
-        let node = &table[(index + NODES_A_SIDE) as usize];
         let value = f64::from(index) * known.leads.spacing[self.part as usize];
         let lines = self.lines.map(|_| RackLines::of_pair(&known.given.pair));
-        *node.get_or_init(|| Self::none(self.part).with_value(value, extent, lines).asked_itself(known))
+        *known
+            .leads
+            .node(self.part, extent, index)
+            .get_or_init(|| Self::none(self.part).with_value(value, extent, lines).asked_itself(known))
     }
 
     /// How much the slopes of flanks that are turned by up to this bend at most, in mm of ΔCD per rad².
@@ -326,7 +314,8 @@ impl Leads {
 
 /// What undercut lifts of a pair.
 pub(super) fn undercut(known: &KnownPair) -> Option<&UndercutTable> {
-    known.undercut.table(|| Leads::none(Part::Rack).cells(known, LeadEnd::UpperWithUndercut))
+    let cells = || Leads::none(Part::Rack).cells(known, LeadEnd::UpperWithUndercut);
+    known.undercut.as_ref().map(|table| table.get_or_init(|| UndercutTable::new(&cells())))
 }
 
 /// The place of a cell within its pitch.

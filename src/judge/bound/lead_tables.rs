@@ -1,18 +1,19 @@
 //! What leads ask for and give way, at values from one node to the next. Filled when it is first needed.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use super::Extent;
+use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::trig;
 
 /// What leads ask for at most and give way at most, at the nodes of a table: each is computed when it is first needed, for
 /// rows of a batch ask again and again.
-#[derive(Debug, Clone)]
+#[derive(Debug, Default)]
 pub(super) struct LeadTables {
     /// From one node to the next: rad of the rack, mm of the pinion.
     pub(super) spacing: [f64; 2],
-    pub(super) nodes: Arc<[[OnceLock<LeadDemand>; NODES]; TABLES]>,
+    nodes: Vec<OnceLock<LeadDemand>>,
 }
 
 /// Nodes of a table: as many as this to either side of nothing.
@@ -22,26 +23,12 @@ const NODES: usize = 2 * NODES_A_SIDE as usize + 1;
 const TABLES: usize = 2 * Extent::EVERY.len();
 
 /// What leads ask for at most, alone and with undercut, what they give way at most, and either way at any one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct LeadDemand {
     pub(super) most: f64,
     pub(super) with_undercut: f64,
     pub(super) gives_way: f64,
     pub(super) at_any_time: f64,
-}
-
-/// Two tables of one pair for one reach are alike.
-impl PartialEq for LeadTables {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl Default for LeadTables {
-    fn default() -> Self {
-        let nodes = || std::array::from_fn(|_| OnceLock::new());
-        Self { spacing: [0.0; 2], nodes: Arc::new(std::array::from_fn(|_| nodes())) }
-    }
 }
 
 impl LeadTables {
@@ -52,6 +39,12 @@ impl LeadTables {
         let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
         let rack = largest_mm * 2.0 * tan_alpha / pair.rack().face_width_mm;
         let spacing = [rack, largest_mm].map(|largest| FARTHER * largest / f64::from(NODES_A_SIDE));
-        Self { spacing, ..Self::default() }
+        Self { spacing, nodes: (0..TABLES * NODES).map(|_| OnceLock::new()).collect() }
+    }
+
+    /// The node so far from that of nothing.
+    pub(super) fn node(&self, part: Part, extent: Extent, index: i32) -> &OnceLock<LeadDemand> {
+        let table = Extent::EVERY.len() * part as usize + extent as usize;
+        &self.nodes[NODES * table + (index + NODES_A_SIDE) as usize]
     }
 }

@@ -8,7 +8,7 @@ use crate::trig;
 
 /// Where a flank carries that stands out by `error` mm of centre distance more than its neighbours: edges lengthen its
 /// path.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Level {
     pub(super) error: f64,
     pub(super) field: Field,
@@ -18,7 +18,7 @@ pub(super) struct Level {
 }
 
 /// Levels in rising order, from flanks that do not stand out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Levels(Vec<Level>);
 
 /// The first level, mm, and the ratio from one to the next, up to four times the reach.

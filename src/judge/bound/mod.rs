@@ -92,6 +92,17 @@ impl ErrorRange {
         }
     }
 
+    /// With no end farther from 0 than this.
+    fn limited(self, limit: f64) -> Self {
+        Self {
+            raw_lower_mm: self.raw_lower_mm.max(-limit),
+            lower_mm: self.lower_mm.max(-limit),
+            upper_mm: self.upper_mm.min(limit),
+            raw_upper_mm: self.raw_upper_mm.min(limit),
+            ..self
+        }
+    }
+
     /// With its ends in order: where contact is rare, what carries on lines and what edges stand back can cross.
     #[inline]
     fn ordered(self) -> Self {

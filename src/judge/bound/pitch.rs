@@ -38,7 +38,14 @@ pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known:
             either_sign(known, [StepDirection::PinionGrows, StepDirection::PinionShrinks], step, keeps)
         }
     };
-    limited(range, extent, step)
+    let range = match extent {
+        // one step only, or a run that need not be where the teeth are in contact
+        Extent::One => range.or(range).limited(step),
+        Extent::Part => range.or(range),
+        Extent::All | Extent::Each | Extent::Total => range,
+    };
+    let count = (range.upper_mm / step - SLACK).ceil().clamp(0.0, 1e6) as u32;
+    ErrorRange { in_contact: (step > 0.0).then_some(count), ..range }
 }
 
 /// One step, of any pair.
@@ -57,32 +64,5 @@ fn either_sign(known: &KnownPair, ways: [StepDirection; 2], step: f64, keeps: bo
         upper_mm: largest(Counts::most),
         raw_upper_mm: largest(Counts::most_raw),
         ..ErrorRange::either_way(0.0)
-    }
-}
-
-/// One step only, or a run that need not be where the teeth are in contact.
-fn limited(range: ErrorRange, extent: Extent, step: f64) -> ErrorRange {
-    let most = match extent {
-        Extent::One => step,
-        Extent::Part => f64::INFINITY,
-        Extent::All | Extent::Each | Extent::Total => return range.counted(step),
-    };
-    let low = |value: f64| value.min(0.0).max(-most);
-    let high = |value: f64| value.max(0.0).min(most);
-    ErrorRange {
-        raw_lower_mm: low(range.raw_lower_mm),
-        lower_mm: low(range.lower_mm),
-        upper_mm: high(range.upper_mm),
-        raw_upper_mm: high(range.raw_upper_mm),
-        ..range
-    }
-    .counted(step)
-}
-
-impl ErrorRange {
-    /// With the number of steps that add up.
-    fn counted(self, step: f64) -> Self {
-        let count = (self.upper_mm / step - SLACK).ceil().clamp(0.0, 1e6) as u32;
-        Self { in_contact: (step > 0.0).then_some(count), ..self }
     }
 }

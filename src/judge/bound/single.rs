@@ -82,14 +82,8 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
         (_, None) if cap.is_some() => ErrorRange::either_way(limit),
         (_, None) => return Err(NoBound::TeethInContactUnknown),
     };
-    Ok(ErrorRange {
-        raw_lower_mm: range.raw_lower_mm.max(-limit),
-        lower_mm: range.lower_mm.max(-limit),
-        upper_mm: range.upper_mm.min(limit),
-        raw_upper_mm: range.raw_upper_mm.min(limit),
-        upper_with_undercut_mm: known.map_or(f64::INFINITY, |known| with_undercut(pitch, extent, limit, known)),
-        ..range
-    })
+    let upper_with_undercut_mm = known.map_or(f64::INFINITY, |known| with_undercut(pitch, extent, limit, known));
+    Ok(ErrorRange { upper_with_undercut_mm, ..range.limited(limit) })
 }
 
 /// What steps lift together with undercut, up to a limit of the steps.
@@ -114,7 +108,7 @@ pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     }
     match knowledge.pair {
         Some(known) => leads.of_pair(known),
-        None => leads.of_any_pair(leads.lines().map_or(0.0, |lines| assumed_height(lines, knowledge))),
+        None => leads.of_any_pair(leads.lines.as_ref().map_or(0.0, |lines| assumed_height(lines, knowledge))),
     }
 }
 

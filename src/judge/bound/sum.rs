@@ -101,8 +101,8 @@ impl Adding {
     fn sum(&self, knowledge: &Knowledge) -> Sum {
         let mut sum = self.sum;
         for (all, last) in self.leads.iter().flatten() {
-            let range = if all.is_one() { *last } else { supported(of_leads(all, knowledge), knowledge) };
-            sum.add(all.part(), range);
+            let range = if all.extent.is_some() { *last } else { supported(of_leads(all, knowledge), knowledge) };
+            sum.add(all.part, range);
         }
         sum
     }

@@ -5,8 +5,6 @@
 //! their lines, over all places p on the path of the first, where lines carry at every stroke. Steps between both lift in
 //! proportion to n.
 
-use std::sync::{Arc, OnceLock};
-
 use crate::deviation::{Extent, Part};
 
 /// Parts of a pitch in which the field of contact is looked at.
@@ -19,57 +17,22 @@ pub(super) struct Cell {
     pub(super) most: f64,
 }
 
-/// What undercut lifts: computed when it is first asked for.
-#[derive(Debug, Clone)]
-pub(super) enum Undercut {
-    /// Nothing, or nothing that is known to share a stroke with an error.
-    None,
-    /// What flanks lift together.
-    Table(Arc<OnceLock<UndercutTable>>),
-}
-
-impl Undercut {
-    /// To be computed.
-    pub(super) fn not_yet() -> Self {
-        Self::Table(Arc::new(OnceLock::new()))
-    }
-
-    pub(super) fn is_some(&self) -> bool {
-        matches!(self, Self::Table(_))
-    }
-
-    /// The table, computed of the parts of a right flank's path if it is not there yet.
-    pub(super) fn table(&self, cells: impl FnOnce() -> Vec<Cell>) -> Option<&UndercutTable> {
-        match self {
-            Self::None => None,
-            Self::Table(table) => Some(table.get_or_init(|| UndercutTable::new(&cells()))),
-        }
-    }
-}
-
-/// Two tables of one pair for one reach are alike.
-impl PartialEq for Undercut {
-    fn eq(&self, other: &Self) -> bool {
-        self.is_some() == other.is_some()
-    }
-}
-
 /// What two flanks lift together beyond their lines, by the teeth between them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) struct UndercutTable {
     /// The teeth from the left flank's to the right one's, and the most that both ask for, mm.
     apart: Vec<FlanksApart>,
 }
 
 /// Two flanks some teeth apart.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug)]
 struct FlanksApart {
     teeth: i32,
     most: f64,
 }
 
 impl UndercutTable {
-    fn new(cells: &[Cell]) -> Self {
+    pub(super) fn new(cells: &[Cell]) -> Self {
         let at = |index: i32| cells.iter().find(|cell| cell.index == index).map(|cell| cell.most);
         let (Some(first), Some(last)) = (cells.first(), cells.last()) else { return Self { apart: Vec::new() } };
         // the left flank's place is −p − n: on the path for these n

@@ -27,7 +27,7 @@ const FARTHEST: f64 = 12.0;
 /// Width of the part of the field of contact that stands for a stroke, pitches.
 const WIDTH: f64 = 1e-6;
 
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Sketch {
     pair: Pair,
     /// The first stroke of the samples.
@@ -36,7 +36,7 @@ pub(super) struct Sketch {
 }
 
 /// At one stroke of a rack tooth's path.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct Sample {
     /// What its flanks ask for beyond their errors, mm; `None` where others carry.
     right: Option<f64>,
