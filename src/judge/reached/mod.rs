@@ -22,8 +22,8 @@ pub use seat::Run;
 use super::bound::{ExtendedError, GivenPair};
 use super::strokes::CurveExtreme;
 use crate::deviation::{PinionFlanks, RackFlanks};
-use crate::mesh::{Mesh, MeshPoint, Support};
-use placed::{Flanks, Placed};
+use crate::mesh::{MeshPoint, Support};
+use placed::Placed;
 use search::{Candidate, RangeEnd, Search};
 use sketch::{Sketch, stroke};
 
@@ -76,15 +76,9 @@ pub fn reached(errors: &[ExtendedError], given: &GivenPair) -> Result<Option<Rea
     let sketch = Sketch::new(given, errors)?;
     let search = Search::new(given, errors, &sketch);
     let mut solver = Solver { given, errors, search: &search, meshes: 1 };
-    let lower = solver.end(RangeEnd::Lower)?;
-    let upper = solver.end(RangeEnd::Upper)?;
-    Ok(Some(Reached {
-        lower_mm: lower.delta_cd_mm,
-        upper_mm: upper.delta_cd_mm,
-        meshes: solver.meshes,
-        lower: lower.placement,
-        upper: upper.placement,
-    }))
+    let (lower_mm, lower) = solver.end(RangeEnd::Lower)?;
+    let (upper_mm, upper) = solver.end(RangeEnd::Upper)?;
+    Ok(Some(Reached { lower_mm, upper_mm, meshes: solver.meshes, lower, upper }))
 }
 
 /// Solves candidates, and counts how many.
@@ -95,15 +89,9 @@ struct Solver<'a> {
     meshes: u32,
 }
 
-/// One end of what is reached.
-struct End {
-    delta_cd_mm: f64,
-    placement: Placement,
-}
-
 impl Solver<'_> {
-    /// The candidates are solved in the order of what is expected of them, until no other is expected to be better.
-    fn end(&mut self, which: RangeEnd) -> Result<End, ReachedError> {
+    /// One end and its placement. The candidates are solved in the order of what is expected of them, until no other is expected to be better.
+    fn end(&mut self, which: RangeEnd) -> Result<(f64, Placement), ReachedError> {
         let sign = which.sign();
         let mut best: Option<(Candidate, CurveExtreme)> = None;
         let mut failure = ReachedError::Unsolved { stroke_mm: 0.0 };
@@ -122,12 +110,9 @@ impl Solver<'_> {
         let Some((candidate, near)) = best else { return Err(failure) };
         let wide = self.solve(&candidate, which, WIDE, FINE_MM).unwrap_or(near);
         let found = if sign * (wide.delta_cd_mm - near.delta_cd_mm) > 0.0 { wide } else { near };
-        let Flanks { rack, pinion } = self.placed(&candidate).flanks(self.given)?;
+        let (rack, pinion) = self.placed(&candidate).flanks(self.given)?;
         let errors = self.search.runs(&candidate);
-        Ok(End {
-            delta_cd_mm: found.delta_cd_mm,
-            placement: Placement { stroke_mm: found.stroke_mm, rack, pinion, errors },
-        })
+        Ok((found.delta_cd_mm, Placement { stroke_mm: found.stroke_mm, rack, pinion, errors }))
     }
 
     fn placed(&self, candidate: &Candidate) -> Placed {
@@ -148,22 +133,11 @@ impl Solver<'_> {
     ) -> Result<CurveExtreme, ReachedError> {
         self.meshes += 1;
         let mesh = self.placed(candidate).mesh(self.given)?;
-        extreme(&mesh, which, stroke(candidate.stroke), pitches, tolerance_mm)
+        let (pitch, stroke, sign) = (mesh.pair().rack().pitch_mm, stroke(candidate.stroke), which.sign());
+        let curve = mesh.curve(pitch * (stroke - pitches), pitch * (stroke + pitches), tolerance_mm)?;
+        let of = |point: &MeshPoint| CurveExtreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
+        let extremes = curve.points.iter().filter(|point| point.is_solved()).map(of);
+        let extreme = extremes.max_by(|a, b| (sign * a.delta_cd_mm).total_cmp(&(sign * b.delta_cd_mm)));
+        extreme.ok_or(ReachedError::Unsolved { stroke_mm: pitch * stroke })
     }
-}
-
-fn extreme(
-    mesh: &Mesh,
-    which: RangeEnd,
-    stroke: f64,
-    pitches: f64,
-    tolerance_mm: f64,
-) -> Result<CurveExtreme, ReachedError> {
-    let pitch = mesh.pair().rack().pitch_mm;
-    let curve = mesh.curve(pitch * (stroke - pitches), pitch * (stroke + pitches), tolerance_mm)?;
-    let of = |point: &MeshPoint| CurveExtreme { stroke_mm: point.stroke_mm, delta_cd_mm: point.delta_cd_mm };
-    let sign = which.sign();
-    let extremes = curve.points.iter().filter(|point| point.is_solved()).map(of);
-    let extreme = extremes.max_by(|a, b| (sign * a.delta_cd_mm).total_cmp(&(sign * b.delta_cd_mm)));
-    extreme.ok_or(ReachedError::Unsolved { stroke_mm: pitch * stroke })
 }

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use crate::deviation::{DeviationError, Part, PinionFlanks, PinionTooth, RackFlanks, RackTooth};
 use crate::gear::Pair;
 use crate::judge::bound::{GivenPair, pinion_lead_angle_rad};
-use crate::mesh::{Mesh, MeshError};
+use crate::mesh::{FlankSide, Mesh, MeshError};
 use crate::trig;
 
 /// Why nothing is found.
@@ -52,13 +52,6 @@ impl BySide {
     pub(in crate::judge) const fn both(value: f64) -> Self {
         Self { left: value, right: value }
     }
-}
-
-/// Both parts' flanks.
-#[derive(Debug, Clone, PartialEq)]
-pub(in crate::judge) struct Flanks {
-    pub(in crate::judge) rack: RackFlanks,
-    pub(in crate::judge) pinion: PinionFlanks,
 }
 
 /// What a flank of a rack tooth asks for, with the pinion flank that it meets.
@@ -159,7 +152,7 @@ impl Placed {
     }
 
     /// The flanks, with the form that the pair has.
-    pub(in crate::judge) fn flanks(&self, given: &GivenPair) -> Result<Flanks, ReachedError> {
+    pub(in crate::judge) fn flanks(&self, given: &GivenPair) -> Result<(RackFlanks, PinionFlanks), ReachedError> {
         let turned = |(tooth, slopes): (&PinionTooth, &BySide)| {
             let mut tooth = *tooth;
             tooth.left.lead_rad = pinion_lead_angle_rad(&self.pair, slopes.left);
@@ -168,48 +161,32 @@ impl Placed {
         };
         let pinion: Vec<PinionTooth> = self.pinion.iter().zip(&self.slopes).map(turned).collect();
         let rack: BTreeMap<i64, RackTooth> = TEETH.zip(self.rack.iter().copied()).collect();
-        Ok(Flanks {
-            rack: RackFlanks::nominal(&self.pair).with_measured(rack)?.with_form(&self.pair, given.rack_form)?,
-            pinion: PinionFlanks::nominal(&self.pair).with_measured(&pinion)?.with_form(given.pinion_form)?,
-        })
+        let rack = RackFlanks::nominal(&self.pair).with_measured(rack)?.with_form(&self.pair, given.rack_form)?;
+        let pinion = PinionFlanks::nominal(&self.pair).with_measured(&pinion)?.with_form(given.pinion_form)?;
+        Ok((rack, pinion))
     }
 
     /// The mesh of the flanks.
     pub(in crate::judge) fn mesh(&self, given: &GivenPair) -> Result<Mesh, ReachedError> {
-        let Flanks { rack, pinion } = self.flanks(given)?;
+        let (rack, pinion) = self.flanks(given)?;
         Ok(Mesh::new(self.pair, rack, pinion, given.support)?)
     }
 
-    /// What the right flank of a rack tooth asks for. It meets the left flank of the pinion's tooth with the same number.
-    pub(super) fn asked_right(&self, tooth: i64) -> FlankDemand {
-        let rack = self.rack_or_nominal(tooth).right;
-        let pinion = self.pinion_index(tooth);
-        FlankDemand {
-            by_mm: self.asked_by_x(rack.along_x_mm) + rack.along_z_mm
-                - self.asked_by_arc(self.pinion[pinion].left.arc_mm),
-            rack_turn_rad: rack.lead_rad,
-            pinion_slope_mm: self.slopes[pinion].left,
-        }
-    }
-
-    /// What its left flank asks for, which meets the right flank of the pinion's tooth before.
-    pub(super) fn asked_left(&self, tooth: i64) -> FlankDemand {
-        let rack = self.rack_or_nominal(tooth).left;
-        let pinion = self.pinion_index(tooth - 1);
-        FlankDemand {
-            by_mm: rack.along_z_mm - self.asked_by_x(rack.along_x_mm)
-                + self.asked_by_arc(self.pinion[pinion].right.arc_mm),
-            rack_turn_rad: rack.lead_rad,
-            pinion_slope_mm: self.slopes[pinion].right,
-        }
-    }
-
-    fn asked_by_x(&self, along_x_mm: f64) -> f64 {
-        along_x_mm * trig::cos(self.pair.rack().helix_angle_rad) / trig::tan(self.pair.normal_pressure_angle_rad())
-    }
-
-    fn asked_by_arc(&self, arc_mm: f64) -> f64 {
-        arc_mm / trig::tan(self.pair.pinion().transverse_pressure_angle_rad)
+    /// What a flank of a rack tooth asks for. The right one meets the left flank of the pinion's tooth with the same number, the
+    /// left one the right flank of the tooth before.
+    pub(super) fn asked(&self, side: FlankSide, tooth: i64) -> FlankDemand {
+        let rack = self.rack_or_nominal(tooth);
+        let pinion = self.pinion_index(if side == FlankSide::Right { tooth } else { tooth - 1 });
+        let (arcs, slopes) = (&self.pinion[pinion], &self.slopes[pinion]);
+        let (rack, arc_mm, pinion_slope_mm, sign) = match side {
+            FlankSide::Right => (rack.right, arcs.left.arc_mm, slopes.left, 1.0),
+            FlankSide::Left => (rack.left, arcs.right.arc_mm, slopes.right, -1.0),
+        };
+        let cos_r = trig::cos(self.pair.rack().helix_angle_rad);
+        let by_x = rack.along_x_mm * cos_r / trig::tan(self.pair.normal_pressure_angle_rad());
+        let by_arc = arc_mm / trig::tan(self.pair.pinion().transverse_pressure_angle_rad);
+        let by_mm = sign * by_x + rack.along_z_mm - sign * by_arc;
+        FlankDemand { by_mm, rack_turn_rad: rack.lead_rad, pinion_slope_mm }
     }
 
     fn rack_tooth(&mut self, tooth: i64) -> Option<&mut RackTooth> {

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::placed::{FlankDemand, Placed};
-use super::seat::{self, Run, Seat, Window};
+use super::seat::{self, Run, Seat};
 use super::sketch::{STEPS, Sketch};
 use crate::judge::bound::{ExtendedError, GivenPair};
+use crate::mesh::FlankSide;
 
 /// Which end of the range is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,29 +46,21 @@ pub(super) struct Search<'a> {
     effects: Vec<Vec<Flanks>>,
 }
 
-/// What right and left flanks of the rack teeth ask for.
-#[derive(Debug, Clone, PartialEq)]
-struct Flanks {
-    right: Vec<FlankDemand>,
-    left: Vec<FlankDemand>,
-}
+/// What the flanks of the rack teeth ask for, of both [`SIDES`].
+struct Flanks([Vec<FlankDemand>; 2]);
 
-/// The flanks that can carry at a stroke.
+/// The flanks that can carry at a stroke, of both [`SIDES`].
 struct Carrying {
     stroke: i64,
-    right: Vec<usize>,
-    left: Vec<usize>,
+    flanks: [Vec<usize>; 2],
 }
 
-impl Flanks {
-    fn none(count: usize) -> Self {
-        Self { right: vec![FlankDemand::default(); count], left: vec![FlankDemand::default(); count] }
-    }
+const SIDES: [FlankSide; 2] = [FlankSide::Right, FlankSide::Left];
 
+impl Flanks {
     fn add(&mut self, other: &Self, times: f64) {
-        for (own, other) in [(&mut self.right, &other.right), (&mut self.left, &other.left)] {
-            own.iter_mut().zip(other).for_each(|(own, other)| own.add(other, times));
-        }
+        let flanks = self.0.iter_mut().flatten().zip(other.0.iter().flatten());
+        flanks.for_each(|(own, other)| own.add(other, times));
     }
 
     /// What tells two of them apart at some flanks.
@@ -75,26 +68,25 @@ impl Flanks {
         let bits = |asked: &FlankDemand| {
             [asked.by_mm, asked.rack_turn_rad, asked.pinion_slope_mm].map(|v| (v + 0.0).to_bits())
         };
-        let right = carrying.right.iter().map(|&index| bits(&self.right[index]));
-        right.chain(carrying.left.iter().map(|&index| bits(&self.left[index]))).collect()
+        let of_side = |(asked, carrying): (&Vec<FlankDemand>, &Vec<usize>)| -> Vec<_> {
+            carrying.iter().map(|&index| bits(&asked[index])).collect()
+        };
+        self.0.iter().zip(&carrying.flanks).flat_map(of_side).collect()
     }
 }
 
 impl<'a> Search<'a> {
     pub(super) fn new(given: &GivenPair, errors: &'a [ExtendedError], sketch: &'a Sketch) -> Self {
         let teeth: Vec<i64> = sketch.teeth().collect();
-        let window = Window { first: *sketch.teeth().start(), last: *sketch.teeth().end() };
-        let mut seats = seat::seats(errors, &given.pair, window);
+        let mut seats = seat::seats(errors, &given.pair, &sketch.teeth());
         let nominal = Placed::new(&given.pair);
-        let everywhere = Carrying { stroke: 0, right: (0..teeth.len()).collect(), left: (0..teeth.len()).collect() };
+        let everywhere = Carrying { stroke: 0, flanks: SIDES.map(|_| (0..teeth.len()).collect()) };
         let effects = seats.iter_mut().map(|seat| {
             let (mut seen, mut effects) = (BTreeSet::new(), Vec::new());
             seat.choices.retain(|runs| {
                 let mut placed = nominal.clone();
                 seat::put(&mut placed, &errors[seat.error], runs);
-                let right = teeth.iter().map(|&tooth| placed.asked_right(tooth)).collect();
-                let left = teeth.iter().map(|&tooth| placed.asked_left(tooth)).collect();
-                let flanks = Flanks { right, left };
+                let flanks = Flanks(SIDES.map(|side| teeth.iter().map(|&tooth| placed.asked(side, tooth)).collect()));
                 let is_new = seen.insert(flanks.key(&everywhere));
                 if is_new {
                     effects.push(flanks);
@@ -137,77 +129,69 @@ impl<'a> Search<'a> {
 
     fn carrying(&self, stroke: i64) -> Carrying {
         let nothing = FlankDemand::default();
-        let those = |carries: &dyn Fn(i64) -> bool| {
-            self.teeth.iter().enumerate().filter(|&(_, &tooth)| carries(tooth)).map(|(index, _)| index).collect()
-        };
-        Carrying {
-            stroke,
-            right: those(&|tooth| self.sketch.right(stroke, tooth, &nothing).is_some()),
-            left: those(&|tooth| self.sketch.left(stroke, tooth, &nothing).is_some()),
-        }
+        let flanks = SIDES.map(|side| {
+            let carries = |&index: &usize| self.sketch.asked(side, stroke, self.teeth[index], &nothing).is_some();
+            (0..self.teeth.len()).filter(carries).collect()
+        });
+        Carrying { stroke, flanks }
     }
 
-    /// What a right flank asks for.
-    fn right(&self, stroke: i64, index: usize, asked: &FlankDemand) -> f64 {
-        self.sketch.right(stroke, self.teeth[index], asked).unwrap_or(f64::NEG_INFINITY)
-    }
-
-    fn left(&self, stroke: i64, index: usize, asked: &FlankDemand) -> f64 {
-        self.sketch.left(stroke, self.teeth[index], asked).unwrap_or(f64::NEG_INFINITY)
+    /// What a flank asks for.
+    fn asked(&self, side: FlankSide, stroke: i64, index: usize, asked: &FlankDemand) -> f64 {
+        self.sketch.asked(side, stroke, self.teeth[index], asked).unwrap_or(f64::NEG_INFINITY)
     }
 
     /// The highest ΔCD for each two flanks that may carry together: what each error adds to these two counts alone.
     fn highest(&self, carrying: &Carrying) -> Vec<Candidate> {
-        let pairs = carrying.right.iter().flat_map(|&right| carrying.left.iter().map(move |&left| (right, left)));
         let stroke = carrying.stroke;
-        let one = |(right, left): (usize, usize)| {
-            let (mut of_right, mut of_left) = (FlankDemand::default(), FlankDemand::default());
+        let one = |places: [usize; 2]| {
+            let of = |effect: &Flanks| SIDES.map(|side| effect.0[side as usize][places[side as usize]]);
+            let both = |asked: &[FlankDemand; 2]| {
+                let [right, left] =
+                    SIDES.map(|side| self.asked(side, stroke, places[side as usize], &asked[side as usize]));
+                right + left
+            };
+            let added = |sums: &[FlankDemand; 2], effect: &Flanks| {
+                let mut added = *sums;
+                added.iter_mut().zip(of(effect)).for_each(|(sum, asked)| sum.add(&asked, 1.0));
+                added
+            };
+            let mut sums = [FlankDemand::default(); 2];
             let mut choices = Vec::with_capacity(self.seats.len());
             for effects in &self.effects {
-                let turns = effects.iter().any(|effect| effect.right[right].turns() || effect.left[left].turns());
+                let turns = effects.iter().any(|effect| of(effect).iter().any(FlankDemand::turns));
                 let with = |effect: &Flanks| {
-                    if !turns {
-                        return effect.right[right].by_mm + effect.left[left].by_mm;
-                    }
-                    let (mut a, mut b) = (of_right, of_left);
-                    a.add(&effect.right[right], 1.0);
-                    b.add(&effect.left[left], 1.0);
-                    self.right(stroke, right, &a) + self.left(stroke, left, &b)
+                    let [right, left] = of(effect);
+                    if turns { both(&added(&sums, effect)) } else { right.by_mm + left.by_mm }
                 };
                 let choice = largest(effects.iter().map(with));
-                of_right.add(&effects[choice].right[right], 1.0);
-                of_left.add(&effects[choice].left[left], 1.0);
+                sums = added(&sums, &effects[choice]);
                 choices.push(choice);
             }
-            let expected_mm = 0.5 * (self.right(stroke, right, &of_right) + self.left(stroke, left, &of_left));
-            Candidate { stroke, expected_mm, choices }
+            Candidate { stroke, expected_mm: 0.5 * both(&sums), choices }
         };
-        pairs.map(one).collect()
+        let [right, left] = &carrying.flanks;
+        right.iter().flat_map(|&right| left.iter().map(move |&left| [right, left])).map(one).collect()
     }
 
     /// ΔCD at a stroke under some effects together, mm.
     fn delta_cd(&self, carrying: &Carrying, effects: &[&Flanks]) -> f64 {
-        let sum = |of: &dyn Fn(&Flanks) -> FlankDemand| {
-            let mut sum = FlankDemand::default();
-            for effect in effects {
-                sum.add(&of(effect), 1.0);
-            }
-            sum
-        };
-        let right = carrying.right.iter().map(|&index| {
-            let asked = sum(&|effect| effect.right[index]);
-            self.right(carrying.stroke, index, &asked)
+        let [right, left] = SIDES.map(|side| {
+            let asked = carrying.flanks[side as usize].iter().map(|&index| {
+                let mut sum = FlankDemand::default();
+                for effect in effects {
+                    sum.add(&effect.0[side as usize][index], 1.0);
+                }
+                self.asked(side, carrying.stroke, index, &sum)
+            });
+            asked.fold(f64::NEG_INFINITY, f64::max)
         });
-        let left = carrying.left.iter().map(|&index| {
-            let asked = sum(&|effect| effect.left[index]);
-            self.left(carrying.stroke, index, &asked)
-        });
-        0.5 * (right.fold(f64::NEG_INFINITY, f64::max) + left.fold(f64::NEG_INFINITY, f64::max))
+        0.5 * (right + left)
     }
 
     /// The placement with the lowest ΔCD at a stroke that is found from any two errors at their best.
     fn lowest(&self, carrying: &Carrying) -> Option<Candidate> {
-        if carrying.right.is_empty() || carrying.left.is_empty() {
+        if carrying.flanks.iter().any(Vec::is_empty) {
             return None;
         }
         let open: Vec<Vec<usize>> = self.effects.iter().map(|effects| distinct(effects, carrying)).collect();
@@ -228,7 +212,7 @@ impl<'a> Search<'a> {
 
     /// The sum of the seats' effects.
     fn sum(&self, choices: &[usize]) -> Flanks {
-        let mut sum = Flanks::none(self.teeth.len());
+        let mut sum = Flanks(SIDES.map(|_| vec![FlankDemand::default(); self.teeth.len()]));
         self.effects.iter().zip(choices).for_each(|(effects, &choice)| sum.add(&effects[choice], 1.0));
         sum
     }

@@ -34,13 +34,6 @@ pub(super) struct Seat {
     pub(super) choices: Vec<Vec<Run>>,
 }
 
-/// The rack teeth that can carry at the strokes looked at.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Window {
-    pub(super) first: i64,
-    pub(super) last: i64,
-}
-
 /// A rack's space, step or tooth that never carries at the strokes looked at, and the one after it.
 const FAR: i64 = *TEETH.end() - 2;
 
@@ -83,10 +76,10 @@ impl Run {
     }
 }
 
-/// The seats of every error.
-pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, window: Window) -> Vec<Seat> {
+/// The seats of every error, if these rack teeth can carry at the strokes looked at.
+pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, carrying: &RangeInclusive<i64>) -> Vec<Seat> {
     let seats = errors.iter().enumerate().flat_map(|(index, error)| {
-        let choices = choices(error, &balance(errors, error), &Places::new(error.part(), window, pair));
+        let choices = choices(error, &balance(errors, error), &Places::new(error.part(), carrying, pair));
         choices.into_iter().map(move |choices| Seat { error: index, choices })
     });
     seats.collect()
@@ -119,8 +112,8 @@ fn choices(error: &ExtendedError, leads: &[f64], places: &Places) -> Vec<Vec<Vec
 }
 
 impl Places {
-    fn new(part: Part, window: Window, pair: &Pair) -> Self {
-        let Window { first, last } = window;
+    fn new(part: Part, carrying: &RangeInclusive<i64>, pair: &Pair) -> Self {
+        let (first, last) = (*carrying.start(), *carrying.end());
         // space k lies between teeth k and k + 1; a rack tooth carries with pinion teeth k − 1 and k
         Self { part, teeth: first - 1..=last, steps: first..=last, z: i64::from(pair.pinion().teeth) }
     }

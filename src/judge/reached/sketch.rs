@@ -85,16 +85,16 @@ impl Sketch {
         (-high).div_euclid(STEPS)..=(STEPS - low).div_euclid(STEPS)
     }
 
-    /// What a right flank asks for at a stroke, mm; `None` if it does not carry there.
-    pub(super) fn right(&self, stroke: i64, tooth: i64, asked: &FlankDemand) -> Option<f64> {
+    /// What a flank asks for at a stroke, mm; `None` if it does not carry there. A left flank is a right one turned half about the
+    /// vertical.
+    pub(super) fn asked(&self, side: FlankSide, stroke: i64, tooth: i64, asked: &FlankDemand) -> Option<f64> {
         let place = stroke - STEPS * tooth;
-        Some(self.sample(place)?.right? + asked.by_mm + self.turned(place, asked))
-    }
-
-    /// What a left flank asks for: it is a right one turned half about the vertical.
-    pub(super) fn left(&self, stroke: i64, tooth: i64, asked: &FlankDemand) -> Option<f64> {
-        let place = stroke - STEPS * tooth;
-        Some(self.sample(place)?.left? + asked.by_mm + self.turned(-place, asked))
+        let sample = self.sample(place)?;
+        let (beyond_error, place) = match side {
+            FlankSide::Right => (sample.right?, place),
+            FlankSide::Left => (sample.left?, -place),
+        };
+        Some(beyond_error + asked.by_mm + self.turned(place, asked))
     }
 
     fn sample(&self, place: i64) -> Option<&Sample> {
