@@ -187,16 +187,7 @@ fn ends(plan: &Plan, spreads: &Spreads, on: LimitTarget, result: Interval) -> En
         LimitTarget::CenterDistance => None,
         LimitTarget::Error(kind) => plan.source_of(kind),
     };
-    match source {
-        Some(source) => spreads.weights[source].ends(result, spreads.errors[source].standard_mm),
-        None => Ends {
-            lower_mm: result.lower.mm(),
-            upper_mm: result.upper.mm(),
-            lower_standard_mm: spreads.lower.standard_mm,
-            upper_standard_mm: spreads.upper.standard_mm,
-            correlation: spreads.end_correlation,
-        },
-    }
+    spreads.ends(source, result)
 }
 
 /// The uncertainty of a result.

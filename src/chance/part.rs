@@ -295,11 +295,11 @@ impl Simulated for PartModel {
 impl PartModel {
     /// How far one draw moves both extremes of known teeth.
     fn teeth_at(&self, inputs: &[Vec<f64>], draw: usize) -> Range {
-        let mut off = Range { lower: 0.0, upper: 0.0 };
-        for TeethSensitivity { source, lower, upper } in &self.teeth {
+        let mut off = Range::default();
+        for TeethSensitivity { source, slope } in &self.teeth {
             let Some(column) = self.column(*source, inputs) else { continue };
             let by = column[draw] - self.best_estimate(*source);
-            off = Range { lower: off.lower + lower * by, upper: off.upper + upper * by };
+            off = off.with(*slope, |off, slope| off + slope * by);
         }
         off
     }
@@ -334,7 +334,7 @@ impl PartModel {
             let Some(column) = self.column(pair.source, inputs) else { continue };
             let by = column[draw] - self.best_estimate(pair.source);
             let slope = pair.slope(by > 0.0, nominal, &of);
-            range = Range { lower: range.lower + by * slope.lower, upper: range.upper + by * slope.upper };
+            range = range.with(slope, |end, slope| end + by * slope);
         }
         range
     }

@@ -132,15 +132,13 @@ impl VariedPair {
     /// How much the ends of such a pair differ from those of the nominal one, per unit of the size, if it is off that way.
     pub(crate) fn slope(&self, up: bool, nominal: Range, ends: impl Fn(&Basis) -> Range) -> Range {
         let (basis, by) = if up { (&self.above, self.by) } else { (&self.below, -self.by) };
-        let varied = basis.as_ref().map_or(NO_RANGE, ends);
-        Range { lower: (varied.lower - nominal.lower) / by, upper: (varied.upper - nominal.upper) / by }
+        basis.as_ref().map_or(NO_RANGE, ends).with(nominal, |varied, nominal| (varied - nominal) / by)
     }
 
     /// The steeper of both slopes of either end.
     pub(crate) fn steepest(&self, nominal: Range, ends: impl Fn(&Basis) -> Range) -> Range {
         let [up, down] = [true, false].map(|up| self.slope(up, nominal, &ends));
-        let steeper = |a: f64, b: f64| if b.is_nan() || a.abs() >= b.abs() { a } else { b };
-        Range { lower: steeper(up.lower, down.lower), upper: steeper(up.upper, down.upper) }
+        up.with(down, |up, down| if down.is_nan() || up.abs() >= down.abs() { up } else { down })
     }
 }
 

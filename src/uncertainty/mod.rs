@@ -16,8 +16,8 @@ pub(super) mod tests;
 
 pub use coverage::{COVERAGE, coverage_factor, effective_dof};
 pub use inputs::{Uncertainties, UncertaintyError};
-pub use propagation::{Part, Point, Propagator, Spread, Spreads, propagate};
-pub use result::{EndWeights, InputContribution, Linear, Propagation};
+pub use propagation::{Part, Point, Propagator, propagate};
+pub use result::{EndWeights, InputContribution, Linear, Propagation, Spread, Spreads};
 pub use source::{Distribution, Source, Uncertainty};
 pub use teeth::{TeethSensitivity, VariedTeeth, teeth_sensitivities};
 

@@ -15,19 +15,16 @@
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, own_slope, range_alone};
+use super::result::KINDS;
 use super::{
-    EndWeights, FOLD, InputContribution, Linear, Propagation, Source, TeethSensitivity, Uncertainties, UncertaintyError,
+    EndWeights, FOLD, InputContribution, Linear, Propagation, Source, Spread, Spreads, TeethSensitivity, Uncertainties,
+    UncertaintyError,
 };
 use crate::deviation::{self, DeviationKind, Extent};
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Input, Law, Model, PartDeviation, Sensitivity};
 use crate::judge::Stack;
 use crate::judge::bound::{Basis, ExtendedError, Range};
-
-const KINDS: usize = DeviationKind::ALL.len();
-
-/// As many inputs as there are.
-const INPUTS: usize = 14;
 
 /// Coverage factors are kept up to so many degrees of freedom.
 const KEPT_FACTORS: u32 = 256;
@@ -58,34 +55,6 @@ pub fn propagate(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Propa
     Propagator::new(part, uncertainties.clone())?.propagation(part.errors)
 }
 
-/// The uncertainty of one result.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Spread {
-    /// Standard uncertainty u, mm.
-    pub standard_mm: f64,
-    /// Coverage factor k.
-    pub coverage_factor: f64,
-    /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
-    pub gauge_mm2: f64,
-    /// Whether an error is so near to zero that the result is not linear.
-    pub folded: bool,
-}
-
-/// The uncertainties of a part's results.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Spreads {
-    /// Of each error's ΔCD, in the order of the errors.
-    pub errors: [Spread; KINDS],
-    /// How both ends of what each error can do alone follow from its ΔCD.
-    pub weights: [EndWeights; KINDS],
-    /// Of the lower end of the combination that is judged.
-    pub lower: Spread,
-    /// Of its upper end.
-    pub upper: Spread,
-    /// The correlation of both ends.
-    pub end_correlation: f64,
-}
-
 /// One error of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
@@ -106,24 +75,23 @@ struct Derivatives {
     /// The input that is the error itself, and its standard uncertainty, mm or degrees.
     own: Option<(usize, f64)>,
     /// ∂(ln ΔCD)/∂x of each input.
-    relative: [f64; INPUTS],
+    relative: Vec<f64>,
     /// ∂ΔCD/∂x of the inputs of a computed nominal value.
-    constant: [f64; INPUTS],
+    constant: Vec<f64>,
 }
 
-/// The derivatives of one result by all inputs, and whether it is not linear because an error is near zero.
-#[derive(Debug, Clone, Copy)]
+/// The derivatives of one result by all inputs.
+#[derive(Debug, Clone, Default)]
 struct Gradient {
-    by_input: [f64; INPUTS],
-    /// The errors, by index, that fold.
-    folded: [bool; KINDS],
+    by_input: Vec<f64>,
+    /// The errors so near zero that the result is not linear.
+    folded: Vec<DeviationKind>,
 }
-
-const NO_GRADIENT: Gradient = Gradient { by_input: [0.0; INPUTS], folded: [false; KINDS] };
 
 /// The gradients of a part's results.
+#[derive(Default)]
 struct Gradients {
-    errors: [Gradient; KINDS],
+    errors: Vec<Gradient>,
     lower: Gradient,
     upper: Gradient,
 }
@@ -203,17 +171,17 @@ impl Propagator {
     /// The uncertainties of one part, of which `points` has each error.
     #[must_use]
     pub fn spreads(&self, points: &[Point]) -> Spreads {
-        let gradients = self.gradients(points);
-        let mut spreads = Spreads::default();
-        for (spread, gradient) in spreads.errors.iter_mut().zip(&gradients.errors).take(points.len()) {
-            *spread = self.spread(gradient);
+        self.spreads_of(points, &self.gradients(points))
+    }
+
+    fn spreads_of(&self, points: &[Point], gradients: &Gradients) -> Spreads {
+        let (lower, upper) = (self.spread(&gradients.lower), self.spread(&gradients.upper));
+        let end_correlation = self.end_correlation(gradients, &lower, &upper);
+        let mut spreads = Spreads { lower, upper, end_correlation, ..Spreads::default() };
+        for (index, (of, point)) in self.derivatives.iter().zip(points).enumerate() {
+            spreads.errors[index] = self.spread(&gradients.errors[index]);
+            spreads.weights[index] = self.weights(of, point.error);
         }
-        for ((weights, of), point) in spreads.weights.iter_mut().zip(&self.derivatives).zip(points) {
-            *weights = self.weights(of, point.error);
-        }
-        spreads.lower = self.spread(&gradients.lower);
-        spreads.upper = self.spread(&gradients.upper);
-        spreads.end_correlation = self.end_correlation(&gradients, &spreads.lower, &spreads.upper);
         spreads
     }
 
@@ -222,73 +190,62 @@ impl Propagator {
     /// # Errors
     /// [`UncertaintyError::Domain`] if a ΔCD or their combination has no value.
     pub fn propagation(&self, errors: &[PartDeviation]) -> Result<Propagation, UncertaintyError> {
-        let mut points = [Point::default(); KINDS];
-        for (point, error) in points.iter_mut().zip(errors) {
-            *point = Point { error: error.value().base(), delta_cd_mm: error.delta_cd(self.model)?.mm() };
-        }
-        let points = &points[..errors.len()];
-        let gradients = self.gradients(points);
-        let unknown = |input: &usize| {
-            !(gradients.lower.by_input[*input].is_finite() && gradients.upper.by_input[*input].is_finite())
+        let point = |error: &PartDeviation| {
+            Ok(Point { error: error.value().base(), delta_cd_mm: error.delta_cd(self.model)?.mm() })
         };
-        let inputs = self.uncertainties.inputs();
-        if let Some(input) = (0..inputs.len()).find(unknown) {
-            return Err(UncertaintyError::NoBound(inputs[input].0));
+        let points = errors.iter().map(point).collect::<Result<Vec<_>, UncertaintyError>>()?;
+        let gradients = self.gradients(&points);
+        let slopes = gradients.lower.by_input.iter().zip(&gradients.upper.by_input);
+        let unknown = |((lower, upper), _): &((&f64, &f64), _)| !(lower.is_finite() && upper.is_finite());
+        if let Some((_, (source, _))) = slopes.zip(self.uncertainties.inputs()).find(unknown) {
+            return Err(UncertaintyError::NoBound(*source));
         }
-        let ends = self.ends(&values(points), None, &self.basis);
-        let correlation =
-            self.end_correlation(&gradients, &self.spread(&gradients.lower), &self.spread(&gradients.upper));
+        let ends = self.ends(&values(&points), None, &self.basis);
+        let each = errors.iter().zip(&points).zip(&gradients.errors);
         Ok(Propagation {
-            errors: errors
-                .iter()
-                .zip(points)
-                .zip(&gradients.errors)
+            errors: each
                 .map(|((error, point), gradient)| (error.kind(), self.linear(point.delta_cd_mm, gradient)))
                 .collect(),
-            weights: self.derivatives.iter().zip(points).map(|(of, point)| self.weights(of, point.error)).collect(),
             lower: self.linear(ends.lower, &gradients.lower),
             upper: self.linear(ends.upper, &gradients.upper),
             stack: self.stack,
-            end_correlation: correlation,
+            spreads: self.spreads_of(&points, &gradients),
         })
     }
 
     fn gradients(&self, points: &[Point]) -> Gradients {
-        let count = self.uncertainties.inputs().len();
-        let mut gradients = Gradients { errors: [NO_GRADIENT; KINDS], lower: NO_GRADIENT, upper: NO_GRADIENT };
-        for (index, (of, point)) in self.derivatives.iter().zip(points).enumerate() {
-            let gradient = &mut gradients.errors[index];
-            for input in 0..count {
-                gradient.by_input[input] = of.constant[input] + point.delta_cd_mm * of.relative[input];
-            }
-            let mut folds = false;
+        let mut gradients = Gradients::default();
+        for (of, point) in self.derivatives.iter().zip(points) {
+            let relative = of.constant.iter().zip(&of.relative);
+            let by_input = relative.map(|(constant, relative)| constant + point.delta_cd_mm * relative).collect();
+            let mut gradient = Gradient { by_input, folded: Vec::new() };
+            let kind = of.law.kind();
             if let Some((own, standard)) = of.own {
                 gradient.by_input[own] += of.law.slope(point.error, self.model);
-                folds = point.error.abs() < FOLD * standard;
-                gradient.folded[index] = !of.law.kind().always_acts() && folds;
+                if point.error.abs() < FOLD * standard {
+                    gradient.folded.extend((!kind.always_acts()).then_some(kind));
+                    // a size on some of the teeth acts only one way
+                    let at_ends = !(kind.always_acts() && of.extent == Extent::All);
+                    gradients.lower.folded.extend(at_ends.then_some(kind));
+                }
             }
-            // a size on some of the teeth acts only one way
-            let at_ends = folds && !(of.law.kind().always_acts() && of.extent == Extent::All);
-            gradients.lower.folded[index] = at_ends;
-            gradients.upper.folded[index] = at_ends;
+            gradients.errors.push(gradient);
         }
+        gradients.upper.folded.clone_from(&gradients.lower.folded);
         let values = values(points);
         let centre = self.ends(&values, None, &self.basis);
         let within = [1.0, -1.0].map(|side| self.moved(&values, side));
-        let at_ends_of = within.map(|values| self.ends(&values, None, &self.basis));
-        for input in 0..count {
+        let at_ends_of = within.each_ref().map(|values| self.ends(values, None, &self.basis));
+        for (input, (source, _)) in self.uncertainties.inputs().iter().enumerate() {
             let mut slopes = self.by_input(input, &values, centre);
             for (values, centre) in within.iter().zip(at_ends_of) {
-                let there = self.by_error(input, values, centre);
-                slopes.lower = steeper(slopes.lower, there.map_or(0.0, |there| there.lower));
-                slopes.upper = steeper(slopes.upper, there.map_or(0.0, |there| there.upper));
+                slopes = slopes.with(self.by_error(input, values, centre).unwrap_or_default(), steeper);
             }
-            let Range { lower, upper } = slopes;
-            let (source, _) = self.uncertainties.inputs()[input];
-            let teeth = self.teeth.iter().find(|teeth| teeth.source == source);
-            let own = self.own_slopes[input];
-            gradients.lower.by_input[input] = lower + own + teeth.map_or(0.0, |teeth| teeth.lower);
-            gradients.upper.by_input[input] = upper + own + teeth.map_or(0.0, |teeth| teeth.upper);
+            let teeth = self.teeth.iter().find(|teeth| teeth.source == *source);
+            let teeth = teeth.map_or(Range::default(), |teeth| teeth.slope);
+            let slope = slopes.with(teeth, |slope, teeth| slope + self.own_slopes[input] + teeth);
+            gradients.lower.by_input.push(slope.lower);
+            gradients.upper.by_input.push(slope.upper);
         }
         gradients
     }
@@ -297,66 +254,58 @@ impl Propagator {
         let alone = |value: f64, basis: &Basis| {
             of.varied.map_or(NO_RANGE, |varied| range_alone(&varied.with_value(value), basis))
         };
-        let here = alone(value, &self.basis);
-        let slopes_at = |value: f64| {
+        let slope_at = |value: f64| {
             let step = away(value) * VARIED_BY;
-            let (from, to) = (alone(value, &self.basis), alone(value + step, &self.basis));
-            Range { lower: (to.lower - from.lower) / step, upper: (to.upper - from.upper) / step }
+            let from = alone(value, &self.basis);
+            alone(value + step, &self.basis).with(from, |to, from| (to - from) / step)
         };
-        let Range { mut lower, mut upper } = slopes_at(value);
+        let mut slope = slope_at(value);
         for side in [1.0, -1.0] {
-            let there = slopes_at(self.moved_value(of, value, side));
-            (lower, upper) = (steeper(lower, there.lower), steeper(upper, there.upper));
+            slope = slope.with(slope_at(self.moved_value(of, value, side)), steeper);
         }
         let of_law = of.law.slope(value, self.model);
-        let mut weights = EndWeights { lower: lower / of_law, upper: upper / of_law, ..EndWeights::default() };
+        let mut of_pair_mm = Range::default();
+        let here = alone(value, &self.basis);
         for pair in &self.pairs {
-            let Range { lower, upper } = pair.steepest(here, |basis| alone(value, basis));
+            let steepest = pair.steepest(here, |basis| alone(value, basis));
             let standard = self.uncertainties.of(pair.source).map_or(0.0, |uncertainty| uncertainty.standard);
-            weights.lower_of_pair_mm += lower.abs() * standard;
-            weights.upper_of_pair_mm += upper.abs() * standard;
+            of_pair_mm = of_pair_mm.with(steepest, |sum, slope| sum + slope.abs() * standard);
         }
-        weights
+        EndWeights { slope: Range { lower: slope.lower / of_law, upper: slope.upper / of_law }, of_pair_mm }
     }
 
     /// ∂(both ends)/∂x of one input. An error's magnitude has a kink at zero: there it is varied away from it. So it is
     /// elsewhere for ends that are linear in errors, and otherwise from both sides.
-    fn by_input(&self, input: usize, values: &[f64; KINDS], centre: Range) -> Range {
+    fn by_input(&self, input: usize, values: &[f64], centre: Range) -> Range {
         let own = self.derivatives.iter().position(|of| of.own.is_some_and(|(own, _)| own == input));
         let one_sided = own.filter(|&index| self.stack == Stack::Range || values[index].abs() < VARIED_BY);
         if let Some(index) = one_sided {
             let step = away(values[index]) * VARIED_BY;
             let ends = self.ends(values, Some((input, step)), &self.basis);
-            return Range { lower: (ends.lower - centre.lower) / step, upper: (ends.upper - centre.upper) / step };
+            return ends.with(centre, |off, centre| (off - centre) / step);
         }
         let [above, below] = [VARIED_BY, -VARIED_BY].map(|step| self.ends(values, Some((input, step)), &self.basis));
-        let slope = |above: f64, below: f64| (above - below) / (2.0 * VARIED_BY);
-        let laws = Range { lower: slope(above.lower, below.lower), upper: slope(above.upper, below.upper) };
+        let laws = above.with(below, |above, below| (above - below) / (2.0 * VARIED_BY));
         let (source, _) = self.uncertainties.inputs()[input];
         let Some(pair) = self.pairs.iter().find(|pair| pair.source == source) else { return laws };
-        let of_pair = pair.steepest(centre, |basis| self.ends(values, None, basis));
-        Range { lower: laws.lower + of_pair.lower, upper: laws.upper + of_pair.upper }
+        laws.with(pair.steepest(centre, |basis| self.ends(values, None, basis)), |laws, of_pair| laws + of_pair)
     }
 
     /// ∂(both ends)/∂x of an input that errors follow from; `None` of any other.
-    fn by_error(&self, input: usize, values: &[f64; KINDS], centre: Range) -> Option<Range> {
+    fn by_error(&self, input: usize, values: &[f64], centre: Range) -> Option<Range> {
         let follows = |of: &Derivatives| of.own.is_some_and(|(own, _)| own == input) || of.constant[input] != 0.0;
         self.derivatives.iter().any(follows).then(|| self.by_input(input, values, centre))
     }
 
     /// The errors near zero as far off, to one side, as their uncertainties let expect.
-    fn moved(&self, values: &[f64; KINDS], side: f64) -> [f64; KINDS] {
-        let mut moved = *values;
-        for (value, of) in moved.iter_mut().zip(&self.derivatives) {
-            *value = self.moved_value(of, *value, side);
-        }
-        moved
+    fn moved(&self, values: &[f64], side: f64) -> Vec<f64> {
+        values.iter().zip(&self.derivatives).map(|(value, of)| self.moved_value(of, *value, side)).collect()
     }
 
     /// One error so far off if it is near zero: a size up or down, a magnitude away from zero or beyond it.
     fn moved_value(&self, of: &Derivatives, value: f64, side: f64) -> f64 {
         let own = of.own.map_or(0.0, |(_, standard)| standard);
-        let inputs = self.uncertainties.inputs().iter().zip(of.constant);
+        let inputs = self.uncertainties.inputs().iter().zip(&of.constant);
         let of_nominal = inputs.map(|((_, uncertainty), slope)| (slope * uncertainty.standard).abs());
         let reach = FOLD * (own + of_nominal.sum::<f64>());
         if value.abs() >= reach {
@@ -367,7 +316,7 @@ impl Propagator {
     }
 
     /// Both ends of the combination for errors of these values, with one input off by so much.
-    fn ends(&self, values: &[f64; KINDS], off: Option<(usize, f64)>, basis: &Basis) -> Range {
+    fn ends(&self, values: &[f64], off: Option<(usize, f64)>, basis: &Basis) -> Range {
         let mut gear = self.gear;
         let shifted = off.and_then(|(input, step)| {
             let (source, _) = self.uncertainties.inputs()[input];
@@ -389,30 +338,21 @@ impl Propagator {
     }
 
     /// c_i u(x_i) of every input.
-    fn contributions(&self, by_input: &[f64; INPUTS]) -> [f64; INPUTS] {
-        let mut contributions = [0.0; INPUTS];
-        let inputs = self.uncertainties.inputs().iter();
-        for ((contribution, derivative), (_, uncertainty)) in contributions.iter_mut().zip(by_input).zip(inputs) {
-            *contribution = derivative * uncertainty.standard;
-        }
-        contributions
-    }
-
-    fn covariance(&self, a: &[f64; INPUTS], b: &[f64; INPUTS]) -> f64 {
-        let count = self.uncertainties.inputs().len();
-        self.uncertainties.covariance(&a[..count], &b[..count])
+    fn contributions(&self, by_input: &[f64]) -> Vec<f64> {
+        let inputs = by_input.iter().zip(self.uncertainties.inputs());
+        inputs.map(|(derivative, (_, uncertainty))| derivative * uncertainty.standard).collect()
     }
 
     /// Infinite where a derivative is not known.
-    fn variance(&self, by_input: &[f64; INPUTS]) -> f64 {
+    fn variance(&self, by_input: &[f64]) -> f64 {
         let contributions = self.contributions(by_input);
-        let variance = self.covariance(&contributions, &contributions);
+        let variance = self.uncertainties.covariance(&contributions, &contributions);
         if variance.is_nan() { f64::INFINITY } else { variance.max(0.0) }
     }
 
     fn spread(&self, gradient: &Gradient) -> Spread {
         let standard_mm = self.variance(&gradient.by_input).sqrt();
-        let mut gauge = gradient.by_input;
+        let mut gauge = gradient.by_input.clone();
         for (derivative, (source, _)) in gauge.iter_mut().zip(self.uncertainties.inputs()) {
             if !matches!(source, Source::Error(_)) {
                 *derivative = 0.0;
@@ -422,7 +362,7 @@ impl Propagator {
             standard_mm,
             coverage_factor: self.coverage_factor(self.dof(gradient, standard_mm)),
             gauge_mm2: self.variance(&gauge),
-            folded: gradient.folded.contains(&true),
+            folded: !gradient.folded.is_empty(),
         }
     }
 
@@ -443,14 +383,13 @@ impl Propagator {
                 share: (variance > 0.0).then(|| contribution * contribution / variance),
             })
             .collect();
-        let folded = self.derivatives.iter().zip(gradient.folded).filter(|(_, folded)| *folded);
         Linear {
             value_mm,
             standard_mm,
             dof,
             coverage_factor: self.coverage_factor(dof),
             contributions,
-            folded: folded.map(|(of, _)| of.law.kind()).collect(),
+            folded: gradient.folded.clone(),
         }
     }
 
@@ -460,10 +399,9 @@ impl Propagator {
             return Some(f64::INFINITY);
         }
         let contributions = self.contributions(&gradient.by_input);
-        let contributions = &contributions[..self.dofs.len()];
         let counts = |i: usize| contributions[i] != 0.0 && self.dofs[i].is_finite();
         let correlated = (0..contributions.len()).any(|i| counts(i) && self.uncertainties.correlated(i));
-        (!correlated).then(|| effective_dof(standard_mm, contributions, &self.dofs))
+        (!correlated).then(|| effective_dof(standard_mm, &contributions, &self.dofs))
     }
 
     fn coverage_factor(&self, dof: Option<f64>) -> f64 {
@@ -478,7 +416,7 @@ impl Propagator {
             return 0.0;
         }
         let (a, b) = (self.contributions(&gradients.lower.by_input), self.contributions(&gradients.upper.by_input));
-        (self.covariance(&a, &b) / scale).clamp(-1.0, 1.0)
+        (self.uncertainties.covariance(&a, &b) / scale).clamp(-1.0, 1.0)
     }
 }
 
@@ -487,7 +425,7 @@ impl Derivatives {
         let (law, kind) = (error.law(), error.kind());
         let inputs = uncertainties.inputs();
         let index = |source: Source| inputs.iter().position(|(other, _)| *other == source);
-        let (mut relative, mut constant) = ([0.0; INPUTS], [0.0; INPUTS]);
+        let (mut relative, mut constant) = (vec![0.0; inputs.len()], vec![0.0; inputs.len()]);
         for (input, derivative) in law.relative_sensitivities(part.model) {
             if let Some(at) = source_of(kind, input).and_then(index) {
                 relative[at] += derivative;
@@ -506,12 +444,8 @@ impl Derivatives {
     }
 }
 
-fn values(points: &[Point]) -> [f64; KINDS] {
-    let mut values = [0.0; KINDS];
-    for (value, point) in values.iter_mut().zip(points) {
-        *value = point.error;
-    }
-    values
+fn values(points: &[Point]) -> Vec<f64> {
+    points.iter().map(|point| point.error).collect()
 }
 
 fn source_of(kind: DeviationKind, input: Input) -> Option<Source> {

@@ -4,9 +4,12 @@
 use super::Source;
 use super::coverage::whole_dof;
 use crate::deviation::DeviationKind;
+use crate::judge::bound::Range;
 use crate::judge::rule::Ends;
 use crate::judge::{Interval, LimitTarget, Stack};
 use crate::statistics::student_quantile;
+
+pub(super) const KINDS: usize = DeviationKind::ALL.len();
 
 /// What one input contributes to a result's uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,31 +61,59 @@ impl Linear {
     }
 }
 
-/// ∂(end)/∂ΔCD of both ends of what one error can do alone.
+/// How both ends of what one error can do alone follow from its ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EndWeights {
-    /// Of the lower end.
-    pub lower: f64,
-    /// Of the upper end.
-    pub upper: f64,
-    /// What uncertain sizes of the pair add to the standard uncertainty of the lower end, at most, mm.
-    pub lower_of_pair_mm: f64,
-    /// Of the upper end.
-    pub upper_of_pair_mm: f64,
+    /// ∂(end)/∂ΔCD.
+    pub slope: Range,
+    /// What uncertain sizes of the pair add to the standard uncertainty, at most, mm.
+    pub of_pair_mm: Range,
 }
 
-impl EndWeights {
-    /// Both ends of a result with their uncertainty, where that of ΔCD is known.
+/// The uncertainty of one result.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spread {
+    /// Standard uncertainty u, mm.
+    pub standard_mm: f64,
+    /// Coverage factor k.
+    pub coverage_factor: f64,
+    /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
+    pub gauge_mm2: f64,
+    /// Whether an error is so near to zero that the result is not linear.
+    pub folded: bool,
+}
+
+/// The uncertainties of a part's results.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spreads {
+    /// Of each error's ΔCD, in the order of the errors.
+    pub errors: [Spread; KINDS],
+    /// How both ends of what each error can do alone follow from its ΔCD.
+    pub weights: [EndWeights; KINDS],
+    /// Of the lower end of the combination that is judged.
+    pub lower: Spread,
+    /// Of its upper end.
+    pub upper: Spread,
+    /// The correlation of both ends.
+    pub end_correlation: f64,
+}
+
+impl Spreads {
+    /// A result with its uncertainty: of the error with this index alone, or of the combination.
     #[must_use]
-    pub fn ends(&self, result: Interval, standard_mm: f64) -> Ends {
-        let both = self.lower * self.upper;
-        Ends {
-            lower_mm: result.lower.mm(),
-            upper_mm: result.upper.mm(),
-            lower_standard_mm: self.lower.abs() * standard_mm + self.lower_of_pair_mm,
-            upper_standard_mm: self.upper.abs() * standard_mm + self.upper_of_pair_mm,
-            correlation: if both == 0.0 { 0.0 } else { both.signum() },
-        }
+    pub fn ends(&self, error: Option<usize>, result: Interval) -> Ends {
+        let (lower_standard_mm, upper_standard_mm, correlation) = match error {
+            Some(index) => {
+                let (EndWeights { slope, of_pair_mm }, of_error) =
+                    (self.weights[index], self.errors[index].standard_mm);
+                let standard = slope.with(of_pair_mm, |slope, of_pair| slope.abs() * of_error + of_pair);
+                let both = slope.lower * slope.upper;
+                (standard.lower, standard.upper, if both == 0.0 { 0.0 } else { both.signum() })
+            }
+            None => (self.lower.standard_mm, self.upper.standard_mm, self.end_correlation),
+        };
+        let (lower_mm, upper_mm) = (result.lower.mm(), result.upper.mm());
+        Ends { lower_mm, upper_mm, lower_standard_mm, upper_standard_mm, correlation }
     }
 }
 
@@ -91,36 +122,25 @@ impl EndWeights {
 pub struct Propagation {
     /// Of each error's ΔCD, in the order of the errors.
     pub errors: Vec<(DeviationKind, Linear)>,
-    /// How both ends of what each error can do alone follow from its ΔCD.
-    pub weights: Vec<EndWeights>,
     /// Of the lower end of the combination that is judged.
     pub lower: Linear,
     /// Of its upper end: with the range, the sum of all.
     pub upper: Linear,
     /// The combination.
     pub stack: Stack,
-    /// The correlation of both ends.
-    pub end_correlation: f64,
+    /// The uncertainties alone.
+    pub spreads: Spreads,
 }
 
 impl Propagation {
     /// The result that a limit on `target` is held against, with its uncertainty.
     #[must_use]
     pub fn ends(&self, target: LimitTarget, result: Interval) -> Option<Ends> {
-        let (lower_mm, upper_mm) = (result.lower.mm(), result.upper.mm());
-        match target {
-            LimitTarget::CenterDistance => Some(Ends {
-                lower_mm,
-                upper_mm,
-                lower_standard_mm: self.lower.standard_mm,
-                upper_standard_mm: self.upper.standard_mm,
-                correlation: self.end_correlation,
-            }),
-            LimitTarget::Error(kind) => {
-                let index = self.errors.iter().position(|(other, _)| *other == kind)?;
-                Some(self.weights[index].ends(result, self.errors[index].1.standard_mm))
-            }
-        }
+        let error = match target {
+            LimitTarget::CenterDistance => None,
+            LimitTarget::Error(kind) => Some(self.errors.iter().position(|(other, _)| *other == kind)?),
+        };
+        Some(self.spreads.ends(error, result))
     }
 
     /// Errors whose ΔCD is so near to zero that nothing linear describes it.

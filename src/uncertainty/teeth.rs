@@ -2,6 +2,7 @@
 //! of the exact mesh.
 
 use super::Source;
+use crate::judge::bound::Range;
 use crate::judge::strokes::{Extremes, extremes};
 use crate::mesh::{Mesh, MeshError};
 
@@ -11,10 +12,8 @@ use crate::mesh::{Mesh, MeshError};
 pub struct TeethSensitivity {
     /// x
     pub source: Source,
-    /// Of the lowest ΔCD.
-    pub lower: f64,
-    /// Of the highest ΔCD.
-    pub upper: f64,
+    /// Of the lowest and of the highest ΔCD.
+    pub slope: Range,
 }
 
 /// A mesh in which one value is off.
@@ -44,26 +43,22 @@ pub fn teeth_sensitivities(
 ) -> Result<Vec<TeethSensitivity>, MeshError> {
     let around = AROUND * mesh.pair().rack().pitch_mm;
     let windows = [at.lower, at.upper].map(|extreme| extreme.stroke_mm - around..extreme.stroke_mm + around);
-    let ends = |mesh: &Mesh| -> Result<[f64; 2], MeshError> {
+    let ends = |mesh: &Mesh| -> Result<Range, MeshError> {
         let [lower, upper] = &windows;
-        let lowest = extremes(mesh, std::slice::from_ref(lower), tolerance_mm)?.lower;
-        let highest = extremes(mesh, std::slice::from_ref(upper), tolerance_mm)?.upper;
-        Ok([lowest.delta_cd_mm, highest.delta_cd_mm])
+        let lower = extremes(mesh, std::slice::from_ref(lower), tolerance_mm)?.lower.delta_cd_mm;
+        let upper = extremes(mesh, std::slice::from_ref(upper), tolerance_mm)?.upper.delta_cd_mm;
+        Ok(Range { lower, upper })
     };
     let centre = ends(mesh)?;
     let mut found: Vec<TeethSensitivity> = Vec::new();
     for VariedTeeth { source, by, mesh } in varied {
-        let off = ends(mesh)?;
-        let [lower, upper] = [0, 1].map(|end| {
-            let difference = off[end] - centre[end];
+        let slope = ends(mesh)?.with(centre, |off, centre| {
+            let difference = off - centre;
             if difference.abs() > 2.0 * tolerance_mm { difference / by } else { 0.0 }
         });
         match found.iter_mut().find(|known| known.source == *source) {
-            Some(known) => {
-                known.lower = (known.lower * known.lower + lower * lower).sqrt();
-                known.upper = (known.upper * known.upper + upper * upper).sqrt();
-            }
-            None => found.push(TeethSensitivity { source: *source, lower, upper }),
+            Some(known) => known.slope = known.slope.with(slope, |a, b| (a * a + b * b).sqrt()),
+            None => found.push(TeethSensitivity { source: *source, slope }),
         }
     }
     Ok(found)

@@ -185,7 +185,7 @@ fn the_ends_at_no_error() {
     let result = propagate(&part(&errors[1..2]), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
     let expected = 0.001 * 1.343_719_222_954_923;
     assert!((result.upper.standard_mm - expected).abs() < 1e-12 && (result.lower.standard_mm - expected).abs() < 1e-12);
-    assert!((result.end_correlation + 1.0).abs() < 1e-9);
+    assert!((result.spreads.end_correlation + 1.0).abs() < 1e-9);
 }
 
 /// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom
@@ -252,7 +252,7 @@ fn contributions_add_up_in_squares() {
     let variance = |standard: f64| standard * standard;
     assert!((result.lower.standard_mm - result.upper.standard_mm).abs() < 1e-9);
     let expected = 2.0 * variance(0.0008) / variance(result.upper.standard_mm) - 1.0;
-    assert!((result.end_correlation - expected).abs() < 1e-6);
+    assert!((result.spreads.end_correlation - expected).abs() < 1e-6);
     // the pitch error alone: cos 12° / (2 tan 20°) of its own, and its share of the pressure angle's
     let (_, pitch) = &result.errors[1];
     let gain = 0.978_147_600_733_805_6 / (2.0 * 0.363_970_234_266_202_4);
@@ -332,7 +332,7 @@ fn what_does_not_reach_a_result_leaves_it_certain() {
         (Source::Error(DeviationKind::PinionRadial), Uncertainty::standard(0.0)),
     ];
     let found = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
-    assert_eq!((found.lower.standard_mm, found.upper.standard_mm, found.end_correlation), (0.0, 0.0, 0.0));
+    assert_eq!((found.lower.standard_mm, found.upper.standard_mm, found.spreads.end_correlation), (0.0, 0.0, 0.0));
     assert_eq!(found.lower.folded, []);
     // the error itself has a derivative, but no share of nothing
     let [only] = &found.upper.contributions[..] else { panic!("{:?}", found.upper.contributions) };

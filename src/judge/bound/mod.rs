@@ -40,6 +40,13 @@ pub struct Range {
     pub upper: f64,
 }
 
+impl Range {
+    /// A rule applied to each end, with the same end of another range.
+    pub(crate) fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Self { lower: of(self.lower, other.lower), upper: of(self.upper, other.upper) }
+    }
+}
+
 /// What one error can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorRange {
