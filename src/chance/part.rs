@@ -8,8 +8,7 @@ use crate::formula::{Law, Model, PartDeviation};
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::{Limit, LimitTarget, Limits, Stack};
 use crate::quantity::{DomainError, Length};
-use crate::trig;
-use crate::uncertainty::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, own_delta_cd_mm, range_alone};
+use crate::uncertainty::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, range_alone};
 use crate::uncertainty::{Distribution, Part, Source, TeethSensitivity, Uncertainties, UncertaintyError};
 
 /// The simulated distributions of a part.
@@ -80,20 +79,6 @@ pub fn simulate_part(
     Ok(PartSimulation { outcome, kinds })
 }
 
-/// The inputs of an over-roller nominal, mm.
-#[derive(Debug, Clone, Copy)]
-struct Nominal {
-    /// Degrees.
-    alpha: f64,
-    module: f64,
-    /// s_n, or `None` for π m_n / 2.
-    thickness: Option<f64>,
-    pin: f64,
-    datum: f64,
-    /// The nominal measure.
-    measure: f64,
-}
-
 /// An error's best estimate, mm or degrees.
 #[derive(Debug, Clone, Copy)]
 struct PartValue {
@@ -106,7 +91,8 @@ struct PartValue {
 struct PartModel {
     errors: Vec<PartValue>,
     gear: Gear,
-    nominal: Option<Nominal>,
+    /// The nominal measure over the roller, if it is computed, mm.
+    nominal_mm: Option<f64>,
     model: Model,
     stack: Stack,
     basis: Basis,
@@ -120,31 +106,6 @@ struct PartModel {
     columns: Vec<Source>,
 }
 
-fn radians(degrees: f64) -> f64 {
-    degrees * (std::f64::consts::PI / 180.0)
-}
-
-impl Nominal {
-    fn new(over_pin: &OverPin) -> Result<Self, DomainError> {
-        Ok(Self {
-            alpha: over_pin.normal_pressure_angle.degrees(),
-            module: over_pin.normal_module.mm(),
-            thickness: over_pin.tooth_thickness.map(Length::mm),
-            pin: over_pin.pin_diameter.mm(),
-            datum: over_pin.datum.mm(),
-            measure: over_pin.measure()?.mm(),
-        })
-    }
-
-    /// M = K − (π m_n − s_n)/(2 tan α_n) + (d_p/2)(1 + 1/sin α_n)
-    fn measure(&self) -> f64 {
-        let (sin, cos) = trig::sin_cos(radians(self.alpha));
-        let pitch = std::f64::consts::PI * self.module;
-        let space = pitch - self.thickness.unwrap_or(0.5 * pitch);
-        self.datum - 0.5 * space * cos / sin + 0.5 * self.pin * (1.0 + 1.0 / sin)
-    }
-}
-
 impl PartModel {
     fn new(part: &Part<'_>, uncertainties: &Uncertainties, limited: Vec<usize>) -> Result<Self, DomainError> {
         let value = |error: &PartDeviation| PartValue {
@@ -156,7 +117,7 @@ impl PartModel {
         Ok(Self {
             errors,
             gear: Gear::new(part.errors, part.over_pin, part.basis),
-            nominal: part.over_pin.map(Nominal::new).transpose()?,
+            nominal_mm: part.over_pin.map(OverPin::measure).transpose()?.map(Length::mm),
             model: part.model,
             stack: part.stack,
             basis: part.basis.clone(),
@@ -183,19 +144,11 @@ impl PartModel {
     }
 
     fn best_estimate(&self, source: Source) -> f64 {
-        let nominal = |value: &dyn Fn(&Nominal) -> f64| self.nominal.as_ref().map_or(0.0, value);
         match source {
             Source::Error(kind) => {
                 self.errors.iter().find(|error| error.law.kind() == kind).map_or(0.0, |error| error.value)
             }
-            Source::NormalPressureAngle => self.gear.alpha,
-            Source::RackHelixAngle => self.gear.rack_helix,
-            Source::PinionHelixAngle => self.gear.pinion_helix,
-            Source::FaceWidth => self.gear.face_width,
-            Source::NormalModule => nominal(&|nominal| nominal.module),
-            Source::ToothThickness => nominal(&|nominal| nominal.thickness.unwrap_or(0.0)),
-            Source::Datum => nominal(&|nominal| nominal.datum),
-            Source::Roller => nominal(&|nominal| nominal.pin),
+            of_gear => { self.gear }.of_source(of_gear).map_or(0.0, |value| *value),
         }
     }
 
@@ -217,33 +170,6 @@ impl PartModel {
         }
         gear
     }
-
-    /// What the over-roller nominal of one draw follows from.
-    fn drawn_nominal(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> Nominal {
-        let mut drawn = *nominal;
-        for (source, column) in self.columns.iter().zip(inputs) {
-            match source {
-                Source::NormalPressureAngle => drawn.alpha = column[draw],
-                Source::NormalModule => drawn.module = column[draw],
-                Source::ToothThickness if drawn.thickness.is_some() => drawn.thickness = Some(column[draw]),
-                Source::Datum => drawn.datum = column[draw],
-                Source::Roller => drawn.pin = column[draw],
-                _ => {}
-            }
-        }
-        drawn
-    }
-
-    /// How far the over-roller nominal of one draw is off.
-    fn nominal_shift(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> f64 {
-        self.drawn_nominal(nominal, inputs, draw).measure() - nominal.measure
-    }
-
-    /// How far one draw moves a pair of unknown geometry by its thickness.
-    fn own_shift(&self, nominal: &Nominal, inputs: &[Vec<f64>], draw: usize) -> f64 {
-        let at = |of: &Nominal| of.thickness.map_or(0.0, |s| own_delta_cd_mm(s, of.module, of.alpha));
-        at(&self.drawn_nominal(nominal, inputs, draw)) - at(nominal)
-    }
 }
 
 impl Simulated for PartModel {
@@ -252,13 +178,12 @@ impl Simulated for PartModel {
     }
 
     fn evaluate(&self, inputs: &[Vec<f64>], outputs: &mut [Vec<f64>]) {
-        const GEAR: [Source; 4] =
-            [Source::NormalPressureAngle, Source::RackHelixAngle, Source::PinionHelixAngle, Source::FaceWidth];
         const NOMINAL: [Source; 5] =
             [Source::NormalPressureAngle, Source::NormalModule, Source::ToothThickness, Source::Datum, Source::Roller];
-        let gear_varies = self.varies(&GEAR);
-        let nominal = self.nominal.as_ref().filter(|_| self.varies(&NOMINAL));
+        let laws_vary = self.varies(&OF_LAWS);
+        let nominal = self.nominal_mm.filter(|_| self.varies(&NOMINAL));
         let own = nominal.filter(|_| !matches!(self.basis.geometry, GivenGeometry::Known(_)));
+        let own = own.map(|_| self.gear.own_delta_cd_mm());
         let (errors, ends) = outputs.split_at_mut(self.errors.len());
         for (PartValue { law, value, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
             match self.column(Source::Error(law.kind()), inputs) {
@@ -267,17 +192,17 @@ impl Simulated for PartModel {
             }
             if let Some(nominal) = nominal.filter(|_| law.kind() == DeviationKind::RackOverRoller) {
                 for (draw, x) in out.iter_mut().enumerate() {
-                    *x -= self.nominal_shift(nominal, inputs, draw);
+                    *x -= self.gear_at(inputs, draw).measure() - nominal;
                 }
             }
         }
         // the outputs still hold the errors' values
         for draw in 0..ends[0].len() {
-            let gear = if gear_varies { self.gear_at(inputs, draw) } else { self.gear };
-            let drawn = self.drawn(errors, draw, gear_varies.then_some(&gear));
+            let gear = if laws_vary || own.is_some() { self.gear_at(inputs, draw) } else { self.gear };
+            let drawn = self.drawn(errors, draw, laws_vary.then_some(&gear));
             let both = self.in_drawn_pair(inputs, draw, |basis| self.ends_of(&drawn, basis));
             let teeth = self.teeth_at(inputs, draw);
-            let own = own.map_or(0.0, |nominal| self.own_shift(nominal, inputs, draw));
+            let own = own.map_or(0.0, |own| gear.own_delta_cd_mm() - own);
             (ends[0][draw], ends[1][draw]) = (both.lower + teeth.lower + own, both.upper + teeth.upper + own);
             for (&index, alone) in self.limited.iter().zip(ends[2..].chunks_exact_mut(2)) {
                 let of = |basis: &Basis| drawn[index].map_or(NO_RANGE, |error| range_alone(&error, basis));
@@ -285,7 +210,7 @@ impl Simulated for PartModel {
                 (alone[0][draw], alone[1][draw]) = (both.lower, both.upper);
             }
             for (PartValue { law, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
-                let law = if gear_varies { gear.law(*law) } else { *law };
+                let law = if laws_vary { gear.law(*law) } else { *law };
                 out[draw] = law.delta_cd_mm(out[draw], self.model);
             }
         }

@@ -20,7 +20,16 @@ pub(crate) struct Gear {
     pub(crate) rack_helix: f64,
     pub(crate) pinion_helix: f64,
     pub(crate) face_width: f64,
+    /// What the nominal of an over-roller measure is computed from: m_n, s_n if it is not π m_n / 2, d_p and K.
+    pub(crate) module: f64,
+    pub(crate) thickness: Option<f64>,
+    pub(crate) pin: f64,
+    pub(crate) datum: f64,
 }
+
+/// The sources that laws follow from.
+pub(crate) const OF_LAWS: [Source; 4] =
+    [Source::NormalPressureAngle, Source::RackHelixAngle, Source::PinionHelixAngle, Source::FaceWidth];
 
 impl Gear {
     /// That the errors' laws were made for, and the pair if it is known.
@@ -34,6 +43,7 @@ impl Gear {
                 rack_helix: pair.rack().helix_angle_rad / RADIANS_PER_DEGREE,
                 pinion_helix: pair.pinion().helix_angle_rad / RADIANS_PER_DEGREE,
                 face_width: pair.rack().face_width_mm,
+                ..gear
             };
         }
         for error in errors {
@@ -45,6 +55,9 @@ impl Gear {
         }
         if let Some(over_pin) = over_pin {
             gear.alpha = over_pin.normal_pressure_angle.degrees();
+            gear.module = over_pin.normal_module.mm();
+            gear.thickness = over_pin.tooth_thickness.map(Length::mm);
+            (gear.pin, gear.datum) = (over_pin.pin_diameter.mm(), over_pin.datum.mm());
         }
         gear
     }
@@ -64,8 +77,25 @@ impl Gear {
             Source::RackHelixAngle => Some(&mut self.rack_helix),
             Source::PinionHelixAngle => Some(&mut self.pinion_helix),
             Source::FaceWidth => Some(&mut self.face_width),
-            _ => None,
+            Source::NormalModule => Some(&mut self.module),
+            Source::ToothThickness => self.thickness.as_mut(),
+            Source::Roller => Some(&mut self.pin),
+            Source::Datum => Some(&mut self.datum),
+            Source::Error(_) => None,
         }
+    }
+
+    /// The nominal measure over the roller, M = K − (π m_n − s_n)/(2 tan α_n) + (d_p/2)(1 + 1/sin α_n).
+    pub(crate) fn measure(&self) -> f64 {
+        let (sin, cos) = trig::sin_cos(self.alpha * RADIANS_PER_DEGREE);
+        let pitch = std::f64::consts::PI * self.module;
+        let space = pitch - self.thickness.unwrap_or(0.5 * pitch);
+        self.datum - 0.5 * space * cos / sin + 0.5 * self.pin * (1.0 + 1.0 / sin)
+    }
+
+    /// ΔCD, mm, at which a pair of unknown geometry stays with rack teeth of this thickness, if it is given.
+    pub(crate) fn own_delta_cd_mm(&self) -> f64 {
+        self.thickness.map_or(0.0, |thickness| own_delta_cd_mm(thickness, self.module, self.alpha))
     }
 
     /// The law for this gear.
@@ -166,7 +196,7 @@ fn resized(source: Source) -> Option<fn(&mut PairData, f64)> {
 
 /// ΔCD, mm, at which a pair of unknown geometry stays whose rack teeth have a given thickness, (s_n − π m_n / 2) / (2 tan α_n);
 /// the angle in degrees.
-pub(crate) fn own_delta_cd_mm(thickness_mm: f64, module_mm: f64, alpha: f64) -> f64 {
+fn own_delta_cd_mm(thickness_mm: f64, module_mm: f64, alpha: f64) -> f64 {
     0.5 * (thickness_mm - FRAC_PI_2 * module_mm) / trig::tan(alpha * RADIANS_PER_DEGREE)
 }
 

@@ -14,7 +14,7 @@
 //! have: a size on some teeth raises the upper end where it lifts, and not where it sinks.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
-use super::gear::{Gear, NO_RANGE, VariedError, VariedPair, ends, own_slope, range_alone};
+use super::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, own_slope, range_alone};
 use super::result::KINDS;
 use super::{
     EndWeights, FOLD, InputContribution, Linear, Propagation, Source, Spread, Spreads, TeethSensitivity, Uncertainties,
@@ -320,7 +320,7 @@ impl Propagator {
         let mut gear = self.gear;
         let shifted = off.and_then(|(input, step)| {
             let (source, _) = self.uncertainties.inputs()[input];
-            gear.of_source(source).map(|value| *value += step)
+            gear.of_source(source).filter(|_| OF_LAWS.contains(&source)).map(|value| *value += step)
         });
         let mut errors = [ExtendedError::NONE; KINDS];
         for ((error, of), value) in errors.iter_mut().zip(&self.derivatives).zip(values) {
