@@ -6,6 +6,7 @@ use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{Model, PartDeviation, domain};
 use crate::gear::Pair;
+use crate::judge::Stack;
 use crate::judge::class::{self, DiameterSource, Meshing, RackDiameter};
 use crate::judge::class_mesh::{ArrangedDeviation, arrangement};
 use crate::judge::grade::{self, GradeSearch, ObtainedGrade, ToleranceError};
@@ -365,7 +366,7 @@ impl Args {
         let title = spec.and_then(|spec| spec.title.clone());
         let report = GradeSearchReport { title, standard, terms: terms.collect(), left_out, search };
         output.report(&report, self.format)?;
-        Ok(if report.search.by_rss().is_some() { Status::Pass } else { Status::Fail })
+        Ok(if report.search.coarsest(Stack::Rss).is_some() { Status::Pass } else { Status::Fail })
     }
 }
 

@@ -161,6 +161,27 @@ pub struct Meshing {
 }
 
 impl Meshing {
+    /// The law of a kind of error.
+    fn law(&self, kind: DeviationKind) -> Result<Law, NoEffect> {
+        let helix_angle = self.helix_angle.unwrap_or(Angle::ZERO);
+        let pressure_angle = || self.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
+        Ok(match kind {
+            DeviationKind::RackOverRoller => Law::rack_over_roller(),
+            DeviationKind::PinionRadial => Law::pinion_radial(),
+            DeviationKind::RackPitch => Law::rack_pitch(pressure_angle()?, helix_angle)?,
+            DeviationKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, helix_angle)?,
+            DeviationKind::RackLead => {
+                let face_width = self.face_width()?;
+                Law::rack_lead(pressure_angle()?, helix_angle, face_width)?
+            }
+            DeviationKind::PinionLead => Law::pinion_lead(pressure_angle()?, helix_angle)?,
+        })
+    }
+
+    fn face_width(&self) -> Result<Length, NoEffect> {
+        self.face_width.ok_or(NoEffect::Missing("face width b"))
+    }
+
     /// Of a part of which nothing else is known.
     #[must_use]
     pub const fn of(part: Part) -> Self {
@@ -228,23 +249,20 @@ pub enum NoEffect {
 /// # Errors
 /// [`NoEffect`] if there is no formula, or something that it needs is missing or outside its domain.
 pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: Model) -> Result<Length, NoEffect> {
-    let helix_angle = meshing.helix_angle.unwrap_or(Angle::ZERO);
-    let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
     match deviation {
         Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Ok(amount),
-        Deviation::SinglePitch => Ok(Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?),
+        Deviation::SinglePitch => Ok(meshing.law(DeviationKind::RackPitch)?.delta_cd(amount, model)?),
         // either flank side deviates by itself
         Deviation::SectorPitch | Deviation::TotalPitch => {
-            let of_one_side = Law::rack_pitch(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?;
+            let of_one_side = meshing.law(DeviationKind::RackPitch)?.delta_cd(amount, model)?;
             Ok(of_one_side + of_one_side)
         }
         Deviation::HelixSlope | Deviation::TotalHelix if meshing.part == Part::Pinion => {
-            Ok(Law::pinion_lead(pressure_angle()?, helix_angle)?.delta_cd(amount, model)?)
+            Ok(meshing.law(DeviationKind::PinionLead)?.delta_cd(amount, model)?)
         }
         Deviation::HelixSlope | Deviation::TotalHelix => {
-            let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
-            let law = Law::rack_lead(pressure_angle()?, helix_angle, face_width)?;
-            Ok(law.delta_cd(lead_slope(amount, face_width)?, model)?)
+            let face_width = meshing.face_width()?;
+            Ok(meshing.law(DeviationKind::RackLead)?.delta_cd(lead_slope(amount, face_width)?, model)?)
         }
         Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => {
             Err(NoEffect::NoFormula)
@@ -263,20 +281,8 @@ pub fn tolerance(
     total: Option<&Permissible>,
     meshing: &Meshing,
 ) -> Result<PartDeviation, NoEffect> {
-    let helix_angle = meshing.helix_angle.unwrap_or(Angle::ZERO);
-    let pressure_angle = || meshing.pressure_angle.ok_or(NoEffect::Missing("normal pressure angle α_n"));
-    let law = match kind {
-        DeviationKind::RackOverRoller => Law::rack_over_roller(),
-        DeviationKind::PinionRadial => Law::pinion_radial(),
-        DeviationKind::RackPitch => Law::rack_pitch(pressure_angle()?, helix_angle)?,
-        DeviationKind::PinionPitch => Law::pinion_pitch(pressure_angle()?, helix_angle)?,
-        DeviationKind::RackLead => {
-            let face_width = meshing.face_width.ok_or(NoEffect::Missing("face width b"))?;
-            Law::rack_lead(pressure_angle()?, helix_angle, face_width)?
-        }
-        DeviationKind::PinionLead => Law::pinion_lead(pressure_angle()?, helix_angle)?,
-    };
-    Ok(within_total(PartDeviation::within(law, error_value(kind, permissible, meshing.face_width)?), total))
+    let value = error_value(kind, permissible, meshing.face_width);
+    Ok(within_total(PartDeviation::within(meshing.law(kind)?, value?), total))
 }
 
 /// The error that a permissible deviation stands for.

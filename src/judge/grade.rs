@@ -136,19 +136,9 @@ impl GradeSearch {
         Ok(Self { limit, steps })
     }
 
-    /// The coarsest grade whose worst case does not exceed the limit.
+    /// The coarsest grade whose combination does not exceed the limit.
     #[must_use]
-    pub fn by_worst_case(&self) -> Option<u8> {
-        self.coarsest(Stack::Range)
-    }
-
-    /// The coarsest grade whose RSS does not exceed the limit.
-    #[must_use]
-    pub fn by_rss(&self) -> Option<u8> {
-        self.coarsest(Stack::Rss)
-    }
-
-    fn coarsest(&self, stack: Stack) -> Option<u8> {
+    pub fn coarsest(&self, stack: Stack) -> Option<u8> {
         let limit = Limit::symmetric(self.limit);
         let is_within = |combined: &Combined<Interval>| {
             combined.interval(stack).is_ok_and(|interval| limit.judge(interval) == Verdict::Pass)
@@ -230,8 +220,8 @@ mod tests {
             .unwrap()
         };
         // two terms of 10 µm at class 5: together 20 µm, or 14.1 µm by RSS
-        assert_eq!((search("20 um").by_worst_case(), search("20 um").by_rss()), (Some(5), Some(6)));
-        assert_eq!(search("19.999 um").by_worst_case(), Some(4));
-        assert_eq!((search("1 um").by_worst_case(), search("1 um").by_rss()), (None, None));
+        assert_eq!((search("20 um").coarsest(Stack::Range), search("20 um").coarsest(Stack::Rss)), (Some(5), Some(6)));
+        assert_eq!(search("19.999 um").coarsest(Stack::Range), Some(4));
+        assert_eq!((search("1 um").coarsest(Stack::Range), search("1 um").coarsest(Stack::Rss)), (None, None));
     }
 }

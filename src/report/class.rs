@@ -380,8 +380,8 @@ impl Report for GradeSearchReport {
             "title": self.title,
             "standard": self.standard.id(),
             "delta_cd_mm": self.search.limit.mm(),
-            "grade_worst_case": self.search.by_worst_case(),
-            "grade_rss": self.search.by_rss(),
+            "grade_worst_case": self.search.coarsest(Stack::Range),
+            "grade_rss": self.search.coarsest(Stack::Rss),
             "grades": grades,
             "terms": self.terms,
             "left_out": self.left_out,
@@ -431,8 +431,8 @@ impl Report for GradeSearchReport {
         blocks.push(Block::Note(format!(
             "The coarsest grade within {} mm: {} by worst case, {} by RSS",
             plain(limit.mm()),
-            grade(self.search.by_worst_case()),
-            grade(self.search.by_rss())
+            grade(self.search.coarsest(Stack::Range)),
+            grade(self.search.coarsest(Stack::Rss))
         )));
         blocks.extend(self.terms.iter().map(|term| Block::Note(format!("combined: {term}"))));
         blocks.extend(self.left_out.iter().map(|reason| Block::Note(format!("left out: {reason}"))));
