@@ -117,7 +117,7 @@ impl Results {
                 (ends.lower_standard_mm, ends.upper_standard_mm)
             });
             let simulated = uncertainty.and_then(|known| known.inside(index));
-            verdicts[index] = Some(verdict(&plan.request.rule, limit, result, standard, simulated)?.verdict);
+            verdicts[index] = Some(verdict(&plan.request.rule, limit, result, standard, simulated)?.0);
         }
         let judged = verdicts[..plan.limits.len()].iter().copied();
         Ok(overall(judged.chain(plan.unjudged.iter().map(|_| None))))

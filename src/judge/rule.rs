@@ -164,9 +164,9 @@ impl Conformance {
 /// How a rule decided about one limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {
-    /// The guard bands at the lower and the upper limit, mm; `None` where the rule has none, or a simulated
-    /// probability decided.
-    pub guard_mm: Option<(f64, f64)>,
+    /// The guard bands at the lower and the upper limit; `None` where the rule has none, or a simulated probability
+    /// decided.
+    pub guard: Option<(Length, Length)>,
     /// The probability of conformance, where uncertainties are given.
     pub conformance: Option<Conformance>,
     /// The verdict.
@@ -192,18 +192,12 @@ pub fn decide(
         (None, None) => None,
     };
     let standard_mm = ends.map_or((0.0, 0.0), |ends| (ends.lower_standard_mm, ends.upper_standard_mm));
-    let Judgement { verdict, guard } = verdict(rule, limit, result, standard_mm, simulated)?;
-    Ok(Decision { guard_mm: guard.map(|(lower, upper)| (lower.mm(), upper.mm())), conformance, verdict })
-}
-
-/// A verdict, and the guard bands at the lower and the upper limit that led to it.
-pub(crate) struct Judgement {
-    pub(crate) verdict: Verdict,
-    pub(crate) guard: Option<(Length, Length)>,
+    let (verdict, guard) = verdict(rule, limit, result, standard_mm, simulated)?;
+    Ok(Decision { guard, conformance, verdict })
 }
 
 /// The verdict on a result, from its lower to its upper end, with the standard uncertainties of both, or its simulated
-/// probability of conformance.
+/// probability of conformance; and the guard bands at the lower and the upper limit that led to it, if the rule has any.
 ///
 /// # Errors
 /// [`QuantityError`] if a guard band is beyond the largest length.
@@ -213,35 +207,21 @@ pub(crate) fn verdict(
     result: Interval,
     standard_mm: (f64, f64),
     simulated: Option<f64>,
-) -> Result<Judgement, QuantityError> {
-    if let (Rule::Iso14253, Some(probability)) = (rule, simulated) {
-        let verdict = if probability >= ISO_14253_PROBABILITY {
-            Verdict::Pass
-        } else if probability <= 1.0 - ISO_14253_PROBABILITY {
-            Verdict::Fail
-        } else {
-            Verdict::Indeterminate
-        };
-        return Ok(Judgement { verdict, guard: None });
-    }
-    let guard = rule.guard_bands(standard_mm)?;
-    Ok(Judgement { verdict: judge(limit, result, guard), guard })
-}
-
-impl Rule {
-    /// The guard bands at the lower and the upper limit for results of these standard uncertainties; `None` where the
-    /// rule has none.
-    ///
-    /// # Errors
-    /// [`QuantityError`] if a guard band is beyond the largest length.
-    fn guard_bands(&self, standard_mm: (f64, f64)) -> Result<Option<(Length, Length)>, QuantityError> {
-        let band = |standard_mm: f64| Length::nearest(ISO_14253_FACTOR * standard_mm * 1e12, "the guard band");
-        Ok(match self {
-            Self::Simple => None,
-            Self::Iso14253 => Some((band(standard_mm.0)?, band(standard_mm.1)?)),
-            Self::Guard(guard) => Some((*guard, *guard)),
-        })
-    }
+) -> Result<(Verdict, Option<(Length, Length)>), QuantityError> {
+    let band = |standard_mm: f64| Length::nearest(ISO_14253_FACTOR * standard_mm * 1e12, "the guard band");
+    let guard = match (rule, simulated) {
+        (Rule::Iso14253, Some(probability)) if probability >= ISO_14253_PROBABILITY => {
+            return Ok((Verdict::Pass, None));
+        }
+        (Rule::Iso14253, Some(probability)) if probability <= 1.0 - ISO_14253_PROBABILITY => {
+            return Ok((Verdict::Fail, None));
+        }
+        (Rule::Iso14253, Some(_)) => return Ok((Verdict::Indeterminate, None)),
+        (Rule::Iso14253, None) => Some((band(standard_mm.0)?, band(standard_mm.1)?)),
+        (Rule::Simple, _) => None,
+        (Rule::Guard(guard), _) => Some((*guard, *guard)),
+    };
+    Ok((judge(limit, result, guard), guard))
 }
 
 /// Holds a result, from its lower to its upper end, against a limit with guard bands: inside the limit moved inwards it

@@ -367,8 +367,8 @@ impl From<&Decision> for DecisionFact {
     fn from(decision: &Decision) -> Self {
         let conformance = decision.conformance;
         Self {
-            guard_lower_mm: decision.guard_mm.map(|(lower, _)| lower),
-            guard_upper_mm: decision.guard_mm.map(|(_, upper)| upper),
+            guard_lower_mm: decision.guard.map(|(lower, _)| lower.mm()),
+            guard_upper_mm: decision.guard.map(|(_, upper)| upper.mm()),
             conformance_probability: conformance.map(|c| c.probability),
             consumer_risk_if_accepted: conformance.map(|c| c.consumer_risk()),
             producer_risk_if_rejected: conformance.map(|c| c.producer_risk()),
@@ -386,7 +386,7 @@ fn rule_name(rule: &Rule) -> String {
 }
 
 fn guard_text(decision: &Decision) -> String {
-    match decision.guard_mm {
+    match decision.guard.map(|(lower, upper)| (lower.mm(), upper.mm())) {
         None => "-".to_owned(),
         Some((lower, upper)) if lower == upper => micrometres(upper),
         Some((lower, upper)) => format!("{} / {}", micrometres(lower), micrometres(upper)),
@@ -414,10 +414,10 @@ fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> 
         ));
     }
     let no_room = decided.iter().any(|(check, decision)| {
-        let (Some(lower), Some(upper), Some(guard)) = (check.limit.lower, check.limit.upper, decision.guard_mm) else {
+        let (Some(lower), Some(upper), Some(guard)) = (check.limit.lower, check.limit.upper, decision.guard) else {
             return false;
         };
-        guard.0 + guard.1 > (upper - lower).mm()
+        guard.0.mm() + guard.1.mm() > (upper - lower).mm()
     });
     if no_room {
         notes.push("the guard bands leave no room between the limits: nothing can pass".to_owned());
