@@ -79,7 +79,7 @@ pub fn short_term(
     lower_mm: Option<f64>,
     upper_mm: Option<f64>,
 ) -> Indices {
-    let ranges = count(usize::try_from(parts).unwrap_or(usize::MAX)) - 1.0;
+    let ranges = parts as f64 - 1.0;
     let dof = if ranges >= 1.0 { moving_range_dof(ranges) } else { 1.0 };
     indices(parts, mean_mm, moving_range_mm / D2_SQUARED.sqrt(), dof, (lower_mm, upper_mm))
 }
@@ -95,8 +95,7 @@ pub fn performance(
     lower_mm: Option<f64>,
     upper_mm: Option<f64>,
 ) -> Indices {
-    let dof = count(usize::try_from(parts).unwrap_or(usize::MAX)) - 1.0;
-    indices(parts, mean_mm, deviation_mm, dof, (lower_mm, upper_mm))
+    indices(parts, mean_mm, deviation_mm, parts as f64 - 1.0, (lower_mm, upper_mm))
 }
 
 fn indices(
@@ -106,7 +105,6 @@ fn indices(
     dof: f64,
     (lower_mm, upper_mm): (Option<f64>, Option<f64>),
 ) -> Indices {
-    let n = count(usize::try_from(parts).unwrap_or(usize::MAX));
     let margin = lower_mm
         .map_or(f64::INFINITY, |lower| mean_mm - lower)
         .min(upper_mm.map_or(f64::INFINITY, |upper| upper - mean_mm));
@@ -117,11 +115,7 @@ fn indices(
     }
     let width = lower_mm.zip(upper_mm).map(|(lower, upper)| upper - lower);
     let spread = width.map(|width| spread_index(width, deviation_mm, dof));
-    (spread, Some(margin_index(margin, deviation_mm, n, dof)))
-}
-
-fn count(parts: usize) -> f64 {
-    parts as f64
+    (spread, Some(margin_index(margin, deviation_mm, parts as f64, dof)))
 }
 
 /// d_2² of ranges of two values.

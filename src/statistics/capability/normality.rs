@@ -1,7 +1,6 @@
 //! Whether the values of a batch look normally distributed, which capability indices suppose. Called with how many of
 //! them lie where; it says what it finds and refuses nothing.
 
-use super::count;
 use crate::statistics::{normal_cdf, normal_density};
 
 /// Whether values look normally distributed.
@@ -97,10 +96,10 @@ fn distance(z_0: f64, z_1: f64, from: f64, to: f64) -> f64 {
         return 0.0;
     }
     let pieces = ((high - low) / 0.25).ceil().max(1.0) as usize;
-    let half = 0.5 * (high - low) / count(pieces);
+    let half = 0.5 * (high - low) / pieces as f64;
     let mut sum = 0.0;
     for piece in 0..pieces {
-        let middle = low + half * (2.0 * count(piece) + 1.0);
+        let middle = low + half * (2.0 * piece as f64 + 1.0);
         for (at, weight) in POINTS {
             let z = middle + half * at;
             let g = from + (to - from) * (z - z_0) / (z_1 - z_0);
@@ -204,7 +203,7 @@ mod tests {
 
     /// The statistic as its definition gives it.
     fn by_values(values: &[f64], mean: f64, deviation: f64) -> Normality {
-        let n = count(values.len());
+        let n = values.len() as f64;
         let moments = [2, 3, 4].map(|k| {
             let power = |value: &f64| (0..k).fold(1.0, |product, _| product * (value - mean));
             values.iter().map(power).sum::<f64>() / n
@@ -226,7 +225,7 @@ mod tests {
                     if skewed { z * z } else { z }
                 })
                 .collect();
-            let n = count(values.len());
+            let n = values.len() as f64;
             let mean = values.iter().sum::<f64>() / n;
             let deviation = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt();
             let by_values = by_values(&values, mean, deviation);
