@@ -76,7 +76,7 @@ impl Results {
         for (index, source) in plan.sources.iter().enumerate() {
             let delta_cd = source.law.delta_cd(deviations[index], plan.model);
             results.each[index] = delta_cd.map_err(|problem| of_source(index, problem))?;
-            errors[index].set_value(plain_value(deviations[index]));
+            errors[index].value = plain_value(deviations[index]);
             if source.is_limited {
                 let alone = plan.basis.alone(&errors[index]).ok();
                 let alone = alone.map(|alone| Interval::nearest(alone.alone())).transpose();

@@ -72,8 +72,7 @@ impl Uncertain {
         });
         let uncertainties = spec.uncertainties_of(&kinds)?;
         let zero = |source: &Source| {
-            PartDeviation::new(source.law, DeviationValue::zero(source.law.kind()))
-                .with_extent(source.extended.extent())
+            PartDeviation::new(source.law, DeviationValue::zero(source.law.kind())).with_extent(source.extended.extent)
         };
         let errors: Vec<_> = sources.iter().map(zero).collect();
         let part = Part {
@@ -109,7 +108,7 @@ impl Uncertain {
             return Ok(RowUncertainty { spreads, simulation: None, validated: None });
         };
         let error = |(source, value): (&Source, &DeviationValue)| {
-            PartDeviation::new(source.law, *value).with_extent(source.extended.extent())
+            PartDeviation::new(source.law, *value).with_extent(source.extended.extent)
         };
         let errors: Vec<_> = sources.iter().zip(deviations).map(error).collect();
         let part = Part {

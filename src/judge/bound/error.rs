@@ -11,33 +11,34 @@ use crate::trig;
 /// An error that may be on any teeth that its extent allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExtendedError {
+    pub(in crate::judge) part: Part,
+    /// mm, or rad.
+    pub(crate) value: f64,
     pub(in crate::judge) effect: ErrorEffect,
-    pub(super) extent: Extent,
+    /// How far it extends.
+    pub(crate) extent: Extent,
     /// Whether its sign is not known: it is any from minus to plus the value, wherever it is.
     pub(in crate::judge) either_sign: bool,
 }
 
-/// What an error does, in mm and rad.
+/// What an error does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::judge) enum ErrorEffect {
-    /// Both flanks of a space stand out so that the space sits higher by this.
-    Size { part: Part, value: f64 },
-    /// Steps from tooth to tooth.
-    Pitch(PitchEffect),
-    /// The rack's tooth lines turn by this.
-    RackLead { value: f64, rack: RackLines },
-    /// The pinion's helices turn; over the whole face that is this ΔCD.
-    PinionLead { value: f64, gain: f64 },
+    /// Both flanks of a space stand out so that the space sits higher by the value.
+    Size,
+    /// Steps from tooth to tooth: each moves ΔCD by `gain` times its value. `cap` is the total cumulative deviation of either
+    /// flank side, if it is limited.
+    Pitch { gain: f64, cap: Option<f64> },
+    /// The rack's tooth lines turn by the value.
+    RackLead(RackLines),
+    /// The pinion's helices turn; over the whole face that is `gain` times the value of ΔCD.
+    PinionLead { gain: f64 },
 }
 
-/// A pitch error: each step moves ΔCD by `gain` times its value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::judge) struct PitchEffect {
-    pub(in crate::judge) part: Part,
-    pub(in crate::judge) value: f64,
-    pub(in crate::judge) gain: f64,
-    /// The total cumulative deviation of either flank side, if it is limited.
-    pub(in crate::judge) cap: Option<f64>,
+impl ErrorEffect {
+    pub(in crate::judge) const fn is_lead(self) -> bool {
+        matches!(self, Self::RackLead(_) | Self::PinionLead { .. })
+    }
 }
 
 /// The gear data behind a lead error of the rack.
@@ -87,7 +88,7 @@ const LONGEST: f64 = 1e6;
 impl ExtendedError {
     /// An error of nothing, for lists of a fixed length.
     pub(crate) const NONE: Self =
-        Self { effect: ErrorEffect::Size { part: Part::Rack, value: 0.0 }, extent: Extent::All, either_sign: false };
+        Self { part: Part::Rack, value: 0.0, effect: ErrorEffect::Size, extent: Extent::All, either_sign: false };
 
     /// An error of a kind with a [`Law`]. Signed if it is measured; of a tolerance
     /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
@@ -95,38 +96,37 @@ impl ExtendedError {
     /// # Errors
     /// [`ErrorInputError`] if value and law or extent do not fit.
     pub fn new(law: Law, value: impl Into<DeviationValue>, extent: Extent) -> Result<Self, ErrorInputError> {
-        let value = value.into();
-        let effect = match (law.kind(), law.geometry(), value) {
-            (DeviationKind::RackOverRoller, _, DeviationValue::Length(value)) => {
-                ErrorEffect::Size { part: Part::Rack, value: value.mm() }
+        let (effect, largest) = match (law.kind(), law.geometry()) {
+            (DeviationKind::RackOverRoller | DeviationKind::PinionRadial, _) => (ErrorEffect::Size, LONGEST),
+            (DeviationKind::RackPitch | DeviationKind::PinionPitch, _) => {
+                (ErrorEffect::Pitch { gain: law.slope(1.0, Model::Exact), cap: None }, LONGEST)
             }
-            (DeviationKind::PinionRadial, _, DeviationValue::Length(value)) => {
-                ErrorEffect::Size { part: Part::Pinion, value: value.mm() }
-            }
-            (DeviationKind::RackPitch | DeviationKind::PinionPitch, _, DeviationValue::Length(value)) => {
-                let part = if law.kind() == DeviationKind::RackPitch { Part::Rack } else { Part::Pinion };
-                let gain = law.slope(1.0, Model::Exact);
-                ErrorEffect::Pitch(PitchEffect { part, value: value.mm(), gain, cap: None })
-            }
-            (DeviationKind::RackLead, Some(gear), DeviationValue::Angle(_) | DeviationValue::Slope(_)) => {
-                let value = match value {
-                    DeviationValue::Angle(angle) => angle.radians(),
-                    DeviationValue::Slope(slope) => trig::atan(slope),
-                    DeviationValue::Length(_) => return Err(ErrorInputError::WrongDimension),
-                };
+            (DeviationKind::PinionLead, _) => (ErrorEffect::PinionLead { gain: law.slope(1.0, Model::Exact) }, LONGEST),
+            (DeviationKind::RackLead, Some(gear)) => {
                 let rack = RackLines {
                     tan_alpha: trig::tan_of(gear.pressure_angle),
                     helix: gear.helix_angle.radians(),
                     face_width: gear.face_width.map_or(0.0, Length::mm),
                 };
-                ErrorEffect::RackLead { value, rack }
+                (ErrorEffect::RackLead(rack), LARGEST_LEAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
             }
-            (DeviationKind::PinionLead, _, DeviationValue::Length(value)) => {
-                ErrorEffect::PinionLead { value: value.mm(), gain: law.slope(1.0, Model::Exact) }
-            }
+            (DeviationKind::RackLead, None) => return Err(ErrorInputError::WrongDimension),
+        };
+        let value = match (effect, value.into()) {
+            (ErrorEffect::RackLead(_), DeviationValue::Angle(angle)) => angle.radians(),
+            (ErrorEffect::RackLead(_), DeviationValue::Slope(slope)) => trig::atan(slope),
+            (ErrorEffect::RackLead(_), DeviationValue::Length(_)) => return Err(ErrorInputError::WrongDimension),
+            (_, DeviationValue::Length(length)) => length.mm(),
             _ => return Err(ErrorInputError::WrongDimension),
         };
-        Self { effect, extent, either_sign: false }.checked()
+        if extent == Extent::Total && !matches!(effect, ErrorEffect::Pitch { .. }) {
+            return Err(ErrorInputError::NoTotal);
+        }
+        if value.abs() < largest {
+            Ok(Self { part: law.kind().part(), value, effect, extent, either_sign: false })
+        } else {
+            Err(ErrorInputError::OutOfDomain { value })
+        }
     }
 
     /// The error of a part; the sign of a tolerance is not known.
@@ -142,17 +142,14 @@ impl ExtendedError {
     /// The same error of a gear whose data lie on no grid, as they are drawn or varied, in degrees and mm.
     pub(crate) fn of_gear(mut self, law: Law, pressure_angle: f64, helix_angle: f64, face_width_mm: f64) -> Self {
         match &mut self.effect {
-            ErrorEffect::Pitch(pitch) => {
-                pitch.gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
-            }
-            ErrorEffect::PinionLead { gain, .. } => {
+            ErrorEffect::Pitch { gain, .. } | ErrorEffect::PinionLead { gain } => {
                 *gain = law.drawn(pressure_angle, helix_angle, face_width_mm).slope(1.0, Model::Exact);
             }
-            ErrorEffect::RackLead { rack, .. } => {
+            ErrorEffect::RackLead(rack) => {
                 let tan_alpha = trig::tan(pressure_angle * RADIANS_PER_DEGREE);
                 *rack = RackLines { tan_alpha, helix: helix_angle * RADIANS_PER_DEGREE, face_width: face_width_mm };
             }
-            ErrorEffect::Size { .. } => {}
+            ErrorEffect::Size => {}
         }
         self
     }
@@ -170,67 +167,22 @@ impl ExtendedError {
 
     /// The same error at a share of its value.
     pub(super) fn scaled(self, share: f64) -> Self {
-        let (ErrorEffect::Size { value, .. }
-        | ErrorEffect::Pitch(PitchEffect { value, .. })
-        | ErrorEffect::RackLead { value, .. }
-        | ErrorEffect::PinionLead { value, .. }) = self.effect;
-        self.with_value(share * value)
+        self.with_value(share * self.value)
     }
 
     /// The same error with another value, in mm or rad.
-    pub(crate) fn with_value(mut self, value: f64) -> Self {
-        self.set_value(value);
-        self
-    }
-
-    /// Gives it another value, in mm or rad.
-    #[inline]
-    pub(crate) fn set_value(&mut self, new: f64) {
-        match &mut self.effect {
-            ErrorEffect::Size { value, .. }
-            | ErrorEffect::Pitch(PitchEffect { value, .. })
-            | ErrorEffect::RackLead { value, .. }
-            | ErrorEffect::PinionLead { value, .. } => *value = new,
-        }
+    pub(crate) fn with_value(self, value: f64) -> Self {
+        Self { value, ..self }
     }
 
     /// The same pitch tolerance, with the total cumulative deviation F_p of either flank side limited, too: the error does
     /// no more than [`Extent::Total`] of F_p.
     #[must_use]
     pub fn within_total(mut self, total_mm: f64) -> Self {
-        if let ErrorEffect::Pitch(pitch) = &mut self.effect {
-            pitch.cap = Some(total_mm.abs());
+        if let ErrorEffect::Pitch { cap, .. } = &mut self.effect {
+            *cap = Some(total_mm.abs());
         }
         self
-    }
-
-    fn checked(self) -> Result<Self, ErrorInputError> {
-        if self.extent == Extent::Total && !matches!(self.effect, ErrorEffect::Pitch(_)) {
-            return Err(ErrorInputError::NoTotal);
-        }
-        let (value, largest) = match self.effect {
-            ErrorEffect::Size { value, .. }
-            | ErrorEffect::Pitch(PitchEffect { value, .. })
-            | ErrorEffect::PinionLead { value, .. } => (value, LONGEST),
-            ErrorEffect::RackLead { value, rack } => {
-                (value, LARGEST_LEAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
-            }
-        };
-        if value.abs() < largest { Ok(self) } else { Err(ErrorInputError::OutOfDomain { value }) }
-    }
-
-    /// How far it extends.
-    #[must_use]
-    pub const fn extent(&self) -> Extent {
-        self.extent
-    }
-
-    pub(in crate::judge) const fn part(&self) -> Part {
-        match self.effect {
-            ErrorEffect::Size { part, .. } | ErrorEffect::Pitch(PitchEffect { part, .. }) => part,
-            ErrorEffect::RackLead { .. } => Part::Rack,
-            ErrorEffect::PinionLead { .. } => Part::Pinion,
-        }
     }
 }
 

@@ -81,9 +81,9 @@ impl Leads {
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
         let extent = if error.either_sign { Extent::Each } else { error.extent };
         let leads = match error.effect {
-            ErrorEffect::RackLead { value, rack } => self.with_value(value, extent, Some(rack)),
-            ErrorEffect::PinionLead { value, gain } => self.with_value(gain * value, extent, None),
-            ErrorEffect::Size { .. } | ErrorEffect::Pitch(_) => return self,
+            ErrorEffect::RackLead(rack) => self.with_value(error.value, extent, Some(rack)),
+            ErrorEffect::PinionLead { gain } => self.with_value(gain * error.value, extent, None),
+            ErrorEffect::Size | ErrorEffect::Pitch { .. } => return self,
         };
         Self { unsigned: (is_first && error.either_sign).then_some(*error), ..leads }
     }

@@ -1,6 +1,6 @@
 //! Mean and spread of an error at one stroke, for a statistical sum. Bounds nothing.
 
-use super::error::{ErrorEffect, PitchEffect};
+use super::error::ErrorEffect;
 use super::single::range_of;
 use super::{ErrorRange, ExtendedError, Extent, Knowledge, NoBound};
 use crate::deviation::Part;
@@ -46,23 +46,24 @@ pub(super) fn moments(
     }
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
     let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
+    let value = error.value;
     Ok(match (error.effect, error.extent) {
-        (ErrorEffect::Size { value, .. }, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
-        (ErrorEffect::Size { value, .. }, _) => fixed(value),
-        (ErrorEffect::Pitch(_), Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range?.upper_mm / 3.0 },
-        (ErrorEffect::Pitch(PitchEffect { value, gain, .. }), Extent::Each) => folded(gain * value.abs()),
-        (ErrorEffect::Pitch(PitchEffect { part, value, gain, .. }), Extent::One) => {
-            let share = share_of_stroke(part, value, knowledge);
+        (ErrorEffect::Size, Extent::Each) => Moments { mean_mm: 0.0, deviation_mm: value.abs() / 3.0 },
+        (ErrorEffect::Size, _) => fixed(value),
+        (ErrorEffect::Pitch { .. }, Extent::Total) => Moments { mean_mm: 0.0, deviation_mm: range?.upper_mm / 3.0 },
+        (ErrorEffect::Pitch { gain, .. }, Extent::Each) => folded(gain * value.abs()),
+        (ErrorEffect::Pitch { gain, .. }, Extent::One) => {
+            let share = share_of_stroke(error.part, value, knowledge);
             let step = gain * value.abs();
             Moments { mean_mm: step * share, deviation_mm: step * (share * (1.0 - share)).sqrt() }
         }
         // between the least and the most of what adds up
-        (ErrorEffect::Pitch(_), _) => {
+        (ErrorEffect::Pitch { .. }, _) => {
             let ErrorRange { lower_mm, upper_mm, .. } = range?;
             fixed(0.5 * (lower_mm + upper_mm))
         }
-        (ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. }, Extent::Each) => folded(range?.upper_mm),
-        (ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. }, _) => fixed(range?.upper_mm),
+        (ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. }, Extent::Each) => folded(range?.upper_mm),
+        (ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. }, _) => fixed(range?.upper_mm),
     })
 }
 

@@ -43,7 +43,7 @@ impl Basis {
 impl Scale {
     fn new(error: &ExtendedError, knowledge: &Knowledge) -> Result<Self, NoBound> {
         let at = |index: usize| range_of(&error.scaled(index as f64 / (INTERVALS / 2) as f64 - 1.0), knowledge);
-        Ok(Self { part: error.part(), ranges: (0..=INTERVALS).map(at).collect::<Result<_, _>>()? })
+        Ok(Self { part: error.part, ranges: (0..=INTERVALS).map(at).collect::<Result<_, _>>()? })
     }
 
     fn at(&self, share: f64) -> ErrorRange {

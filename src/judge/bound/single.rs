@@ -1,6 +1,6 @@
 //! What one error can do alone. Reads what steps and leads do from the rooms beside it; adds nothing up.
 
-use super::error::{ErrorEffect, PitchEffect, RackLines};
+use super::error::{ErrorEffect, RackLines};
 use super::known::{KnownPair, flanks_apart};
 use super::lead::{Leads, undercut};
 use super::pitch;
@@ -22,10 +22,10 @@ pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<E
         return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
     }
     let range = match error.effect {
-        ErrorEffect::Size { part, value } => size(part, value, error.extent, knowledge),
-        ErrorEffect::Pitch(pitch) => pitch_range(&pitch, error.extent, knowledge)?,
-        ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. } => {
-            of_leads(&Leads::none(error.part()).with(error), knowledge)
+        ErrorEffect::Size => size(error.part, error.value, error.extent, knowledge),
+        ErrorEffect::Pitch { gain, cap } => pitch_range(error, gain, cap, knowledge)?,
+        ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => {
+            of_leads(&Leads::none(error.part).with(error), knowledge)
         }
     };
     Ok(supported(range, knowledge).ordered())
@@ -62,8 +62,13 @@ fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorR
 }
 
 #[inline]
-fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
-    let PitchEffect { part, value, gain, cap } = *pitch;
+fn pitch_range(
+    error: &ExtendedError,
+    gain: f64,
+    cap: Option<f64>,
+    knowledge: &Knowledge,
+) -> Result<ErrorRange, NoBound> {
+    let ExtendedError { part, value, extent, .. } = *error;
     let known = knowledge.pair;
     let teeth = known.map(|known| known.given.pair.pinion().teeth);
     // a pinion's deviations are measured from the mean of the turn
@@ -82,14 +87,14 @@ fn pitch_range(pitch: &PitchEffect, extent: Extent, knowledge: &Knowledge) -> Re
         (_, None) if cap.is_some() => ErrorRange::either_way(limit),
         (_, None) => return Err(NoBound::TeethInContactUnknown),
     };
-    let upper_with_undercut_mm = known.map_or(f64::INFINITY, |known| with_undercut(pitch, extent, limit, known));
+    let upper_with_undercut_mm = known.map_or(f64::INFINITY, |known| with_undercut(error, gain, limit, known));
     Ok(ErrorRange { upper_with_undercut_mm, ..range.limited(limit) })
 }
 
 /// What steps lift together with undercut, up to a limit of the steps.
-fn with_undercut(pitch: &PitchEffect, extent: Extent, limit: f64, known: &KnownPair) -> f64 {
+fn with_undercut(error: &ExtendedError, gain: f64, limit: f64, known: &KnownPair) -> f64 {
+    let ExtendedError { part, value, extent, .. } = *error;
     let Some(table) = undercut(known).filter(|_| extent != Extent::Total) else { return f64::INFINITY };
-    let PitchEffect { part, value, gain, .. } = *pitch;
     table.with_steps(part, |steps| {
         let acting = match part {
             Part::Rack => UndercutTable::acting(extent, steps * value.signum()),

@@ -1,6 +1,6 @@
 //! The bound of each error and of their sum. Reads what the errors do from the rooms beside it; solves no mesh.
 
-use super::error::{ErrorEffect, PitchEffect};
+use super::error::ErrorEffect;
 use super::field::thickness_offset;
 use super::known::Own;
 use super::lead::Leads;
@@ -87,13 +87,12 @@ struct Adding {
 impl Adding {
     #[inline]
     fn add(&mut self, error: &ExtendedError, range: Result<ErrorRange, NoBound>) -> Result<(), NoBound> {
-        let (part, range) = (error.part(), range?);
-        match error.effect {
-            ErrorEffect::Size { .. } | ErrorEffect::Pitch(_) => self.sum.add(part, range),
-            ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. } => {
-                let before = self.leads[part as usize].map_or_else(|| Leads::none(part), |(leads, _)| leads);
-                self.leads[part as usize] = Some((before.with(error), range));
-            }
+        let (part, range) = (error.part, range?);
+        if error.effect.is_lead() {
+            let before = self.leads[part as usize].map_or_else(|| Leads::none(part), |(leads, _)| leads);
+            self.leads[part as usize] = Some((before.with(error), range));
+        } else {
+            self.sum.add(part, range);
         }
         Ok(())
     }
@@ -263,11 +262,9 @@ impl KnownPair {
 /// How far errors move ΔCD at least, whatever the pair, mm: no need to ask what is known of a pair for smaller ones.
 pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
     let least = |error: &ExtendedError| match error.effect {
-        ErrorEffect::Size { value, .. } => value.abs(),
-        ErrorEffect::Pitch(PitchEffect { value, gain, .. }) | ErrorEffect::PinionLead { value, gain } => {
-            gain * value.abs()
-        }
-        ErrorEffect::RackLead { .. } => Leads::none(Part::Rack).with(error).of_any_pair(0.0).upper_mm,
+        ErrorEffect::Size => error.value.abs(),
+        ErrorEffect::Pitch { gain, .. } | ErrorEffect::PinionLead { gain } => gain * error.value.abs(),
+        ErrorEffect::RackLead(_) => Leads::none(Part::Rack).with(error).of_any_pair(0.0).upper_mm,
     };
     errors.iter().map(least).sum()
 }
@@ -281,7 +278,7 @@ impl Bound {
 }
 
 fn is_pitch(error: &ExtendedError) -> bool {
-    matches!(error.effect, ErrorEffect::Pitch(_))
+    matches!(error.effect, ErrorEffect::Pitch { .. })
 }
 
 fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
@@ -311,7 +308,7 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
         notes.push(Note::BothFlanksNarrows);
     }
     notes.extend(errors.iter().find_map(|error| match &error.effect {
-        ErrorEffect::RackLead { rack, .. } => Some(Note::AssumedHeight(assumed_height(rack, knowledge))),
+        ErrorEffect::RackLead(rack) => Some(Note::AssumedHeight(assumed_height(rack, knowledge))),
         _ => None,
     }));
     notes

@@ -8,7 +8,7 @@ use crate::deviation::Extent;
 use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::judge::bound::ExtendedError;
-use crate::judge::bound::error::{ErrorEffect, PitchEffect};
+use crate::judge::bound::error::ErrorEffect;
 use crate::mesh::FlankSide;
 
 /// A value on successive spaces, steps or teeth.
@@ -79,7 +79,7 @@ impl Run {
 /// The seats of every error, if these rack teeth can carry at the strokes looked at.
 pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, carrying: &RangeInclusive<i64>) -> Vec<Seat> {
     let seats = errors.iter().enumerate().flat_map(|(index, error)| {
-        let choices = choices(error, &balance(errors, error), &Places::new(error.part(), carrying, pair));
+        let choices = choices(error, &balance(errors, error), &Places::new(error.part, carrying, pair));
         choices.into_iter().map(move |choices| Seat { error: index, choices })
     });
     seats.collect()
@@ -87,14 +87,13 @@ pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, carrying: &RangeInclu
 
 /// The lead of either sign that takes back the leads which all teeth of the same part have.
 fn balance(errors: &[ExtendedError], error: &ExtendedError) -> Vec<f64> {
-    let lead = |effect: &ErrorEffect| match *effect {
-        ErrorEffect::RackLead { value, .. } | ErrorEffect::PinionLead { value, .. } => Some(value),
-        ErrorEffect::Size { .. } | ErrorEffect::Pitch(_) => None,
-    };
-    let Some(value) = lead(&error.effect) else { return Vec::new() };
-    let of_all = errors.iter().filter(|one| one.part() == error.part() && one.extent() == Extent::All);
-    let sum: f64 = of_all.filter_map(|one| lead(&one.effect)).sum();
-    vec![value.abs(), -value.abs(), (-sum).clamp(-value.abs(), value.abs())]
+    if !error.effect.is_lead() {
+        return Vec::new();
+    }
+    let is_like = |one: &&ExtendedError| one.part == error.part && one.extent == Extent::All && one.effect.is_lead();
+    let sum: f64 = errors.iter().filter(is_like).map(|one| one.value).sum();
+    let most = error.value.abs();
+    vec![most, -most, (-sum).clamp(-most, most)]
 }
 
 /// The places of an error, or of its flank sides.
@@ -103,11 +102,9 @@ fn choices(error: &ExtendedError, leads: &[f64], places: &Places) -> Vec<Vec<Vec
         return vec![signs.iter().flat_map(|error| choices(error, leads, places)).flatten().collect()];
     }
     match error.effect {
-        ErrorEffect::Size { value, .. } => vec![places.of_teeth(value, error.extent())],
-        ErrorEffect::Pitch(pitch) => places.of_pitch(&pitch, error.extent()),
-        ErrorEffect::RackLead { value, .. } | ErrorEffect::PinionLead { value, .. } => {
-            places.of_lead(value, error.extent(), leads)
-        }
+        ErrorEffect::Size => vec![places.of_teeth(error.value, error.extent)],
+        ErrorEffect::Pitch { cap, .. } => places.of_pitch(error.value, error.extent, cap),
+        ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => places.of_lead(error.value, error.extent, leads),
     }
 }
 
@@ -175,13 +172,12 @@ impl Places {
         [FlankSide::Left, FlankSide::Right].map(of_side).to_vec()
     }
 
-    fn of_pitch(&self, pitch: &PitchEffect, extent: Extent) -> Vec<Vec<Vec<Run>>> {
-        let value = pitch.value;
+    fn of_pitch(&self, value: f64, extent: Extent, cap: Option<f64>) -> Vec<Vec<Vec<Run>>> {
         if extent == Extent::Total {
             return [FlankSide::Left, FlankSide::Right].map(|side| self.of_total(value.abs(), side)).to_vec();
         }
         let mut choices = match (self.part, extent) {
-            (Part::Rack, Extent::All) if pitch.cap.is_none() => vec![vec![self.every(value)]],
+            (Part::Rack, Extent::All) if cap.is_none() => vec![vec![self.every(value)]],
             (_, Extent::Each) => self.of_each_pitch(value.abs()),
             (Part::Rack, Extent::One) => {
                 self.single(&self.steps).into_iter().map(|on| vec![Run::of(on, on, value)]).collect()
@@ -194,7 +190,7 @@ impl Places {
             // pitches of a pinion close, so that not every one can be off the same way
             (Part::Pinion, _) => self.there_and_back(value, 1..=self.z / 2),
         };
-        if let Some(cap) = pitch.cap {
+        if let Some(cap) = cap {
             for runs in &mut choices {
                 limit(runs, cap);
             }
@@ -285,16 +281,16 @@ fn limit(runs: &mut [Run], cap: f64) {
 
 /// Puts an error where a choice says.
 pub(super) fn put(placed: &mut Placed, error: &ExtendedError, runs: &[Run]) {
-    let part = error.part();
+    let part = error.part;
     match error.effect {
-        ErrorEffect::Size { .. } => {
+        ErrorEffect::Size => {
             for run in runs {
                 (run.first..=run.last).for_each(|space| placed.raise_space(part, space, run.value));
             }
         }
-        ErrorEffect::Pitch(_) if error.extent() == Extent::Total => put_total(placed, part, runs),
-        ErrorEffect::Pitch(_) => put_steps(placed, part, runs),
-        ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. } => {
+        ErrorEffect::Pitch { .. } if error.extent == Extent::Total => put_total(placed, part, runs),
+        ErrorEffect::Pitch { .. } => put_steps(placed, part, runs),
+        ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => {
             for run in runs {
                 (run.first..=run.last).for_each(|tooth| placed.turn(part, tooth, run.by_side()));
             }

@@ -50,9 +50,7 @@ impl Sketch {
     pub(super) fn new(given: &GivenPair, errors: &[ExtendedError]) -> Result<Self, ReachedError> {
         let pair = given.pair;
         let path = ContactPath::nominal(&pair);
-        let turns = errors
-            .iter()
-            .any(|error| matches!(error.effect, ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. }));
+        let turns = errors.iter().any(|error| error.effect.is_lead());
         let out_mm = (TIMES * size(errors)).max(LEAST_MM).min(MOST_MODULES * pair.normal_module_mm());
         let tan = trig::tan(pair.normal_pressure_angle_rad());
         let along_x = out_mm * tan / trig::cos(pair.rack().helix_angle_rad);
@@ -132,10 +130,10 @@ fn carrier(point: &MeshPoint, side: FlankSide) -> i64 {
 /// What the errors raise if each acts once, mm.
 fn size(errors: &[ExtendedError]) -> f64 {
     let of_one = |error: &ExtendedError| match error.effect {
-        ErrorEffect::Size { value, .. } => value.abs(),
-        ErrorEffect::PinionLead { value, gain } => (gain * value).abs(),
-        ErrorEffect::Pitch(pitch) => 2.0 * pitch.gain * pitch.value.abs(),
-        ErrorEffect::RackLead { value, rack } => 0.5 * rack.face_width * value.abs() / rack.tan_alpha,
+        ErrorEffect::Size => error.value.abs(),
+        ErrorEffect::PinionLead { gain } => (gain * error.value).abs(),
+        ErrorEffect::Pitch { gain, .. } => 2.0 * gain * error.value.abs(),
+        ErrorEffect::RackLead(rack) => 0.5 * rack.face_width * error.value.abs() / rack.tan_alpha,
     };
     errors.iter().map(of_one).sum()
 }

@@ -15,7 +15,7 @@ const SAMPLED_MM: f64 = 2e-7;
 fn errors_of(random: &mut Random, pair: &Pair, part: Part) -> Vec<Drawn> {
     let count = 1 + random.below(2) as usize;
     std::iter::repeat_with(|| random::error(random, pair))
-        .filter(|drawn| drawn.error.part() == part)
+        .filter(|drawn| drawn.error.part == part)
         .take(count)
         .collect()
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::deviation::{Part, PinionForm, RackForm};
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
-use crate::judge::bound::error::{ErrorEffect, PitchEffect};
+use crate::judge::bound::error::ErrorEffect;
 use crate::judge::bound::{ExtendedError, Extent, GivenPair};
 use crate::judge::reached::placed::{BySide, Placed};
 use crate::quantity::{Angle, Length};
@@ -161,8 +161,9 @@ fn value_within(random: &mut Random, value: f64) -> f64 {
 impl Placed {
     /// Puts an error on teeth that its extent allows.
     pub(in crate::judge) fn put(&mut self, random: &mut Random, drawn: &Drawn) {
-        match drawn.error.effect {
-            ErrorEffect::Size { part, value } => {
+        let ExtendedError { part, value, effect, .. } = drawn.error;
+        match effect {
+            ErrorEffect::Size => {
                 let on = Self::teeth_of(random, drawn.error.extent);
                 for space in self.teeth(part) {
                     let value = match drawn.error.extent {
@@ -173,11 +174,9 @@ impl Placed {
                     self.raise_space(part, space, value);
                 }
             }
-            ErrorEffect::Pitch(PitchEffect { part, value, .. }) => self.put_pitch(random, drawn, part, value),
-            ErrorEffect::RackLead { .. } | ErrorEffect::PinionLead { .. } => {
+            ErrorEffect::Pitch { .. } => self.put_pitch(random, drawn, part, value),
+            ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => {
                 let on = Self::teeth_of(random, drawn.error.extent);
-                let part =
-                    if matches!(drawn.error.effect, ErrorEffect::RackLead { .. }) { Part::Rack } else { Part::Pinion };
                 for tooth in self.teeth(part) {
                     let mut value = || match drawn.error.extent {
                         Extent::Each => value_within(random, drawn.value),

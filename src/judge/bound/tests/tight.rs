@@ -19,7 +19,7 @@ struct Tried {
 fn kind_of(error: &ExtendedError) -> usize {
     let text = format!("{:?}", error.effect);
     let unit = ["Size", "Pitch", "RackLead", "PinionLead"].iter().position(|name| text.starts_with(name)).unwrap();
-    unit * 5 + Extent::EVERY.iter().position(|&extent| extent == error.extent()).unwrap()
+    unit * 5 + Extent::EVERY.iter().position(|&extent| extent == error.extent).unwrap()
 }
 
 fn tried(seed: u64) -> Option<Tried> {
