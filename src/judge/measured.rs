@@ -23,42 +23,34 @@ pub enum Feature {
 }
 
 impl Feature {
+    /// What people call it, what results call it, and the error whose formula takes it.
+    const fn facts(self) -> (&'static str, &'static str, DeviationKind) {
+        match self {
+            Self::OverPin => ("over-pin", "over_pin", DeviationKind::RackOverRoller),
+            Self::Pitch => ("pitch", "pitch", DeviationKind::RackPitch),
+            Self::Lead => ("lead", "lead", DeviationKind::RackLead),
+            Self::Radial => ("radial", "radial", DeviationKind::PinionRadial),
+            Self::LeftPitch => ("left pitch", "left_pitch", DeviationKind::PinionPitch),
+            Self::RightPitch => ("right pitch", "right_pitch", DeviationKind::PinionPitch),
+        }
+    }
+
     /// What people call it.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::OverPin => "over-pin",
-            Self::Pitch => "pitch",
-            Self::Lead => "lead",
-            Self::Radial => "radial",
-            Self::LeftPitch => "left pitch",
-            Self::RightPitch => "right pitch",
-        }
+        self.facts().0
     }
 
     /// What results call it.
     #[must_use]
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::OverPin => "over_pin",
-            Self::Pitch => "pitch",
-            Self::Lead => "lead",
-            Self::Radial => "radial",
-            Self::LeftPitch => "left_pitch",
-            Self::RightPitch => "right_pitch",
-        }
+        self.facts().1
     }
 
     /// The error whose formula takes it.
     #[must_use]
     pub const fn error(self) -> DeviationKind {
-        match self {
-            Self::OverPin => DeviationKind::RackOverRoller,
-            Self::Pitch => DeviationKind::RackPitch,
-            Self::Lead => DeviationKind::RackLead,
-            Self::Radial => DeviationKind::PinionRadial,
-            Self::LeftPitch | Self::RightPitch => DeviationKind::PinionPitch,
-        }
+        self.facts().2
     }
 }
 

@@ -427,13 +427,13 @@ impl Derivatives {
         let index = |source: Source| inputs.iter().position(|(other, _)| *other == source);
         let (mut relative, mut constant) = (vec![0.0; inputs.len()], vec![0.0; inputs.len()]);
         for (input, derivative) in law.relative_sensitivities(part.model) {
-            if let Some(at) = source_of(kind, input).and_then(index) {
+            if let Some(at) = index(source_of(kind, input)) {
                 relative[at] += derivative;
             }
         }
         if let (DeviationKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
             for Sensitivity { input, value } in over_pin.sensitivities()? {
-                if let (Some(at), Some(value)) = (over_pin_source(input).and_then(index), value) {
+                if let (Some(at), Some(value)) = (index(source_of(kind, input)), value) {
                     // M − M_nom falls as the nominal rises
                     constant[at] -= value;
                 }
@@ -448,24 +448,16 @@ fn values(points: &[Point]) -> Vec<f64> {
     points.iter().map(|point| point.error).collect()
 }
 
-fn source_of(kind: DeviationKind, input: Input) -> Option<Source> {
+fn source_of(kind: DeviationKind, input: Input) -> Source {
     match input {
-        Input::Error => Some(Source::Error(kind)),
-        Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
-        Input::HelixAngle if kind.part() == deviation::Part::Pinion => Some(Source::PinionHelixAngle),
-        Input::HelixAngle => Some(Source::RackHelixAngle),
-        Input::FaceWidth => Some(Source::FaceWidth),
-        _ => None,
-    }
-}
-
-fn over_pin_source(input: Input) -> Option<Source> {
-    match input {
-        Input::NormalModule => Some(Source::NormalModule),
-        Input::NormalPressureAngle => Some(Source::NormalPressureAngle),
-        Input::ToothThickness => Some(Source::ToothThickness),
-        Input::Datum => Some(Source::Datum),
-        Input::PinDiameter => Some(Source::Roller),
-        _ => None,
+        Input::Error => Source::Error(kind),
+        Input::NormalPressureAngle => Source::NormalPressureAngle,
+        Input::HelixAngle if kind.part() == deviation::Part::Pinion => Source::PinionHelixAngle,
+        Input::HelixAngle => Source::RackHelixAngle,
+        Input::FaceWidth => Source::FaceWidth,
+        Input::NormalModule => Source::NormalModule,
+        Input::ToothThickness => Source::ToothThickness,
+        Input::Datum => Source::Datum,
+        Input::PinDiameter => Source::Roller,
     }
 }

@@ -52,53 +52,42 @@ impl Source {
         Self::ALL.into_iter().find(|source| !matches!(source, Self::Error(_)) && source.key() == key)
     }
 
+    /// Its key, its words, and whether it is an angle.
+    const fn facts(self) -> (&'static str, &'static str, bool) {
+        match self {
+            Self::Error(kind @ DeviationKind::RackOverRoller) => ("errors.rack_over_roller", kind.name(), false),
+            Self::Error(kind @ DeviationKind::RackPitch) => ("errors.rack_pitch", kind.name(), false),
+            Self::Error(kind @ DeviationKind::RackLead) => ("errors.rack_lead", kind.name(), true),
+            Self::Error(kind @ DeviationKind::PinionRadial) => ("errors.pinion_radial", kind.name(), false),
+            Self::Error(kind @ DeviationKind::PinionPitch) => ("errors.pinion_pitch", kind.name(), false),
+            Self::Error(kind @ DeviationKind::PinionLead) => ("errors.pinion_lead", kind.name(), false),
+            Self::NormalModule => ("pair.normal_module", "normal module", false),
+            Self::NormalPressureAngle => ("pair.normal_pressure_angle", "pressure angle", true),
+            Self::RackHelixAngle => ("rack.helix_angle", "rack helix angle", true),
+            Self::FaceWidth => ("rack.face_width", "face width", false),
+            Self::ToothThickness => ("rack.tooth_thickness", "tooth thickness", false),
+            Self::Datum => ("rack.datum", "datum", false),
+            Self::Roller => ("errors.rack_over_roller.roller", "roller", false),
+            Self::PinionHelixAngle => ("pinion.helix_angle", "pinion helix angle", true),
+        }
+    }
+
     /// Its key in specs and results: `errors.rack_pitch`, `pair.normal_pressure_angle`.
     #[must_use]
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::Error(DeviationKind::RackOverRoller) => "errors.rack_over_roller",
-            Self::Error(DeviationKind::RackPitch) => "errors.rack_pitch",
-            Self::Error(DeviationKind::RackLead) => "errors.rack_lead",
-            Self::Error(DeviationKind::PinionRadial) => "errors.pinion_radial",
-            Self::Error(DeviationKind::PinionPitch) => "errors.pinion_pitch",
-            Self::Error(DeviationKind::PinionLead) => "errors.pinion_lead",
-            Self::NormalModule => "pair.normal_module",
-            Self::NormalPressureAngle => "pair.normal_pressure_angle",
-            Self::RackHelixAngle => "rack.helix_angle",
-            Self::FaceWidth => "rack.face_width",
-            Self::ToothThickness => "rack.tooth_thickness",
-            Self::Datum => "rack.datum",
-            Self::Roller => "errors.rack_over_roller.roller",
-            Self::PinionHelixAngle => "pinion.helix_angle",
-        }
+        self.facts().0
     }
 
     /// Whether it is an angle (degrees); otherwise it is a length (mm).
     #[must_use]
     pub const fn is_angle(self) -> bool {
-        matches!(
-            self,
-            Self::Error(DeviationKind::RackLead)
-                | Self::NormalPressureAngle
-                | Self::RackHelixAngle
-                | Self::PinionHelixAngle
-        )
+        self.facts().2
     }
 }
 
 impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Error(kind) => return kind.fmt(f),
-            Self::NormalModule => "normal module",
-            Self::NormalPressureAngle => "pressure angle",
-            Self::RackHelixAngle => "rack helix angle",
-            Self::FaceWidth => "face width",
-            Self::ToothThickness => "tooth thickness",
-            Self::Datum => "datum",
-            Self::Roller => "roller",
-            Self::PinionHelixAngle => "pinion helix angle",
-        })
+        f.write_str(self.facts().1)
     }
 }
 
