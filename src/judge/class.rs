@@ -189,43 +189,15 @@ impl Meshing {
     }
 }
 
-/// How a ΔCD follows from a deviation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ClassEffect {
-    /// By the formula of an error of that size.
-    Formula,
-    /// By that formula as a bound, which needs all of the deviation in the worst place.
-    Bound,
-    /// The deviation is the peak-to-peak variation itself.
-    PeakToPeak,
-    /// No formula gives it.
-    None,
-}
-
-impl ClassEffect {
-    /// The effect of a deviation.
-    #[must_use]
-    pub const fn of(deviation: Deviation) -> Self {
-        match deviation {
-            Deviation::SinglePitch | Deviation::HelixSlope => Self::Formula,
-            Deviation::SectorPitch | Deviation::TotalPitch | Deviation::TotalHelix => Self::Bound,
-            Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Self::PeakToPeak,
-            Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => {
-                Self::None
-            }
-        }
-    }
-
-    /// In one word.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Formula => "formula",
-            Self::Bound => "bound",
-            Self::PeakToPeak => "peak to peak",
-            Self::None => "none",
-        }
+/// How a ΔCD follows from a deviation: by the formula of an error of that size; by it as a bound, which needs all of the
+/// deviation in the worst place; or as the peak-to-peak variation that the deviation is. `None` if no formula gives it.
+#[must_use]
+pub const fn effect(deviation: Deviation) -> Option<&'static str> {
+    match deviation {
+        Deviation::SinglePitch | Deviation::HelixSlope => Some("formula"),
+        Deviation::SectorPitch | Deviation::TotalPitch | Deviation::TotalHelix => Some("bound"),
+        Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Some("peak to peak"),
+        Deviation::ProfileForm | Deviation::ProfileSlope | Deviation::TotalProfile | Deviation::HelixForm => None,
     }
 }
 
@@ -351,9 +323,9 @@ mod tests {
             ..Meshing::of(part)
         };
         let of_part = |part, deviation| delta_cd(deviation, length("0.02"), &meshing(part), Model::Exact);
-        let effect = |deviation| of_part(Part::Rack, deviation);
+        let of_rack = |deviation| of_part(Part::Rack, deviation);
         // 1/(2 tan 45°) = 1/2
-        assert_eq!(effect(Deviation::SinglePitch).unwrap(), length("0.01"));
+        assert_eq!(of_rack(Deviation::SinglePitch).unwrap(), length("0.01"));
         for deviation in [
             Deviation::SectorPitch,
             Deviation::TotalPitch,
@@ -361,17 +333,17 @@ mod tests {
             Deviation::RadialComposite,
             Deviation::ToothRadialComposite,
         ] {
-            assert_eq!(effect(deviation).unwrap(), length("0.02"));
+            assert_eq!(of_rack(deviation).unwrap(), length("0.02"));
         }
         // b sin(atan(f/b)) / 2
         for deviation in [Deviation::HelixSlope, Deviation::TotalHelix] {
-            assert!((effect(deviation).unwrap().mm() - 0.01).abs() < 1e-8);
+            assert!((of_rack(deviation).unwrap().mm() - 0.01).abs() < 1e-8);
             // 1/(2 sin 45°) = 1/√2
             let of_pinion = of_part(Part::Pinion, deviation).unwrap().mm();
             assert!((of_pinion - 0.02 / 2.0_f64.sqrt()).abs() < 1e-12, "{of_pinion}");
         }
         for deviation in Deviation::ALL {
-            assert_eq!(effect(deviation).is_err(), ClassEffect::of(deviation) == ClassEffect::None, "{deviation}");
+            assert_eq!(of_rack(deviation).is_ok(), effect(deviation).is_some(), "{deviation}");
         }
         let bare = Meshing::of(Part::Rack);
         assert_eq!(

@@ -6,7 +6,7 @@ use super::evaluation::{IntervalFact, interval_text};
 use super::number::{plain, unsigned};
 use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
-use crate::judge::class::{ClassEffect, DiameterSource, NoEffect};
+use crate::judge::class::{DiameterSource, NoEffect, effect};
 use crate::judge::grade::{GradeSearch, ObtainedGrade, ToleranceError, overall};
 use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
@@ -132,7 +132,7 @@ impl Report for ClassReport {
                     "formula": permissible.formula,
                     "ranges": permissible.ranges.iter().map(range_json).collect::<Vec<_>>(),
                     "delta_cd_mm": delta_cd.as_ref().ok().copied().map(Length::mm),
-                    "delta_cd_by": delta_cd.as_ref().ok().map(|_| ClassEffect::of(permissible.deviation).name()),
+                    "delta_cd_by": delta_cd.as_ref().ok().and_then(|_| effect(permissible.deviation)),
                     "delta_cd_missing": delta_cd.as_ref().err().map(ToString::to_string),
                     "mesh_delta_cd_mm": mesh.map(|(mm, _)| super::number::tidy(mm)),
                     "mesh_arrangement": mesh.map(|(_, arrangement)| arrangement),
@@ -202,7 +202,7 @@ impl Report for ClassReport {
                 format!("{:.3}", permissible.unrounded_um()),
                 ranges_text(&permissible.ranges),
                 row.delta_cd.as_ref().map_or_else(|_| "-".to_owned(), |delta_cd| unsigned(delta_cd.mm())),
-                row.delta_cd.as_ref().map_or("-", |_| ClassEffect::of(permissible.deviation).name()).to_owned(),
+                row.delta_cd.as_ref().ok().and_then(|_| effect(permissible.deviation)).unwrap_or("-").to_owned(),
             ];
             if with_mesh {
                 cells.push(row.mesh.map_or_else(|| "-".to_owned(), |(mm, _)| unsigned(super::number::tidy(mm))));
