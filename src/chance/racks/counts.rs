@@ -48,25 +48,16 @@ impl Default for Counts {
 
 /// The lengths that a bin may hold, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Span {
-    first_fm: i64,
-    last_fm: i64,
+pub(super) struct Span {
+    pub(super) first_fm: i64,
+    pub(super) last_fm: i64,
 }
 
 impl Span {
     /// Twice the middle: a whole number.
-    fn twice_middle_fm(self) -> i64 {
+    pub(super) fn twice_middle_fm(self) -> i64 {
         self.first_fm + self.last_fm
     }
-}
-
-/// Where a value of some rank lies.
-#[expect(clippy::struct_field_names, reason = "each says its unit")]
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
-    pub(super) lower_mm: f64,
-    pub(super) middle_mm: f64,
-    pub(super) upper_mm: f64,
 }
 
 /// Lengths from and to the next place in a histogram.
@@ -164,16 +155,11 @@ impl Counts {
     }
 
     /// Where the value lies that has this rank from 1; `None` if no value has it.
-    pub(super) fn at_rank(&self, rank: u64) -> Option<Place> {
+    pub(super) fn at_rank(&self, rank: u64) -> Option<Span> {
         let mut below = rank.checked_sub(1)?;
         for (bin, count) in &self.bins {
             if below < *count {
-                let span = self.span(*bin);
-                return Some(Place {
-                    lower_mm: of_femtometres(span.first_fm as f64),
-                    middle_mm: of_femtometres(0.5 * span.twice_middle_fm() as f64),
-                    upper_mm: of_femtometres(span.last_fm as f64),
-                });
+                return Some(self.span(*bin));
             }
             below -= count;
         }

@@ -232,25 +232,17 @@ pub fn simulate_racks<E: From<RacksError>>(
         |block| draw.block(of_block(block), stop),
         |Block { range, results, error }| {
             if !results.is_empty() {
-                take(range.first_rack, &results).map_err(EndedEarly::Error)?;
+                take(range.first_rack, &results).map_err(Some)?;
             }
             match error {
-                Some(error) => Err(EndedEarly::Error(error.into())),
-                None if (results.len() as u64) < range.racks => Err(EndedEarly::Stopped),
+                Some(error) => Err(Some(error.into())),
+                None if (results.len() as u64) < range.racks => Err(None),
                 None => Ok(()),
             }
         },
     );
-    match ended {
-        Ok(()) | Err(EndedEarly::Stopped) => Ok(()),
-        Err(EndedEarly::Error(error)) => Err(error),
-    }
-}
-
-/// Why a run ends before its last rack.
-enum EndedEarly<E> {
-    Error(E),
-    Stopped,
+    // a run that is stopped ends without an error
+    ended.or_else(|error| error.map_or(Ok(()), Err))
 }
 
 /// What became of successive racks.

@@ -2,6 +2,7 @@
 //! Called with the results; it draws and solves nothing.
 
 use super::counts::Counts;
+use crate::quantity::of_femtometres;
 use crate::statistics::{beta_cdf, beta_quantile};
 
 /// Confidence of intervals of quantiles and shares.
@@ -29,25 +30,20 @@ pub struct Quantile {
 pub(super) fn quantiles(counts: &Counts, shares: &[f64]) -> Vec<Quantile> {
     let racks = counts.racks();
     let quantile = |&p: &f64| {
-        let Ranks { lower, upper } = ranks(racks, p);
+        let (lower, upper) = ranks(racks, p);
         let rank = ((racks as f64 * p).ceil().max(1.0) as u64).min(racks);
         Some(Quantile {
             share: p,
-            value_mm: counts.at_rank(rank)?.middle_mm,
-            lower_mm: counts.at_rank(lower).map(|place| place.lower_mm),
-            upper_mm: counts.at_rank(upper).map(|place| place.upper_mm),
+            value_mm: of_femtometres(0.5 * counts.at_rank(rank)?.twice_middle_fm() as f64),
+            lower_mm: counts.at_rank(lower).map(|span| of_femtometres(span.first_fm as f64)),
+            upper_mm: counts.at_rank(upper).map(|span| of_femtometres(span.last_fm as f64)),
         })
     };
     shares.iter().filter_map(quantile).collect()
 }
 
 /// The ranks, from 1, of the ends of a quantile's interval; 0 and n + 1 are those of no value.
-struct Ranks {
-    lower: u64,
-    upper: u64,
-}
-
-fn ranks(racks: u64, p: f64) -> Ranks {
+fn ranks(racks: u64, p: f64) -> (u64, u64) {
     let (tail, n) = (0.5 * (1.0 - CONFIDENCE), racks as f64);
     // P(B ≤ k)
     let cdf = |k: f64| {
@@ -70,7 +66,7 @@ fn ranks(racks: u64, p: f64) -> Ranks {
     // the smallest count that is exceeded rarely, and the largest that is rarely fallen short of
     let upper = first(&|k| 1.0 - cdf(k - 1.0) <= tail);
     let lower = first(&|k| cdf(k - 1.0) > tail).saturating_sub(1);
-    Ranks { lower, upper }
+    (lower, upper)
 }
 
 /// A share of `inside` out of `of` with its 95 % confidence interval (Clopper and Pearson).
@@ -98,7 +94,7 @@ mod tests {
     fn ranks_of_many_racks_are_those_of_the_normal_distribution() {
         for n in [1e6, 1e8, 1e10] {
             for p in [0.01, 0.5, 0.99] {
-                let Ranks { lower, upper } = ranks(n as u64, p);
+                let (lower, upper) = ranks(n as u64, p);
                 let deviation = (n * p * (1.0 - p)).sqrt();
                 let away = |rank: u64| (rank as f64 - n * p) / deviation;
                 assert!(
