@@ -54,13 +54,6 @@ fn alone(error: PartDeviation, basis: &Basis) -> Result<Interval, NoBound> {
     Interval::nearest(range.alone()).map_err(|_| NoBound::TooLarge)
 }
 
-/// Whether an error alone stays inside its own limit, if it has one.
-fn within_own_limit(request: &Request, error: &PartDeviation) -> Result<bool, NoBound> {
-    let own = request.own_limits.iter().find(|(of, _)| *of == error.kind());
-    let Some((_, limit)) = own else { return Ok(true) };
-    Ok(limit.judge(alone(*error, &request.basis)?) == Verdict::Pass)
-}
-
 /// Whether every error stays inside its own limit beside the others, as `evaluate` judges it: larger errors together let
 /// more teeth carry.
 fn within_own_limits(request: &Request, errors: &[PartDeviation]) -> Result<bool, NoBound> {
@@ -109,7 +102,10 @@ fn beyond_own_limits(request: &Request) -> Vec<DeviationKind> {
         Entry::Fixed(error) => Some(error),
         Entry::Free(..) => None,
     });
-    fixed.filter(|error| within_own_limit(request, error) != Ok(true)).map(PartDeviation::kind).collect()
+    fixed
+        .filter(|error| within_own_limits(request, std::slice::from_ref(*error)) != Ok(true))
+        .map(PartDeviation::kind)
+        .collect()
 }
 
 fn line(error: PartDeviation, is_fixed: bool, request: &Request) -> Result<Line, BudgetError> {
@@ -237,7 +233,8 @@ impl<'a> Scaled<'a> {
             let share = magnitude(&errors[index], self.request.model)?;
             let rounded = Length::from_fm((share.fm() + ROUNDED_FM - 1) / ROUNDED_FM * ROUNDED_FM);
             let longer = std::mem::replace(&mut errors[index], largest_tolerance(&free, rounded, self.request.model)?);
-            let is_inside = conforms(&errors) == Ok(true) && within_own_limit(self.request, &errors[index]) == Ok(true);
+            let is_inside =
+                conforms(&errors) == Ok(true) && within_own_limits(self.request, &errors[index..=index]) == Ok(true);
             if !is_inside {
                 errors[index] = longer;
             }
@@ -266,7 +263,7 @@ fn own_share(free: &Free, request: &Request) -> Result<Option<Length>, BudgetErr
         return Ok(None);
     }
     let at = |scale: f64| Ok(vec![largest_tolerance(free, length_of(free.law, scale)?, request.model)?]);
-    match simulation::largest_scale(at, |errors| within_own_limit(request, &errors[0])) {
+    match simulation::largest_scale(at, |errors| within_own_limits(request, errors)) {
         Ok(largest) => Ok(Some(magnitude(&largest.errors[0], request.model)?)),
         Err(BudgetError::Unbounded) => Ok(None),
         Err(error) => Err(error),

@@ -119,41 +119,31 @@ pub(super) fn largest_scale(
     const NARROW: f64 = 1e-10;
     /// Less than the smallest length, mm.
     const NOTHING_MM: f64 = 1e-13;
+    // errors that conform, or whether it is the limit that they break: nothing may be known of errors as large
     let tried = |scale: f64| match at(scale) {
         Ok(errors) => Ok(match conforms(&errors) {
-            Ok(true) => ScaleTried::Conforms(errors),
-            Ok(false) => ScaleTried::Breaks,
-            Err(_) => ScaleTried::NotKnown,
+            Ok(true) => Ok(Allocated { scale, errors }),
+            stopped => Err(stopped.is_ok()),
         }),
         // no error does as much
-        Err(BudgetError::Unbounded) => Ok(ScaleTried::NotKnown),
+        Err(BudgetError::Unbounded) => Ok(Err(false)),
         Err(error) => Err(error),
     };
     let mut best = Allocated { scale: 0.0, errors: at(0.0)? };
     let mut high = 1e-3;
     let mut is_stopped = loop {
         match tried(high)? {
-            ScaleTried::Conforms(_) if high > LARGEST_MM => return Err(BudgetError::Unbounded),
-            ScaleTried::Conforms(errors) => (best, high) = (Allocated { scale: high, errors }, 2.0 * high),
-            ScaleTried::Breaks => break true,
-            ScaleTried::NotKnown => break false,
+            Ok(_) if high > LARGEST_MM => return Err(BudgetError::Unbounded),
+            Ok(allocated) => (best, high) = (allocated, 2.0 * high),
+            Err(is_stopped) => break is_stopped,
         }
     };
     while high - best.scale > NARROW * high && high > NOTHING_MM {
         let middle = 0.5 * (best.scale + high);
         match tried(middle)? {
-            ScaleTried::Conforms(errors) => best = Allocated { scale: middle, errors },
-            ScaleTried::Breaks => (high, is_stopped) = (middle, true),
-            ScaleTried::NotKnown => (high, is_stopped) = (middle, false),
+            Ok(allocated) => best = allocated,
+            Err(stopped) => (high, is_stopped) = (middle, stopped),
         }
     }
     if is_stopped { Ok(best) } else { Err(BudgetError::Unbounded) }
-}
-
-/// What came of errors of one scale.
-enum ScaleTried {
-    Conforms(Vec<PartDeviation>),
-    Breaks,
-    /// Nothing is known of errors as large.
-    NotKnown,
 }
