@@ -8,7 +8,7 @@ use crate::formula::{Model, PartDeviation, domain};
 use crate::gear::Pair;
 use crate::judge::Stack;
 use crate::judge::class::{self, DiameterSource, Meshing, RackDiameter};
-use crate::judge::class_mesh::{ArrangedDeviation, arrangement};
+use crate::judge::class_mesh::ArrangedDeviation;
 use crate::judge::grade::{self, GradeSearch, ObtainedGrade, ToleranceError};
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
@@ -438,7 +438,6 @@ fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair
     let deviation = permissible.deviation;
     let delta_cd = class::delta_cd(deviation, permissible.length(), &sized.meshing, model);
     let mesh = pair.and_then(|pair| {
-        let arrangement = arrangement(deviation, sized.part)?;
         let pitches = permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken);
         let arranged = ArrangedDeviation {
             part: sized.part,
@@ -447,7 +446,7 @@ fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair
             face_width_mm: sized.wheel.face_width.map_or(1.0, Length::mm),
             pitches: pitches as i64,
         };
-        Some((arranged.largest_delta_cd_mm(pair).ok()?, arrangement))
+        arranged.largest_delta_cd_mm(pair)
     });
     ClassRow { permissible, delta_cd, mesh }
 }

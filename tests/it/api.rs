@@ -22,7 +22,6 @@ fn errors_are_errors() {
     error::<rackmesh::evaluation::EvaluationError>();
     error::<rackmesh::budget::BudgetError>();
     error::<rackmesh::judge::class::NoEffect>();
-    error::<rackmesh::judge::class_mesh::NoMeshEffect>();
     error::<rackmesh::chance::MonteCarloError>();
     error::<rackmesh::chance::racks::RacksError>();
     error::<rackmesh::uncertainty::UncertaintyError>();
