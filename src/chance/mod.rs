@@ -123,12 +123,6 @@ impl Simulation {
             histogram,
         }
     }
-
-    /// The value that a share `p` of the draws does not exceed.
-    #[must_use]
-    pub fn quantile(&self, p: f64) -> f64 {
-        self.histogram.quantile(p)
-    }
 }
 
 /// What a simulation gives.

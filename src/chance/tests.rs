@@ -309,7 +309,10 @@ fn rounds_double_until_the_digits_hold() {
     assert_eq!((given.draws, given.reached), (400_000, None));
     assert_eq!(given.results, adaptive.results);
     let result = &given.results[0];
-    assert!((result.quantile(0.5) - 3.0).abs() < 0.1 && (result.quantile(0.841_344_746) - 12.5).abs() < 0.1);
+    assert!(
+        (result.histogram.quantile(0.5) - 3.0).abs() < 0.1
+            && (result.histogram.quantile(0.841_344_746) - 12.5).abs() < 0.1
+    );
 }
 
 /// Values where the quantity may be, with the deviations of their distributions.

@@ -9,7 +9,7 @@ use crate::evaluation::Evaluation;
 use crate::formula::PartDeviation;
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Placement, Reached};
-use crate::judge::strokes::{CurveSearch, StrokesError};
+use crate::judge::strokes::{StrokesError, extremes, tolerance_mm};
 use crate::judge::{Interval, Limit, PlacedError};
 use crate::mesh::{Mesh, Support};
 use crate::report::JudgedMesh;
@@ -24,11 +24,11 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> 
     // that a part is not given both ways is known from here on
     let input = spec.mesh(&tables)?;
     let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
-    let followed = CurveSearch::of(&input.mesh);
-    let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| unsolved(&error))?;
-    let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, followed.tolerance_mm)?;
+    let tolerance_mm = tolerance_mm(&input.mesh);
+    let extremes = extremes(&input.mesh, &strokes, tolerance_mm).map_err(|error| unsolved(&error))?;
+    let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, tolerance_mm)?;
     let certain = spec.certain_teeth(&tables);
-    Ok(spec.with_known_teeth(followed.judged(&extremes), sensitivities, certain))
+    Ok(spec.with_known_teeth(extremes.judged(&input.mesh), sensitivities, certain))
 }
 
 fn no_strokes(error: &StrokesError) -> Failure {

@@ -126,6 +126,16 @@ impl Extremes {
         }
     }
 
+    /// What is held against limits, mm: what the coarse curve of a rack that may roll may miss counts.
+    #[must_use]
+    pub fn judged(&self, mesh: &Mesh) -> KnownTeeth {
+        let missed_mm = if mesh.support() == Support::Fixed { 0.0 } else { ROLLING_TOLERANCE_MM };
+        let judged = |mm: f64| (mm * JUDGED_PARTS).round() / JUDGED_PARTS;
+        let Range { lower, upper } = self.range();
+        let range = Range { lower: judged(lower - missed_mm), upper: judged(upper + missed_mm) };
+        KnownTeeth { range, solved: self.solved }
+    }
+
     /// From one to the other.
     #[must_use]
     pub const fn range(&self) -> Range {
@@ -139,41 +149,10 @@ const TOLERANCE_MM: f64 = 1e-7;
 const ROLLING_TOLERANCE_MM: f64 = 1e-5;
 const JUDGED_PARTS: f64 = 1e9;
 
-/// How closely the curve of known teeth is followed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurveSearch {
-    /// The promised error between points, mm.
-    pub tolerance_mm: f64,
-    /// What a coarse curve may miss counts.
-    missed_mm: f64,
-}
-
-impl CurveSearch {
-    /// That of this mesh.
-    #[must_use]
-    pub fn of(mesh: &Mesh) -> Self {
-        match mesh.support() {
-            Support::Fixed => Self { tolerance_mm: TOLERANCE_MM, missed_mm: 0.0 },
-            Support::FreeRoll { .. } => Self { tolerance_mm: ROLLING_TOLERANCE_MM, missed_mm: ROLLING_TOLERANCE_MM },
-        }
-    }
-
-    /// The extremes over strokes.
-    ///
-    /// # Errors
-    /// [`MeshError`] of a stroke that has no solution.
-    pub fn extremes(&self, mesh: &Mesh, strokes: &[Strokes<f64>]) -> Result<Extremes, MeshError> {
-        extremes(mesh, strokes, self.tolerance_mm)
-    }
-
-    /// What is held against limits, mm.
-    #[must_use]
-    pub fn judged(&self, extremes: &Extremes) -> KnownTeeth {
-        let judged = |mm: f64| (mm * JUDGED_PARTS).round() / JUDGED_PARTS;
-        let Range { lower, upper } = extremes.range();
-        let range = Range { lower: judged(lower - self.missed_mm), upper: judged(upper + self.missed_mm) };
-        KnownTeeth { range, solved: extremes.solved }
-    }
+/// How closely the curve of known teeth is followed: the promised error between points, mm.
+#[must_use]
+pub fn tolerance_mm(mesh: &Mesh) -> f64 {
+    if mesh.support() == Support::Fixed { TOLERANCE_MM } else { ROLLING_TOLERANCE_MM }
 }
 
 /// A curve is followed so many times less closely first, and again where its extremes can be.

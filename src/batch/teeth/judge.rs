@@ -8,7 +8,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, evaluate};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::{Basis, NoBound};
-use crate::judge::strokes::CurveSearch;
+use crate::judge::strokes::{extremes, tolerance_mm};
 use crate::judge::{Interval, LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::spec::{MeasuredTables, MeshInput, Spec};
 use crate::uncertainty::{self, propagate};
@@ -114,11 +114,11 @@ impl TeethJudge {
     pub fn judge(&self, input: &MeshInput, tables: &MeasuredTables) -> Result<JudgedTeeth, Diagnostics> {
         let no_mesh = |message: String| Diagnostic::error(Code::NoMesh, message);
         let strokes = input.judged_strokes().map_err(|error| no_mesh(error.to_string()))?;
-        let followed = CurveSearch::of(&input.mesh);
-        let extremes = followed.extremes(&input.mesh, &strokes).map_err(|error| no_mesh(error.to_string()))?;
+        let tolerance_mm = tolerance_mm(&input.mesh);
+        let extremes = extremes(&input.mesh, &strokes, tolerance_mm).map_err(|error| no_mesh(error.to_string()))?;
         let spec = &self.measured_only;
-        let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, followed.tolerance_mm)?;
-        let (known, certain) = (followed.judged(&extremes), spec.certain_teeth(tables));
+        let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, tolerance_mm)?;
+        let (known, certain) = (extremes.judged(&input.mesh), spec.certain_teeth(tables));
         let spec = spec.clone().with_known_teeth(known, sensitivities, certain);
         let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
         let unmeasured = self.spec.not_in_tables(self.part, tables);
