@@ -16,7 +16,7 @@ use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::law::page_of;
 use crate::formula::{Law, Model, PartDeviation};
-use crate::quantity::{AngleUnit, Length, LengthUnit, QuantityError, Unit};
+use crate::quantity::{Length, LengthUnit, QuantityError, Unit};
 
 /// `[batch]`.
 #[derive(Debug, Clone, Default)]
@@ -148,7 +148,12 @@ impl SectionReader<'_> {
         let angle = if of_lead { Unit::of_angle(symbol) } else { None };
         let unit = angle.or_else(|| Unit::of_length(symbol));
         if unit.is_none() {
-            let message = format!("`{name}`: {}", no_unit(symbol, of_lead));
+            let problem = if of_lead {
+                format!("{}; or, of f_Hβ, {}", QuantityError::no_unit_of_angle(symbol), LengthUnit::NAMES)
+            } else {
+                QuantityError::no_unit_of_length(symbol).to_string()
+            };
+            let message = format!("`{name}`: {problem}");
             self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
         }
         Some(Located { value: unit?, span: value.span() })
@@ -170,22 +175,6 @@ impl SectionReader<'_> {
         }
         texts
     }
-}
-
-/// Why a symbol is not the unit of a column.
-fn no_unit(symbol: &str, of_lead: bool) -> String {
-    let unit = symbol.to_owned();
-    let lengths = LengthUnit::NAMES;
-    if of_lead {
-        let problem = QuantityError::UnknownUnit { unit, expected: "an angle", units: AngleUnit::NAMES };
-        return format!("{problem}; or, of f_Hβ, {lengths}");
-    }
-    let expected = "a length";
-    match Unit::of_angle(symbol) {
-        Some(_) => QuantityError::OtherDimension { unit, measures: "angle", expected, units: lengths },
-        None => QuantityError::UnknownUnit { unit, expected, units: lengths },
-    }
-    .to_string()
 }
 
 impl Spec {
@@ -396,6 +385,7 @@ impl Spec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::AngleUnit;
 
     fn spec(text: &str) -> Spec {
         Spec::parse("spec.toml", text).expect(text)
