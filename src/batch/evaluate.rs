@@ -175,8 +175,8 @@ impl<'a> Evaluator<'a> {
     /// Adds what measuring contributes to the variance of each result.
     fn add_gauge(&mut self, spreads: &Spreads) {
         for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
-            if let Some(of) = self.plan.spread_of(output) {
-                statistics.add_gauge(spread_of(spreads, of).gauge_mm2);
+            if let Some(spread) = self.plan.spread_of(output).and_then(|of| spread_of(self.plan, spreads, of)) {
+                statistics.add_gauge(spread.gauge_mm2);
             }
         }
     }

@@ -70,7 +70,7 @@ impl<'a> Batch<'a> {
     ) -> Result<(), RunError> {
         let Table { name, reading, encoding, place, pieces, header_raw, has_id, .. } = table;
         let plan = self.plan;
-        let names = || write::header(&plan.column_names(), plan.format);
+        let names = || write::header(&plan.column_names(), plan.request.format);
         self.ledger.start(names, encoding, &header_raw).map_err(RunError::Write)?;
         let Ledger { sinks, outcome, worst, .. } = &mut self.ledger;
         let bytes_before = outcome.bytes;

@@ -36,6 +36,11 @@ impl Source {
     }
 }
 
+/// The place of an error among those that are read.
+pub(super) fn index_of(sources: &[Source], kind: DeviationKind) -> Option<usize> {
+    sources.iter().position(|source| source.law.kind() == kind)
+}
+
 /// The columns of errors that the table has, in the paper's order.
 pub(super) fn error_columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t Column>, Diagnostics> {
     let mut found = Vec::new();
