@@ -3,17 +3,16 @@
 
 use crate::table::{DecimalMark, Field, GivenColumn, ValueKind, Want};
 use std::ops::Range;
-use std::sync::Arc;
 
 use toml::de::DeValue;
 
-use super::errors::{Errors, read_extent_value};
+use super::errors::{of_each, read_extent_value};
 use super::keys::{self, Section};
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
 use super::{Located, Spec, WrittenError};
 use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::page_of;
 use crate::formula::{Law, Model, PartDeviation};
 use crate::quantity::{Length, LengthUnit, QuantityError, Unit};
@@ -64,7 +63,7 @@ pub enum Reading {
 pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
     let columns = reader.table("columns", &keys::BATCH_COLUMNS, |reader| BatchSection {
         part_id: reader.get(keys::PART_ID).map(|id| id.value),
-        columns: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, column(reader, kind)?))).collect(),
+        columns: of_each(|kind| column(reader, kind)),
         ..BatchSection::default()
     });
     BatchSection {
@@ -116,26 +115,6 @@ fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Locate
     }
 }
 
-impl BatchSection {
-    /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
-    pub(super) fn other_extents(&self, errors: &Errors, source: &Arc<Source>) -> Vec<Diagnostic> {
-        let has_value = |kind: DeviationKind| errors.values.iter().any(|(other, _)| *other == kind);
-        let of_tables = errors.extents.iter().filter(|(kind, _)| !has_value(*kind));
-        let contradicted = of_tables.filter_map(|(kind, in_errors)| {
-            let (_, column) = self.columns.iter().find(|(column, _)| column == kind)?;
-            let in_column = column.value.extent.as_ref().filter(|extent| extent.value != in_errors.value)?;
-            let key = format!("{}.{}", kind.key(), keys::EXTENT);
-            let message = format!(
-                "`errors.{key}` is \"{}\" and `batch.columns.{key}` is \"{}\", and both are of the values of a table",
-                in_errors.value, in_column.value
-            );
-            let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help("leave one of them out");
-            Some(diagnostic.at(source, in_column.span.clone(), ""))
-        });
-        contradicted.collect()
-    }
-}
-
 impl SectionReader<'_> {
     /// The unit of a column.
     fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
@@ -178,6 +157,24 @@ impl SectionReader<'_> {
 }
 
 impl Spec {
+    /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
+    pub(super) fn other_extents(&self) -> Vec<Diagnostic> {
+        let has_value = |kind: DeviationKind| self.errors.iter().any(|(other, _)| *other == kind);
+        let of_tables = self.extents.iter().filter(|(kind, _)| !has_value(*kind));
+        let contradicted = of_tables.filter_map(|(kind, in_errors)| {
+            let column = self.batch_column(*kind)?;
+            let in_column = column.value.extent.as_ref().filter(|extent| extent.value != in_errors.value)?;
+            let key = format!("{}.{}", kind.key(), keys::EXTENT);
+            let message = format!(
+                "`errors.{key}` is \"{}\" and `batch.columns.{key}` is \"{}\", and both are of the values of a table",
+                in_errors.value, in_column.value
+            );
+            let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help("leave one of them out");
+            Some(diagnostic.at(&self.source, in_column.span.clone(), ""))
+        });
+        contradicted.collect()
+    }
+
     /// The entry of `[batch.columns]` for an error.
     #[must_use]
     pub fn batch_column(&self, kind: DeviationKind) -> Option<&Located<BatchColumn>> {

@@ -3,7 +3,7 @@
 
 use toml::de::{DeTable, DeValue};
 
-use super::errors::{read_error_value, read_extent};
+use super::errors::{of_each, read_error_value, read_extent};
 use super::keys;
 use super::reader::SectionReader;
 use super::resolve::MissingKeys;
@@ -19,12 +19,6 @@ use crate::judge::class::ErrorClass;
 /// `[budget]`.
 #[derive(Debug, Clone, Default)]
 pub struct BudgetSection {
-    /// `worst`, `rss` or `simulation`.
-    pub stack: Option<Located<&'static str>>,
-    /// The fraction of assemblies that must conform.
-    pub conforming: Option<Located<f64>>,
-    /// How errors spread within their tolerances.
-    pub spread: Option<Located<&'static str>>,
     /// The errors.
     pub errors: Vec<(DeviationKind, Located<WrittenTolerance>)>,
     /// On which teeth errors may be, where it says so.
@@ -48,26 +42,13 @@ impl BudgetSection {
         let written = self.extents.iter().find(|(of, _)| *of == kind);
         written.map_or(Extent::Each, |(_, extent)| extent.value)
     }
-
-    /// How errors spread within their tolerances, if that is given.
-    #[must_use]
-    pub fn spread(&self) -> Option<Spread> {
-        self.spread.as_ref().map(|word| match word.value {
-            "normal" => Spread::Normal,
-            "triangular" => Spread::Triangular,
-            _ => Spread::Uniform,
-        })
-    }
 }
 
 /// Reads `[budget]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> BudgetSection {
     BudgetSection {
-        stack: reader.get(keys::BUDGET_STACK),
-        conforming: reader.get(keys::BUDGET_CONFORMING),
-        spread: reader.get(keys::BUDGET_DISTRIBUTION),
-        errors: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, tolerance(reader, kind)?))).collect(),
-        extents: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect(),
+        errors: of_each(|kind| tolerance(reader, kind)),
+        extents: of_each(|kind| read_extent(reader, kind)),
     }
 }
 
@@ -175,6 +156,16 @@ impl Spec {
             entries.push(Entry::Fixed(tolerance));
         }
         if diagnostics.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// How errors spread within their tolerances, if `[budget]` says so.
+    #[must_use]
+    pub fn budget_spread(&self) -> Option<Spread> {
+        self.get(keys::BUDGET_DISTRIBUTION).map(|word| match word {
+            "normal" => Spread::Normal,
+            "triangular" => Spread::Triangular,
+            _ => Spread::Uniform,
+        })
     }
 
     /// The limits of single errors' ΔCD.

@@ -6,9 +6,9 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::Located;
 use super::keys;
 use super::reader::SectionReader;
+use super::{Located, Spec};
 use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
@@ -34,39 +34,24 @@ pub enum WrittenError {
     Class(u8),
 }
 
-/// The entries of `[errors]`.
-#[derive(Default)]
-pub(super) struct Errors {
-    /// The values.
-    pub(super) values: Vec<(DeviationKind, Located<WrittenError>)>,
-    /// The nominal values, with a value or alone.
-    pub(super) nominals: Vec<(DeviationKind, Located<DeviationValue>)>,
-    /// The uncertainties of values that stand elsewhere.
-    pub(super) unmeasured: Vec<(DeviationKind, Range<usize>)>,
-    /// The errors whose value is that of every part.
-    pub(super) every_part: Vec<DeviationKind>,
-    /// On which teeth errors are, where that is written.
-    pub(super) extents: Vec<(DeviationKind, Located<Extent>)>,
-    /// The evaluation length of f_Hβ.
-    pub(super) evaluation_length: Option<Length>,
+/// What is read of each kind of error that there is something of.
+pub(super) fn of_each<T>(mut read: impl FnMut(DeviationKind) -> Option<T>) -> Vec<(DeviationKind, T)> {
+    DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read(kind)?))).collect()
 }
 
 /// Reads `[errors]`.
-pub(super) fn read(reader: &mut SectionReader<'_>) -> Errors {
-    let nominals = DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
-    let nominals: Vec<_> = nominals.collect();
-    let unmeasured: Vec<_> =
-        DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
+pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
+    spec.nominals = of_each(|kind| read_nominal(reader, kind));
+    spec.unmeasured = of_each(|kind| read_unmeasured(reader, kind));
     let alone = |kind| {
         reader.table.and_then(|table| only_nominal(table, kind)).is_some()
-            || unmeasured.iter().any(|(other, _)| *other == kind)
+            || spec.unmeasured.iter().any(|(other, _)| *other == kind)
     };
     let kinds: Vec<_> = DeviationKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
-    let every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
-    let values = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
-    let extents = DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect();
-    let evaluation_length = read_evaluation_length(reader);
-    Errors { values, nominals, unmeasured, every_part, extents, evaluation_length }
+    spec.every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
+    spec.errors = of_each(|kind| kinds.contains(&kind).then(|| read_error(reader, kind))?);
+    spec.extents = of_each(|kind| read_extent(reader, kind));
+    spec.evaluation_length = read_evaluation_length(reader);
 }
 
 /// The length beside f_Hβ; one that cannot be read is reported with the value.

@@ -235,8 +235,7 @@ impl Spec {
             None => self.bad_value(&error, 0..0),
         };
         let form = self.rack_form();
-        let form_span = self.tip_relief.as_ref().map(|relief| relief.span.clone());
-        let form_span = form_span.or_else(|| self.place(keys::RACK_CROWNING));
+        let form_span = self.place(keys::RACK_TIP_RELIEF).or_else(|| self.place(keys::RACK_CROWNING));
         RackFlanks::new(pair, deviations)
             .map_err(whole)?
             .with_measured(measured)

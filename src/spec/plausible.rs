@@ -101,12 +101,9 @@ impl Spec {
             of(self, keys::PINION_PROFILE_SLOPE, form),
             of(self, keys::PINION_TOOTH_THICKNESS_DEVIATION, form),
             of(self, keys::DECISION_RULE, guard),
+            of(self, keys::RACK_TIP_RELIEF, |_| deviation(self.get(keys::RACK_TIP_RELIEF_AMOUNT)?)),
         ]
         .into_iter()
-        .chain(self.tip_relief.as_ref().map(|relief| {
-            let doubt = deviation(relief.value.amount)?;
-            Some(DoubtedKey { name: "tip_relief".to_owned(), span: relief.span.clone(), doubt })
-        }))
         .flatten()
         .collect()
     }

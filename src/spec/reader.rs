@@ -54,10 +54,22 @@ impl SectionReader<'_> {
         }
     }
 
-    /// Reads every key of the section that holds one value.
+    /// Reads every key of the section that holds one value, and those of its tables.
     pub(super) fn values(&mut self, values: &mut Values) {
         for key in self.section.keys {
-            if let Some(value) = self.value(key) {
+            let value = match key.kind {
+                Kind::Table(section) | Kind::Whole(section) => {
+                    let table = self.table(key.name(), section, |inner| {
+                        if matches!(key.kind, Kind::Whole(_)) {
+                            inner.refuse_missing_keys();
+                        }
+                        inner.values(values);
+                    });
+                    table.map(|Located { span, .. }| Located { value: Value::Table(()), span })
+                }
+                _ => self.value(key),
+            };
+            if let Some(value) = value {
                 values.insert(key.path, value);
             }
         }

@@ -76,7 +76,7 @@ fn property(key: &AnyKey) -> Value {
             length_text(),
         ] }),
         Kind::Teeth => json!({ "anyOf": [{ "type": "integer" }, { "type": "string" }] }),
-        Kind::Table(section) => object(section),
+        Kind::Table(section) | Kind::Whole(section) => object(section),
         Kind::Tables(section) => json!({ "type": "array", "items": object(section) }),
         Kind::Limit => {
             let end = json!({ "anyOf": [{ "type": "number" }, length_text()] });
