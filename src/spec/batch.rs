@@ -9,7 +9,7 @@ use toml::de::DeValue;
 use super::errors::{of_each, read_extent_value};
 use super::keys::{self, Section};
 use super::reader::SectionReader;
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec, WrittenError};
 use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -341,13 +341,11 @@ impl Spec {
 
     /// The nominal measure over a roller.
     fn over_roller(&self, roller: Length, written: &Located<WrittenError>) -> Result<DeviationValue, Diagnostics> {
-        let mut missing = MissingKeys::default();
+        let mut problems = Problems::default();
         let place = Some((written.span.clone(), "its nominal value is to be computed".to_owned()));
         let need = || ("the nominal measure over the roller".to_owned(), place.clone());
-        let Some(over_pin) = self.over_pin_of(roller, &mut missing, &need) else {
-            return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
-        };
-        over_pin.measure().map(DeviationValue::Length).map_err(|error| {
+        let over_pin = self.over_pin_of(roller, &mut problems, &need);
+        problems.answer(over_pin, &self.source)?.measure().map(DeviationValue::Length).map_err(|error| {
             let diagnostic = Diagnostic::error(Code::OutOfDomain, error.to_string());
             diagnostic.at(&self.source, written.span.clone(), "").into()
         })
@@ -358,15 +356,13 @@ impl Spec {
     /// # Errors
     /// A diagnostic for each key that the law needs and the spec does not have.
     pub fn law(&self, kind: DeviationKind, what: &str) -> Result<Law, Diagnostics> {
-        let mut missing = MissingKeys::default();
+        let mut problems = Problems::default();
         let place = self.place_of(kind);
         let label = page_of(kind).equation(Model::Exact);
         let need = || (what.to_owned(), place.clone().map(|span| (span, label.to_owned())));
-        match self.law_of(kind, &mut missing, &need) {
-            Some(Ok(law)) => Ok(law),
-            Some(Err(error)) => Err(Diagnostic::error(Code::OutOfDomain, error.to_string()).into()),
-            None => Err(Diagnostics(missing.diagnostics(&self.source).collect())),
-        }
+        let law = self.law_of(kind, &mut problems, &need);
+        let law = problems.answer(law, &self.source)?;
+        law.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 
     /// Where the spec speaks of an error.

@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 use super::errors::{of_each, read_error_value, read_extent};
 use super::keys;
 use super::reader::SectionReader;
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec, WrittenError};
 use crate::budget::Spread;
 use crate::budget::{Entry, Free, Freedom};
@@ -134,20 +134,18 @@ impl Spec {
                     PartDeviation::within(law, value.abs()).with_extent(extent)
                 }
                 WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
-                    let mut missing = MissingKeys::default();
-                    let class = self.class(*kind, *grade, &written.span, &mut missing);
-                    diagnostics.extend(missing.diagnostics(&self.source));
-                    match class {
-                        Some(Ok(class)) => {
+                    let mut problems = Problems::default();
+                    let class = self.class(*kind, *grade, &written.span, &mut problems);
+                    match problems.answer(class, &self.source) {
+                        Ok(class) => {
                             let tolerance = class.tolerance(law);
                             classes.push(class);
                             tolerance
                         }
-                        Some(Err(problem)) => {
-                            diagnostics.push(problem);
+                        Err(problems) => {
+                            diagnostics.extend(problems.0);
                             continue;
                         }
-                        None => continue,
                     }
                 }
                 // refused when it was read

@@ -4,7 +4,7 @@ use toml::de::DeValue;
 
 use super::keys::{self, Kind};
 use super::reader::SectionReader;
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec};
 use crate::chance::racks::Scatter;
 use crate::deviation::DeviationKind;
@@ -87,8 +87,7 @@ impl Spec {
                 .help("add a section such as\n[scatter]\nrack_pitch = \"4 um\"          # standard deviation\nrack_thickness = { half_width = \"6 um\", distribution = \"rectangular\" }");
             return Err(diagnostic.into());
         }
-        let mut missing = MissingKeys::default();
-        let mut diagnostics = Vec::new();
+        let mut problems = Problems::default();
         let mut classes = Vec::new();
         let mut scatter = Scatter::default();
         for (name, written) in &self.scatter {
@@ -97,18 +96,10 @@ impl Spec {
             let spread = match (written.value, class) {
                 (WrittenSpread::Spread(spread), _) => Some(spread),
                 (WrittenSpread::Class(grade), Some(kind)) => {
-                    match self.class(kind, grade, &written.span, &mut missing) {
-                        Some(Ok(class)) => {
-                            let spread = within_class(&class);
-                            classes.push(class);
-                            Some(spread)
-                        }
-                        Some(Err(diagnostic)) => {
-                            diagnostics.push(diagnostic);
-                            None
-                        }
-                        None => None,
-                    }
+                    let class = self.class(kind, grade, &written.span, &mut problems);
+                    let spread = class.as_ref().map(within_class);
+                    classes.extend(class);
+                    spread
                 }
                 (WrittenSpread::Class(_), None) => None,
             };
@@ -126,8 +117,7 @@ impl Spec {
                 _ => scatter.pinion_runout = spread,
             }
         }
-        diagnostics.extend(missing.diagnostics(&self.source));
-        if diagnostics.is_empty() { Ok((scatter, classes)) } else { Err(Diagnostics(diagnostics)) }
+        problems.answer(Some((scatter, classes)), &self.source)
     }
 }
 

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -239,7 +239,7 @@ impl Spec {
     pub fn over_pin(&self) -> Option<OverPin> {
         let (_, written) = self.errors.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller)?;
         let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
-        self.over_pin_of(*roller, &mut MissingKeys::default(), &|| (String::new(), None))
+        self.over_pin_of(*roller, &mut Problems::default(), &|| (String::new(), None))
     }
 
     /// The uncertainties of the values that ΔCD of the given errors follows from.
