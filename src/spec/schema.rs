@@ -34,12 +34,19 @@ pub fn json_schema() -> Value {
 
 fn object(section: &Section) -> Value {
     let properties: Map<_, _> = section.keys.iter().map(|key| (key.name().to_owned(), property(key))).collect();
-    json!({
-        "description": section.doc,
-        "type": "object",
-        "additionalProperties": false,
-        "properties": properties,
-    })
+    let mut schema = closed(properties, &[]);
+    schema["description"] = section.doc.into();
+    schema
+}
+
+/// A table with these keys and no others, some of which it must have.
+fn closed(properties: impl Into<Value>, required: &[&str]) -> Value {
+    let properties: Value = properties.into();
+    let mut schema = json!({ "type": "object", "additionalProperties": false, "properties": properties });
+    if !required.is_empty() {
+        schema["required"] = required.into();
+    }
+    schema
 }
 
 fn property(key: &AnyKey) -> Value {
@@ -101,24 +108,12 @@ fn property(key: &AnyKey) -> Value {
 fn spread(is_angle: bool, has_class: bool) -> Value {
     let text = if is_angle { json!({ "type": "string" }) } else { length_text() };
     let amount = json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, text] });
-    let half_width = json!({
-        "type": "object",
-        "additionalProperties": false,
-        "required": ["half_width", "distribution"],
-        "properties": {
-            "half_width": amount,
-            "distribution": uncertainty_properties()["distribution"],
-        },
-    });
+    let distribution = &uncertainty_properties()["distribution"];
+    let properties = json!({ "half_width": amount, "distribution": distribution });
+    let half_width = closed(properties, &["half_width", "distribution"]);
     let mut forms = vec![amount, half_width];
     if has_class {
-        let grade = json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS });
-        forms.push(json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": ["class"],
-            "properties": { "class": grade },
-        }));
+        forms.push(closed(json!({ "class": grade() }), &["class"]));
     }
     json!({ "anyOf": forms })
 }
@@ -126,14 +121,7 @@ fn spread(is_angle: bool, has_class: bool) -> Value {
 /// An entry of `[budget]`.
 fn tolerance(kind: DeviationKind) -> Value {
     let number = json!({ "type": "number", "exclusiveMinimum": 0 });
-    let free = |name: &str| {
-        json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": [name],
-            "properties": { name: number, EXTENT: extent(kind.unit()) },
-        })
-    };
+    let free = |name: &str| closed(json!({ name: number, EXTENT: extent(kind.unit()) }), &[name]);
     json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
 }
 
@@ -142,12 +130,7 @@ fn forms(mut forms: Vec<Value>, source: Option<Source>) -> Vec<Value> {
     if source.is_some() {
         let mut properties = uncertainty_properties();
         properties.insert("value".to_owned(), json!({ "anyOf": forms }));
-        forms.push(json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": ["value"],
-            "properties": properties,
-        }));
+        forms.push(closed(properties, &["value"]));
     }
     forms
 }
@@ -173,6 +156,10 @@ fn extent(unit: Unit) -> Value {
     json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(unit)).map(Extent::name).collect::<Vec<_>>() })
 }
 
+fn grade() -> Value {
+    json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS })
+}
+
 fn length_text() -> Value {
     json!({ "type": "string", "pattern": length_pattern(r"[+\-−]?") })
 }
@@ -188,7 +175,7 @@ fn error(kind: DeviationKind) -> Value {
     let mut forms = vec![json!({ "type": "number" }), text];
     for form in error_table_forms(kind) {
         let value = |name: &str| match name {
-            "class" => json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS }),
+            "class" => grade(),
             _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         };
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
@@ -199,22 +186,14 @@ fn error(kind: DeviationKind) -> Value {
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
         }
-        forms.push(json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": form,
-            "properties": properties,
-        }));
+        forms.push(closed(properties, form));
     }
     // the uncertainty and extent of values that come from a table
     let mut properties = uncertainty_properties();
     properties.insert(EXTENT.to_owned(), extent(kind.unit()));
-    forms.push(json!({
-        "type": "object",
-        "additionalProperties": false,
-        "minProperties": 1,
-        "properties": properties,
-    }));
+    let mut beside = closed(properties, &[]);
+    beside["minProperties"] = 1.into();
+    forms.push(beside);
     json!({ "anyOf": forms })
 }
 
