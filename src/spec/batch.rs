@@ -89,7 +89,7 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
         let length = if kind == DeviationKind::RackLead { reader.get(keys::EVALUATION_LENGTH) } else { None };
         if let (Some(length), Some(Unit::Angle(unit))) = (&length, unit.as_ref().map(|unit| unit.value)) {
             let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
-            reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone(), "");
+            reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone());
         }
         BatchColumn {
             name: reader.get(keys::COLUMN_NAME).map(|name| name.value),
@@ -120,8 +120,7 @@ impl SectionReader<'_> {
     fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
         let value = self.table?.get(name)?;
         let DeValue::String(symbol) = value.get_ref() else {
-            self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
-            return None;
+            return self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
         };
         // ″ is an arcsecond on a lead error, and an inch on any other
         let angle = if of_lead { Unit::of_angle(symbol) } else { None };
@@ -133,7 +132,7 @@ impl SectionReader<'_> {
                 QuantityError::no_unit_of_length(symbol).to_string()
             };
             let message = format!("`{name}`: {problem}");
-            self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
+            self.report(Diagnostic::error(Code::BadQuantity, message), value.span());
         }
         Some(Located { value: unit?, span: value.span() })
     }
@@ -142,15 +141,15 @@ impl SectionReader<'_> {
     fn texts(&mut self, name: &str) -> Vec<Located<String>> {
         let Some(value) = self.table.and_then(|table| table.get(name)) else { return Vec::new() };
         let DeValue::Array(list) = value.get_ref() else {
-            self.wrong_type(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
+            self.wrong_type::<()>(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
             return Vec::new();
         };
         let mut texts = Vec::new();
         for entry in list {
-            match entry.get_ref() {
-                DeValue::String(text) => texts.push(Located { value: text.to_string(), span: entry.span() }),
+            texts.extend(match entry.get_ref() {
+                DeValue::String(text) => Some(Located { value: text.to_string(), span: entry.span() }),
                 _ => self.wrong_type(name, entry, "text in quotes for each entry of its list"),
-            }
+            });
         }
         texts
     }

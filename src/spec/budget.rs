@@ -66,8 +66,7 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
                     let number = reader.plain_number(key, number)?;
                     if number <= 0.0 {
                         let message = format!("`{key}` is {number}; it must be above 0");
-                        reader.report(Diagnostic::error(Code::OutOfDomain, message), span, "");
-                        return None;
+                        return reader.refuse(Diagnostic::error(Code::OutOfDomain, message), span);
                     }
                     return free(freedom(number));
                 }
@@ -83,8 +82,7 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
         let message = format!("`{name}` of a budget is a table that makes no tolerance");
         let help = "write \"12 um\", { class = 7 }, { weight = 2 }, { cost = 3 } or \"free\"; \
                     with an extent { value = \"12 um\", extent = \"one\" } or { weight = 2, extent = \"one\" }";
-        reader.report(Diagnostic::error(Code::BadErrorEntry, message).help(help), span, "");
-        return None;
+        return reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), span);
     }
     let written = read_error_value(reader, kind, value)?;
     Some(Located { value: WrittenTolerance::Fixed(written), span })

@@ -122,14 +122,14 @@ fn each_table<T>(
                 format!("an entry of `{}` is {}; it must be a table", section.name, type_in_words(entry.get_ref()));
             let diagnostic = Diagnostic::error(Code::WrongType, message)
                 .help(format!("write its keys under a line `[[{}]]`", section.name));
-            reader.report(diagnostic, entry.span(), "");
+            reader.report(diagnostic, entry.span());
             continue;
         };
         if !table.iter().any(|(key, _)| key.get_ref() != "teeth") {
             let names: Vec<_> = section.keys.iter().map(AnyKey::name).filter(|name| *name != "teeth").collect();
             let diagnostic = Diagnostic::error(Code::BadErrorEntry, format!("this `{}` changes nothing", section.name))
                 .help(format!("give at least one of {}", names.join(", ")));
-            reader.report(diagnostic, entry.span(), "");
+            reader.report(diagnostic, entry.span());
             continue;
         }
         reader.inner(section, table, |inner| read(inner, found));
@@ -165,8 +165,7 @@ impl SectionReader<'_> {
         let value = self.table?.get(name)?;
         let DeValue::Table(table) = value.get_ref() else {
             let names: Vec<_> = section.keys.iter().map(|key| format!("{} = …", key.name())).collect();
-            self.wrong_type(name, value, &format!("a table {{ {} }}", names.join(", ")));
-            return None;
+            return self.wrong_type(name, value, &format!("a table {{ {} }}", names.join(", ")));
         };
         let before = self.diagnostics.len();
         let read = self.inner(section, table, read);
@@ -180,7 +179,7 @@ impl SectionReader<'_> {
         let span = table.iter().next().map_or(0..0, |(key, value)| key.span().start..value.span().end);
         for key in self.section.keys.iter().filter(|key| !table.contains_key(key.name())) {
             let message = format!("`{}` needs `{}`", self.section.name, key.name());
-            self.report(Diagnostic::error(Code::MissingKey, message), span.clone(), "");
+            self.report(Diagnostic::error(Code::MissingKey, message), span.clone());
         }
     }
 

@@ -45,8 +45,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
             return Some(number);
         }
         let diagnostic = Diagnostic::error(Code::OutOfDomain, format!("`{name}` is {number}; it must be above 0"));
-        reader.report(diagnostic.help(HELP), span.clone(), "");
-        None
+        reader.refuse(diagnostic.help(HELP), span.clone())
     };
     let DeValue::Table(table) = value.get_ref() else {
         return located(WrittenSpread::Spread(Uncertainty::standard(number(reader, name, value)?)));
@@ -57,8 +56,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
         (Some(grade), None, None) => {
             if class.is_none() {
                 let message = format!("`{name}` has no class: no standard limits it");
-                reader.report(bad(message), span.clone(), "");
-                return None;
+                return reader.refuse(bad(message), span.clone());
             }
             located(WrittenSpread::Class(reader.class_value(grade)?))
         }
@@ -67,10 +65,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
             let half_width = number(reader, "half_width", half_width)?;
             located(WrittenSpread::Spread(Uncertainty::half_width(half_width, distribution)))
         }
-        _ => {
-            reader.report(bad(format!("`{name}` is a table that makes no spread")), span.clone(), "");
-            None
-        }
+        _ => reader.refuse(bad(format!("`{name}` is a table that makes no spread")), span.clone()),
     }
 }
 

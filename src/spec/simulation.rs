@@ -67,7 +67,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>, values: &mut Values) -> Param
         && let Err(error) = parameters.check()
     {
         let span = place(values, &error).unwrap_or(0..0);
-        reader.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
+        reader.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span);
     }
     parameters
 }
