@@ -34,19 +34,18 @@ pub fn json_schema() -> Value {
 
 fn object(section: &Section) -> Value {
     let properties: Map<_, _> = section.keys.iter().map(|key| (key.name().to_owned(), property(key))).collect();
-    let mut schema = closed(properties, &[]);
-    schema["description"] = section.doc.into();
-    schema
+    json!({
+        "description": section.doc,
+        "type": "object",
+        "additionalProperties": false,
+        "properties": properties,
+    })
 }
 
 /// A table with these keys and no others, some of which it must have.
 fn closed(properties: impl Into<Value>, required: &[&str]) -> Value {
     let properties: Value = properties.into();
-    let mut schema = json!({ "type": "object", "additionalProperties": false, "properties": properties });
-    if !required.is_empty() {
-        schema["required"] = required.into();
-    }
-    schema
+    json!({ "type": "object", "additionalProperties": false, "required": required, "properties": properties })
 }
 
 fn property(key: &AnyKey) -> Value {
@@ -191,9 +190,12 @@ fn error(kind: DeviationKind) -> Value {
     // the uncertainty and extent of values that come from a table
     let mut properties = uncertainty_properties();
     properties.insert(EXTENT.to_owned(), extent(kind.unit()));
-    let mut beside = closed(properties, &[]);
-    beside["minProperties"] = 1.into();
-    forms.push(beside);
+    forms.push(json!({
+        "type": "object",
+        "additionalProperties": false,
+        "minProperties": 1,
+        "properties": properties,
+    }));
     json!({ "anyOf": forms })
 }
 
