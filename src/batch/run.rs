@@ -245,9 +245,9 @@ impl SharedRun<'_, '_> {
                 piece.block = Block::default();
             }
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
-            let rows = self.rows_packing.pack_slice(evaluator.written.out.written());
+            let rows = self.rows_packing.pack(evaluator.written.out.written());
             let rejects = self.encoding.original(&evaluator.rejects);
-            let rejects = self.rejects_packing.pack_slice(&rejects);
+            let rejects = self.rejects_packing.pack(&rejects);
             let mut order = lock(&self.order);
             while order.next != number {
                 order = self.turn.wait(order).unwrap_or_else(PoisonError::into_inner);

@@ -107,7 +107,7 @@ pub(super) fn sources(
 }
 
 /// What a column's numbers are.
-fn reading(column: &Column) -> Reading {
+pub(super) fn reading(column: &Column) -> Reading {
     match column.nominal {
         Nominal::Fixed(nominal) => Reading::Measured(nominal),
         Nominal::None | Nominal::Beside => Reading::Deviation,

@@ -175,27 +175,26 @@ impl<'a> Teeth<'a> {
         let gatherer = Gatherer::new(&table)?;
         let is_rack = gatherer.is_rack();
         let judge = TeethJudge::new(self.spec, is_rack, self.request.rows.rule.clone(), self.request.rows.partial)?;
-        for note in judge.notes() {
-            if !self.ledger.outcome.notes.contains(&note) {
-                self.ledger.outcome.notes.push(note);
-            }
-        }
+        self.note(judge.notes());
         let mut reading = table.reading.clone();
         if self.spec.has_other_deviations(is_rack) {
             reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
         }
         let place = Where { file: name, unit: table.place, encoding: table.encoding };
         let (header, has_names) = (table.header_raw.clone(), table.has_id);
-        let gathered = self.gathered(table, gatherer, &mut reading.asides).map_err(RunError::Read);
+        let gathered = self.gathered(table, gatherer, &mut reading.asides);
         self.ledger.outcome.readings.push(reading);
-        Ok(match gathered {
-            Ok(Ok(parts)) => {
-                self.lots.push(Lot { parts, is_rack, has_names, place, header, judge });
-                Ok(())
+        Ok(gathered.map(|parts| self.lots.push(Lot { parts, is_rack, has_names, place, header, judge })))
+    }
+
+    /// Keeps notes that are new.
+    fn note(&mut self, notes: Vec<String>) {
+        let known = &mut self.ledger.outcome.notes;
+        for note in notes {
+            if !known.contains(&note) {
+                known.push(note);
             }
-            Ok(Err(contradiction)) => Err(RunError::Contradiction(contradiction)),
-            Err(unread) => Err(unread),
-        })
+        }
     }
 
     /// The rows of a table, put together to parts; records that are none go to `asides`.
@@ -204,18 +203,18 @@ impl<'a> Teeth<'a> {
         table: Table,
         mut gatherer: Gatherer,
         asides: &mut Vec<AsideReading>,
-    ) -> io::Result<Result<Vec<ToothedPart>, table::Contradiction>> {
+    ) -> Result<Vec<ToothedPart>, RunError> {
         let keeps_raw = self.ledger.sinks.rejects.is_some();
         let needed = vec![true; table.columns.len()];
         for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
-            let block = block?;
+            let block = block.map_err(RunError::Read)?;
             gatherer.take(&block, keeps_raw);
             asides.extend(block.asides.iter().cloned());
             if let Some(contradiction) = block.contradiction {
-                return Ok(Err(contradiction));
+                return Err(RunError::Contradiction(contradiction));
             }
         }
-        Ok(Ok(gatherer.finish()))
+        Ok(gatherer.finish())
     }
 
     /// Judges the parts of all tables. `stop` ends the run after the parts that were begun.
@@ -285,16 +284,12 @@ impl<'a> Teeth<'a> {
     /// Judges, counts and writes a part.
     fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, place: &Where) -> io::Result<()> {
         self.ledger.outcome.counts.rows += 1;
-        let solved = match solved {
+        let mut solved = match solved {
             Ok(solved) => solved,
             Err(fault) => return self.reject(part, &fault, place),
         };
         let verdict = solved.judged.verdict;
-        for note in &solved.judged.notes {
-            if !self.ledger.outcome.notes.contains(note) {
-                self.ledger.outcome.notes.push(note.clone());
-            }
-        }
+        self.note(std::mem::take(&mut solved.judged.notes));
         self.ledger.outcome.counts.judge(verdict);
         if solved.is_cut {
             self.cut += 1;
@@ -328,7 +323,7 @@ impl<'a> Teeth<'a> {
             if !raw.ends_with(b"\n") && !raw.ends_with(b"\r") {
                 raw.push(b'\n');
             }
-            rejects.writer.write_all(&rejects.packing.pack(place.encoding.original(&raw).into_owned())?)?;
+            rejects.write(&place.encoding.original(&raw))?;
         }
         if self.ledger.outcome.problems.len() < self.request.rows.problems_kept {
             self.ledger.outcome.problems.push(Problem {
@@ -393,7 +388,7 @@ impl<'a> Teeth<'a> {
                     write::cell(&mut out, &cell, format, decimals);
                 }
                 write::end(&mut out, format);
-                sink.writer.write_all(&sink.packing.pack(out.written().to_vec())?)
+                sink.write(out.written())
             }
         }
     }
