@@ -17,7 +17,7 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::judge::Verdict;
 use crate::judge::bound::ExtendedError;
 use crate::quantity::shown;
-use crate::table::{Block, Fault};
+use crate::table::Block;
 use crate::uncertainty::Spreads;
 
 /// Evaluates the rows of blocks.
@@ -89,7 +89,7 @@ impl<'a> Evaluator<'a> {
             self.tally.counts.rows += 1;
             if let Some(fault) = faults.next_if(|fault| fault.row == index) {
                 while faults.next_if(|fault| fault.row == index).is_some() {}
-                self.refuse(row, fault);
+                self.refuse(row, fault.column, &fault.text, &fault.message);
                 continue;
             }
             for (deviation, column) in self.deviations.iter_mut().zip(&columns) {
@@ -97,8 +97,9 @@ impl<'a> Evaluator<'a> {
                     *deviation = column[index];
                 }
             }
-            if let Err(refusal) = self.evaluate(row) {
-                self.reject(row, refusal);
+            if let Err(Refusal { message, source }) = self.evaluate(row) {
+                let column = source.and_then(|source| self.layout.columns[source]);
+                self.refuse(row, column, "", &message);
             }
         }
         self.write_no_parts(block, block.record_count);
@@ -175,8 +176,8 @@ impl<'a> Evaluator<'a> {
     /// Adds what measuring contributes to the variance of each result.
     fn add_gauge(&mut self, spreads: &Spreads) {
         for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
-            if let Some(of) = self.plan.spread_of(output) {
-                statistics.add_gauge(spread_of(spreads, of).gauge_mm2);
+            if let Some(spread) = self.plan.spread_of(output).and_then(|of| spread_of(self.plan, spreads, of)) {
+                statistics.add_gauge(spread.gauge_mm2);
             }
         }
     }
@@ -201,27 +202,25 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// A row with a cell that is no value, or that is no row at all.
-    fn refuse(&mut self, row: Row<'_>, fault: &Fault) {
-        let column = fault.column.and_then(|column| self.layout.titles.get(column)).cloned();
-        self.count_rejected(row, &fault.message);
-        self.problem(row, column, fault.text.clone(), fault.message.clone());
-    }
-
-    /// A row whose values have no results.
-    fn reject(&mut self, row: Row<'_>, refusal: Refusal) {
-        let column = refusal.source.and_then(|source| self.layout.columns[source]);
-        let title = column.and_then(|column| self.layout.titles.get(column)).cloned();
-        self.count_rejected(row, &refusal.message);
-        self.problem(row, title, String::new(), refusal.message);
-    }
-
-    fn count_rejected(&mut self, row: Row<'_>, reason: &str) {
+    /// A row with a cell that is no value, that is no row at all, or whose values have no results.
+    fn refuse(&mut self, row: Row<'_>, column: Option<usize>, text: &str, message: &str) {
         self.tally.counts.rejected += 1;
         if self.plan.request.rows == Rows::Every {
-            self.written.row(Some(row), &WrittenRow::None { reason });
+            self.written.row(Some(row), &WrittenRow::None { reason: message });
         }
         self.keep_raw(row.block, row.index);
+        if self.tally.problems.len() < self.plan.request.problems_kept {
+            self.tally.problems.push(Problem {
+                file: Arc::clone(&self.file),
+                line: row.line(),
+                record: row.record(),
+                place: None,
+                part: row.block.name(row.index).filter(|name| !name.is_empty()).map(|name| shown(&name)),
+                column: column.and_then(|column| self.layout.titles.get(column)).cloned(),
+                text: text.to_owned(),
+                message: message.to_owned(),
+            });
+        }
     }
 
     /// Keeps a row as it stands in the file.
@@ -230,14 +229,6 @@ impl<'a> Evaluator<'a> {
         self.rejects.extend_from_slice(raw);
         if !block.goes_on && !self.rejects.ends_with(b"\n") && !self.rejects.ends_with(b"\r") {
             self.rejects.push(b'\n');
-        }
-    }
-
-    fn problem(&mut self, row: Row<'_>, column: Option<String>, text: String, message: String) {
-        if self.tally.problems.len() < self.plan.request.problems_kept {
-            let (file, line, record) = (Arc::clone(&self.file), row.line(), row.record());
-            let part = row.block.name(row.index).filter(|name| !name.is_empty()).map(|name| shown(&name));
-            self.tally.problems.push(Problem { file, line, record, place: None, part, column, text, message });
         }
     }
 }

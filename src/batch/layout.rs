@@ -2,12 +2,11 @@
 
 use super::output::Output;
 use super::plan::Plan;
-use super::source::{Source, missing};
+use super::source::{Source, missing, reading};
 use crate::deviation::DeviationKind;
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::spec::Reading;
-use crate::table::{Nominal, Table, Wanted};
+use crate::table::{Table, Wanted};
 
 /// Where one table has what.
 #[derive(Debug, Clone)]
@@ -46,12 +45,7 @@ impl Layout {
                 continue;
             };
             let column = &table.columns[found];
-            let is_same = match (column.nominal, source.reading) {
-                (Nominal::Fixed(nominal), Reading::Measured(first)) => nominal == first,
-                (Nominal::None | Nominal::Beside, Reading::Deviation) => true,
-                _ => false,
-            };
-            if !is_same {
+            if reading(column) != source.reading {
                 diagnostics.push(bad(format!(
                     "{}, column `{}`: of measured values and deviations it does not hold what the first table's holds",
                     table.name, column.title

@@ -54,6 +54,13 @@ pub struct Sink<'a> {
     pub packing: Packing,
 }
 
+impl Sink<'_> {
+    /// Packs bytes and writes them.
+    pub(super) fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.writer.write_all(&self.packing.pack(bytes)?)
+    }
+}
+
 /// What a run writes and keeps, table after table.
 pub(super) struct Ledger<'a> {
     pub(super) sinks: Sinks<'a>,
@@ -79,7 +86,7 @@ impl<'a> Ledger<'a> {
         header: &[u8],
     ) -> io::Result<()> {
         if let Some(RowSink::Text(rows)) = self.sinks.rows.as_mut().filter(|_| !self.wrote_header) {
-            rows.writer.write_all(&rows.packing.pack(names())?)?;
+            rows.write(&names())?;
             self.wrote_header = true;
         }
         if let Some(rejects) = &mut self.sinks.rejects
@@ -87,7 +94,7 @@ impl<'a> Ledger<'a> {
         {
             let mark = if self.rejects_header.is_none() { encoding.mark() } else { b"" };
             let start = [mark, &encoding.original(header)].concat();
-            rejects.writer.write_all(&rejects.packing.pack(start)?)?;
+            rejects.write(&start)?;
             self.rejects_header = Some(header.to_vec());
         }
         Ok(())

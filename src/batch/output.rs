@@ -5,7 +5,7 @@ use super::request::Request;
 use crate::chance::Simulation;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::judge::{LimitTarget, Limits, Stack};
+use crate::judge::{LimitTarget, Stack};
 use crate::table::Table;
 
 /// One column of the output.
@@ -13,8 +13,8 @@ use crate::table::Table;
 pub(super) enum Output {
     /// The part's name.
     Id,
-    /// ΔCD of the source with that index.
-    Error(usize),
+    /// ΔCD of an error.
+    Error(DeviationKind),
     RangeLower,
     RangeUpper,
     RssLower,
@@ -28,8 +28,8 @@ pub(super) enum Output {
     Expanded(UncertainOutput),
     /// Whether the linear uncertainties of the part describe it.
     Linear,
-    /// The probability that the limit with that index is met.
-    Conformance(usize),
+    /// The probability that a limit is met.
+    Conformance(LimitTarget),
     /// A statistic of the simulated distribution of a result.
     Simulated(UncertainOutput, Simulated),
     /// Whether the simulation confirms the linear uncertainties of the combination.
@@ -46,26 +46,26 @@ pub(super) enum Output {
 /// A result that has an uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum UncertainOutput {
-    /// ΔCD of the source with that index.
-    Source(usize),
+    /// ΔCD of an error.
+    Error(DeviationKind),
     /// The lower end of the combination that is judged.
     Lower,
     /// Its upper end.
     Upper,
 }
 
-impl Output {
-    /// Whether it takes the uncertainties of the part.
-    pub(super) fn is_uncertain(&self) -> bool {
-        matches!(
-            self,
-            Self::Standard(_)
-                | Self::Expanded(_)
-                | Self::Linear
-                | Self::Conformance(_)
-                | Self::Simulated(..)
-                | Self::Validated
-        )
+impl UncertainOutput {
+    /// The name of the result, without its unit.
+    fn name(self, stack: Stack) -> String {
+        let together = match stack {
+            Stack::Range => "range",
+            Stack::Rss => "rss",
+        };
+        match self {
+            Self::Error(kind) => format!("delta_cd_{}", kind.key()),
+            Self::Lower => format!("{together}_lower"),
+            Self::Upper => format!("{together}_upper"),
+        }
     }
 }
 
@@ -79,8 +79,7 @@ pub(super) enum Simulated {
 }
 
 impl Simulated {
-    const ALL: [(&'static str, Self); 4] =
-        [("mean", Self::Mean), ("standard", Self::Standard), ("lower", Self::Lower), ("upper", Self::Upper)];
+    const ALL: [Self; 4] = [Self::Mean, Self::Standard, Self::Lower, Self::Upper];
 
     pub(super) fn of(self, simulation: &Simulation) -> f64 {
         match self {
@@ -91,168 +90,138 @@ impl Simulated {
         }
     }
 
-    pub(super) fn name(self, of: &str) -> String {
-        let statistic = Self::ALL.into_iter().find(|(_, statistic)| *statistic == self).map_or("", |(name, _)| name);
-        format!("{of}_monte_carlo_{statistic}_mm")
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Standard => "standard",
+            Self::Lower => "lower",
+            Self::Upper => "upper",
+        }
     }
 }
 
-/// An output that was asked for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum RequestedOutput {
-    Id,
-    Own(DeviationKind),
-    Standard(DeviationKind),
-    Expanded(DeviationKind),
-    Simulated(DeviationKind, Simulated),
-    Conformance(LimitTarget),
-    Result(Output),
-    Copied(String),
-}
-
-impl RequestedOutput {
-    /// The outputs that were asked for, or all of them.
-    pub(super) fn all(
-        table: &Table,
-        request: &Request,
-        present: &[DeviationKind],
-        limits: &Limits,
-        is_uncertain: bool,
-    ) -> Result<Vec<Self>, Diagnostic> {
-        let own = present.iter().map(|kind| (column_name(*kind), RequestedOutput::Own(*kind)));
-        let results = [
-            ("range_lower_mm", Output::RangeLower),
-            ("range_upper_mm", Output::RangeUpper),
-            ("rss_lower_mm", Output::RssLower),
-            ("rss_upper_mm", Output::RssUpper),
-        ];
-        let results = results.map(|(name, output)| (name.to_owned(), RequestedOutput::Result(output)));
-        let mut all: Vec<_> =
-            std::iter::once(("part_id".to_owned(), RequestedOutput::Id)).chain(own).chain(results).collect();
+impl Output {
+    /// What there is to write of parts with errors of these kinds and limits on these.
+    fn all(request: &Request, kinds: &[DeviationKind], limits: &[LimitTarget], is_uncertain: bool) -> Vec<Self> {
+        let errors = kinds.iter().copied().map(UncertainOutput::Error);
+        let results = || errors.clone().chain([UncertainOutput::Lower, UncertainOutput::Upper]);
+        let mut all = vec![Self::Id];
+        all.extend(kinds.iter().copied().map(Self::Error));
+        all.extend([Self::RangeLower, Self::RangeUpper, Self::RssLower, Self::RssUpper]);
         if request.mesh {
-            let reached = [("reached_lower_mm", Output::ReachedLower), ("reached_upper_mm", Output::ReachedUpper)];
-            all.extend(reached.map(|(name, output)| (name.to_owned(), RequestedOutput::Result(output))));
+            all.extend([Self::ReachedLower, Self::ReachedUpper]);
         }
         if is_uncertain {
-            for kind in present {
-                all.push((standard_name(&own_name(*kind)), RequestedOutput::Standard(*kind)));
-                all.push((expanded_name(&own_name(*kind)), RequestedOutput::Expanded(*kind)));
-            }
-            for of in ENDS {
-                let name = end_name(request.stack, of);
-                all.push((standard_name(name), RequestedOutput::Result(Output::Standard(of))));
-                all.push((expanded_name(name), RequestedOutput::Result(Output::Expanded(of))));
-            }
-            all.push(("linear".to_owned(), RequestedOutput::Result(Output::Linear)));
+            all.extend(results().flat_map(|of| [Self::Standard(of), Self::Expanded(of)]));
+            all.push(Self::Linear);
             if request.monte_carlo.is_some() {
-                for (_, statistic) in Simulated::ALL {
-                    for kind in present {
-                        all.push((statistic.name(&own_name(*kind)), RequestedOutput::Simulated(*kind, statistic)));
-                    }
-                    for of in ENDS {
-                        let name = statistic.name(end_name(request.stack, of));
-                        all.push((name, RequestedOutput::Result(Output::Simulated(of, statistic))));
-                    }
-                }
-                all.push(("linear_validated".to_owned(), RequestedOutput::Result(Output::Validated)));
+                let statistic = |statistic| results().map(move |of| Self::Simulated(of, statistic));
+                all.extend(Simulated::ALL.into_iter().flat_map(statistic));
+                all.push(Self::Validated);
             }
-            let judged = limits.iter().map(|(on, _)| *on).filter(|on| match on {
+            let is_known = |on: &LimitTarget| match on {
                 LimitTarget::CenterDistance => true,
-                LimitTarget::Error(kind) => present.contains(kind),
-            });
-            all.extend(judged.map(|on| (conformance_name(on), RequestedOutput::Conformance(on))));
+                LimitTarget::Error(kind) => kinds.contains(kind),
+            };
+            all.extend(limits.iter().copied().filter(is_known).map(Self::Conformance));
         }
-        all.push(("verdict".to_owned(), RequestedOutput::Result(Output::Verdict)));
-        let Some(names) = &request.columns else {
-            return Ok(all.into_iter().map(|(_, asked)| asked).collect());
-        };
-        let mut asked = Vec::new();
-        for name in names {
-            if let Some((_, output)) = all.iter().find(|(known, _)| known == name) {
-                asked.push(output.clone());
-            } else if table.titles.contains(name) {
-                asked.push(RequestedOutput::Copied(name.clone()));
-            } else {
-                let known: Vec<_> = all.iter().map(|(name, _)| name.as_str()).collect();
-                let uncertain = name.contains("uncertainty") || name.contains("conformance") || name == "linear";
-                if uncertain && !is_uncertain {
-                    let message = format!("there is no column `{name}` to write: the spec gives no uncertainty");
-                    return Err(Diagnostic::error(Code::Usage, message)
-                        .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
-                }
-                return Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write")).help(
-                    format!(
-                        "the results are {}; {} also has {}",
-                        known.join(", "),
-                        table.name,
-                        table.titles_in_words()
-                    ),
-                ));
-            }
-        }
-        Ok(asked)
+        all.push(Self::Verdict);
+        all
     }
 
-    /// The output itself; `None` if what it is of is not there.
-    pub(super) fn output(self, index: &dyn Fn(DeviationKind) -> Option<usize>, judged: &Limits) -> Option<Output> {
-        Some(match self {
-            Self::Id => Output::Id,
-            Self::Own(kind) => Output::Error(index(kind)?),
-            Self::Standard(kind) => Output::Standard(UncertainOutput::Source(index(kind)?)),
-            Self::Expanded(kind) => Output::Expanded(UncertainOutput::Source(index(kind)?)),
-            Self::Simulated(kind, statistic) => Output::Simulated(UncertainOutput::Source(index(kind)?), statistic),
-            Self::Conformance(target) => Output::Conformance(judged.iter().position(|(on, _)| *on == target)?),
-            Self::Result(output) => output,
-            Self::Copied(name) => Output::Copied(name),
-        })
+    /// The outputs that were asked for, or all that there are.
+    pub(super) fn asked(
+        table: &Table,
+        request: &Request,
+        kinds: &[DeviationKind],
+        limits: &[LimitTarget],
+        is_uncertain: bool,
+    ) -> Result<Vec<Self>, Diagnostic> {
+        let all = Self::all(request, kinds, limits, is_uncertain);
+        let Some(names) = &request.columns else { return Ok(all) };
+        let output = |name: &String| {
+            if let Some(output) = all.iter().find(|output| output.name(request.stack) == *name) {
+                return Ok(output.clone());
+            }
+            if table.titles.contains(name) {
+                return Ok(Self::Copied(name.clone()));
+            }
+            if !is_uncertain && Self::would_be_uncertain(name) {
+                let message = format!("there is no column `{name}` to write: the spec gives no uncertainty");
+                return Err(Diagnostic::error(Code::Usage, message)
+                    .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
+            }
+            let known: Vec<_> = all.iter().map(|output| output.name(request.stack)).collect();
+            let (known, titles) = (known.join(", "), table.titles_in_words());
+            Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
+                .help(format!("the results are {known}; {} also has {titles}", table.name)))
+        };
+        names.iter().map(output).collect()
+    }
+
+    /// Whether a name is that of an output which takes uncertainties.
+    fn would_be_uncertain(name: &str) -> bool {
+        let limits = DeviationKind::ALL.map(LimitTarget::Error);
+        let limits = [&limits[..], &[LimitTarget::CenterDistance]].concat();
+        let all = Self::all(&Request::default(), &DeviationKind::ALL, &limits, true);
+        all.iter().any(|output| output.is_uncertain() && Stack::ALL.iter().any(|stack| output.name(*stack) == name))
+    }
+
+    /// The name of its column, where parts are judged by this combination.
+    pub(super) fn name(&self, stack: Stack) -> String {
+        match self {
+            Self::Id => "part_id".to_owned(),
+            Self::Error(kind) => format!("{}_mm", UncertainOutput::Error(*kind).name(stack)),
+            Self::RangeLower => "range_lower_mm".to_owned(),
+            Self::RangeUpper => "range_upper_mm".to_owned(),
+            Self::RssLower => "rss_lower_mm".to_owned(),
+            Self::RssUpper => "rss_upper_mm".to_owned(),
+            Self::ReachedLower => "reached_lower_mm".to_owned(),
+            Self::ReachedUpper => "reached_upper_mm".to_owned(),
+            Self::Standard(of) => format!("{}_standard_uncertainty_mm", of.name(stack)),
+            Self::Expanded(of) => format!("{}_expanded_uncertainty_mm", of.name(stack)),
+            Self::Linear => "linear".to_owned(),
+            Self::Simulated(of, statistic) => format!("{}_monte_carlo_{}_mm", of.name(stack), statistic.name()),
+            Self::Validated => "linear_validated".to_owned(),
+            Self::Conformance(LimitTarget::CenterDistance) => "conformance_probability".to_owned(),
+            Self::Conformance(LimitTarget::Error(kind)) => {
+                format!("{}_conformance_probability", UncertainOutput::Error(*kind).name(stack))
+            }
+            Self::Verdict => "verdict".to_owned(),
+            Self::Reason => "reason".to_owned(),
+            Self::Without => "judged_without".to_owned(),
+            Self::Copied(name) => name.clone(),
+        }
+    }
+
+    /// Whether it takes the uncertainties of the part.
+    pub(super) fn is_uncertain(&self) -> bool {
+        matches!(
+            self,
+            Self::Standard(_)
+                | Self::Expanded(_)
+                | Self::Linear
+                | Self::Conformance(_)
+                | Self::Simulated(..)
+                | Self::Validated
+        )
     }
 
     /// The error that it is about, if it is about one.
-    pub(super) fn error(&self) -> Option<DeviationKind> {
+    fn error(&self) -> Option<DeviationKind> {
         match self {
-            Self::Own(kind)
-            | Self::Standard(kind)
-            | Self::Expanded(kind)
-            | Self::Simulated(kind, _)
+            Self::Error(kind)
+            | Self::Standard(UncertainOutput::Error(kind))
+            | Self::Expanded(UncertainOutput::Error(kind))
+            | Self::Simulated(UncertainOutput::Error(kind), _)
             | Self::Conformance(LimitTarget::Error(kind)) => Some(*kind),
-            Self::Conformance(_) | Self::Id | Self::Result(_) | Self::Copied(_) => None,
+            _ => None,
         }
     }
-}
 
-/// The name of the column with an error's ΔCD.
-pub(super) fn column_name(kind: DeviationKind) -> String {
-    format!("{}_mm", own_name(kind))
-}
-
-pub(super) fn own_name(kind: DeviationKind) -> String {
-    format!("delta_cd_{}", kind.key())
-}
-
-/// The ends of a combination.
-const ENDS: [UncertainOutput; 2] = [UncertainOutput::Lower, UncertainOutput::Upper];
-
-pub(super) fn end_name(stack: Stack, of: UncertainOutput) -> &'static str {
-    match (stack, of) {
-        (Stack::Range, UncertainOutput::Lower) => "range_lower",
-        (Stack::Range, _) => "range_upper",
-        (Stack::Rss, UncertainOutput::Lower) => "rss_lower",
-        (Stack::Rss, _) => "rss_upper",
-    }
-}
-
-pub(super) fn standard_name(of: &str) -> String {
-    format!("{of}_standard_uncertainty_mm")
-}
-
-pub(super) fn expanded_name(of: &str) -> String {
-    format!("{of}_expanded_uncertainty_mm")
-}
-
-/// The name of the column with the probability that a limit is met.
-pub(super) fn conformance_name(on: LimitTarget) -> String {
-    match on {
-        LimitTarget::CenterDistance => "conformance_probability".to_owned(),
-        LimitTarget::Error(kind) => format!("{}_conformance_probability", own_name(kind)),
+    /// Whether it follows from an error.
+    pub(super) fn needs(&self, kind: DeviationKind) -> bool {
+        let follows_from_none = matches!(self, Self::Id | Self::Copied(_));
+        self.error().map_or(!follows_from_none, |of| of == kind)
     }
 }

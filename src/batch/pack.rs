@@ -36,15 +36,7 @@ impl Packing {
     }
 
     /// Packs bytes; nothing stays nothing.
-    pub(super) fn pack(self, bytes: Vec<u8>) -> io::Result<Vec<u8>> {
-        match self {
-            Self::None => Ok(bytes),
-            _ => Ok(self.pack_slice(&bytes)?.into_owned()),
-        }
-    }
-
-    /// Packs bytes; nothing stays nothing.
-    pub(super) fn pack_slice(self, bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
+    pub(super) fn pack(self, bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
         if bytes.is_empty() {
             return Ok(Cow::Borrowed(bytes));
         }

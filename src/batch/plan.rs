@@ -8,19 +8,15 @@ use std::sync::Arc;
 use super::columns::ColumnKind;
 use super::number::{Decimals, Places};
 use super::outcome::Quantity;
-use super::output::{
-    Output, RequestedOutput, UncertainOutput, column_name, conformance_name, end_name, expanded_name, own_name,
-    standard_name,
-};
-use super::request::{Request, RowFormat, Rows};
-use super::source::{Source, error_columns, sources};
+use super::output::{Output, UncertainOutput};
+use super::request::{Request, Rows};
+use super::source::{Source, error_columns, index_of, sources};
 use super::uncertain::Uncertain;
 use crate::chance::MonteCarloError;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::Model;
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
-use crate::judge::{LimitTarget, Limits, Rule, Stack};
+use crate::judge::{LimitTarget, Limits, Stack};
 use crate::mesh::Support;
 use crate::spec::Spec;
 use crate::table::Table;
@@ -36,8 +32,6 @@ pub struct Plan {
     /// The errors that the first table has columns of, and those of every part.
     pub(super) present: Vec<DeviationKind>,
     pub(super) outputs: Vec<Output>,
-    pub(super) model: Model,
-    pub(super) stack: Stack,
     /// What is known of the pair.
     pub(super) basis: Basis,
     /// Whether the worst case, or the statistical sum, is written, judged or counted.
@@ -46,17 +40,17 @@ pub struct Plan {
     /// Whether what the mesh reaches is written.
     pub(super) needs_reached: bool,
     /// The limits that can be judged.
-    pub(super) limits: Limits,
+    pub limits: Limits,
     /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
-    pub(super) unjudged: Vec<LimitTarget>,
-    /// The errors that the spec asks for and the table lacks.
-    pub(super) lacking: Vec<DeviationKind>,
+    pub unjudged: Vec<LimitTarget>,
+    /// The errors that the spec asks for and the table lacks: without them the sum is not that of a part.
+    pub lacking: Vec<DeviationKind>,
     /// What the parts are judged without, as told by the user.
     pub(super) without: String,
-    has_id: bool,
-    pub(super) decimals: Decimals,
-    pub(super) format: RowFormat,
-    pub(super) request: Request,
+    /// Whether parts have a name of their own, or are called by the number of their row.
+    pub has_id: bool,
+    /// What was asked.
+    pub request: Request,
     /// The results that are held against a limit, by their place among the quantities, where statistics are kept.
     pub(super) followed: Vec<(usize, Output)>,
     /// The uncertainties, if some output, the rule or a statistic needs them.
@@ -95,16 +89,15 @@ impl Plan {
         if !is_uncertain {
             refuse_without_uncertainty(&request)?;
         }
-        let outputs = RequestedOutput::all(table, &request, &present, &limits, is_uncertain)?;
-        let judged_together = limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
-        let combined = outputs.iter().any(|output| matches!(output, RequestedOutput::Result(_)));
-        let needed = |kind: DeviationKind| {
-            let limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
-            judged_together || combined || limited || outputs.iter().any(|asked| asked.error() == Some(kind))
+        let limited: Vec<_> = limits.iter().map(|(on, _)| *on).collect();
+        let mut outputs = Output::asked(table, &request, &present, &limited, is_uncertain)?;
+        let needed = |kind: &DeviationKind| {
+            let is_limited =
+                limited.contains(&LimitTarget::CenterDistance) || limited.contains(&LimitTarget::Error(*kind));
+            is_limited || outputs.iter().any(|output| output.needs(*kind))
         };
-        let needed: Vec<_> = present.iter().copied().filter(|kind| needed(*kind)).collect();
+        let needed: Vec<_> = present.iter().copied().filter(needed).collect();
         let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
-        let index = |kind: DeviationKind| sources.iter().position(|source| source.law.kind() == kind);
         // a rule that needs uncertainties judges nothing of which one is missing
         let uncertainties = spec.uncertainties_of(&present)?;
         let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Source::Error(*kind)).is_none();
@@ -112,11 +105,11 @@ impl Plan {
         let is_read = |on: LimitTarget| match on {
             _ if lacks_uncertainty => false,
             LimitTarget::CenterDistance => lacking.is_empty() || request.partial,
-            LimitTarget::Error(kind) => index(kind).is_some(),
+            LimitTarget::Error(kind) => index_of(&sources, kind).is_some(),
         };
         let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
-        let unjudged = unjudged.into_iter().map(|(on, _)| on).collect();
-        let mut outputs: Vec<_> = outputs.into_iter().filter_map(|asked| asked.output(&index, &judged)).collect();
+        let unjudged: Vec<_> = unjudged.into_iter().map(|(on, _)| on).collect();
+        outputs.retain(|output| !matches!(output, Output::Conformance(on) if unjudged.contains(on)));
         let mut without = Vec::new();
         if request.partial {
             without.extend(lacking.iter().map(|kind| kind.key().to_owned()));
@@ -156,15 +149,11 @@ impl Plan {
             json_names: Vec::new(),
             row_room: 0,
             places: if let Decimals::Places(count) = request.decimals { Some(Places::new(count)) } else { None },
-            model: request.model,
-            stack,
             limits: judged,
             unjudged,
             lacking,
             without: without.join("; "),
             has_id: table.has_id,
-            decimals: request.decimals,
-            format: request.format,
             sources,
             present,
             outputs,
@@ -207,8 +196,8 @@ impl Plan {
     /// Of which uncertainty the variance of a result is made, if the uncertainties are known.
     pub(super) fn spread_of(&self, output: &Output) -> Option<UncertainOutput> {
         self.uncertain.as_ref()?;
-        match (output, self.stack) {
-            (Output::Error(source), _) => Some(UncertainOutput::Source(*source)),
+        match (output, self.request.stack) {
+            (Output::Error(kind), _) => Some(UncertainOutput::Error(*kind)),
             (Output::RangeLower, Stack::Range) | (Output::RssLower, Stack::Rss) => Some(UncertainOutput::Lower),
             (Output::RangeUpper, Stack::Range) | (Output::RssUpper, Stack::Rss) => Some(UncertainOutput::Upper),
             _ => None,
@@ -230,24 +219,18 @@ impl Plan {
         self.uncertain.is_some()
     }
 
-    /// How a verdict is reached.
-    #[must_use]
-    pub fn rule(&self) -> &Rule {
-        &self.request.rule
-    }
-
     /// The results that have statistics, without a value so far.
     pub(super) fn quantities_kept(&self) -> Vec<Quantity> {
-        let together = |stack: Stack| (self.stack == stack).then_some(LimitTarget::CenterDistance);
+        let together = |stack: Stack| (self.request.stack == stack).then_some(LimitTarget::CenterDistance);
         let quantities = self.quantities().map(|output| {
             let on = match output {
-                Output::Error(source) => Some(LimitTarget::Error(self.sources[*source].law.kind())),
+                Output::Error(kind) => Some(LimitTarget::Error(*kind)),
                 Output::RangeLower | Output::RangeUpper => together(Stack::Range),
                 Output::RssLower | Output::RssUpper => together(Stack::Rss),
                 _ => None,
             };
             let limit = self.limits.iter().find(|(target, _)| on == Some(*target)).map(|(_, limit)| limit);
-            Quantity::new(self.output_name(output), on, limit)
+            Quantity::new(output.name(self.request.stack), on, limit)
         });
         quantities.collect()
     }
@@ -262,7 +245,7 @@ impl Plan {
     /// The names of the columns written, in order.
     #[must_use]
     pub fn column_names(&self) -> Vec<String> {
-        self.outputs.iter().map(|output| self.output_name(output)).collect()
+        self.outputs.iter().map(|output| output.name(self.request.stack)).collect()
     }
 
     /// The columns written, in order: their names, and what they hold.
@@ -279,53 +262,6 @@ impl Plan {
             _ => ColumnKind::Number,
         };
         self.outputs.iter().map(kind).collect()
-    }
-
-    fn output_name(&self, output: &Output) -> String {
-        match output {
-            Output::Id => "part_id".to_owned(),
-            Output::Error(source) => column_name(self.sources[*source].law.kind()),
-            Output::RangeLower => "range_lower_mm".to_owned(),
-            Output::RangeUpper => "range_upper_mm".to_owned(),
-            Output::RssLower => "rss_lower_mm".to_owned(),
-            Output::RssUpper => "rss_upper_mm".to_owned(),
-            Output::ReachedLower => "reached_lower_mm".to_owned(),
-            Output::ReachedUpper => "reached_upper_mm".to_owned(),
-            Output::Standard(of) => standard_name(&self.name_of(*of)),
-            Output::Expanded(of) => expanded_name(&self.name_of(*of)),
-            Output::Linear => "linear".to_owned(),
-            Output::Simulated(of, statistic) => statistic.name(&self.name_of(*of)),
-            Output::Validated => "linear_validated".to_owned(),
-            Output::Conformance(limit) => conformance_name(self.limits[*limit].0),
-            Output::Verdict => "verdict".to_owned(),
-            Output::Reason => "reason".to_owned(),
-            Output::Without => "judged_without".to_owned(),
-            Output::Copied(name) => name.clone(),
-        }
-    }
-
-    fn name_of(&self, of: UncertainOutput) -> String {
-        match of {
-            UncertainOutput::Source(source) => own_name(self.sources[source].law.kind()),
-            end => end_name(self.stack, end).to_owned(),
-        }
-    }
-
-    /// Limits on errors that the table has no column of: they are not judged.
-    #[must_use]
-    pub fn unjudged(&self) -> &[LimitTarget] {
-        &self.unjudged
-    }
-
-    /// The limits that are judged.
-    #[must_use]
-    pub fn limits(&self) -> &Limits {
-        &self.limits
-    }
-
-    /// The place of an error among the sources.
-    pub(super) fn source_of(&self, kind: DeviationKind) -> Option<usize> {
-        self.sources.iter().position(|source| source.law.kind() == kind)
     }
 
     /// On which teeth the errors are, as far as the spec says so.
@@ -360,24 +296,6 @@ impl Plan {
         self.sources.iter().map(|source| source.law.kind())
     }
 
-    /// The model of the formulas.
-    #[must_use]
-    pub fn model(&self) -> Model {
-        self.model
-    }
-
-    /// The combination that is judged.
-    #[must_use]
-    pub fn stack(&self) -> Stack {
-        self.stack
-    }
-
-    /// Errors that the spec asks for and the table lacks: without them the sum is not that of a part.
-    #[must_use]
-    pub fn lacking(&self) -> &[DeviationKind] {
-        &self.lacking
-    }
-
     /// Errors whose value in the spec is that of every part.
     pub fn of_every_part(&self) -> impl Iterator<Item = DeviationKind> + '_ {
         self.sources.iter().filter(|source| source.of_every_part.is_some()).map(|source| source.law.kind())
@@ -402,12 +320,6 @@ impl Plan {
             }
             None => "not judged: a limit is on what the table does not have, or no bound is known".to_owned(),
         }
-    }
-
-    /// Whether parts have a name of their own, or are called by the number of their row.
-    #[must_use]
-    pub fn has_id(&self) -> bool {
-        self.has_id
     }
 
     /// Whether parts are judged by what the table has, though it lacks something.

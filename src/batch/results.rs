@@ -3,7 +3,7 @@
 
 use super::output::{Output, UncertainOutput};
 use super::plan::Plan;
-use super::source::KINDS;
+use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
 use crate::deviation::DeviationValue;
 use crate::evaluation::overall;
@@ -18,9 +18,9 @@ use crate::uncertainty::{Spread, Spreads};
 /// The results of one part.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Results {
-    /// ΔCD of each source.
+    /// ΔCD of each kind of error, by its number.
     pub(super) each: [Length; KINDS],
-    /// What each source can do alone, where that is held against a limit.
+    /// What each can do alone, where that is held against a limit.
     alone: [Option<Interval>; KINDS],
     range: Option<Interval>,
     rss: Option<Interval>,
@@ -74,13 +74,14 @@ impl Results {
         let mut results =
             Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None, reached: None };
         for (index, source) in plan.sources.iter().enumerate() {
-            let delta_cd = source.law.delta_cd(deviations[index], plan.model);
-            results.each[index] = delta_cd.map_err(|problem| of_source(index, problem))?;
+            let kind = source.law.kind() as usize;
+            let delta_cd = source.law.delta_cd(deviations[index], plan.request.model);
+            results.each[kind] = delta_cd.map_err(|problem| of_source(index, problem))?;
             errors[index].value = plain_value(deviations[index]);
             if source.is_limited {
                 let alone = plan.basis.alone(&errors[index]).ok();
                 let alone = alone.map(|alone| Interval::nearest(alone.alone())).transpose();
-                results.alone[index] = alone.map_err(|problem| of_source(index, problem.into()))?;
+                results.alone[kind] = alone.map_err(|problem| of_source(index, problem.into()))?;
             }
         }
         if plan.needs_range || plan.needs_rss {
@@ -123,10 +124,11 @@ impl Results {
         Ok(overall(judged.chain(plan.unjudged.iter().map(|_| None))))
     }
 
-    /// The probability that the limit with that index is met, by the linear uncertainties; `None` without a result.
-    pub(super) fn conformance(&self, plan: &Plan, spreads: &Spreads, limit: usize) -> Option<f64> {
-        let (on, limit) = &plan.limits[limit];
-        Some(ends(plan, spreads, *on, self.judged(plan, *on)?).conformance(limit))
+    /// The probability that a limit is met, simulated or by the linear uncertainties; `None` without a result.
+    pub(super) fn conformance(&self, plan: &Plan, known: &RowUncertainty, on: LimitTarget) -> Option<f64> {
+        let index = plan.limits.iter().position(|(other, _)| *other == on)?;
+        let linear = || Some(ends(plan, &known.spreads, on, self.judged(plan, on)?).conformance(&plan.limits[index].1));
+        known.inside(index).or_else(linear)
     }
 
     /// How far the part is inside the nearest limit; without limits, how far its largest result is from 0.
@@ -152,7 +154,7 @@ impl Results {
     #[inline]
     pub(super) fn of(&self, output: &Output) -> Option<Length> {
         match output {
-            Output::Error(source) => Some(self.each[*source]),
+            Output::Error(kind) => Some(self.each[*kind as usize]),
             Output::RangeLower => Some(self.range?.lower),
             Output::RangeUpper => Some(self.range?.upper),
             Output::RssLower => Some(self.rss?.lower),
@@ -167,9 +169,9 @@ impl Results {
     #[inline]
     fn judged(&self, plan: &Plan, on: LimitTarget) -> Option<Interval> {
         match on {
-            LimitTarget::CenterDistance if plan.stack == Stack::Rss => self.rss,
+            LimitTarget::CenterDistance if plan.request.stack == Stack::Rss => self.rss,
             LimitTarget::CenterDistance => self.range,
-            LimitTarget::Error(kind) => self.alone[plan.source_of(kind)?],
+            LimitTarget::Error(kind) => self.alone[kind as usize],
         }
     }
 }
@@ -185,16 +187,16 @@ fn reached(plan: &Plan, errors: &[ExtendedError]) -> Option<Interval> {
 fn ends(plan: &Plan, spreads: &Spreads, on: LimitTarget, result: Interval) -> Ends {
     let source = match on {
         LimitTarget::CenterDistance => None,
-        LimitTarget::Error(kind) => plan.source_of(kind),
+        LimitTarget::Error(kind) => index_of(&plan.sources, kind),
     };
     spreads.ends(source, result)
 }
 
 /// The uncertainty of a result.
-pub(super) fn spread_of(spreads: &Spreads, of: UncertainOutput) -> &Spread {
-    match of {
-        UncertainOutput::Source(source) => &spreads.errors[source],
+pub(super) fn spread_of<'s>(plan: &Plan, spreads: &'s Spreads, of: UncertainOutput) -> Option<&'s Spread> {
+    Some(match of {
+        UncertainOutput::Error(kind) => &spreads.errors[index_of(&plan.sources, kind)?],
         UncertainOutput::Lower => &spreads.lower,
         UncertainOutput::Upper => &spreads.upper,
-    }
+    })
 }

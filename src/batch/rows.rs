@@ -6,7 +6,7 @@ use super::buffer::Buffer;
 use super::columns::{ResultCell, ResultColumns};
 use super::output::Output;
 use super::plan::Plan;
-use super::request::RowFormat;
+use super::request::{Request, RowFormat};
 use super::results::{Results, spread_of};
 use super::uncertain::RowUncertainty;
 use super::write;
@@ -62,7 +62,7 @@ impl<'a> RowWriter<'a> {
     /// Forgets what was written.
     pub(super) fn clear(&mut self) {
         self.out.truncate(0);
-        if self.plan.format == RowFormat::Columns {
+        if self.plan.request.format == RowFormat::Columns {
             self.columns = ResultColumns::new(self.plan.column_kinds());
         }
     }
@@ -71,25 +71,26 @@ impl<'a> RowWriter<'a> {
     #[inline]
     pub(super) fn row(&mut self, row: Option<Row<'_>>, written: &WrittenRow<'_>) {
         let plan = self.plan;
-        if plan.format == RowFormat::Columns {
+        let Request { format, decimals, .. } = plan.request;
+        if format == RowFormat::Columns {
             let cells = (0..plan.outputs.len()).map(|index| cell(plan, index, row, written));
-            return self.columns.push(cells, plan.decimals);
+            return self.columns.push(cells, decimals);
         }
         self.out.room(plan.row_room);
         for (index, (output, start)) in plan.outputs.iter().zip(&plan.json_names).enumerate() {
-            write::start(&mut self.out, index, start, plan.format);
+            write::start(&mut self.out, index, start, format);
             match (written, plan.places) {
                 // a quarter of the time of a table is writing its lengths
                 (WrittenRow::Part { results, .. }, Some(places)) if let Some(length) = results.of(output) => {
                     places.write(&mut self.out, length);
                 }
                 _ => {
-                    write::cell(&mut self.out, &cell(plan, index, row, written), plan.format, plan.decimals);
+                    write::cell(&mut self.out, &cell(plan, index, row, written), format, decimals);
                     self.out.room(plan.row_room);
                 }
             }
         }
-        write::end(&mut self.out, plan.format);
+        write::end(&mut self.out, format);
     }
 }
 
@@ -130,15 +131,13 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
 #[inline(never)]
 fn uncertain(plan: &Plan, output: &Output, results: &Results, known: &RowUncertainty) -> Option<ResultCell<'static>> {
     Some(match output {
-        Output::Standard(of) => ResultCell::Number(spread_of(&known.spreads, *of).standard_mm),
+        Output::Standard(of) => ResultCell::Number(spread_of(plan, &known.spreads, *of)?.standard_mm),
         Output::Expanded(of) => {
-            let spread = spread_of(&known.spreads, *of);
+            let spread = spread_of(plan, &known.spreads, *of)?;
             ResultCell::Number(spread.coverage_factor * spread.standard_mm)
         }
-        Output::Conformance(limit) => {
-            ResultCell::Number(known.inside(*limit).or_else(|| results.conformance(plan, &known.spreads, *limit))?)
-        }
-        Output::Simulated(of, statistic) => ResultCell::Number(statistic.of(known.simulation_of(*of)?)),
+        Output::Conformance(on) => ResultCell::Number(results.conformance(plan, known, *on)?),
+        Output::Simulated(of, statistic) => ResultCell::Number(statistic.of(known.simulation_of(&plan.sources, *of)?)),
         Output::Validated => ResultCell::Flag(known.validated?),
         _ => ResultCell::Flag(!known.spreads.upper.folded),
     })

@@ -70,7 +70,7 @@ impl<'a> Batch<'a> {
     ) -> Result<(), RunError> {
         let Table { name, reading, encoding, place, pieces, header_raw, has_id, .. } = table;
         let plan = self.plan;
-        let names = || write::header(&plan.column_names(), plan.format);
+        let names = || write::header(&plan.column_names(), plan.request.format);
         self.ledger.start(names, encoding, &header_raw).map_err(RunError::Write)?;
         let Ledger { sinks, outcome, worst, .. } = &mut self.ledger;
         let bytes_before = outcome.bytes;
@@ -245,9 +245,9 @@ impl SharedRun<'_, '_> {
                 piece.block = Block::default();
             }
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
-            let rows = self.rows_packing.pack_slice(evaluator.written.out.written());
+            let rows = self.rows_packing.pack(evaluator.written.out.written());
             let rejects = self.encoding.original(&evaluator.rejects);
-            let rejects = self.rejects_packing.pack_slice(&rejects);
+            let rejects = self.rejects_packing.pack(&rejects);
             let mut order = lock(&self.order);
             while order.next != number {
                 order = self.turn.wait(order).unwrap_or_else(PoisonError::into_inner);

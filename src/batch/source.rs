@@ -36,6 +36,11 @@ impl Source {
     }
 }
 
+/// The place of an error among those that are read.
+pub(super) fn index_of(sources: &[Source], kind: DeviationKind) -> Option<usize> {
+    sources.iter().position(|source| source.law.kind() == kind)
+}
+
 /// The columns of errors that the table has, in the paper's order.
 pub(super) fn error_columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t Column>, Diagnostics> {
     let mut found = Vec::new();
@@ -102,7 +107,7 @@ pub(super) fn sources(
 }
 
 /// What a column's numbers are.
-fn reading(column: &Column) -> Reading {
+pub(super) fn reading(column: &Column) -> Reading {
     match column.nominal {
         Nominal::Fixed(nominal) => Reading::Measured(nominal),
         Nominal::None | Nominal::Beside => Reading::Deviation,

@@ -3,7 +3,7 @@
 
 use super::output::UncertainOutput;
 use super::request::Request;
-use super::source::{KINDS, Source};
+use super::source::{KINDS, Source, index_of};
 use crate::chance::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -46,10 +46,10 @@ impl RowUncertainty {
     }
 
     /// The simulated distribution of a result.
-    pub(super) fn simulation_of(&self, of: UncertainOutput) -> Option<&Simulation> {
+    pub(super) fn simulation_of(&self, sources: &[Source], of: UncertainOutput) -> Option<&Simulation> {
         let part = self.simulation.as_ref()?;
         Some(match of {
-            UncertainOutput::Source(source) => &part.outcome.results[source],
+            UncertainOutput::Error(kind) => &part.outcome.results[index_of(sources, kind)?],
             UncertainOutput::Lower => part.lower(),
             UncertainOutput::Upper => part.upper(),
         })
@@ -100,8 +100,8 @@ impl Uncertain {
         limits: &Limits,
     ) -> Result<RowUncertainty, MonteCarloError> {
         let mut points = [Point::default(); KINDS];
-        for ((point, deviation), delta_cd) in points.iter_mut().zip(deviations).zip(delta_cd) {
-            *point = Point { error: deviation.base(), delta_cd_mm: delta_cd.mm() };
+        for ((point, deviation), source) in points.iter_mut().zip(deviations).zip(sources) {
+            *point = Point { error: deviation.base(), delta_cd_mm: delta_cd[source.law.kind() as usize].mm() };
         }
         let spreads = self.propagator.spreads(&points[..sources.len()]);
         let Some(settings) = &self.monte_carlo else {

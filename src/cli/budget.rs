@@ -145,9 +145,7 @@ impl Args {
     }
 
     fn rule(&self, spec: &Spec) -> Result<Rule, Failure> {
-        let section = &spec.budget;
-        let written = section.stack.as_ref().map(|stack| stack.value);
-        let stack = self.stack.unwrap_or(match written {
+        let stack = self.stack.unwrap_or(match spec.get(keys::BUDGET_STACK) {
             Some("rss") => StackArg::Rss,
             Some("simulation") => StackArg::Simulation,
             _ => StackArg::Worst,
@@ -168,10 +166,10 @@ impl Args {
                     SpreadArg::Normal => Spread::Normal,
                     SpreadArg::Triangular => Spread::Triangular,
                 });
-                let conforming = self.conforming.or(section.conforming.as_ref().map(|conforming| conforming.value));
+                let conforming = self.conforming.or(spec.get(keys::BUDGET_CONFORMING));
                 Rule::Simulation(Simulation {
                     conforming: conforming.unwrap_or(Simulation::CONFORMING),
-                    spread: spread.or(section.spread()).unwrap_or_default(),
+                    spread: spread.or(spec.budget_spread()).unwrap_or_default(),
                     draws: Simulation::DRAWS,
                     seed: self.seed,
                 })

@@ -64,7 +64,7 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let mut spec = self.set.read_spec(&self.spec, output)?;
         if let Some(step) = &self.step {
-            spec.simulation.parameters.spacing_mm = step.mm();
+            spec.simulation.spacing_mm = step.mm();
         }
         let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;

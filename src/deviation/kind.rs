@@ -60,58 +60,46 @@ impl DeviationKind {
         Self::PinionLead,
     ];
 
+    /// Its key, its name, the part that has it, what its extent counts, and the extent where nobody says.
+    const fn row(self) -> (&'static str, &'static str, Part, Unit, Extent) {
+        match self {
+            Self::RackOverRoller => ("rack_over_roller", "rack over-roller", Part::Rack, Unit::Space, Extent::All),
+            Self::RackPitch => ("rack_pitch", "rack pitch", Part::Rack, Unit::Pitch, Extent::One),
+            Self::RackLead => ("rack_lead", "rack lead", Part::Rack, Unit::Tooth, Extent::All),
+            Self::PinionRadial => ("pinion_radial", "pinion radial", Part::Pinion, Unit::Space, Extent::One),
+            Self::PinionPitch => ("pinion_pitch", "pinion pitch", Part::Pinion, Unit::Pitch, Extent::One),
+            Self::PinionLead => ("pinion_lead", "pinion lead", Part::Pinion, Unit::Tooth, Extent::All),
+        }
+    }
+
     /// The key that specs, tables and results call it by: `rack_over_roller`.
     #[must_use]
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::RackOverRoller => "rack_over_roller",
-            Self::RackPitch => "rack_pitch",
-            Self::RackLead => "rack_lead",
-            Self::PinionRadial => "pinion_radial",
-            Self::PinionPitch => "pinion_pitch",
-            Self::PinionLead => "pinion_lead",
-        }
+        self.row().0
     }
 
     /// The name that people read: `rack over-roller`.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::RackOverRoller => "rack over-roller",
-            Self::RackPitch => "rack pitch",
-            Self::RackLead => "rack lead",
-            Self::PinionRadial => "pinion radial",
-            Self::PinionPitch => "pinion pitch",
-            Self::PinionLead => "pinion lead",
-        }
+        self.row().1
     }
 
     /// The part that has the error.
     #[must_use]
     pub const fn part(self) -> Part {
-        match self {
-            Self::RackOverRoller | Self::RackPitch | Self::RackLead => Part::Rack,
-            Self::PinionRadial | Self::PinionPitch | Self::PinionLead => Part::Pinion,
-        }
-    }
-
-    /// The extent that a measured value has where nobody says.
-    #[must_use]
-    pub const fn usual_extent(self) -> Extent {
-        match self {
-            Self::RackOverRoller | Self::RackLead | Self::PinionLead => Extent::All,
-            Self::RackPitch | Self::PinionRadial | Self::PinionPitch => Extent::One,
-        }
+        self.row().2
     }
 
     /// What its extent counts.
     #[must_use]
     pub const fn unit(self) -> Unit {
-        match self {
-            Self::RackOverRoller | Self::PinionRadial => Unit::Space,
-            Self::RackPitch | Self::PinionPitch => Unit::Pitch,
-            Self::RackLead | Self::PinionLead => Unit::Tooth,
-        }
+        self.row().3
+    }
+
+    /// The extent that a measured value has where nobody says.
+    #[must_use]
+    pub const fn usual_extent(self) -> Extent {
+        self.row().4
     }
 
     /// Whether the error acts with its sign along the whole stroke (over-roller and radial errors), or

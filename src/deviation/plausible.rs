@@ -315,22 +315,17 @@ fn name(unit: &'static str) -> &'static str {
 }
 
 /// A value as it is shown: the angle of a slope with few digits.
-struct Shown(DeviationValue);
-
-impl fmt::Display for Shown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            DeviationValue::Length(length) => length.fmt(f),
-            DeviationValue::Angle(angle) => angle.fmt(f),
-            slope @ DeviationValue::Slope(_) => write!(f, "{:.2}°", slope.base()),
-        }
+fn shown(value: DeviationValue) -> String {
+    match value {
+        DeviationValue::Slope(_) => format!("{:.2}°", value.base()),
+        _ => value.to_string(),
     }
 }
 
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let too = if self.is_impossible { "too " } else { "" };
-        let value = Shown(self.value);
+        let value = shown(self.value);
         match self.quantity {
             Quantity::Deviation(None) => write!(f, "{value} is {too}much for a deviation"),
             Quantity::Deviation(Some(module)) => {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::number::{Decimal, Scale, split_number};
-use super::unit::{AngleUnit, LengthUnit};
+use super::unit::AngleUnit;
 use super::{QuantityError, grid_quantity};
 
 /// An angle on a grid of nano-arcseconds (2.8e-13°). Base unit: degree.
@@ -126,14 +126,7 @@ impl FromStr for Angle {
                 None if symbol.is_empty() && sum.is_none() && remainder.is_empty() => AngleUnit::Degree,
                 None => {
                     Decimal::of_quantity(written, text, EXPECTED)?;
-                    let (unit, units) =
-                        (if symbol.is_empty() { remainder } else { symbol }.to_owned(), AngleUnit::NAMES);
-                    return Err(match LengthUnit::from_symbol(&unit) {
-                        Some(_) => {
-                            QuantityError::OtherDimension { unit, measures: "length", expected: EXPECTED, units }
-                        }
-                        None => QuantityError::UnknownUnit { unit, expected: EXPECTED, units },
-                    });
+                    return Err(QuantityError::no_unit_of_angle(if symbol.is_empty() { remainder } else { symbol }));
                 }
             };
             let number = Decimal::of_quantity(written, text, EXPECTED)?;
@@ -147,11 +140,7 @@ impl FromStr for Angle {
             };
             let signed = written.starts_with(['+', '-', '\u{2212}']);
             if !follows || (sum.is_some() && signed) {
-                return Err(QuantityError::UnknownUnit {
-                    unit: rest.trim().to_owned(),
-                    expected: EXPECTED,
-                    units: AngleUnit::NAMES,
-                });
+                return Err(QuantityError::no_unit_of_angle(rest.trim()));
             }
             sum = Some(match sum {
                 None => {

@@ -125,38 +125,24 @@ impl Domain {
         if self.contains(value) {
             return Ok(());
         }
-        Err(DomainError::Outside { domain: *self, value: text.to_string(), bounds: self.in_words(unit).to_string() })
+        Err(DomainError::Outside { domain: *self, value: text.to_string(), bounds: self.in_words(unit) })
     }
 
     /// The domain in words, with its bounds in `unit`: `above 0° and at most 45°`.
     #[must_use]
-    pub fn in_words(&self, unit: &'static str) -> impl fmt::Display {
-        InWords { domain: *self, unit }
-    }
-}
-
-struct InWords {
-    domain: Domain,
-    unit: &'static str,
-}
-
-impl fmt::Display for InWords {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { domain, unit } = self;
-        match domain.lower {
-            Bound::None => {}
-            Bound::Exclusive(bound) => write!(f, "above {bound}{unit}")?,
-            Bound::Inclusive(bound) => write!(f, "at least {bound}{unit}")?,
-        }
-        if domain.lower != Bound::None && domain.upper != Bound::None {
-            f.write_str(" and ")?;
-        }
-        match domain.upper {
-            Bound::None if domain.lower == Bound::None => f.write_str("a finite number"),
-            Bound::None => Ok(()),
-            Bound::Exclusive(bound) => write!(f, "below {bound}{unit}"),
-            Bound::Inclusive(bound) => write!(f, "at most {bound}{unit}"),
-        }
+    pub fn in_words(&self, unit: &'static str) -> String {
+        let lower = match self.lower {
+            Bound::None => None,
+            Bound::Exclusive(bound) => Some(format!("above {bound}{unit}")),
+            Bound::Inclusive(bound) => Some(format!("at least {bound}{unit}")),
+        };
+        let upper = match self.upper {
+            Bound::None => None,
+            Bound::Exclusive(bound) => Some(format!("below {bound}{unit}")),
+            Bound::Inclusive(bound) => Some(format!("at most {bound}{unit}")),
+        };
+        let bounds: Vec<_> = lower.into_iter().chain(upper).collect();
+        if bounds.is_empty() { "a finite number".to_owned() } else { bounds.join(" and ") }
     }
 }
 

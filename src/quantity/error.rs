@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::NumberError;
+use super::{AngleUnit, LengthUnit, NumberError};
 
 /// Why a text or a number is not the quantity that it should be.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -56,6 +56,26 @@ pub enum QuantityError {
         /// The largest magnitude, with its unit.
         largest: &'static str,
     },
+}
+
+impl QuantityError {
+    /// A symbol that is no unit of length.
+    pub(crate) fn no_unit_of_length(symbol: &str) -> Self {
+        Self::no_unit(symbol, AngleUnit::from_symbol(symbol).map(|_| "angle"), "a length", LengthUnit::NAMES)
+    }
+
+    /// A symbol that is no unit of angle.
+    pub(crate) fn no_unit_of_angle(symbol: &str) -> Self {
+        Self::no_unit(symbol, LengthUnit::from_symbol(symbol).map(|_| "length"), "an angle", AngleUnit::NAMES)
+    }
+
+    fn no_unit(symbol: &str, of: Option<&'static str>, expected: &'static str, units: &'static str) -> Self {
+        let unit = symbol.to_owned();
+        match of {
+            Some(measures) => Self::OtherDimension { unit, measures, expected, units },
+            None => Self::UnknownUnit { unit, expected, units },
+        }
+    }
 }
 
 /// A text as a message shows it: its first 60 characters, on one line, and nothing that a terminal would obey.

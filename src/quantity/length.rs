@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
-use super::unit::{AngleUnit, LengthUnit};
+use super::unit::LengthUnit;
 use super::{QuantityError, grid_quantity};
 
 /// A length on a grid of femtometres (1e-12 mm). Base unit: mm.
@@ -101,19 +101,12 @@ impl FromStr for Length {
     type Err = QuantityError;
 
     fn from_str(text: &str) -> Result<Self, QuantityError> {
-        const EXPECTED: &str = "a length";
         let (written, unit) = split_number(text);
-        let number = Decimal::of_quantity(written, text, EXPECTED)?;
+        let number = Decimal::of_quantity(written, text, "a length")?;
         let unit = match LengthUnit::behind_number(unit) {
             Some(unit) => unit,
             None if unit.is_empty() => LengthUnit::Millimetre,
-            None => {
-                let (unit, units) = (unit.to_owned(), LengthUnit::NAMES);
-                return Err(match AngleUnit::from_symbol(&unit) {
-                    Some(_) => QuantityError::OtherDimension { unit, measures: "angle", expected: EXPECTED, units },
-                    None => QuantityError::UnknownUnit { unit, expected: EXPECTED, units },
-                });
-            }
+            None => return Err(QuantityError::no_unit_of_length(unit)),
         };
         Self::of_number(number, unit)
     }

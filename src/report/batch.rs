@@ -34,12 +34,12 @@ impl Basis {
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self {
-            model: plan.model().name(),
-            stack: Some(plan.stack()),
-            rule: plan.rule().clone(),
-            limits: plan.limits().clone(),
-            unjudged: plan.unjudged().to_vec(),
-            without: if plan.is_partial() { plan.lacking().to_vec() } else { Vec::new() },
+            model: plan.request.model.name(),
+            stack: Some(plan.request.stack),
+            rule: plan.request.rule.clone(),
+            limits: plan.limits.clone(),
+            unjudged: plan.unjudged.clone(),
+            without: if plan.is_partial() { plan.lacking.clone() } else { Vec::new() },
         }
     }
 

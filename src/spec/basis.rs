@@ -171,11 +171,10 @@ impl Spec {
 
     /// Form of the rack's flanks.
     pub(super) fn rack_form(&self) -> RackForm {
-        let relief = self.tip_relief.as_ref().map(|relief| &relief.value);
         RackForm {
             crowning_mm: self.or_zero(keys::RACK_CROWNING).mm(),
-            tip_relief_mm: relief.map_or(0.0, |relief| relief.amount.mm()),
-            tip_relief_start_mm: relief.map_or(0.0, |relief| relief.start.mm()),
+            tip_relief_mm: self.or_zero(keys::RACK_TIP_RELIEF_AMOUNT).mm(),
+            tip_relief_start_mm: self.or_zero(keys::RACK_TIP_RELIEF_START).mm(),
         }
     }
 

@@ -3,20 +3,19 @@
 
 use crate::table::{DecimalMark, Field, GivenColumn, ValueKind, Want};
 use std::ops::Range;
-use std::sync::Arc;
 
 use toml::de::DeValue;
 
-use super::errors::{Errors, read_extent_value};
+use super::errors::{of_each, read_extent_value};
 use super::keys::{self, Section};
 use super::reader::SectionReader;
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec, WrittenError};
 use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::page_of;
 use crate::formula::{Law, Model, PartDeviation};
-use crate::quantity::{AngleUnit, Length, LengthUnit, QuantityError, Unit};
+use crate::quantity::{Length, LengthUnit, QuantityError, Unit};
 
 /// `[batch]`.
 #[derive(Debug, Clone, Default)]
@@ -64,7 +63,7 @@ pub enum Reading {
 pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
     let columns = reader.table("columns", &keys::BATCH_COLUMNS, |reader| BatchSection {
         part_id: reader.get(keys::PART_ID).map(|id| id.value),
-        columns: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, column(reader, kind)?))).collect(),
+        columns: of_each(|kind| column(reader, kind)),
         ..BatchSection::default()
     });
     BatchSection {
@@ -90,7 +89,7 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
         let length = if kind == DeviationKind::RackLead { reader.get(keys::EVALUATION_LENGTH) } else { None };
         if let (Some(length), Some(Unit::Angle(unit))) = (&length, unit.as_ref().map(|unit| unit.value)) {
             let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
-            reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone(), "");
+            reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone());
         }
         BatchColumn {
             name: reader.get(keys::COLUMN_NAME).map(|name| name.value),
@@ -116,40 +115,24 @@ fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Locate
     }
 }
 
-impl BatchSection {
-    /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
-    pub(super) fn other_extents(&self, errors: &Errors, source: &Arc<Source>) -> Vec<Diagnostic> {
-        let has_value = |kind: DeviationKind| errors.values.iter().any(|(other, _)| *other == kind);
-        let of_tables = errors.extents.iter().filter(|(kind, _)| !has_value(*kind));
-        let contradicted = of_tables.filter_map(|(kind, in_errors)| {
-            let (_, column) = self.columns.iter().find(|(column, _)| column == kind)?;
-            let in_column = column.value.extent.as_ref().filter(|extent| extent.value != in_errors.value)?;
-            let key = format!("{}.{}", kind.key(), keys::EXTENT);
-            let message = format!(
-                "`errors.{key}` is \"{}\" and `batch.columns.{key}` is \"{}\", and both are of the values of a table",
-                in_errors.value, in_column.value
-            );
-            let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help("leave one of them out");
-            Some(diagnostic.at(source, in_column.span.clone(), ""))
-        });
-        contradicted.collect()
-    }
-}
-
 impl SectionReader<'_> {
     /// The unit of a column.
     fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
         let value = self.table?.get(name)?;
         let DeValue::String(symbol) = value.get_ref() else {
-            self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
-            return None;
+            return self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
         };
         // ″ is an arcsecond on a lead error, and an inch on any other
         let angle = if of_lead { Unit::of_angle(symbol) } else { None };
         let unit = angle.or_else(|| Unit::of_length(symbol));
         if unit.is_none() {
-            let message = format!("`{name}`: {}", no_unit(symbol, of_lead));
-            self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
+            let problem = if of_lead {
+                format!("{}; or, of f_Hβ, {}", QuantityError::no_unit_of_angle(symbol), LengthUnit::NAMES)
+            } else {
+                QuantityError::no_unit_of_length(symbol).to_string()
+            };
+            let message = format!("`{name}`: {problem}");
+            self.report(Diagnostic::error(Code::BadQuantity, message), value.span());
         }
         Some(Located { value: unit?, span: value.span() })
     }
@@ -158,37 +141,39 @@ impl SectionReader<'_> {
     fn texts(&mut self, name: &str) -> Vec<Located<String>> {
         let Some(value) = self.table.and_then(|table| table.get(name)) else { return Vec::new() };
         let DeValue::Array(list) = value.get_ref() else {
-            self.wrong_type(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
+            self.wrong_type::<()>(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
             return Vec::new();
         };
         let mut texts = Vec::new();
         for entry in list {
-            match entry.get_ref() {
-                DeValue::String(text) => texts.push(Located { value: text.to_string(), span: entry.span() }),
+            texts.extend(match entry.get_ref() {
+                DeValue::String(text) => Some(Located { value: text.to_string(), span: entry.span() }),
                 _ => self.wrong_type(name, entry, "text in quotes for each entry of its list"),
-            }
+            });
         }
         texts
     }
 }
 
-/// Why a symbol is not the unit of a column.
-fn no_unit(symbol: &str, of_lead: bool) -> String {
-    let unit = symbol.to_owned();
-    let lengths = LengthUnit::NAMES;
-    if of_lead {
-        let problem = QuantityError::UnknownUnit { unit, expected: "an angle", units: AngleUnit::NAMES };
-        return format!("{problem}; or, of f_Hβ, {lengths}");
-    }
-    let expected = "a length";
-    match Unit::of_angle(symbol) {
-        Some(_) => QuantityError::OtherDimension { unit, measures: "angle", expected, units: lengths },
-        None => QuantityError::UnknownUnit { unit, expected, units: lengths },
-    }
-    .to_string()
-}
-
 impl Spec {
+    /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
+    pub(super) fn other_extents(&self) -> Vec<Diagnostic> {
+        let has_value = |kind: DeviationKind| self.errors.iter().any(|(other, _)| *other == kind);
+        let of_tables = self.extents.iter().filter(|(kind, _)| !has_value(*kind));
+        let contradicted = of_tables.filter_map(|(kind, in_errors)| {
+            let column = self.batch_column(*kind)?;
+            let in_column = column.value.extent.as_ref().filter(|extent| extent.value != in_errors.value)?;
+            let key = format!("{}.{}", kind.key(), keys::EXTENT);
+            let message = format!(
+                "`errors.{key}` is \"{}\" and `batch.columns.{key}` is \"{}\", and both are of the values of a table",
+                in_errors.value, in_column.value
+            );
+            let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help("leave one of them out");
+            Some(diagnostic.at(&self.source, in_column.span.clone(), ""))
+        });
+        contradicted.collect()
+    }
+
     /// The entry of `[batch.columns]` for an error.
     #[must_use]
     pub fn batch_column(&self, kind: DeviationKind) -> Option<&Located<BatchColumn>> {
@@ -355,13 +340,11 @@ impl Spec {
 
     /// The nominal measure over a roller.
     fn over_roller(&self, roller: Length, written: &Located<WrittenError>) -> Result<DeviationValue, Diagnostics> {
-        let mut missing = MissingKeys::default();
+        let mut problems = Problems::default();
         let place = Some((written.span.clone(), "its nominal value is to be computed".to_owned()));
         let need = || ("the nominal measure over the roller".to_owned(), place.clone());
-        let Some(over_pin) = self.over_pin_of(roller, &mut missing, &need) else {
-            return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
-        };
-        over_pin.measure().map(DeviationValue::Length).map_err(|error| {
+        let over_pin = self.over_pin_of(roller, &mut problems, &need);
+        problems.answer(over_pin, &self.source)?.measure().map(DeviationValue::Length).map_err(|error| {
             let diagnostic = Diagnostic::error(Code::OutOfDomain, error.to_string());
             diagnostic.at(&self.source, written.span.clone(), "").into()
         })
@@ -372,15 +355,13 @@ impl Spec {
     /// # Errors
     /// A diagnostic for each key that the law needs and the spec does not have.
     pub fn law(&self, kind: DeviationKind, what: &str) -> Result<Law, Diagnostics> {
-        let mut missing = MissingKeys::default();
+        let mut problems = Problems::default();
         let place = self.place_of(kind);
         let label = page_of(kind).equation(Model::Exact);
         let need = || (what.to_owned(), place.clone().map(|span| (span, label.to_owned())));
-        match self.law_of(kind, &mut missing, &need) {
-            Some(Ok(law)) => Ok(law),
-            Some(Err(error)) => Err(Diagnostic::error(Code::OutOfDomain, error.to_string()).into()),
-            None => Err(Diagnostics(missing.diagnostics(&self.source).collect())),
-        }
+        let law = self.law_of(kind, &mut problems, &need);
+        let law = problems.answer(law, &self.source)?;
+        law.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 
     /// Where the spec speaks of an error.
@@ -396,6 +377,7 @@ impl Spec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::AngleUnit;
 
     fn spec(text: &str) -> Spec {
         Spec::parse("spec.toml", text).expect(text)

@@ -3,10 +3,10 @@
 
 use toml::de::{DeTable, DeValue};
 
-use super::errors::{read_error_value, read_extent};
+use super::errors::{of_each, read_error_value, read_extent};
 use super::keys;
 use super::reader::SectionReader;
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec, WrittenError};
 use crate::budget::Spread;
 use crate::budget::{Entry, Free, Freedom};
@@ -19,12 +19,6 @@ use crate::judge::class::ErrorClass;
 /// `[budget]`.
 #[derive(Debug, Clone, Default)]
 pub struct BudgetSection {
-    /// `worst`, `rss` or `simulation`.
-    pub stack: Option<Located<&'static str>>,
-    /// The fraction of assemblies that must conform.
-    pub conforming: Option<Located<f64>>,
-    /// How errors spread within their tolerances.
-    pub spread: Option<Located<&'static str>>,
     /// The errors.
     pub errors: Vec<(DeviationKind, Located<WrittenTolerance>)>,
     /// On which teeth errors may be, where it says so.
@@ -48,26 +42,13 @@ impl BudgetSection {
         let written = self.extents.iter().find(|(of, _)| *of == kind);
         written.map_or(Extent::Each, |(_, extent)| extent.value)
     }
-
-    /// How errors spread within their tolerances, if that is given.
-    #[must_use]
-    pub fn spread(&self) -> Option<Spread> {
-        self.spread.as_ref().map(|word| match word.value {
-            "normal" => Spread::Normal,
-            "triangular" => Spread::Triangular,
-            _ => Spread::Uniform,
-        })
-    }
 }
 
 /// Reads `[budget]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> BudgetSection {
     BudgetSection {
-        stack: reader.get(keys::BUDGET_STACK),
-        conforming: reader.get(keys::BUDGET_CONFORMING),
-        spread: reader.get(keys::BUDGET_DISTRIBUTION),
-        errors: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, tolerance(reader, kind)?))).collect(),
-        extents: DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect(),
+        errors: of_each(|kind| tolerance(reader, kind)),
+        extents: of_each(|kind| read_extent(reader, kind)),
     }
 }
 
@@ -85,8 +66,7 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
                     let number = reader.plain_number(key, number)?;
                     if number <= 0.0 {
                         let message = format!("`{key}` is {number}; it must be above 0");
-                        reader.report(Diagnostic::error(Code::OutOfDomain, message), span, "");
-                        return None;
+                        return reader.refuse(Diagnostic::error(Code::OutOfDomain, message), span);
                     }
                     return free(freedom(number));
                 }
@@ -102,8 +82,7 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
         let message = format!("`{name}` of a budget is a table that makes no tolerance");
         let help = "write \"12 um\", { class = 7 }, { weight = 2 }, { cost = 3 } or \"free\"; \
                     with an extent { value = \"12 um\", extent = \"one\" } or { weight = 2, extent = \"one\" }";
-        reader.report(Diagnostic::error(Code::BadErrorEntry, message).help(help), span, "");
-        return None;
+        return reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), span);
     }
     let written = read_error_value(reader, kind, value)?;
     Some(Located { value: WrittenTolerance::Fixed(written), span })
@@ -153,20 +132,18 @@ impl Spec {
                     PartDeviation::within(law, value.abs()).with_extent(extent)
                 }
                 WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
-                    let mut missing = MissingKeys::default();
-                    let class = self.class(*kind, *grade, &written.span, &mut missing);
-                    diagnostics.extend(missing.diagnostics(&self.source));
-                    match class {
-                        Some(Ok(class)) => {
+                    let mut problems = Problems::default();
+                    let class = self.class(*kind, *grade, &written.span, &mut problems);
+                    match problems.answer(class, &self.source) {
+                        Ok(class) => {
                             let tolerance = class.tolerance(law);
                             classes.push(class);
                             tolerance
                         }
-                        Some(Err(problem)) => {
-                            diagnostics.push(problem);
+                        Err(problems) => {
+                            diagnostics.extend(problems.0);
                             continue;
                         }
-                        None => continue,
                     }
                 }
                 // refused when it was read
@@ -175,6 +152,16 @@ impl Spec {
             entries.push(Entry::Fixed(tolerance));
         }
         if diagnostics.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(diagnostics)) }
+    }
+
+    /// How errors spread within their tolerances, if `[budget]` says so.
+    #[must_use]
+    pub fn budget_spread(&self) -> Option<Spread> {
+        self.get(keys::BUDGET_DISTRIBUTION).map(|word| match word {
+            "normal" => Spread::Normal,
+            "triangular" => Spread::Triangular,
+            _ => Spread::Uniform,
+        })
     }
 
     /// The limits of single errors' ΔCD.

@@ -3,14 +3,14 @@
 
 use std::ops::Range;
 
-use super::resolve::{MissingKeys, Need};
-use super::{Spec, keys};
+use super::resolve::{Need, Problems};
+use super::{Located, Spec, WrittenError, keys};
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::class::{
     self, DiameterSource, ErrorClass, RackDiameter, developed_diameter, deviation_of, reference_diameter,
 };
-use crate::quantity::Length;
+use crate::quantity::{DomainError, Length};
 use crate::standard::{Size, StandardError, Wheel};
 
 impl Spec {
@@ -19,20 +19,13 @@ impl Spec {
     /// # Errors
     /// A diagnostic for each key that is missing, and for each class that has no value.
     pub fn classes(&self) -> Result<Vec<ErrorClass>, Diagnostics> {
-        let mut missing = MissingKeys::default();
-        let mut diagnostics = Vec::new();
-        let mut classes = Vec::new();
-        for (kind, written) in &self.errors {
-            if let super::WrittenError::Class(grade) = written.value {
-                match self.class(*kind, grade, &written.span, &mut missing) {
-                    Some(Ok(class)) => classes.push(class),
-                    Some(Err(diagnostic)) => diagnostics.push(diagnostic),
-                    None => {}
-                }
-            }
-        }
-        diagnostics.extend(missing.diagnostics(&self.source));
-        if diagnostics.is_empty() { Ok(classes) } else { Err(Diagnostics(diagnostics)) }
+        let mut problems = Problems::default();
+        let class = |(kind, written): &(DeviationKind, Located<WrittenError>)| match written.value {
+            WrittenError::Class(grade) => self.class(*kind, grade, &written.span, &mut problems),
+            _ => None,
+        };
+        let classes = self.errors.iter().filter_map(class).collect();
+        problems.answer(Some(classes), &self.source)
     }
 
     /// The size of a part as far as the spec gives it, without a diameter.
@@ -54,28 +47,29 @@ impl Spec {
     /// What a grade permits of a kind of error, if the spec says enough for it.
     #[must_use]
     pub fn class_of(&self, kind: DeviationKind, grade: u8) -> Option<ErrorClass> {
-        self.class(kind, grade, &(0..0), &mut MissingKeys::default())?.ok()
+        self.class(kind, grade, &(0..0), &mut Problems::default())
     }
 
-    /// What `{ class = grade }` of a kind of error comes to; `None` if a key is missing.
+    /// What `{ class = grade }` of a kind of error comes to; `None` if a key is missing or the class is refused.
     pub(super) fn class(
         &self,
         kind: DeviationKind,
         grade: u8,
         span: &Range<usize>,
-        missing: &mut MissingKeys,
-    ) -> Option<Result<ErrorClass, Diagnostic>> {
+        problems: &mut Problems,
+    ) -> Option<ErrorClass> {
         let Some(deviation) = deviation_of(kind) else {
             let message = format!("`{}` has no class: {}", kind.key(), class::NO_OVER_ROLLER_CLASS);
             let help = format!("{} = \"12 um\"", kind.key());
-            return Some(Err(Diagnostic::error(Code::NoClass, message).at(&self.source, span.clone(), "").help(help)));
+            let refused = Diagnostic::error(Code::NoClass, message).at(&self.source, span.clone(), "");
+            return problems.accept(Err(refused.help(help)));
         };
         let part = kind.part();
         let need = || -> Need { (format!("`{}` of class {grade}", kind.key()), Some((span.clone(), String::new()))) };
-        let standard = missing.take(self, keys::TOLERANCE_STANDARD, need)?;
+        let standard = problems.take(self, keys::TOLERANCE_STANDARD, need)?;
         let Some(limiting) = standard.that_limits(deviation) else {
             let error = StandardError::NoSuchDeviation { standard, deviation };
-            return Some(Err(self.no_class(kind, &error, span)));
+            return problems.accept(Err(self.no_class(kind, &error, span)));
         };
         let mut wheel = self.wheel(part);
         let mut diameter = None;
@@ -83,51 +77,47 @@ impl Spec {
         let permissible = loop {
             match limiting.permissible(deviation, grade, &wheel) {
                 Ok(permissible) => break permissible,
-                Err(StandardError::Missing { size: Size::Diameter, .. }) => match self.diameter(part, need, missing)? {
-                    Ok((length, source)) => {
-                        wheel.diameter = Some(length);
-                        diameter = Some((length, source));
-                    }
-                    Err(diagnostic) => return Some(Err(diagnostic)),
-                },
+                Err(StandardError::Missing { size: Size::Diameter, .. }) => {
+                    let found = self.diameter(part, need, problems)?;
+                    wheel.diameter = Some(found.0);
+                    diameter = Some(found);
+                }
                 Err(StandardError::Missing { size, .. }) => {
-                    missing.note(
-                        match (size, part) {
-                            (Size::NormalModule, _) => keys::PAIR_NORMAL_MODULE.any,
-                            (Size::FaceWidth, Part::Rack) => keys::RACK_FACE_WIDTH.any,
-                            (Size::FaceWidth, Part::Pinion) => keys::PINION_FACE_WIDTH.any,
-                            _ => keys::PINION_TEETH.any,
-                        },
-                        need,
-                    );
+                    let key = match (size, part) {
+                        (Size::NormalModule, _) => keys::PAIR_NORMAL_MODULE.any,
+                        (Size::FaceWidth, Part::Rack) => keys::RACK_FACE_WIDTH.any,
+                        (Size::FaceWidth, Part::Pinion) => keys::PINION_FACE_WIDTH.any,
+                        _ => keys::PINION_TEETH.any,
+                    };
+                    problems.note(key, need);
                     return None;
                 }
-                Err(error) => return Some(Err(self.no_class(kind, &error, span))),
+                Err(error) => return problems.accept(Err(self.no_class(kind, &error, span))),
             }
         };
         let face_width = match kind {
-            DeviationKind::RackLead => Some(missing.take(self, keys::RACK_FACE_WIDTH, need)?),
+            DeviationKind::RackLead => Some(problems.take(self, keys::RACK_FACE_WIDTH, need)?),
             _ => None,
         };
-        Some(match class::error_value(kind, &permissible, face_width) {
-            Ok(value) => {
-                let total = class::total_of(kind, limiting, grade, &wheel);
-                Ok(ErrorClass { kind, permissible, diameter, value, total })
-            }
-            Err(error) => Err(Diagnostic::error(Code::NoClass, error.to_string()).at(&self.source, span.clone(), "")),
-        })
+        let value = class::error_value(kind, &permissible, face_width);
+        let value =
+            problems.accept(value.map_err(|error| {
+                Diagnostic::error(Code::NoClass, error.to_string()).at(&self.source, span.clone(), "")
+            }))?;
+        let total = class::total_of(kind, limiting, grade, &wheel);
+        Some(ErrorClass { kind, permissible, diameter, value, total })
     }
 
-    /// The diameter with which a standard is entered for a part; `None` if a key is missing.
-    pub(super) fn diameter(
+    /// The diameter with which a standard is entered for a part; `None` if a key is missing or it is refused.
+    fn diameter(
         &self,
         part: Part,
         need: impl Fn() -> Need,
-        missing: &mut MissingKeys,
-    ) -> Option<Result<(Length, DiameterSource), Diagnostic>> {
+        problems: &mut Problems,
+    ) -> Option<(Length, DiameterSource)> {
         let mut pinion = |source: DiameterSource| {
-            let module = missing.take(self, keys::PAIR_NORMAL_MODULE, &need);
-            let teeth = missing.take(self, keys::PINION_TEETH, &need);
+            let module = problems.take(self, keys::PAIR_NORMAL_MODULE, &need);
+            let teeth = problems.take(self, keys::PINION_TEETH, &need);
             let helix_angle = self.or_zero(keys::PINION_HELIX_ANGLE);
             Some((reference_diameter(module?, teeth?, helix_angle), source))
         };
@@ -136,20 +126,18 @@ impl Spec {
             Part::Rack => match self.get(keys::TOLERANCE_DIAMETER) {
                 Some(RackDiameter::Pinion) => pinion(DiameterSource::MatingPinion)?,
                 Some(RackDiameter::Developed) => {
-                    let length = missing.take(self, keys::RACK_TOOTHED_LENGTH, &need)?;
+                    let length = problems.take(self, keys::RACK_TOOTHED_LENGTH, &need)?;
                     (developed_diameter(length), DiameterSource::Developed)
                 }
                 Some(RackDiameter::Given(diameter)) => (Ok(diameter), DiameterSource::Given),
                 None => {
-                    missing.note(keys::TOLERANCE_DIAMETER.any, &need);
+                    problems.note(keys::TOLERANCE_DIAMETER.any, &need);
                     return None;
                 }
             },
         };
-        Some(match diameter {
-            Ok(diameter) => Ok((diameter, source)),
-            Err(error) => Err(Diagnostic::error(Code::OutOfDomain, error.to_string())),
-        })
+        let refused = |error: DomainError| Diagnostic::error(Code::OutOfDomain, error.to_string());
+        Some((problems.accept(diameter.map_err(refused))?, source))
     }
 
     fn no_class(&self, kind: DeviationKind, error: &StandardError, span: &Range<usize>) -> Diagnostic {

@@ -7,21 +7,11 @@ use toml::de::{DeTable, DeValue};
 use super::Located;
 use super::keys::{self, AnyKey, Key, Section};
 use super::reader::{SectionReader, type_in_words};
-use super::value::KeyType;
 use crate::deviation::{
     Eccentricity, PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, ToothRange,
 };
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Length;
-
-/// `rack.tip_relief`.
-#[derive(Debug, Clone)]
-pub struct TipRelief {
-    /// Removed at the tip, normal to the flank.
-    pub amount: Length,
-    /// Height above the reference plane at which it starts.
-    pub start: Length,
-}
 
 /// One deviation of the pinion: of some teeth, or of the whole part.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,10 +89,9 @@ pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinio
                 of_teeth(PinionDeviationKind::Lead(angle.value.radians()), angle.span);
             }
             let eccentricity = entry.table("eccentricity", &keys::ECCENTRICITY, |reader| {
-                (
-                    reader.required(keys::PINION_DEVIATION_ECCENTRICITY_AMOUNT),
-                    reader.required(keys::PINION_DEVIATION_ECCENTRICITY_TOOTH),
-                )
+                reader.refuse_missing_keys();
+                let tooth = reader.get(keys::PINION_DEVIATION_ECCENTRICITY_TOOTH);
+                (reader.get(keys::PINION_DEVIATION_ECCENTRICITY_AMOUNT), tooth)
             });
             if let Some(Located { value: (Some(amount), Some(tooth)), span }) = eccentricity {
                 let eccentricity = Eccentricity { amount_mm: amount.value.mm(), tooth: i64::from(tooth.value) };
@@ -112,15 +101,6 @@ pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinio
         &mut deviations,
     );
     deviations
-}
-
-/// Reads `rack.tip_relief`.
-pub(super) fn tip_relief(reader: &mut SectionReader<'_>) -> Option<Located<TipRelief>> {
-    let read = reader.table("tip_relief", &keys::TIP_RELIEF, |reader| {
-        (reader.required(keys::RACK_TIP_RELIEF_AMOUNT), reader.required(keys::RACK_TIP_RELIEF_START))
-    })?;
-    let (amount, start) = read.value;
-    Some(Located { value: TipRelief { amount: amount?.value, start: start?.value }, span: read.span })
 }
 
 /// Reads each table of `[[section.name]]`; one that holds nothing but teeth is a mistake.
@@ -142,14 +122,14 @@ fn each_table<T>(
                 format!("an entry of `{}` is {}; it must be a table", section.name, type_in_words(entry.get_ref()));
             let diagnostic = Diagnostic::error(Code::WrongType, message)
                 .help(format!("write its keys under a line `[[{}]]`", section.name));
-            reader.report(diagnostic, entry.span(), "");
+            reader.report(diagnostic, entry.span());
             continue;
         };
         if !table.iter().any(|(key, _)| key.get_ref() != "teeth") {
             let names: Vec<_> = section.keys.iter().map(AnyKey::name).filter(|name| *name != "teeth").collect();
             let diagnostic = Diagnostic::error(Code::BadErrorEntry, format!("this `{}` changes nothing", section.name))
                 .help(format!("give at least one of {}", names.join(", ")));
-            reader.report(diagnostic, entry.span(), "");
+            reader.report(diagnostic, entry.span());
             continue;
         }
         reader.inner(section, table, |inner| read(inner, found));
@@ -185,25 +165,22 @@ impl SectionReader<'_> {
         let value = self.table?.get(name)?;
         let DeValue::Table(table) = value.get_ref() else {
             let names: Vec<_> = section.keys.iter().map(|key| format!("{} = …", key.name())).collect();
-            self.wrong_type(name, value, &format!("a table {{ {} }}", names.join(", ")));
-            return None;
+            return self.wrong_type(name, value, &format!("a table {{ {} }}", names.join(", ")));
         };
         let before = self.diagnostics.len();
         let read = self.inner(section, table, read);
         (self.diagnostics.len() == before).then(|| Located { value: read, span: value.span() })
     }
 
-    /// The value of a key without which its table means nothing.
-    fn required<T: KeyType>(&mut self, key: Key<T>) -> Option<Located<T>> {
-        let (table, name) = (self.table?, key.any.name());
-        if table.contains_key(name) {
-            return self.get(key);
-        }
+    /// Reports keys without which the table means nothing.
+    pub(super) fn refuse_missing_keys(&mut self) {
+        let Some(table) = self.table else { return };
         // a table without keys has no place of its own; its section's name is in the message
         let span = table.iter().next().map_or(0..0, |(key, value)| key.span().start..value.span().end);
-        let message = format!("`{}` needs `{name}`", self.section.name);
-        self.report(Diagnostic::error(Code::MissingKey, message), span, "");
-        None
+        for key in self.section.keys.iter().filter(|key| !table.contains_key(key.name())) {
+            let message = format!("`{}` needs `{}`", self.section.name, key.name());
+            self.report(Diagnostic::error(Code::MissingKey, message), span.clone());
+        }
     }
 
     /// A range of teeth; every tooth if there is none.

@@ -6,9 +6,9 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::Located;
 use super::keys;
 use super::reader::SectionReader;
+use super::{Located, Spec};
 use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
@@ -34,39 +34,24 @@ pub enum WrittenError {
     Class(u8),
 }
 
-/// The entries of `[errors]`.
-#[derive(Default)]
-pub(super) struct Errors {
-    /// The values.
-    pub(super) values: Vec<(DeviationKind, Located<WrittenError>)>,
-    /// The nominal values, with a value or alone.
-    pub(super) nominals: Vec<(DeviationKind, Located<DeviationValue>)>,
-    /// The uncertainties of values that stand elsewhere.
-    pub(super) unmeasured: Vec<(DeviationKind, Range<usize>)>,
-    /// The errors whose value is that of every part.
-    pub(super) every_part: Vec<DeviationKind>,
-    /// On which teeth errors are, where that is written.
-    pub(super) extents: Vec<(DeviationKind, Located<Extent>)>,
-    /// The evaluation length of f_Hβ.
-    pub(super) evaluation_length: Option<Length>,
+/// What is read of each kind of error that there is something of.
+pub(super) fn of_each<T>(mut read: impl FnMut(DeviationKind) -> Option<T>) -> Vec<(DeviationKind, T)> {
+    DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read(kind)?))).collect()
 }
 
 /// Reads `[errors]`.
-pub(super) fn read(reader: &mut SectionReader<'_>) -> Errors {
-    let nominals = DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_nominal(reader, kind)?)));
-    let nominals: Vec<_> = nominals.collect();
-    let unmeasured: Vec<_> =
-        DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_unmeasured(reader, kind)?))).collect();
+pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
+    spec.nominals = of_each(|kind| read_nominal(reader, kind));
+    spec.unmeasured = of_each(|kind| read_unmeasured(reader, kind));
     let alone = |kind| {
         reader.table.and_then(|table| only_nominal(table, kind)).is_some()
-            || unmeasured.iter().any(|(other, _)| *other == kind)
+            || spec.unmeasured.iter().any(|(other, _)| *other == kind)
     };
     let kinds: Vec<_> = DeviationKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
-    let every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
-    let values = kinds.into_iter().filter_map(|kind| Some((kind, read_error(reader, kind)?))).collect();
-    let extents = DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read_extent(reader, kind)?))).collect();
-    let evaluation_length = read_evaluation_length(reader);
-    Errors { values, nominals, unmeasured, every_part, extents, evaluation_length }
+    spec.every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
+    spec.errors = of_each(|kind| kinds.contains(&kind).then(|| read_error(reader, kind))?);
+    spec.extents = of_each(|kind| read_extent(reader, kind));
+    spec.evaluation_length = read_evaluation_length(reader);
 }
 
 /// The length beside f_Hβ; one that cannot be read is reported with the value.
@@ -86,7 +71,7 @@ fn is_of_every_part(reader: &mut SectionReader<'_>, kind: DeviationKind) -> bool
     if let DeValue::Boolean(every_part) = value.get_ref() {
         return *every_part;
     }
-    reader.wrong_type(keys::EVERY_PART, value, "true or false");
+    reader.wrong_type::<()>(keys::EVERY_PART, value, "true or false");
     false
 }
 
@@ -103,8 +88,7 @@ pub(super) fn read_extent_value(
     value: &Spanned<DeValue<'_>>,
 ) -> Option<Located<Extent>> {
     let DeValue::String(text) = value.get_ref() else {
-        reader.wrong_type(keys::EXTENT, value, "text in quotes");
-        return None;
+        return reader.wrong_type(keys::EXTENT, value, "text in quotes");
     };
     let refusal = match text.parse::<Extent>() {
         Ok(extent) if extent.fits(kind.unit()) => return Some(Located { value: extent, span: value.span() }),
@@ -112,8 +96,7 @@ pub(super) fn read_extent_value(
         Err(unknown) => unknown.to_string(),
     };
     let message = format!("`{}.{}`: {refusal}", kind.key(), keys::EXTENT);
-    reader.report(Diagnostic::error(Code::BadErrorEntry, message), value.span(), "");
-    None
+    reader.refuse(Diagnostic::error(Code::BadErrorEntry, message), value.span())
 }
 
 /// Whether a key of an entry stands beside a value and makes none: of an uncertainty, or the extent.
@@ -134,17 +117,27 @@ pub(super) fn read_error_value(
     kind: DeviationKind,
     value: &Spanned<DeValue<'_>>,
 ) -> Option<WrittenError> {
-    let name = kind.key();
-    let is_angle = kind == DeviationKind::RackLead;
     let written = match value.get_ref() {
         DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
-        _ if is_angle => WrittenError::Value(reader.angle_value(name, value)?.into()),
-        _ => WrittenError::Value(reader.length_value(name, value)?.into()),
+        _ => WrittenError::Value(value_of(reader, kind, kind.key(), value)?),
     };
     if let WrittenError::Value(DeviationValue::Angle(angle)) = written {
         reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
     }
     Some(written)
+}
+
+/// A value of an error of this kind, measured, nominal, or their difference.
+fn value_of(
+    reader: &mut SectionReader<'_>,
+    kind: DeviationKind,
+    name: &str,
+    value: &Spanned<DeValue<'_>>,
+) -> Option<DeviationValue> {
+    match kind {
+        DeviationKind::RackLead => reader.angle_value(name, value).map(DeviationValue::Angle),
+        _ => reader.length_value(name, value).map(DeviationValue::Length),
+    }
 }
 
 /// The entry of an error that has nothing but a nominal value.
@@ -161,10 +154,7 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<L
     let entry = table.get(kind.key())?.get_ref().as_table()?;
     let value = entry.get("nominal")?;
     let known = reader.diagnostics.len();
-    let nominal = match kind {
-        DeviationKind::RackLead => reader.angle_value("nominal", value).map(DeviationValue::Angle),
-        _ => reader.length_value("nominal", value).map(DeviationValue::Length),
-    };
+    let nominal = value_of(reader, kind, "nominal", value);
     if only_nominal(table, kind).is_none() {
         reader.diagnostics.truncate(known);
     } else {
@@ -225,21 +215,18 @@ fn error_form(
         let message = format!("`{}` is a table that makes no error", kind.key());
         let diagnostic =
             Diagnostic::error(Code::BadErrorEntry, message).help(format!("write {}", forms_in_words(forms)));
-        reader.report(diagnostic, span, "");
-        return None;
+        return reader.refuse(diagnostic, span);
     };
     if every_part && !is_of_a_part(form) {
         let message = format!("`{}` has no value that `every_part` could be of", kind.key());
         let diagnostic = Diagnostic::error(Code::BadErrorEntry, message)
             .help("it goes with a value: { value = …, every_part = true }");
-        reader.report(diagnostic, span, "");
-        return None;
+        return reader.refuse(diagnostic, span);
     }
     if *form == ["class"] && entry.contains_key(keys::EXTENT) {
         let message = format!("`{}` is a class: what is permitted is that of each tooth", kind.key());
         let help = "leave `extent` out, or give the largest deviation as `value`";
-        reader.report(Diagnostic::error(Code::BadErrorEntry, message).help(help), span, "");
-        return None;
+        return reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), span);
     }
     Some(form)
 }
@@ -255,8 +242,7 @@ fn read_error_table(
     if form == ["class"] {
         if keys::UNCERTAINTY_KEYS.iter().any(|key| entry.contains_key(*key)) {
             let message = format!("`{}` is a class: what is permitted has no measuring uncertainty", kind.key());
-            reader.report(Diagnostic::error(Code::BadUncertainty, message), span, "");
-            return None;
+            return reader.refuse(Diagnostic::error(Code::BadUncertainty, message), span);
         }
         return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class);
     }
@@ -269,8 +255,7 @@ fn read_error_table(
             let (slope, over) = (length("f_h_beta")?, length("length")?);
             if let Some(doubt) = plausible::evaluation_length(over) {
                 let diagnostic = Diagnostic::error(Code::Implausible, format!("`length` of {}: {doubt}", kind.key()));
-                reader.report(diagnostic.help(doubt.remedy(WrittenIn::Spec)), span, "");
-                return None;
+                return reader.refuse(diagnostic.help(doubt.remedy(WrittenIn::Spec)), span);
             }
             match lead_slope(slope, over) {
                 Ok(tangent) => {
@@ -280,10 +265,7 @@ fn read_error_table(
                     reader.note_uncertainty(kind.key(), entry, span, noted, Some(degrees_per_mm));
                     Some(WrittenError::Value(tangent))
                 }
-                Err(error) => {
-                    reader.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
-                    None
-                }
+                Err(error) => reader.refuse(Diagnostic::error(Code::OutOfDomain, error.to_string()), span),
             }
         }
         ["measured", "roller"] => {
@@ -295,18 +277,11 @@ fn read_error_table(
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;
             Some(WrittenError::OverRoller { measured: measured?, roller })
         }
-        ["value"] if kind == DeviationKind::RackLead => {
-            Some(WrittenError::Value(reader.angle_value("value", entry.get("value")?)?.into()))
-        }
-        ["value"] => Some(WrittenError::Value(length("value")?.into())),
-        _ if kind == DeviationKind::RackLead => {
-            let mut angle = |name: &str| reader.angle_value(name, entry.get(name)?);
-            let (measured, nominal) = (angle("measured"), angle("nominal"));
-            Some(WrittenError::Value((measured? - nominal?).into()))
-        }
+        ["value"] => value_of(reader, kind, "value", entry.get("value")?).map(WrittenError::Value),
         _ => {
-            let (measured, nominal) = (length("measured"), length("nominal"));
-            Some(WrittenError::Value((measured? - nominal?).into()))
+            let mut value = |name: &str| value_of(reader, kind, name, entry.get(name)?);
+            let (measured, nominal) = (value("measured"), value("nominal"));
+            Some(WrittenError::Value(measured?.less(nominal?)))
         }
     }
 }

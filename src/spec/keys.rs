@@ -67,6 +67,8 @@ pub(crate) enum Kind {
     Teeth,
     /// A table with these keys.
     Table(&'static Section),
+    /// The same, which means nothing without every key.
+    Whole(&'static Section),
     /// Any number of such tables: `[[section.key]]`.
     Tables(&'static Section),
 }
@@ -157,6 +159,10 @@ pub(crate) struct Section {
     pub(crate) keys: &'static [AnyKey],
 }
 
+const fn section(name: &'static str, doc: &'static str, keys: &'static [AnyKey]) -> Section {
+    Section { name, doc, keys }
+}
+
 /// Declares a section with its keys. A key is declared once, here: what reads, describes, suggests and sets it follows.
 macro_rules! section {
     ($section:ident = $path:literal, $about:literal { $($key:ident: $type:ty = $value:expr, $doc:literal;)* }) => {
@@ -164,7 +170,7 @@ macro_rules! section {
             #[doc = $doc]
             pub const $key: Key<$type> = $value.with($doc);
         )*
-        pub(crate) const $section: Section = Section { name: $path, doc: $about, keys: &[$($key.any),*] };
+        pub(crate) const $section: Section = section($path, $about, &[$($key.any),*]);
     };
 }
 
@@ -305,7 +311,7 @@ section! {
             "Deviations of some teeth; any number, they add up.";
         RACK_CROWNING: Length = length("rack.crowning", FORM),
             "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.";
-        RACK_TIP_RELIEF: () = composite("rack.tip_relief", Kind::Table(&TIP_RELIEF)),
+        RACK_TIP_RELIEF: () = composite("rack.tip_relief", Kind::Whole(&TIP_RELIEF)),
             "Relief of the flanks towards their tips.";
     }
 }
@@ -444,7 +450,7 @@ section! {
             "Right flank (facing higher index) alone, outward positive.";
         PINION_DEVIATION_RADIAL: Length = length("pinion.deviation.radial", DISPLACEMENT),
             "The space after each of these teeth sits higher by this.";
-        PINION_DEVIATION_ECCENTRICITY: () = composite("pinion.deviation.eccentricity", Kind::Table(&ECCENTRICITY)),
+        PINION_DEVIATION_ECCENTRICITY: () = composite("pinion.deviation.eccentricity", Kind::Whole(&ECCENTRICITY)),
             "The whole part off its axis.";
     }
 }
@@ -500,28 +506,28 @@ const fn column_extent(unit: deviation::Unit) -> AnyKey {
     )
 }
 
-pub(crate) const SIZE_COLUMN: Section = Section {
-    name: "batch.columns.(size)",
-    doc: "A column of sizes.",
-    keys: &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Space)],
-};
+pub(crate) const SIZE_COLUMN: Section = section(
+    "batch.columns.(size)",
+    "A column of sizes.",
+    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Space)],
+);
 
-pub(crate) const PITCH_COLUMN: Section = Section {
-    name: "batch.columns.(pitch)",
-    doc: "A column of pitches.",
-    keys: &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Pitch)],
-};
+pub(crate) const PITCH_COLUMN: Section = section(
+    "batch.columns.(pitch)",
+    "A column of pitches.",
+    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Pitch)],
+);
 
-pub(crate) const SLOPE_COLUMN: Section = Section {
-    name: "batch.columns.pinion_lead",
-    doc: "A column of helix slope deviations f_Hβ.",
-    keys: &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Tooth)],
-};
+pub(crate) const SLOPE_COLUMN: Section = section(
+    "batch.columns.pinion_lead",
+    "A column of helix slope deviations f_Hβ.",
+    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Tooth)],
+);
 
-pub(crate) const ANGLE_COLUMN: Section = Section {
-    name: "batch.columns.rack_lead",
-    doc: "A column of angles, or of helix slope deviations f_Hβ.",
-    keys: &[
+pub(crate) const ANGLE_COLUMN: Section = section(
+    "batch.columns.rack_lead",
+    "A column of angles, or of helix slope deviations f_Hβ.",
+    &[
         COLUMN_NAME.any,
         key(
             "unit",
@@ -533,12 +539,12 @@ pub(crate) const ANGLE_COLUMN: Section = Section {
         COLUMN_KIND.any,
         column_extent(deviation::Unit::Tooth),
     ],
-};
+);
 
-pub(crate) const BATCH_COLUMNS: Section = Section {
-    name: "batch.columns",
-    doc: "Where a table with a row per part has what, if its header does not say so.",
-    keys: &[
+pub(crate) const BATCH_COLUMNS: Section = section(
+    "batch.columns",
+    "Where a table with a row per part has what, if its header does not say so.",
+    &[
         PART_ID.any,
         key("rack_over_roller", Kind::Table(&SIZE_COLUMN), "The rack's over-roller measure or error."),
         key("rack_pitch", Kind::Table(&PITCH_COLUMN), "The rack's pitch or pitch error."),
@@ -547,7 +553,7 @@ pub(crate) const BATCH_COLUMNS: Section = Section {
         key("pinion_pitch", Kind::Table(&PITCH_COLUMN), "The pinion's single pitch deviation."),
         key("pinion_lead", Kind::Table(&SLOPE_COLUMN), "The pinion's helix slope deviation f_Hβ."),
     ],
-};
+);
 
 section! {
     BATCH = "batch", "Tables with a row per part." {

@@ -27,19 +27,12 @@ fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Loca
         DeValue::String(text) => {
             let magnitude = ["±", "+-", "+/-"].iter().find_map(|sign| text.trim().strip_prefix(sign));
             let Some(magnitude) = magnitude else {
-                reader.report(bad(format!("`{name}` is \"{text}\", which is not a limit")), value.span(), "");
-                return None;
+                return reader.refuse(bad(format!("`{name}` is \"{text}\", which is not a limit")), value.span());
             };
             match magnitude.parse::<Length>() {
                 Ok(magnitude) if !magnitude.is_negative() => Limit::symmetric(magnitude),
-                Ok(_) => {
-                    reader.report(bad(format!("`{name}` has two signs")), value.span(), "");
-                    return None;
-                }
-                Err(error) => {
-                    reader.report(bad(format!("`{name}`: {error}")), value.span(), "");
-                    return None;
-                }
+                Ok(_) => return reader.refuse(bad(format!("`{name}` has two signs")), value.span()),
+                Err(error) => return reader.refuse(bad(format!("`{name}`: {error}")), value.span()),
             }
         }
         DeValue::Table(ends) => {
@@ -51,22 +44,17 @@ fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Loca
             let (lower, upper) = (end("lower"), end("upper"));
             let limit = Limit { lower: lower?, upper: upper? };
             match (&limit.lower, &limit.upper) {
-                (None, None) => {
-                    reader.report(bad(format!("`{name}` limits nothing")), value.span(), "");
-                    return None;
-                }
+                (None, None) => return reader.refuse(bad(format!("`{name}` limits nothing")), value.span()),
                 (Some(lower), Some(upper)) if lower > upper => {
                     let message = format!("the lower limit {lower} is above the upper limit {upper}");
-                    reader.report(bad(message), value.span(), "");
-                    return None;
+                    return reader.refuse(bad(message), value.span());
                 }
                 _ => limit,
             }
         }
         other => {
             let message = format!("`{name}` is {}; a limit has two ends", reader::type_in_words(other));
-            reader.report(bad(message), value.span(), "");
-            return None;
+            return reader.refuse(bad(message), value.span());
         }
     };
     Some(Located { value: limit, span: value.span() })

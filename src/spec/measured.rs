@@ -55,24 +55,22 @@ impl Spec {
         } else {
             self.measured_only(is_rack).with_errors(&kinds).part_deviations()?
         };
+        let place = if is_rack { "space" } else { "tooth" };
+        let effect = |number: i64, deviation: DeviationValue, formula: &PartDeviation| {
+            let delta_cd = PartDeviation::new(formula.law(), deviation).delta_cd(model);
+            let delta_cd = delta_cd.map_err(|problem| {
+                let message = format!("{place} {number}: {}: {problem}", formula.kind());
+                Diagnostic::error(Code::OutOfDomain, message)
+            })?;
+            Ok::<_, Diagnostic>(Effect { deviation, delta_cd })
+        };
         let mut rows = Vec::with_capacity(values.len());
         for (number, deviations) in values {
-            let mut effects = Vec::with_capacity(deviations.len());
-            for (deviation, formula) in deviations.into_iter().zip(&formulas) {
-                effects.push(match deviation {
-                    None => None,
-                    Some(deviation) => {
-                        let place = if is_rack { "space" } else { "tooth" };
-                        let error = PartDeviation::new(formula.law(), deviation);
-                        let delta_cd = error.delta_cd(model).map_err(|problem| {
-                            let message = format!("{place} {number}: {}: {problem}", formula.kind());
-                            Diagnostic::error(Code::OutOfDomain, message)
-                        })?;
-                        Some(Effect { deviation, delta_cd })
-                    }
-                });
-            }
-            rows.push(MeasuredRow { number, effects });
+            let effects = deviations
+                .into_iter()
+                .zip(&formulas)
+                .map(|(deviation, formula)| deviation.map(|deviation| effect(number, deviation, formula)).transpose());
+            rows.push(MeasuredRow { number, effects: effects.collect::<Result<_, _>>()? });
         }
         rows.sort_by_key(|row| row.number);
         Ok(MeasuredPart { is_rack, model, features, rows })
@@ -97,45 +95,38 @@ impl Spec {
         rows.sort_by_key(|row| row.space);
         let absolute = rows.iter().any(|row| matches!(row.over_pin, Some(Measured::Absolute(_))));
         let nominal = if absolute { Some(self.nominal_over_pin()?) } else { None };
-        let has_position = rows.iter().any(|row| row.position.is_some());
         let absolute = rows.iter().any(|row| matches!(row.position, Some(Measured::Absolute(_))));
         let pitch = if absolute { Some(self.rack_pitch()?) } else { None };
-        let mut features = Vec::new();
-        let mut include = |feature, present| {
-            if present {
-                features.push(feature);
-            }
-            present
-        };
-        let over_pin = include(Feature::OverPin, rows.iter().any(|row| row.over_pin.is_some()));
-        let step = include(Feature::Pitch, has_position);
-        let lead = include(Feature::Lead, rows.iter().any(|row| row.lead.is_some()));
-        let mut values = Vec::with_capacity(rows.len());
-        for (index, row) in rows.iter().enumerate() {
-            let mut deviations = Vec::new();
-            if over_pin {
-                deviations.push(row.over_pin.map(|measured| match (measured, nominal) {
+        let of = |index: usize, feature: &Feature| {
+            let row = rows[index];
+            match feature {
+                Feature::OverPin => row.over_pin.map(|measured| match (measured, nominal) {
                     (Measured::Absolute(length), Some(nominal)) => DeviationValue::Length(length - nominal),
                     (Measured::Absolute(length) | Measured::Deviation(length), _) => DeviationValue::Length(length),
-                }));
-            }
-            if step {
-                let before =
-                    index.checked_sub(1).map(|before| rows[before]).filter(|before| before.space + 1 == row.space);
-                let positions = before.and_then(|before| Some((before.position?, row.position?)));
-                deviations.push(positions.and_then(|positions| match positions {
-                    (Measured::Deviation(a), Measured::Deviation(b)) => Some(DeviationValue::Length(b - a)),
-                    (Measured::Absolute(a), Measured::Absolute(b)) => {
-                        pitch.map(|pitch| DeviationValue::Length(b - a - pitch))
+                }),
+                Feature::Pitch => {
+                    let before = rows[index.checked_sub(1)?];
+                    match (before.position?, row.position?) {
+                        _ if before.space + 1 != row.space => None,
+                        (Measured::Deviation(a), Measured::Deviation(b)) => Some(DeviationValue::Length(b - a)),
+                        (Measured::Absolute(a), Measured::Absolute(b)) => Some(DeviationValue::Length(b - a - pitch?)),
+                        _ => None,
                     }
-                    _ => None,
-                }));
+                }
+                _ => row.lead.map(DeviationValue::Angle),
             }
-            if lead {
-                deviations.push(row.lead.map(DeviationValue::Angle));
-            }
-            values.push((row.space, deviations));
-        }
+        };
+        let is_measured = |feature: &Feature| match feature {
+            Feature::OverPin => rows.iter().any(|row| row.over_pin.is_some()),
+            Feature::Pitch => rows.iter().any(|row| row.position.is_some()),
+            _ => rows.iter().any(|row| row.lead.is_some()),
+        };
+        let features = [Feature::OverPin, Feature::Pitch, Feature::Lead].into_iter().filter(is_measured);
+        let features: Vec<_> = features.collect();
+        let deviations = |(index, row): (usize, &&RackSpace)| {
+            (row.space, features.iter().map(|feature| of(index, feature)).collect::<Vec<_>>())
+        };
+        let values = rows.iter().enumerate().map(deviations).collect();
         Ok((features, values))
     }
 }

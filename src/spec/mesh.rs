@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec, WrittenPinionDeviation, keys};
 use crate::deviation::plausible;
 use crate::deviation::{
@@ -113,41 +113,42 @@ impl Spec {
     /// # Errors
     /// A diagnostic for each key that is missing, or for geometry that cannot mesh.
     pub fn pair(&self, what: &str) -> Result<Pair, Diagnostics> {
-        let mut missing = MissingKeys::default();
+        let mut problems = Problems::default();
+        let data = self.pair_data(what, &mut problems);
+        let data = problems.answer(data, &self.source)?;
+        Pair::new(&data).map_err(|error| self.bad_geometry(&error).into())
+    }
+
+    /// The same unchecked; `None` if a key is missing.
+    fn pair_data(&self, what: &str, problems: &mut Problems) -> Option<PairData> {
         let who = || (what.to_owned(), None);
-        let module = missing.take(self, keys::PAIR_NORMAL_MODULE, who);
-        let alpha = missing.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, who);
-        let rack_face = missing.take(self, keys::RACK_FACE_WIDTH, who);
-        let addendum = missing.take(self, keys::RACK_ADDENDUM, who);
-        let teeth = missing.take(self, keys::PINION_TEETH, who);
-        let pinion_face = missing.take(self, keys::PINION_FACE_WIDTH, who);
-        let tip = missing.take(self, keys::PINION_TIP_DIAMETER, who);
-        let (Some(module), Some(alpha), Some(rack_face), Some(addendum), Some(teeth), Some(pinion_face), Some(tip)) =
-            (module, alpha, rack_face, addendum, teeth, pinion_face, tip)
-        else {
-            return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
-        };
+        let module = problems.take(self, keys::PAIR_NORMAL_MODULE, who);
+        let alpha = problems.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, who);
+        let rack_face = problems.take(self, keys::RACK_FACE_WIDTH, who);
+        let addendum = problems.take(self, keys::RACK_ADDENDUM, who);
+        let teeth = problems.take(self, keys::PINION_TEETH, who);
+        let pinion_face = problems.take(self, keys::PINION_FACE_WIDTH, who);
+        let tip = problems.take(self, keys::PINION_TIP_DIAMETER, who);
         let mm = |key| self.get(key).map(Length::mm);
-        let data = PairData {
-            normal_module_mm: module.mm(),
-            normal_pressure_angle_rad: alpha.radians(),
+        Some(PairData {
+            normal_module_mm: module?.mm(),
+            normal_pressure_angle_rad: alpha?.radians(),
             rack: RackData {
                 helix_angle_rad: self.or_zero(keys::RACK_HELIX_ANGLE).radians(),
-                face_width_mm: rack_face.mm(),
-                addendum_mm: addendum.mm(),
+                face_width_mm: rack_face?.mm(),
+                addendum_mm: addendum?.mm(),
                 tooth_thickness_mm: mm(keys::RACK_TOOTH_THICKNESS),
             },
             pinion: PinionData {
-                teeth,
+                teeth: teeth?,
                 helix_angle_rad: self.or_zero(keys::PINION_HELIX_ANGLE).radians(),
                 profile_shift: self.or_zero(keys::PINION_PROFILE_SHIFT),
-                tip_diameter_mm: tip.mm(),
+                tip_diameter_mm: tip?.mm(),
                 root_form_diameter_mm: mm(keys::PINION_ROOT_FORM_DIAMETER),
-                face_width_mm: pinion_face.mm(),
+                face_width_mm: pinion_face?.mm(),
                 tooth_thickness_deviation_mm: mm(keys::PINION_TOOTH_THICKNESS_DEVIATION).unwrap_or(0.0),
             },
-        };
-        Pair::new(&data).map_err(|error| self.bad_geometry(&error).into())
+        })
     }
 
     /// The mesh of the pair with everything that the spec says is wrong with it.
@@ -207,14 +208,12 @@ impl Spec {
         if !self.rolls() {
             return Ok(Support::Fixed);
         }
-        let mut missing = MissingKeys::default();
+        let mut problems = Problems::default();
         let place = self.place(keys::SUPPORT_ROLL).map(|span| (span, String::new()));
         let depth =
-            missing.take(self, keys::SUPPORT_ROLL_AXIS_DEPTH, || ("a rack that is free to roll".to_owned(), place));
-        match depth {
-            Some(depth) => Ok(Support::FreeRoll { axis_depth_mm: depth.mm() }),
-            None => Err(Diagnostics(missing.diagnostics(&self.source).collect())),
-        }
+            problems.take(self, keys::SUPPORT_ROLL_AXIS_DEPTH, || ("a rack that is free to roll".to_owned(), place));
+        let depth = problems.answer(depth, &self.source)?;
+        Ok(Support::FreeRoll { axis_depth_mm: depth.mm() })
     }
 
     fn rack_flanks(
@@ -235,8 +234,7 @@ impl Spec {
             None => self.bad_value(&error, 0..0),
         };
         let form = self.rack_form();
-        let form_span = self.tip_relief.as_ref().map(|relief| relief.span.clone());
-        let form_span = form_span.or_else(|| self.place(keys::RACK_CROWNING));
+        let form_span = self.place(keys::RACK_TIP_RELIEF).or_else(|| self.place(keys::RACK_CROWNING));
         RackFlanks::new(pair, deviations)
             .map_err(whole)?
             .with_measured(measured)
@@ -382,18 +380,18 @@ impl Spec {
         if let Some((_, Located { value: DeviationValue::Length(nominal), .. })) = given {
             return Ok(*nominal);
         }
-        let mut missing = MissingKeys::default();
+        let mut problems = Problems::default();
         let place = self.place(keys::RACK_MEASURED);
         let who = || {
             let place = place.clone().map(|span| (span, "has absolute over-pin values".to_owned()));
             ("the nominal measure over the pin".to_owned(), place)
         };
-        let pin = missing.take(self, keys::RACK_PIN, who);
-        let over_pin = self.over_pin_of(pin.unwrap_or(Length::ZERO), &mut missing, &who);
-        let (Some(_), Some(over_pin)) = (pin, over_pin) else {
-            return Err(Diagnostics(missing.diagnostics(&self.source).collect()));
-        };
-        over_pin.measure().map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
+        let pin = problems.take(self, keys::RACK_PIN, who);
+        let over_pin = self.over_pin_of(pin.unwrap_or(Length::ZERO), &mut problems, &who);
+        problems
+            .answer(over_pin, &self.source)?
+            .measure()
+            .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 
     /// Geometry that cannot mesh, with the place of the value to blame.
@@ -453,39 +451,29 @@ fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<W
     let later = ToothRange::new(Some(FIRST_ODD_TOOTH), None).unwrap_or(ToothRange::ALL);
     let half_turn = ToothRange::new(Some(i64::from(pair.pinion().teeth / 2)), None).unwrap_or(ToothRange::ALL);
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
+    let mut on_rack = |teeth, kind| rack.push(RackDeviation { teeth, kind });
+    let mut on_pinion = |teeth, kind| pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind }));
+    let all = ToothRange::ALL;
     for error in errors {
         // of a permissible deviation, its upper end
         match (error.kind(), error.value()) {
             (DeviationKind::RackOverRoller, DeviationValue::Length(length)) => {
-                rack.push(RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::OverRoller(length.mm()) });
+                on_rack(all, RackDeviationKind::OverRoller(length.mm()));
             }
             (DeviationKind::RackPitch, DeviationValue::Length(length)) => {
-                rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Shift(length.mm()) });
+                on_rack(later, RackDeviationKind::Shift(length.mm()));
             }
             (DeviationKind::PinionRadial, DeviationValue::Length(length)) => {
-                pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
-                    teeth: ToothRange::ALL,
-                    kind: PinionDeviationKind::Radial(length.mm()),
-                }));
+                on_pinion(all, PinionDeviationKind::Radial(length.mm()));
             }
             (DeviationKind::PinionPitch, DeviationValue::Length(length)) => {
-                pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
-                    teeth: half_turn,
-                    kind: PinionDeviationKind::Shift(length.mm()),
-                }));
+                on_pinion(half_turn, PinionDeviationKind::Shift(length.mm()));
             }
             (DeviationKind::PinionLead, DeviationValue::Length(length)) => {
-                pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation {
-                    teeth: ToothRange::ALL,
-                    kind: PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, length.mm())),
-                }));
+                on_pinion(all, PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, length.mm())));
             }
-            (_, DeviationValue::Angle(angle)) => {
-                rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(angle.radians()) });
-            }
-            (_, DeviationValue::Slope(tangent)) => {
-                rack.push(RackDeviation { teeth: later, kind: RackDeviationKind::Lead(trig::atan(tangent)) });
-            }
+            (_, DeviationValue::Angle(angle)) => on_rack(later, RackDeviationKind::Lead(angle.radians())),
+            (_, DeviationValue::Slope(tangent)) => on_rack(later, RackDeviationKind::Lead(trig::atan(tangent))),
             // a lead error of the rack is no length
             (DeviationKind::RackLead, DeviationValue::Length(_)) => {}
         }

@@ -36,14 +36,13 @@ mod vary;
 pub use basis::GEOMETRY_KEYS;
 pub use batch::{BatchColumn, BatchSection, Reading};
 pub use budget::{BudgetSection, WrittenTolerance};
-pub use deviations::{TipRelief, WrittenPinionDeviation};
+pub use deviations::WrittenPinionDeviation;
 pub use errors::WrittenError;
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use obtained::MeasuredValue;
 pub use reference::{KeyEntry, keys};
 pub use scatter::{ScatterSection, WrittenSpread};
 pub use schema::json_schema;
-pub use simulation::SimulationSection;
 pub use template::TEMPLATE;
 pub use uncertainty::WrittenCorrelation;
 pub use value::{KeyType, Value, Values};
@@ -57,6 +56,7 @@ use crate::deviation::{DeviationKind, DeviationValue, Extent, RackDeviation};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Place, Source};
 use crate::judge::bound::KnownTeeth;
 use crate::judge::{Limit, LimitTarget};
+use crate::multibody::Parameters;
 use crate::quantity::Length;
 use crate::uncertainty::{self as uncertain, TeethSensitivity};
 use keys::{SECTIONS, Section};
@@ -72,20 +72,18 @@ pub struct Located<T> {
 }
 
 /// A spec as it was written: every value valid by itself, nothing required yet.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Spec {
     /// The text.
     pub source: Arc<Source>,
     /// `title`.
     pub title: Option<String>,
-    /// The keys of `[pair]`, `[rack]`, `[pinion]`, `[support]`, `[tolerance]` and `[decision]` that hold one value each.
+    /// The keys that hold one value each, but for those of `[batch]`.
     pub values: Values,
     /// `[[rack.deviation]]`
     pub rack_deviations: Vec<Located<RackDeviation>>,
     /// `[[pinion.deviation]]`
     pub pinion_deviations: Vec<Located<WrittenPinionDeviation>>,
-    /// `rack.tip_relief`
-    pub tip_relief: Option<Located<TipRelief>>,
     /// `[budget]`.
     pub budget: BudgetSection,
     /// `[errors]`, in the paper's order.
@@ -107,8 +105,8 @@ pub struct Spec {
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
     /// `[batch]`.
     pub batch: BatchSection,
-    /// `[simulation]`.
-    pub simulation: SimulationSection,
+    /// `[simulation]`: everything but how the rack may roll, which `[support]` says.
+    pub simulation: Parameters,
     /// `[scatter]`.
     pub scatter: ScatterSection,
     /// The uncertainties, wherever they stand.
@@ -162,50 +160,38 @@ impl Spec {
 
     /// Reads every section as far as it can be read.
     fn read(top: &DeTable<'_>, source: &Arc<Source>, diagnostics: &mut Vec<Diagnostic>) -> Self {
-        let (mut values, mut uncertainties) = (Values::default(), Vec::new());
+        let mut spec = Self { source: Arc::clone(source), ..Self::default() };
+        let mut uncertainties = Vec::new();
         let mut sections = Sections { source, top, diagnostics, uncertainties: &mut uncertainties };
         sections.refuse_unknown();
-        let (title, correlations) =
-            sections.read(&keys::TOP, |reader| (reader.get(keys::TITLE), uncertainty::correlations(reader)));
-        sections.read(&keys::PAIR, |reader| reader.values(&mut values));
-        let (rack_deviations, tip_relief) = sections.read(&keys::RACK, |reader| {
-            reader.values(&mut values);
-            (deviations::rack(reader), deviations::tip_relief(reader))
+        sections.read(&keys::TOP, |reader| {
+            spec.title = reader.get(keys::TITLE).map(|title| title.value);
+            spec.correlations = uncertainty::correlations(reader);
         });
-        let pinion_deviations = sections.read(&keys::PINION, |reader| {
-            reader.values(&mut values);
-            deviations::pinion(reader)
+        sections.read(&keys::PAIR, |reader| reader.values(&mut spec.values));
+        sections.read(&keys::RACK, |reader| {
+            reader.values(&mut spec.values);
+            spec.rack_deviations = deviations::rack(reader);
+        });
+        sections.read(&keys::PINION, |reader| {
+            reader.values(&mut spec.values);
+            spec.pinion_deviations = deviations::pinion(reader);
         });
         for section in [&keys::SUPPORT, &keys::TOLERANCE, &keys::DECISION] {
-            sections.read(section, |reader| reader.values(&mut values));
+            sections.read(section, |reader| reader.values(&mut spec.values));
         }
-        let errors = sections.read(&keys::ERRORS, errors::read);
-        let batch = sections.read(&keys::BATCH, batch::read);
-        sections.diagnostics.extend(batch.other_extents(&errors, source));
-        Self {
-            source: Arc::clone(source),
-            title: title.map(|title| title.value),
-            values,
-            rack_deviations,
-            pinion_deviations,
-            tip_relief,
-            budget: sections.read(&keys::BUDGET, budget::read),
-            errors: errors.values,
-            nominals: errors.nominals,
-            unmeasured: errors.unmeasured,
-            every_part: errors.every_part,
-            extents: errors.extents,
-            evaluation_length: errors.evaluation_length,
-            limits: sections.read(&keys::LIMITS, limits::read),
-            batch,
-            simulation: sections.read(&keys::SIMULATION, simulation::read),
-            scatter: sections.read(&keys::SCATTER, scatter::read),
-            uncertainties,
-            correlations,
-            known_teeth: None,
-            teeth_sensitivities: Vec::new(),
-            teeth_taken_as_exact: Vec::new(),
-        }
+        sections.read(&keys::ERRORS, |reader| errors::read(reader, &mut spec));
+        sections.read(&keys::BATCH, |reader| spec.batch = batch::read(reader));
+        sections.diagnostics.extend(spec.other_extents());
+        sections.read(&keys::BUDGET, |reader| {
+            reader.values(&mut spec.values);
+            spec.budget = budget::read(reader);
+        });
+        sections.read(&keys::LIMITS, |reader| spec.limits = limits::read(reader));
+        sections.read(&keys::SIMULATION, |reader| spec.simulation = simulation::read(reader, &mut spec.values));
+        sections.read(&keys::SCATTER, |reader| spec.scatter = scatter::read(reader));
+        spec.uncertainties = uncertainties;
+        spec
     }
 }
 
@@ -252,14 +238,14 @@ impl Sections<'_> {
     }
 
     /// Reads a section; one that is not there is not read at all, which a short spec's start-up gains from.
-    fn read<T: Default>(&mut self, section: &'static Section, read: impl FnOnce(&mut SectionReader<'_>) -> T) -> T {
+    fn read(&mut self, section: &'static Section, read: impl FnOnce(&mut SectionReader<'_>)) {
         let table = if section.name.is_empty() {
             Some(self.top)
         } else {
             self.top.get(section.name).and_then(|value| value.get_ref().as_table())
         };
         if table.is_none() {
-            return T::default();
+            return;
         }
         let mut reader = SectionReader {
             source: self.source,
@@ -271,7 +257,7 @@ impl Sections<'_> {
         if !section.name.is_empty() {
             reader.refuse_unknown_keys();
         }
-        read(&mut reader)
+        read(&mut reader);
     }
 }
 

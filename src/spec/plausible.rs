@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::errors::WrittenError;
 use super::keys::{self, Key};
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::value::KeyType;
 use super::{Located, Spec, WrittenPinionDeviation};
 use crate::deviation::plausible::{self, Doubt, WrittenIn};
@@ -101,12 +101,9 @@ impl Spec {
             of(self, keys::PINION_PROFILE_SLOPE, form),
             of(self, keys::PINION_TOOTH_THICKNESS_DEVIATION, form),
             of(self, keys::DECISION_RULE, guard),
+            of(self, keys::RACK_TIP_RELIEF, |_| deviation(self.get(keys::RACK_TIP_RELIEF_AMOUNT)?)),
         ]
         .into_iter()
-        .chain(self.tip_relief.as_ref().map(|relief| {
-            let doubt = deviation(relief.value.amount)?;
-            Some(DoubtedKey { name: "tip_relief".to_owned(), span: relief.span.clone(), doubt })
-        }))
         .flatten()
         .collect()
     }
@@ -140,7 +137,7 @@ impl Spec {
             WrittenError::Value(value) => (value, self.nominals.iter().any(|(of, _)| *of == kind)),
             WrittenError::OverRoller { measured, roller } => {
                 let need = || (kind.key().to_owned(), None);
-                let over_pin = self.over_pin_of(roller, &mut MissingKeys::default(), &need)?;
+                let over_pin = self.over_pin_of(roller, &mut Problems::default(), &need)?;
                 (DeviationValue::Length(measured - over_pin.measure().ok()?), true)
             }
             WrittenError::Class(_) => return None,

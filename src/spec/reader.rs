@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 use super::Located;
 use super::keys::{AnyKey, Key, Kind, LARGEST_CLASS, SECTIONS, Section, Unit};
 use super::value::{KeyType, Value, Values};
-use crate::deviation::{ToothRange, ToothRangeError};
+use crate::deviation::ToothRange;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
@@ -54,10 +54,22 @@ impl SectionReader<'_> {
         }
     }
 
-    /// Reads every key of the section that holds one value.
+    /// Reads every key of the section that holds one value, and those of its tables.
     pub(super) fn values(&mut self, values: &mut Values) {
         for key in self.section.keys {
-            if let Some(value) = self.value(key) {
+            let value = match key.kind {
+                Kind::Table(section) | Kind::Whole(section) => {
+                    let table = self.table(key.name(), section, |inner| {
+                        if matches!(key.kind, Kind::Whole(_)) {
+                            inner.refuse_missing_keys();
+                        }
+                        inner.values(values);
+                    });
+                    table.map(|Located { span, .. }| Located { value: Value::Table(()), span })
+                }
+                _ => self.value(key),
+            };
+            if let Some(value) = value {
                 values.insert(key.path, value);
             }
         }
@@ -100,8 +112,7 @@ impl SectionReader<'_> {
             }
             Kind::Count(domain) => {
                 let DeValue::Integer(_) = written.get_ref() else {
-                    self.wrong_type(name, written, "a whole number");
-                    return None;
+                    return self.wrong_type(name, written, "a whole number");
                 };
                 let number = self.plain_number(name, written)?;
                 // the domain is far inside u32, and the number is whole
@@ -131,40 +142,49 @@ impl SectionReader<'_> {
             let message = format!("`{name}` has no key `{}`", key.get_ref());
             let similar = similar(key.get_ref(), known.clone());
             let help = similar.map_or_else(|| help.to_owned(), |similar| format!("did you mean `{similar}`?"));
-            self.report(Diagnostic::error(Code::UnknownKey, message).help(help), key.span(), "unknown key");
+            let diagnostic = Diagnostic::error(Code::UnknownKey, message).help(help);
+            self.diagnostics.push(diagnostic.at(self.source, key.span(), "unknown key"));
         }
         (self.diagnostics.len() == before).then_some(())
     }
 
-    pub(super) fn report(&mut self, diagnostic: Diagnostic, span: Range<usize>, label: &str) {
-        self.diagnostics.push(diagnostic.at(self.source, span, label));
+    pub(super) fn report(&mut self, diagnostic: Diagnostic, span: Range<usize>) {
+        self.diagnostics.push(diagnostic.at(self.source, span, ""));
     }
 
-    pub(super) fn wrong_type(&mut self, name: &str, value: &Spanned<DeValue<'_>>, needed: &str) {
+    /// Reports why there is no value.
+    pub(super) fn refuse<T>(&mut self, diagnostic: Diagnostic, span: Range<usize>) -> Option<T> {
+        self.report(diagnostic, span);
+        None
+    }
+
+    /// What a value was read as, or a report of why it is nothing.
+    fn accept<T>(&mut self, name: &str, read: Result<T, impl Display>, code: Code, span: Range<usize>) -> Option<T> {
+        read.map_err(|error| self.report(Diagnostic::error(code, format!("`{name}`: {error}")), span)).ok()
+    }
+
+    pub(super) fn wrong_type<T>(&mut self, name: &str, value: &Spanned<DeValue<'_>>, needed: &str) -> Option<T> {
         let message = format!("`{name}` is {}; {needed} is needed", type_in_words(value.get_ref()));
-        self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
+        self.refuse(Diagnostic::error(Code::WrongType, message), value.span())
     }
 
     fn text_value<'v>(&mut self, name: &str, value: &'v Spanned<DeValue<'_>>) -> Option<&'v str> {
         if let DeValue::String(text) = value.get_ref() {
             return Some(text);
         }
-        self.wrong_type(name, value, "text in quotes");
-        None
+        self.wrong_type(name, value, "text in quotes")
     }
 
     /// What a text names; an unknown name is a problem of the kind `code`.
     fn parsed<T: FromStr<Err: Display>>(&mut self, name: &str, value: &Spanned<DeValue<'_>>, code: Code) -> Option<T> {
         let parsed = self.text_value(name, value)?.parse();
-        parsed
-            .map_err(|error| self.report(Diagnostic::error(code, format!("`{name}`: {error}")), value.span(), ""))
-            .ok()
+        self.accept(name, parsed, code, value.span())
     }
 
     /// A decision rule, whose refusal says what it is of.
     fn rule_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rule> {
         let rule = self.text_value(name, value)?.parse::<Rule>();
-        rule.map_err(|error| self.report(Diagnostic::error(Code::BadRule, error.to_string()), value.span(), "")).ok()
+        rule.map_err(|error| self.report(Diagnostic::error(Code::BadRule, error.to_string()), value.span())).ok()
     }
 
     /// Which diameter stands for a rack.
@@ -175,8 +195,7 @@ impl SectionReader<'_> {
             DeValue::String(text) if text.as_ref() == "developed" => Some(RackDiameter::Developed),
             DeValue::String(text) if !text.contains(|c: char| c.is_ascii_digit()) => {
                 let message = format!("`{name}` must be \"pinion\", \"developed\" or a length");
-                self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
-                None
+                self.refuse(Diagnostic::error(Code::WrongType, message), value.span())
             }
             _ => {
                 let length = self.length_value(name, value)?;
@@ -191,14 +210,9 @@ impl SectionReader<'_> {
         let text = match value.get_ref() {
             DeValue::String(text) => text.as_ref(),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
-            _ => {
-                self.wrong_type(name, value, "a tooth number or text such as \"8..=12\"");
-                return None;
-            }
+            _ => return self.wrong_type(name, value, "a tooth number or text such as \"8..=12\""),
         };
-        let teeth = text.parse();
-        let bad = |error| Diagnostic::error(Code::BadTeeth, format!("`{name}`: {error}"));
-        teeth.map_err(|error: ToothRangeError| self.report(bad(error), value.span(), "")).ok()
+        self.accept(name, text.parse(), Code::BadTeeth, value.span())
     }
 
     /// One of the words that a key allows.
@@ -210,7 +224,7 @@ impl SectionReader<'_> {
         if found.is_none() {
             let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
             let message = format!("`{name}` must be {}", quoted.join(" or "));
-            self.report(Diagnostic::error(Code::WrongType, message), value.span(), "");
+            self.report(Diagnostic::error(Code::WrongType, message), value.span());
         }
         found.copied()
     }
@@ -218,13 +232,12 @@ impl SectionReader<'_> {
     /// The grade of a class.
     pub(super) fn class_value(&mut self, value: &Spanned<DeValue<'_>>) -> Option<u8> {
         let DeValue::Integer(integer) = value.get_ref() else {
-            self.wrong_type("class", value, "a whole number");
-            return None;
+            return self.wrong_type("class", value, "a whole number");
         };
         let grade = integer.as_str().parse().ok().filter(|grade| integer.radix() == 10 && *grade <= LARGEST_CLASS);
         if grade.is_none() {
             let message = format!("`class` is {}; grades are 0 to {LARGEST_CLASS}", integer.as_str());
-            self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
+            self.report(Diagnostic::error(Code::OutOfDomain, message), value.span());
         }
         grade
     }
@@ -232,8 +245,7 @@ impl SectionReader<'_> {
     /// A number in the key's unit, or text that names another.
     fn measure_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, unit: Unit) -> Option<f64> {
         let DeValue::String(text) = value.get_ref() else { return self.plain_number(name, value) };
-        let bad = |problem| Diagnostic::error(Code::BadQuantity, format!("`{name}`: {problem}"));
-        in_unit(text, unit).map_err(|problem: String| self.report(bad(problem), value.span(), "")).ok()
+        self.accept(name, in_unit(text, unit), Code::BadQuantity, value.span())
     }
 
     /// A number, unless it lies outside its domain; `unit` stands behind numbers.
@@ -243,23 +255,15 @@ impl SectionReader<'_> {
         }
         let bounds = domain.in_words(unit);
         let message = format!("the {} {} is {number}{unit}; it must be {bounds}", domain.name, domain.symbol);
-        self.report(Diagnostic::error(Code::OutOfDomain, message), span, "");
-        None
+        self.refuse(Diagnostic::error(Code::OutOfDomain, message), span)
     }
 
     pub(super) fn plain_number(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<f64> {
         let Some(written) = decimal_text(value.get_ref()) else {
-            self.wrong_type(name, value, "a number");
-            return None;
+            return self.wrong_type(name, value, "a number");
         };
-        match parse_f64(&written) {
-            Ok(number) => Some(number),
-            Err(error) => {
-                let message = format!("`{name}` is not a number: {error}");
-                self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
-                None
-            }
-        }
+        let bad = |error| Diagnostic::error(Code::BadQuantity, format!("`{name}` is not a number: {error}"));
+        parse_f64(&written).map_err(|error| self.report(bad(error), value.span())).ok()
     }
 
     /// A length under `name`, unchecked against a domain.
@@ -279,33 +283,15 @@ impl SectionReader<'_> {
         needed: &str,
     ) -> Option<Q> {
         let text = match value.get_ref() {
-            DeValue::String(text) => text.to_string(),
-            other => {
-                let Some(text) = decimal_text(other) else {
-                    self.wrong_type(name, value, needed);
-                    return None;
-                };
-                text
-            }
+            DeValue::String(text) => Some(text.to_string()),
+            other => decimal_text(other),
         };
-        match text.parse() {
-            Ok(quantity) => Some(quantity),
-            Err(error) => {
-                let message = format!("`{name}`: {error}");
-                self.report(Diagnostic::error(Code::BadQuantity, message), value.span(), "");
-                None
-            }
-        }
+        let Some(text) = text else { return self.wrong_type(name, value, needed) };
+        self.accept(name, text.parse(), Code::BadQuantity, value.span())
     }
 
     pub(super) fn in_domain(&mut self, check: Result<(), DomainError>, span: Range<usize>) -> Option<()> {
-        match check {
-            Ok(()) => Some(()),
-            Err(error) => {
-                self.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span, "");
-                None
-            }
-        }
+        check.map_err(|error| self.report(Diagnostic::error(Code::OutOfDomain, error.to_string()), span)).ok()
     }
 }
 

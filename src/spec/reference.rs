@@ -31,7 +31,7 @@ fn add(section: &Section, path: &str, entries: &mut Vec<KeyEntry>) {
     for key in section.keys {
         let path = if path.is_empty() { key.name().to_owned() } else { format!("{path}.{}", key.name()) };
         entries.push(KeyEntry { path: path.clone(), holds: in_words(key.kind), doc: key.doc });
-        if let Kind::Table(section) | Kind::Tables(section) = key.kind {
+        if let Kind::Table(section) | Kind::Whole(section) | Kind::Tables(section) = key.kind {
             add(section, &path, entries);
         }
     }
@@ -66,7 +66,7 @@ fn in_words(kind: Kind) -> String {
         Kind::Spread { class: Some(_), .. } => "a standard deviation, a half-width or a class",
         Kind::Spread { class: None, .. } => "a standard deviation or a half-width",
         Kind::Teeth => "\"all\", 5, \"8..\" or \"8..=12\"",
-        Kind::Table(_) => "a table",
+        Kind::Table(_) | Kind::Whole(_) => "a table",
         Kind::Tables(_) => "any number of tables",
     };
     text.to_owned()

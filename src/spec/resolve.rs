@@ -39,33 +39,12 @@ impl Spec {
             let help = "add an entry such as `rack_over_roller = \"+13 um\"` below [errors]";
             return Err(diagnostic.help(help).into());
         }
-        let mut missing = MissingKeys::default();
-        let mut diagnostics = Vec::new();
-        let mut errors = Vec::with_capacity(self.errors.len());
-        for (kind, written) in &self.errors {
-            let error = if let WrittenError::Class(grade) = written.value {
-                match self.class(*kind, grade, &written.span, &mut missing) {
-                    Some(Ok(class)) => self
-                        .law_of(*kind, &mut missing, &needed_by(*kind, written))
-                        .map(|law| law.map(|law| class.tolerance(law))),
-                    Some(Err(diagnostic)) => {
-                        diagnostics.push(diagnostic);
-                        continue;
-                    }
-                    None => continue,
-                }
-            } else {
-                self.part_deviation(*kind, written, &mut missing)
-            };
-            match error {
-                Some(Ok(error)) => errors.push(self.extended(error)),
-                Some(Err(error)) => diagnostics.push(self.contradiction(written, &error)),
-                // the key that it needs is among the missing ones
-                None => {}
-            }
-        }
-        diagnostics.extend(missing.diagnostics(&self.source));
-        if diagnostics.is_empty() { Ok(errors) } else { Err(Diagnostics(diagnostics)) }
+        let mut problems = Problems::default();
+        let error = |(kind, written): &(DeviationKind, Located<WrittenError>)| {
+            Some(self.extended(self.part_deviation(*kind, written, &mut problems)?))
+        };
+        let errors = self.errors.iter().filter_map(error).collect();
+        problems.answer(Some(errors), &self.source)
     }
 
     /// Refuses errors of which a nominal value or an uncertainty is given, and no value.
@@ -144,35 +123,38 @@ impl Spec {
         }
     }
 
-    /// An error with its law; `None` if a key is missing.
+    /// An error with its law; `None` if a key is missing or the value is refused.
     fn part_deviation(
         &self,
         kind: DeviationKind,
         written: &Located<WrittenError>,
-        missing: &mut MissingKeys,
-    ) -> Option<Result<PartDeviation, DomainError>> {
-        let value = match written.value {
-            WrittenError::Value(value) => Ok(value),
+        problems: &mut Problems,
+    ) -> Option<PartDeviation> {
+        let need = needed_by(kind, written);
+        let error = match written.value {
+            WrittenError::Value(value) => self.law_of(kind, problems, &need)?.map(|law| PartDeviation::new(law, value)),
             WrittenError::OverRoller { measured, roller } => {
-                let over_pin = self.over_pin_of(roller, missing, &needed_by(kind, written))?;
-                over_pin.measure().map(|nominal| DeviationValue::Length(measured - nominal))
+                let nominal = self.over_pin_of(roller, problems, &need)?.measure();
+                let law = self.law_of(kind, problems, &need)?;
+                law.and_then(|law| Ok(PartDeviation::new(law, measured - nominal?)))
             }
-            // its value is the class's
-            WrittenError::Class(_) => return None,
+            WrittenError::Class(grade) => {
+                let class = self.class(kind, grade, &written.span, problems)?;
+                self.law_of(kind, problems, &need)?.map(|law| class.tolerance(law))
+            }
         };
-        let law = self.law_of(kind, missing, &needed_by(kind, written))?;
-        Some(law.and_then(|law| Ok(PartDeviation::new(law, value?))))
+        problems.accept(error.map_err(|error| self.contradiction(written, &error)))
     }
 
     /// The law of a kind of error for this gear; `None` if a key is missing.
     pub(super) fn law_of(
         &self,
         kind: DeviationKind,
-        missing: &mut MissingKeys,
+        problems: &mut Problems,
         need: &dyn Fn() -> Need,
     ) -> Option<Result<Law, DomainError>> {
         let (rack, pinion) = (self.or_zero(keys::RACK_HELIX_ANGLE), self.or_zero(keys::PINION_HELIX_ANGLE));
-        let mut pressure_angle = || missing.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, need);
+        let mut pressure_angle = || problems.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, need);
         Some(match kind {
             DeviationKind::RackOverRoller => Ok(Law::rack_over_roller()),
             DeviationKind::PinionRadial => Ok(Law::pinion_radial()),
@@ -181,7 +163,7 @@ impl Spec {
             DeviationKind::PinionLead => Law::pinion_lead(pressure_angle()?, pinion),
             DeviationKind::RackLead => {
                 let pressure_angle = pressure_angle();
-                let face_width = missing.take(self, keys::RACK_FACE_WIDTH, need);
+                let face_width = problems.take(self, keys::RACK_FACE_WIDTH, need);
                 Law::rack_lead(pressure_angle?, rack, face_width?)
             }
         })
@@ -191,12 +173,12 @@ impl Spec {
     pub(super) fn over_pin_of(
         &self,
         pin_diameter: Length,
-        missing: &mut MissingKeys,
+        problems: &mut Problems,
         need: &dyn Fn() -> Need,
     ) -> Option<OverPin> {
-        let normal_module = missing.take(self, keys::PAIR_NORMAL_MODULE, need);
-        let normal_pressure_angle = missing.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, need);
-        let datum = missing.take(self, keys::RACK_DATUM, need);
+        let normal_module = problems.take(self, keys::PAIR_NORMAL_MODULE, need);
+        let normal_pressure_angle = problems.take(self, keys::PAIR_NORMAL_PRESSURE_ANGLE, need);
+        let datum = problems.take(self, keys::RACK_DATUM, need);
         Some(OverPin {
             normal_module: normal_module?,
             normal_pressure_angle: normal_pressure_angle?,
@@ -233,9 +215,12 @@ fn needed_by(kind: DeviationKind, written: &Located<WrittenError>) -> impl Fn() 
     }
 }
 
-/// The keys that a request needs and the spec does not have, each named once.
+/// Why a request has no answer: keys that it needs and the spec does not have, each named once, and what is refused.
 #[derive(Default)]
-pub(super) struct MissingKeys(Vec<MissingKey>);
+pub(super) struct Problems {
+    missing: Vec<MissingKey>,
+    refused: Vec<Diagnostic>,
+}
 
 struct MissingKey {
     key: AnyKey,
@@ -244,7 +229,7 @@ struct MissingKey {
     place: Option<(Range<usize>, String)>,
 }
 
-impl MissingKeys {
+impl Problems {
     /// The value of a key, or a note that it is missing; `need` says who needs it, and where that stands.
     pub(super) fn take<T: KeyType>(&mut self, spec: &Spec, key: Key<T>, need: impl FnOnce() -> Need) -> Option<T> {
         let value = spec.get(key);
@@ -257,14 +242,28 @@ impl MissingKeys {
     /// Notes that a key is missing.
     pub(super) fn note(&mut self, key: AnyKey, need: impl FnOnce() -> Need) {
         let (needed_by, place) = need();
-        match self.0.iter_mut().find(|missing| missing.key.path == key.path) {
+        match self.missing.iter_mut().find(|missing| missing.key.path == key.path) {
             Some(missing) => missing.needed_by.push(needed_by),
-            None => self.0.push(MissingKey { key, needed_by: vec![needed_by], place }),
+            None => self.missing.push(MissingKey { key, needed_by: vec![needed_by], place }),
         }
     }
 
-    pub(super) fn diagnostics(&self, source: &Arc<Source>) -> impl Iterator<Item = Diagnostic> {
-        self.0.iter().map(|missing| {
+    /// A value, or a note of why it is refused.
+    pub(super) fn accept<T>(&mut self, value: Result<T, Diagnostic>) -> Option<T> {
+        value.map_err(|refused| self.refused.push(refused)).ok()
+    }
+
+    /// The answer, if nothing stands against it.
+    pub(super) fn answer<T>(self, answer: Option<T>, source: &Arc<Source>) -> Result<T, Diagnostics> {
+        match answer {
+            Some(answer) if self.missing.is_empty() && self.refused.is_empty() => Ok(answer),
+            _ => Err(Diagnostics(self.diagnostics(source))),
+        }
+    }
+
+    /// What is refused, then what is missing.
+    fn diagnostics(self, source: &Arc<Source>) -> Vec<Diagnostic> {
+        let missing = self.missing.iter().map(|missing| {
             let MissingKey { key, needed_by, place } = missing;
             let (section, name) = key.path.rsplit_once('.').unwrap_or(("", key.path));
             let verb = if needed_by.len() == 1 { "needs" } else { "need" };
@@ -276,6 +275,7 @@ impl MissingKeys {
                 // nothing in the spec asked for it: the file is named at least
                 None => diagnostic.help(format!("{help} in {}", source.name)),
             }
-        })
+        });
+        self.refused.into_iter().chain(missing).collect()
     }
 }

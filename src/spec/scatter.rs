@@ -4,7 +4,7 @@ use toml::de::DeValue;
 
 use super::keys::{self, Kind};
 use super::reader::SectionReader;
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec};
 use crate::chance::racks::Scatter;
 use crate::deviation::DeviationKind;
@@ -45,8 +45,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
             return Some(number);
         }
         let diagnostic = Diagnostic::error(Code::OutOfDomain, format!("`{name}` is {number}; it must be above 0"));
-        reader.report(diagnostic.help(HELP), span.clone(), "");
-        None
+        reader.refuse(diagnostic.help(HELP), span.clone())
     };
     let DeValue::Table(table) = value.get_ref() else {
         return located(WrittenSpread::Spread(Uncertainty::standard(number(reader, name, value)?)));
@@ -57,8 +56,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
         (Some(grade), None, None) => {
             if class.is_none() {
                 let message = format!("`{name}` has no class: no standard limits it");
-                reader.report(bad(message), span.clone(), "");
-                return None;
+                return reader.refuse(bad(message), span.clone());
             }
             located(WrittenSpread::Class(reader.class_value(grade)?))
         }
@@ -67,10 +65,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
             let half_width = number(reader, "half_width", half_width)?;
             located(WrittenSpread::Spread(Uncertainty::half_width(half_width, distribution)))
         }
-        _ => {
-            reader.report(bad(format!("`{name}` is a table that makes no spread")), span.clone(), "");
-            None
-        }
+        _ => reader.refuse(bad(format!("`{name}` is a table that makes no spread")), span.clone()),
     }
 }
 
@@ -87,8 +82,7 @@ impl Spec {
                 .help("add a section such as\n[scatter]\nrack_pitch = \"4 um\"          # standard deviation\nrack_thickness = { half_width = \"6 um\", distribution = \"rectangular\" }");
             return Err(diagnostic.into());
         }
-        let mut missing = MissingKeys::default();
-        let mut diagnostics = Vec::new();
+        let mut problems = Problems::default();
         let mut classes = Vec::new();
         let mut scatter = Scatter::default();
         for (name, written) in &self.scatter {
@@ -97,18 +91,10 @@ impl Spec {
             let spread = match (written.value, class) {
                 (WrittenSpread::Spread(spread), _) => Some(spread),
                 (WrittenSpread::Class(grade), Some(kind)) => {
-                    match self.class(kind, grade, &written.span, &mut missing) {
-                        Some(Ok(class)) => {
-                            let spread = within_class(&class);
-                            classes.push(class);
-                            Some(spread)
-                        }
-                        Some(Err(diagnostic)) => {
-                            diagnostics.push(diagnostic);
-                            None
-                        }
-                        None => None,
-                    }
+                    let class = self.class(kind, grade, &written.span, &mut problems);
+                    let spread = class.as_ref().map(within_class);
+                    classes.extend(class);
+                    spread
                 }
                 (WrittenSpread::Class(_), None) => None,
             };
@@ -126,8 +112,7 @@ impl Spec {
                 _ => scatter.pinion_runout = spread,
             }
         }
-        diagnostics.extend(missing.diagnostics(&self.source));
-        if diagnostics.is_empty() { Ok((scatter, classes)) } else { Err(Diagnostics(diagnostics)) }
+        problems.answer(Some((scatter, classes)), &self.source)
     }
 }
 

@@ -42,6 +42,12 @@ fn object(section: &Section) -> Value {
     })
 }
 
+/// A table with these keys and no others, some of which it must have.
+fn closed(properties: impl Into<Value>, required: &[&str]) -> Value {
+    let properties: Value = properties.into();
+    json!({ "type": "object", "additionalProperties": false, "required": required, "properties": properties })
+}
+
 fn property(key: &AnyKey) -> Value {
     let source = Source::of_gear(key.path);
     let mut schema = match key.kind {
@@ -76,7 +82,7 @@ fn property(key: &AnyKey) -> Value {
             length_text(),
         ] }),
         Kind::Teeth => json!({ "anyOf": [{ "type": "integer" }, { "type": "string" }] }),
-        Kind::Table(section) => object(section),
+        Kind::Table(section) | Kind::Whole(section) => object(section),
         Kind::Tables(section) => json!({ "type": "array", "items": object(section) }),
         Kind::Limit => {
             let end = json!({ "anyOf": [{ "type": "number" }, length_text()] });
@@ -101,24 +107,12 @@ fn property(key: &AnyKey) -> Value {
 fn spread(is_angle: bool, has_class: bool) -> Value {
     let text = if is_angle { json!({ "type": "string" }) } else { length_text() };
     let amount = json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, text] });
-    let half_width = json!({
-        "type": "object",
-        "additionalProperties": false,
-        "required": ["half_width", "distribution"],
-        "properties": {
-            "half_width": amount,
-            "distribution": uncertainty_properties()["distribution"],
-        },
-    });
+    let distribution = &uncertainty_properties()["distribution"];
+    let properties = json!({ "half_width": amount, "distribution": distribution });
+    let half_width = closed(properties, &["half_width", "distribution"]);
     let mut forms = vec![amount, half_width];
     if has_class {
-        let grade = json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS });
-        forms.push(json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": ["class"],
-            "properties": { "class": grade },
-        }));
+        forms.push(closed(json!({ "class": grade() }), &["class"]));
     }
     json!({ "anyOf": forms })
 }
@@ -126,14 +120,7 @@ fn spread(is_angle: bool, has_class: bool) -> Value {
 /// An entry of `[budget]`.
 fn tolerance(kind: DeviationKind) -> Value {
     let number = json!({ "type": "number", "exclusiveMinimum": 0 });
-    let free = |name: &str| {
-        json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": [name],
-            "properties": { name: number, EXTENT: extent(kind.unit()) },
-        })
-    };
+    let free = |name: &str| closed(json!({ name: number, EXTENT: extent(kind.unit()) }), &[name]);
     json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
 }
 
@@ -142,12 +129,7 @@ fn forms(mut forms: Vec<Value>, source: Option<Source>) -> Vec<Value> {
     if source.is_some() {
         let mut properties = uncertainty_properties();
         properties.insert("value".to_owned(), json!({ "anyOf": forms }));
-        forms.push(json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": ["value"],
-            "properties": properties,
-        }));
+        forms.push(closed(properties, &["value"]));
     }
     forms
 }
@@ -173,6 +155,10 @@ fn extent(unit: Unit) -> Value {
     json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(unit)).map(Extent::name).collect::<Vec<_>>() })
 }
 
+fn grade() -> Value {
+    json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS })
+}
+
 fn length_text() -> Value {
     json!({ "type": "string", "pattern": length_pattern(r"[+\-−]?") })
 }
@@ -188,7 +174,7 @@ fn error(kind: DeviationKind) -> Value {
     let mut forms = vec![json!({ "type": "number" }), text];
     for form in error_table_forms(kind) {
         let value = |name: &str| match name {
-            "class" => json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS }),
+            "class" => grade(),
             _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         };
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
@@ -199,12 +185,7 @@ fn error(kind: DeviationKind) -> Value {
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
         }
-        forms.push(json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": form,
-            "properties": properties,
-        }));
+        forms.push(closed(properties, form));
     }
     // the uncertainty and extent of values that come from a table
     let mut properties = uncertainty_properties();

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
-use super::resolve::MissingKeys;
+use super::resolve::Problems;
 use super::{Located, Spec};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -43,8 +43,7 @@ impl SectionReader<'_> {
         let Some(inner) = table.get("value") else {
             let diagnostic = Diagnostic::error(Code::BadUncertainty, format!("`{name}` is a table without a value"))
                 .help(format!("write {name} = {{ value = …, u = … }}"));
-            self.report(diagnostic, value.span(), "");
-            return None;
+            return self.refuse(diagnostic, value.span());
         };
         self.note_uncertainty(name, table, value.span(), source, None);
         Some(inner)
@@ -67,7 +66,7 @@ impl SectionReader<'_> {
         let has = |key: &str| table.contains_key(key);
         let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
         if let Some(problem) = contradiction(name, table) {
-            self.report(bad(problem), span, "");
+            self.report(bad(problem), span);
             return;
         }
         let magnitude = |reader: &mut Self, key: &str| {
@@ -78,8 +77,7 @@ impl SectionReader<'_> {
                 reader.length_value(key, value)?.mm()
             };
             if number < 0.0 {
-                reader.report(bad(format!("`{key}` of `{name}` is negative")), value.span(), "");
-                return None;
+                return reader.refuse(bad(format!("`{key}` of `{name}` is negative")), value.span());
             }
             Some(number * scale)
         };
@@ -104,7 +102,7 @@ impl SectionReader<'_> {
             let Some(dof) = self.positive("dof", value) else { return };
             if dof < 1.0 || distribution != Distribution::Normal {
                 let what = if dof < 1.0 { "at least 1 is needed" } else { "only a normal distribution has them" };
-                self.report(bad(format!("`{name}` has {dof} degrees of freedom: {what}")), value.span(), "");
+                self.report(bad(format!("`{name}` has {dof} degrees of freedom: {what}")), value.span());
                 return;
             }
             uncertainty.dof = dof;
@@ -115,13 +113,12 @@ impl SectionReader<'_> {
     pub(super) fn distribution(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Distribution> {
         let all = [Distribution::Normal, Distribution::Rectangular, Distribution::Triangular, Distribution::Arcsine];
         let DeValue::String(text) = value.get_ref() else {
-            self.wrong_type("distribution", value, "a word in quotes");
-            return None;
+            return self.wrong_type("distribution", value, "a word in quotes");
         };
         let found = all.into_iter().find(|distribution| distribution.name() == text.as_ref());
         if found.is_none() {
             let message = format!("\"{text}\" is no distribution: write normal, rectangular, triangular or arcsine");
-            self.report(Diagnostic::error(Code::BadUncertainty, message), value.span(), "");
+            self.report(Diagnostic::error(Code::BadUncertainty, message), value.span());
         }
         found
     }
@@ -133,8 +130,7 @@ impl SectionReader<'_> {
             return Some(number);
         }
         let message = format!("`{name}` is {number}; it must be above 0");
-        self.report(Diagnostic::error(Code::OutOfDomain, message), value.span(), "");
-        None
+        self.refuse(Diagnostic::error(Code::OutOfDomain, message), value.span())
     }
 }
 
@@ -168,7 +164,7 @@ fn first_of(table: &DeTable<'_>) -> &'static str {
 pub(super) fn correlations(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenCorrelation>> {
     let Some(value) = reader.table.and_then(|table| table.get("correlation")) else { return Vec::new() };
     let DeValue::Array(entries) = value.get_ref() else {
-        reader.wrong_type("correlation", value, "tables, each under a line `[[correlation]]`,");
+        reader.wrong_type::<()>("correlation", value, "tables, each under a line `[[correlation]]`,");
         return Vec::new();
     };
     entries.iter().filter_map(|entry| correlation(reader, entry)).collect()
@@ -177,33 +173,26 @@ pub(super) fn correlations(reader: &mut SectionReader<'_>) -> Vec<Located<Writte
 fn correlation(reader: &mut SectionReader<'_>, entry: &Spanned<DeValue<'_>>) -> Option<Located<WrittenCorrelation>> {
     const HELP: &str = "write between = [\"rack_pitch\", \"pinion_pitch\"] and coefficient = 0.5";
     let DeValue::Table(table) = entry.get_ref() else {
-        reader.wrong_type("correlation", entry, "a table under a line `[[correlation]]`");
-        return None;
+        return reader.wrong_type("correlation", entry, "a table under a line `[[correlation]]`");
     };
     reader.inner(&keys::CORRELATION, table, |reader| {
         let bad = |message: &str| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
         let Some(between) = table.get("between") else {
-            reader.report(bad("this correlation does not say between what"), entry.span(), "");
-            return None;
+            return reader.refuse(bad("this correlation does not say between what"), entry.span());
         };
         let names = match between.get_ref() {
             DeValue::Array(names) if names.len() == 2 => names,
-            _ => {
-                reader.report(bad("`between` is not a list of two names"), between.span(), "");
-                return None;
-            }
+            _ => return reader.refuse(bad("`between` is not a list of two names"), between.span()),
         };
         let [a, b] = [0, 1].map(|index| names.get(index).and_then(|name| source_named(reader, name)));
         let Some(value) = table.get("coefficient") else {
-            reader.report(bad("this correlation has no coefficient"), entry.span(), "");
-            return None;
+            return reader.refuse(bad("this correlation has no coefficient"), entry.span());
         };
         let coefficient = reader.plain_number("coefficient", value)?;
         let between = (a?, b?);
         if !(-1.0..=1.0).contains(&coefficient) || between.0 == between.1 {
             let problem = UncertaintyError::Coefficient { of: between, coefficient };
-            reader.report(bad(&problem.to_string()), value.span(), "");
-            return None;
+            return reader.refuse(bad(&problem.to_string()), value.span());
         }
         Some(Located { value: WrittenCorrelation { between, coefficient }, span: entry.span() })
     })
@@ -212,8 +201,7 @@ fn correlation(reader: &mut SectionReader<'_>, entry: &Spanned<DeValue<'_>>) -> 
 /// The source of a name: its whole key, or the part behind the section if that is clear.
 fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> Option<Source> {
     let DeValue::String(text) = name.get_ref() else {
-        reader.wrong_type("between", name, "the name of a value in quotes");
-        return None;
+        return reader.wrong_type("between", name, "the name of a value in quotes");
     };
     let text = text.as_ref();
     let short = |source: &Source| source.key().split_once('.').map_or(source.key(), |(_, name)| name);
@@ -229,8 +217,7 @@ fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> 
         || format!("the names are {}", Source::ALL.map(Source::key).join(", ")),
         |similar| format!("did you mean `{similar}`?"),
     );
-    reader.report(diagnostic.help(help), name.span(), "");
-    None
+    reader.refuse(diagnostic.help(help), name.span())
 }
 
 impl Spec {
@@ -239,7 +226,7 @@ impl Spec {
     pub fn over_pin(&self) -> Option<OverPin> {
         let (_, written) = self.errors.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller)?;
         let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
-        self.over_pin_of(*roller, &mut MissingKeys::default(), &|| (String::new(), None))
+        self.over_pin_of(*roller, &mut Problems::default(), &|| (String::new(), None))
     }
 
     /// The uncertainties of the values that ΔCD of the given errors follows from.

@@ -46,6 +46,7 @@ values! {
     RackDiameter(RackDiameter), "Which diameter stands for a rack.";
     Rule(Rule), "A decision rule.";
     Teeth(ToothRange), "Which teeth.";
+    Table(()), "A table, whose keys have values of their own.";
 }
 
 /// The values that a spec gives, and where.

@@ -49,79 +49,45 @@ impl Deviation {
         Self::ToothRadialComposite,
     ];
 
+    /// Its symbol in letters that any file can hold, that of its tolerance, its key, its name.
+    const fn names(self) -> [&'static str; 4] {
+        match self {
+            Self::SinglePitch => ["f_pt", "f_pT", "f_pt", "single pitch"],
+            Self::SectorPitch => ["F_pz/8", "F_pz/8T", "f_pz8", "cumulative pitch over z/8"],
+            Self::TotalPitch => ["F_p", "F_pT", "f_p_total", "total cumulative pitch"],
+            Self::ProfileForm => ["f_falpha", "f_falphaT", "f_f_alpha", "profile form"],
+            Self::ProfileSlope => ["f_Halpha", "f_HalphaT", "f_h_alpha", "profile slope"],
+            Self::TotalProfile => ["F_alpha", "F_alphaT", "f_alpha_total", "total profile"],
+            Self::HelixForm => ["f_fbeta", "f_fbetaT", "f_f_beta", "helix form"],
+            Self::HelixSlope => ["f_Hbeta", "f_HbetaT", "f_h_beta", "helix slope"],
+            Self::TotalHelix => ["F_beta", "F_betaT", "f_beta_total", "total helix"],
+            Self::Runout => ["F_r", "F_rT", "f_r", "runout"],
+            Self::RadialComposite => ["F_i''", "F_i''T", "f_i_total", "radial composite"],
+            Self::ToothRadialComposite => ["f_i''", "f_i''T", "f_i_tooth", "tooth-to-tooth radial composite"],
+        }
+    }
+
     /// The symbol in letters that any file can hold: `f_Hbeta`.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
-        match self {
-            Self::SinglePitch => "f_pt",
-            Self::SectorPitch => "F_pz/8",
-            Self::TotalPitch => "F_p",
-            Self::ProfileForm => "f_falpha",
-            Self::ProfileSlope => "f_Halpha",
-            Self::TotalProfile => "F_alpha",
-            Self::HelixForm => "f_fbeta",
-            Self::HelixSlope => "f_Hbeta",
-            Self::TotalHelix => "F_beta",
-            Self::Runout => "F_r",
-            Self::RadialComposite => "F_i''",
-            Self::ToothRadialComposite => "f_i''",
-        }
+        self.names()[0]
     }
 
     /// The symbol of its tolerance in the 2013 edition.
     pub(super) const fn tolerance_symbol(self) -> &'static str {
-        match self {
-            Self::SinglePitch => "f_pT",
-            Self::SectorPitch => "F_pz/8T",
-            Self::TotalPitch => "F_pT",
-            Self::ProfileForm => "f_falphaT",
-            Self::ProfileSlope => "f_HalphaT",
-            Self::TotalProfile => "F_alphaT",
-            Self::HelixForm => "f_fbetaT",
-            Self::HelixSlope => "f_HbetaT",
-            Self::TotalHelix => "F_betaT",
-            Self::Runout => "F_rT",
-            Self::RadialComposite => "F_i''T",
-            Self::ToothRadialComposite => "f_i''T",
-        }
+        self.names()[1]
     }
 
     /// The key that specs call it by: `f_h_beta`.
     #[must_use]
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::SinglePitch => "f_pt",
-            Self::SectorPitch => "f_pz8",
-            Self::TotalPitch => "f_p_total",
-            Self::ProfileForm => "f_f_alpha",
-            Self::ProfileSlope => "f_h_alpha",
-            Self::TotalProfile => "f_alpha_total",
-            Self::HelixForm => "f_f_beta",
-            Self::HelixSlope => "f_h_beta",
-            Self::TotalHelix => "f_beta_total",
-            Self::Runout => "f_r",
-            Self::RadialComposite => "f_i_total",
-            Self::ToothRadialComposite => "f_i_tooth",
-        }
+        self.names()[2]
     }
 
     /// The name that people read: `single pitch`.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::SinglePitch => "single pitch",
-            Self::SectorPitch => "cumulative pitch over z/8",
-            Self::TotalPitch => "total cumulative pitch",
-            Self::ProfileForm => "profile form",
-            Self::ProfileSlope => "profile slope",
-            Self::TotalProfile => "total profile",
-            Self::HelixForm => "helix form",
-            Self::HelixSlope => "helix slope",
-            Self::TotalHelix => "total helix",
-            Self::Runout => "runout",
-            Self::RadialComposite => "radial composite",
-            Self::ToothRadialComposite => "tooth-to-tooth radial composite",
-        }
+        self.names()[3]
     }
 }
 

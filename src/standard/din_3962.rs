@@ -6,7 +6,7 @@
 //! rounded, so the unrounded value is the same. DIN's own symbols are f_p for f_pt and f_βf for f_fβ.
 
 use super::permissible::{Permissible, RangeUse};
-use super::range::{Ranges, decimal};
+use super::range::Ranges;
 use super::rounding::micrometres;
 use super::{Deviation, Size, Standard, StandardError, Wheel};
 
@@ -16,24 +16,24 @@ pub(super) const DEVIATIONS: [Deviation; 5] =
     [Deviation::SinglePitch, Deviation::TotalPitch, Deviation::HelixForm, Deviation::HelixSlope, Deviation::TotalHelix];
 
 /// Face widths of part 2, mm; the standard's lower bound is not known here.
-const FACE_WIDTHS: Ranges = Ranges(&["0", "20", "40", "100"]);
+const FACE_WIDTHS: Ranges = Ranges(&[0.0, 20.0, 40.0, 100.0]);
 /// Qualities 5, 6, 7, 8 by range of face width: F_β, f_Hβ, f_βf in µm.
-const HELIX: [[[&str; 3]; 4]; 3] = [
-    [["7", "6", "4.5"], ["9", "8", "5.5"], ["13", "11", "7"], ["18", "16", "9"]],
-    [["8", "6.5", "6"], ["10", "9", "7"], ["15", "13", "9"], ["20", "18", "12"]],
-    [["10", "7", "7"], ["12", "10", "9"], ["18", "14", "12"], ["25", "20", "18"]],
+const HELIX: [[[f64; 3]; 4]; 3] = [
+    [[7.0, 6.0, 4.5], [9.0, 8.0, 5.5], [13.0, 11.0, 7.0], [18.0, 16.0, 9.0]],
+    [[8.0, 6.5, 6.0], [10.0, 9.0, 7.0], [15.0, 13.0, 9.0], [20.0, 18.0, 12.0]],
+    [[10.0, 7.0, 7.0], [12.0, 10.0, 9.0], [18.0, 14.0, 12.0], [25.0, 20.0, 18.0]],
 ];
 const CONFIRMED_HELIX: &str = "qualities 5 to 8 up to a face width of 100 mm are";
 
 /// Modules of the cells of part 1, mm: over 1, up to 2.
-const MODULES: Ranges = Ranges(&["1", "2"]);
+const MODULES: Ranges = Ranges(&[1.0, 2.0]);
 /// Reference diameters of the cells of part 1, mm; the standard's lower bound is not known here.
-const DIAMETERS: Ranges = Ranges(&["0", "10", "50", "125"]);
+const DIAMETERS: Ranges = Ranges(&[0.0, 10.0, 50.0, 125.0]);
 /// Qualities 1 to 6 by range of diameter: f_p in µm.
-const SINGLE_PITCH: [[&str; 6]; 3] =
-    [["1", "1.5", "2.5", "3", "4.5", "6"], ["1", "1.5", "2.5", "3.5", "5", "7"], ["1.5", "2", "2.5", "4", "5", "7"]];
+const SINGLE_PITCH: [[f64; 6]; 3] =
+    [[1.0, 1.5, 2.5, 3.0, 4.5, 6.0], [1.0, 1.5, 2.5, 3.5, 5.0, 7.0], [1.5, 2.0, 2.5, 4.0, 5.0, 7.0]];
 /// Qualities 1 to 6 by range of diameter: F_p in µm.
-const TOTAL_PITCH: [[&str; 6]; 2] = [["2.5", "4", "5", "7", "10", "14"], ["3.5", "5", "7", "10", "14", "18"]];
+const TOTAL_PITCH: [[f64; 6]; 2] = [[2.5, 4.0, 5.0, 7.0, 10.0, 14.0], [3.5, 5.0, 7.0, 10.0, 14.0, 18.0]];
 const CONFIRMED_PITCH: &str =
     "qualities 1 to 6 are, for modules over 1 to 2 mm and diameters up to 125 mm (F_p: 50 mm)";
 
@@ -48,7 +48,7 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
                 return Err(unconfirmed);
             }
             let diameter = entry(deviation, Size::Diameter, DIAMETERS, wheel, &unconfirmed)?;
-            let rows: &[[&str; 6]] = if deviation == Deviation::SinglePitch { &SINGLE_PITCH } else { &TOTAL_PITCH };
+            let rows: &[[f64; 6]] = if deviation == Deviation::SinglePitch { &SINGLE_PITCH } else { &TOTAL_PITCH };
             let column = usize::from(grade).checked_sub(1);
             let cell = column.and_then(|column| rows.get(diameter.0)?.get(column));
             (*cell.ok_or(unconfirmed)?, "part 1, table for modules over 1 to 2 mm", vec![module.1, diameter.1])
@@ -76,8 +76,8 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
         formula: "tabulated".to_owned(),
         ranges,
         remarks: Vec::new(),
-        unrounded: micrometres(decimal(cell)),
-        value: micrometres(decimal(cell)),
+        unrounded: micrometres(cell),
+        value: micrometres(cell),
     })
 }
 
@@ -91,6 +91,6 @@ fn entry(
 ) -> Result<(usize, RangeUse), StandardError> {
     let value = wheel.size(size).ok_or(StandardError::Missing { standard: STANDARD, deviation, size })?;
     let range = ranges.of(value).filter(|_| value > 0.0).ok_or_else(|| unconfirmed.clone())?;
-    let row = ranges.0.iter().skip(1).position(|limit| decimal(limit) == range.up_to).unwrap_or(0);
+    let row = ranges.0.iter().skip(1).position(|limit| *limit == range.up_to).unwrap_or(0);
     Ok((row, RangeUse { size, taken: value, value, range: Some(range) }))
 }

@@ -1,44 +1,26 @@
-//! Formulas as data: a sum of terms in module, diameter and face width, or the root of the squares of two.
+//! Formulas as the standards print them: a sum of terms in module, diameter and face width, or the root of the squares
+//! of two.
 //!
-//! The standards' files hold such sums; this file puts numbers into them. A sum is printed from the same data,
-//! so what is shown is what was computed.
+//! The standards' files hold such sums as text; this file puts numbers into them. The text is also what is shown, so
+//! what is shown is what was computed.
 
 use super::permissible::{Permissible, RangeUse, Remark};
-use super::range::{Ranges, decimal};
+use super::range::Ranges;
 use super::{Deviation, Size, Standard, StandardError, Wheel, rounding};
 
-/// What a coefficient multiplies; sizes in mm.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SizeTerm {
-    /// m_n
-    M,
-    /// √m_n
-    RootM,
-    /// d
-    D,
-    /// √d
-    RootD,
-    /// √b
-    RootB,
-    /// √((k − 1) m_n), k = max(2, ⌊z/8⌋)
-    RootSector,
-    /// 1
-    One,
-}
-
-/// A coefficient, as the standard prints it, and what it multiplies; µm.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Term(pub(super) &'static str, pub(super) SizeTerm);
+/// A sum of terms such as `0.3 m_n + 0.12 √d + 4`, in µm. A coefficient stands before `m_n`, `√m_n`, `d`, `√d`, `√b` or
+/// `√((k - 1) m_n)` with k = max(2, ⌊z/8⌋), sizes in mm, or alone.
+pub(super) type Sum = &'static str;
 
 /// The shape of a formula.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Shape {
     /// A sum of terms.
-    Sum(&'static [Term]),
+    Sum(Sum),
     /// A part of another deviation's sum: `(factor, sum)`.
-    Part(&'static str, &'static [Term]),
+    Part(f64, Sum),
     /// The root of the sum of squares of two unrounded sums.
-    RootSumSquare(&'static [Term], &'static [Term]),
+    RootSumSquare(Sum, Sum),
 }
 
 /// How a size enters a formula.
@@ -89,7 +71,7 @@ pub(super) fn permissible(
     let steps = i32::from(grade) - BASE_GRADE;
     let unrounded = rounding::micrometres(match formula.shape {
         Shape::Sum(terms) => grade_step(inputs.sum(terms)?, steps),
-        Shape::Part(factor, terms) => grade_step(decimal(factor) * inputs.sum(terms)?, steps),
+        Shape::Part(factor, terms) => grade_step(factor * inputs.sum(terms)?, steps),
         Shape::RootSumSquare(a, b) => {
             let (a, b) = (inputs.sum(a)?, inputs.sum(b)?);
             grade_step((a * a + b * b).sqrt(), steps)
@@ -128,22 +110,27 @@ struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    fn sum(&mut self, terms: &[Term]) -> Result<f64, StandardError> {
+    /// # Panics
+    /// If a term is none: sums are written in the source code, never read, and the tests use all of them.
+    fn sum(&mut self, terms: Sum) -> Result<f64, StandardError> {
         let mut sum = 0.0;
-        for Term(coefficient, of) in terms {
+        for term in terms.split(" + ") {
+            let (coefficient, of) = term.split_once(' ').unwrap_or((term, ""));
             let number = match of {
-                SizeTerm::One => 1.0,
-                SizeTerm::M => self.take(Size::NormalModule)?,
-                SizeTerm::RootM => self.take(Size::NormalModule)?.sqrt(),
-                SizeTerm::D => self.take(Size::Diameter)?,
-                SizeTerm::RootD => self.take(Size::Diameter)?.sqrt(),
-                SizeTerm::RootB => self.take(Size::FaceWidth)?.sqrt(),
-                SizeTerm::RootSector => {
+                "" => 1.0,
+                "m_n" => self.take(Size::NormalModule)?,
+                "√m_n" => self.take(Size::NormalModule)?.sqrt(),
+                "d" => self.take(Size::Diameter)?,
+                "√d" => self.take(Size::Diameter)?.sqrt(),
+                "√b" => self.take(Size::FaceWidth)?.sqrt(),
+                "√((k - 1) m_n)" => {
                     let pitches = self.sector_pitches()?;
                     (f64::from(pitches - 1) * self.take(Size::NormalModule)?).sqrt()
                 }
+                _ => panic!("{of} is a size of a standard's formula"),
             };
-            sum += decimal(coefficient) * number;
+            let coefficient: f64 = coefficient.parse().unwrap_or_else(|_| panic!("{coefficient} is a decimal number"));
+            sum += coefficient * number;
         }
         Ok(sum)
     }
@@ -204,24 +191,9 @@ pub(super) fn out_of_scope(standard: Standard, size: Size, value: f64, bound: St
 
 /// A formula in symbols: `0.3 m_n + 0.12 √d + 4`.
 fn text(shape: Shape) -> String {
-    let sum = |terms: &[Term]| {
-        let terms = terms.iter().map(|Term(coefficient, of)| {
-            let symbol = match of {
-                SizeTerm::M => "m_n",
-                SizeTerm::RootM => "√m_n",
-                SizeTerm::D => "d",
-                SizeTerm::RootD => "√d",
-                SizeTerm::RootB => "√b",
-                SizeTerm::RootSector => "√((k - 1) m_n)",
-                SizeTerm::One => return (*coefficient).to_owned(),
-            };
-            if *coefficient == "1" { symbol.to_owned() } else { format!("{coefficient} {symbol}") }
-        });
-        terms.collect::<Vec<_>>().join(" + ")
-    };
     match shape {
-        Shape::Sum(terms) => sum(terms),
-        Shape::Part(factor, terms) => format!("{factor} ({})", sum(terms)),
-        Shape::RootSumSquare(a, b) => format!("√(({})² + ({})²)", sum(a), sum(b)),
+        Shape::Sum(terms) => terms.to_owned(),
+        Shape::Part(factor, terms) => format!("{factor} ({terms})"),
+        Shape::RootSumSquare(a, b) => format!("√(({a})² + ({b})²)"),
     }
 }

@@ -5,16 +5,16 @@
 //! take the factor of the grade once.
 
 use super::Deviation;
-use super::formula::{Formula, Reading, Readings, Shape, SizeTerm, Term};
+use super::formula::{Formula, Reading, Readings, Shape, Sum};
 use super::range::Ranges;
 
 /// Ranges of the normal module, mm.
-pub(super) const MODULES: Ranges = Ranges(&["0.5", "2", "3.5", "6", "10", "16", "25", "40", "70"]);
+pub(super) const MODULES: Ranges = Ranges(&[0.5, 2.0, 3.5, 6.0, 10.0, 16.0, 25.0, 40.0, 70.0]);
 /// Ranges of the reference diameter, mm.
 pub(super) const DIAMETERS: Ranges =
-    Ranges(&["5", "20", "50", "125", "280", "560", "1000", "1600", "2500", "4000", "6000", "8000", "10000"]);
+    Ranges(&[5.0, 20.0, 50.0, 125.0, 280.0, 560.0, 1000.0, 1600.0, 2500.0, 4000.0, 6000.0, 8000.0, 10_000.0]);
 /// Ranges of the face width, mm.
-const FACE_WIDTHS: Ranges = Ranges(&["4", "10", "20", "40", "80", "160", "250", "400", "650", "1000"]);
+const FACE_WIDTHS: Ranges = Ranges(&[4.0, 10.0, 20.0, 40.0, 80.0, 160.0, 250.0, 400.0, 650.0, 1000.0]);
 
 pub(super) const READINGS: Readings = Readings {
     module: Reading::Mean(MODULES),
@@ -22,7 +22,7 @@ pub(super) const READINGS: Readings = Readings {
     face_width: Reading::Mean(FACE_WIDTHS),
 };
 
-const fn formula(deviation: Deviation, clause: &'static str, terms: &'static [Term]) -> Formula {
+const fn formula(deviation: Deviation, clause: &'static str, terms: Sum) -> Formula {
     Formula { deviation, clause, shape: Shape::Sum(terms), readings: &READINGS, informative: false }
 }
 
@@ -31,51 +31,17 @@ const ANNEX_B: &str = "annex B";
 
 pub(super) const FORMULAS: &[Formula] = &[
     // f_pt = 0.3 (m_n + 0.4 √d) + 4
-    formula(
-        Deviation::SinglePitch,
-        GRADE_5,
-        &[Term("0.3", SizeTerm::M), Term("0.12", SizeTerm::RootD), Term("4", SizeTerm::One)],
-    ),
+    formula(Deviation::SinglePitch, GRADE_5, "0.3 m_n + 0.12 √d + 4"),
     // F_pk = f_pt + 1.6 √((k − 1) m_n)
-    formula(
-        Deviation::SectorPitch,
-        GRADE_5,
-        &[
-            Term("0.3", SizeTerm::M),
-            Term("0.12", SizeTerm::RootD),
-            Term("4", SizeTerm::One),
-            Term("1.6", SizeTerm::RootSector),
-        ],
-    ),
-    formula(
-        Deviation::TotalPitch,
-        GRADE_5,
-        &[Term("0.3", SizeTerm::M), Term("1.25", SizeTerm::RootD), Term("7", SizeTerm::One)],
-    ),
-    formula(
-        Deviation::ProfileForm,
-        ANNEX_B,
-        &[Term("2.5", SizeTerm::RootM), Term("0.17", SizeTerm::RootD), Term("0.5", SizeTerm::One)],
-    ),
-    formula(
-        Deviation::ProfileSlope,
-        ANNEX_B,
-        &[Term("2", SizeTerm::RootM), Term("0.14", SizeTerm::RootD), Term("0.5", SizeTerm::One)],
-    ),
-    formula(
-        Deviation::TotalProfile,
-        GRADE_5,
-        &[Term("3.2", SizeTerm::RootM), Term("0.22", SizeTerm::RootD), Term("0.7", SizeTerm::One)],
-    ),
+    formula(Deviation::SectorPitch, GRADE_5, "0.3 m_n + 0.12 √d + 4 + 1.6 √((k - 1) m_n)"),
+    formula(Deviation::TotalPitch, GRADE_5, "0.3 m_n + 1.25 √d + 7"),
+    formula(Deviation::ProfileForm, ANNEX_B, "2.5 √m_n + 0.17 √d + 0.5"),
+    formula(Deviation::ProfileSlope, ANNEX_B, "2 √m_n + 0.14 √d + 0.5"),
+    formula(Deviation::TotalProfile, GRADE_5, "3.2 √m_n + 0.22 √d + 0.7"),
     formula(Deviation::HelixForm, ANNEX_B, HELIX_FORM_AND_SLOPE),
     formula(Deviation::HelixSlope, ANNEX_B, HELIX_FORM_AND_SLOPE),
-    formula(
-        Deviation::TotalHelix,
-        GRADE_5,
-        &[Term("0.1", SizeTerm::RootD), Term("0.63", SizeTerm::RootB), Term("4.2", SizeTerm::One)],
-    ),
+    formula(Deviation::TotalHelix, GRADE_5, "0.1 √d + 0.63 √b + 4.2"),
 ];
 
 /// f_fβ = f_Hβ
-const HELIX_FORM_AND_SLOPE: &[Term] =
-    &[Term("0.07", SizeTerm::RootD), Term("0.45", SizeTerm::RootB), Term("3", SizeTerm::One)];
+const HELIX_FORM_AND_SLOPE: Sum = "0.07 √d + 0.45 √b + 3";

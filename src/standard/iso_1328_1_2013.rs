@@ -5,18 +5,18 @@
 //! square of the unrounded slope and form tolerances; F_rT = 0.9 F_pT of the unrounded F_pT. The standard
 //! forbids extrapolation beyond its scope (clause 1).
 
-use super::formula::{Formula, Reading, Readings, Shape, SizeTerm, Term, out_of_scope};
+use super::formula::{Formula, Reading, Readings, Shape, Sum, out_of_scope};
 use super::range::Ranges;
 use super::{Deviation, Size, Standard, StandardError, Wheel};
 
 const READINGS: Readings = Readings {
-    module: Reading::Actual(Ranges(&["0.5", "70"])),
-    diameter: Reading::Actual(Ranges(&["5", "15000"])),
-    face_width: Reading::Actual(Ranges(&["4", "1200"])),
+    module: Reading::Actual(Ranges(&[0.5, 70.0])),
+    diameter: Reading::Actual(Ranges(&[5.0, 15_000.0])),
+    face_width: Reading::Actual(Ranges(&[4.0, 1200.0])),
 };
 
-const TEETH: Ranges = Ranges(&["5", "1000"]);
-const HELIX_ANGLES: Ranges = Ranges(&["-45", "45"]);
+const TEETH: Ranges = Ranges(&[5.0, 1000.0]);
+const HELIX_ANGLES: Ranges = Ranges(&[-45.0, 45.0]);
 
 /// Checks the sizes that no formula takes, where they are given.
 pub(super) fn check_scope(wheel: &Wheel) -> Result<(), StandardError> {
@@ -35,18 +35,14 @@ const fn formula(deviation: Deviation, shape: Shape) -> Formula {
     Formula { deviation, clause: "clause 5.3", shape, readings: &READINGS, informative: false }
 }
 
-const TOTAL_PITCH: &[Term] =
-    &[Term("0.002", SizeTerm::D), Term("0.55", SizeTerm::RootD), Term("0.7", SizeTerm::M), Term("12", SizeTerm::One)];
-const PROFILE_FORM: &[Term] = &[Term("0.55", SizeTerm::M), Term("5", SizeTerm::One)];
-const PROFILE_SLOPE: &[Term] = &[Term("0.4", SizeTerm::M), Term("0.001", SizeTerm::D), Term("4", SizeTerm::One)];
-const HELIX_FORM: &[Term] = &[Term("0.07", SizeTerm::RootD), Term("0.45", SizeTerm::RootB), Term("4", SizeTerm::One)];
-const HELIX_SLOPE: &[Term] = &[Term("0.05", SizeTerm::RootD), Term("0.35", SizeTerm::RootB), Term("4", SizeTerm::One)];
+const TOTAL_PITCH: Sum = "0.002 d + 0.55 √d + 0.7 m_n + 12";
+const PROFILE_FORM: Sum = "0.55 m_n + 5";
+const PROFILE_SLOPE: Sum = "0.4 m_n + 0.001 d + 4";
+const HELIX_FORM: Sum = "0.07 √d + 0.45 √b + 4";
+const HELIX_SLOPE: Sum = "0.05 √d + 0.35 √b + 4";
 
 pub(super) const FORMULAS: &[Formula] = &[
-    formula(
-        Deviation::SinglePitch,
-        Shape::Sum(&[Term("0.001", SizeTerm::D), Term("0.4", SizeTerm::M), Term("5", SizeTerm::One)]),
-    ),
+    formula(Deviation::SinglePitch, Shape::Sum("0.001 d + 0.4 m_n + 5")),
     formula(Deviation::TotalPitch, Shape::Sum(TOTAL_PITCH)),
     formula(Deviation::ProfileForm, Shape::Sum(PROFILE_FORM)),
     formula(Deviation::ProfileSlope, Shape::Sum(PROFILE_SLOPE)),
@@ -57,7 +53,7 @@ pub(super) const FORMULAS: &[Formula] = &[
     Formula {
         deviation: Deviation::Runout,
         clause: "annex E",
-        shape: Shape::Part("0.9", TOTAL_PITCH),
+        shape: Shape::Part(0.9, TOTAL_PITCH),
         readings: &READINGS,
         informative: true,
     },

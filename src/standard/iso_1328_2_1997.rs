@@ -5,14 +5,14 @@
 //! and so does this one, with a remark: a public report of such a program prints F_i'' = 133 µm for m_n = 21.
 
 use super::Deviation;
-use super::formula::{Formula, Reading, Readings, Shape, SizeTerm, Term};
+use super::formula::{Formula, Reading, Readings, Shape};
 use super::iso_1328_1_1995;
 use super::range::Ranges;
 
 /// Ranges of the normal module for F_i'' and f_i'', mm.
-const MODULES: Ranges = Ranges(&["0.2", "0.5", "0.8", "1", "1.5", "2.5", "4", "6", "10"]);
+const MODULES: Ranges = Ranges(&[0.2, 0.5, 0.8, 1.0, 1.5, 2.5, 4.0, 6.0, 10.0]);
 /// Ranges of the reference diameter for F_i'' and f_i'', mm.
-const DIAMETERS: Ranges = Ranges(&["5", "20", "50", "125", "280", "560", "1000"]);
+const DIAMETERS: Ranges = Ranges(&[5.0, 20.0, 50.0, 125.0, 280.0, 560.0, 1000.0]);
 
 const READINGS: Readings = Readings {
     module: Reading::MeanOrActual(MODULES),
@@ -25,21 +25,21 @@ pub(super) const FORMULAS: &[Formula] = &[
     Formula {
         deviation: Deviation::Runout,
         clause: "annex B",
-        shape: Shape::Part("0.8", &[Term("0.3", SizeTerm::M), Term("1.25", SizeTerm::RootD), Term("7", SizeTerm::One)]),
+        shape: Shape::Part(0.8, "0.3 m_n + 1.25 √d + 7"),
         readings: &iso_1328_1_1995::READINGS,
         informative: true,
     },
     Formula {
         deviation: Deviation::RadialComposite,
         clause: "clause 7",
-        shape: Shape::Sum(&[Term("3.2", SizeTerm::M), Term("1.01", SizeTerm::RootD), Term("6.4", SizeTerm::One)]),
+        shape: Shape::Sum("3.2 m_n + 1.01 √d + 6.4"),
         readings: &READINGS,
         informative: false,
     },
     Formula {
         deviation: Deviation::ToothRadialComposite,
         clause: "clause 7",
-        shape: Shape::Sum(&[Term("2.96", SizeTerm::M), Term("0.01", SizeTerm::RootD), Term("0.8", SizeTerm::One)]),
+        shape: Shape::Sum("2.96 m_n + 0.01 √d + 0.8"),
         readings: &READINGS,
         informative: false,
     },

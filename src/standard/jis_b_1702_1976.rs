@@ -5,7 +5,6 @@
 //! were not found, so neither is applied and every value says so.
 
 use super::permissible::{Permissible, RangeUse, Remark};
-use super::range::decimal;
 use super::rounding::micrometres;
 use super::{Deviation, Size, Standard, StandardError, Wheel};
 
@@ -13,39 +12,22 @@ const STANDARD: Standard = Standard::JisB1702Of1976;
 
 pub(super) const DEVIATIONS: [Deviation; 2] = [Deviation::SinglePitch, Deviation::TotalPitch];
 
-/// f_pt = a W + c by grade, µm: (a, c).
-const SINGLE_PITCH: [(&str, &str); 9] = [
-    ("0.5", "1.4"),
-    ("0.71", "2"),
-    ("1", "2.8"),
-    ("1.4", "4"),
-    ("2", "5.6"),
-    ("2.8", "8"),
-    ("4", "11.2"),
-    ("8", "22.4"),
-    ("16", "45"),
-];
+/// f_pt = a W + c, µm: a and c of grades 0 to 8.
+const SINGLE_PITCH: [[f64; 9]; 2] =
+    [[0.5, 0.71, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 16.0], [1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.2, 22.4, 45.0]];
 
-/// F_p = a W + c by grade, µm: (a, c).
-const TOTAL_PITCH: [(&str, &str); 9] = [
-    ("2", "5.6"),
-    ("2.8", "8"),
-    ("4", "11.2"),
-    ("5.6", "16"),
-    ("8", "22.4"),
-    ("11.2", "31.5"),
-    ("16", "45"),
-    ("32", "90"),
-    ("64", "180"),
-];
+/// F_p = a W + c, µm: a and c of grades 0 to 8.
+const TOTAL_PITCH: [[f64; 9]; 2] =
+    [[2.0, 2.8, 4.0, 5.6, 8.0, 11.2, 16.0, 32.0, 64.0], [5.6, 8.0, 11.2, 16.0, 22.4, 31.5, 45.0, 90.0, 180.0]];
 
 pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Result<Permissible, StandardError> {
-    let lines = match deviation {
+    let [a, c] = match deviation {
         Deviation::SinglePitch => &SINGLE_PITCH,
         Deviation::TotalPitch => &TOTAL_PITCH,
         _ => return Err(StandardError::NoSuchDeviation { standard: STANDARD, deviation }),
     };
-    let (a, c) = lines.get(usize::from(grade)).ok_or(StandardError::Grade { standard: STANDARD, grade })?;
+    let line = a.get(usize::from(grade)).zip(c.get(usize::from(grade)));
+    let (a, c) = line.ok_or(StandardError::Grade { standard: STANDARD, grade })?;
     let mut ranges = Vec::new();
     let mut take = |size: Size| {
         let value = wheel.size(size).ok_or(StandardError::Missing { standard: STANDARD, deviation, size })?;
@@ -56,8 +38,8 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
         Ok(value)
     };
     let (diameter, module) = (take(Size::Diameter)?, take(Size::NormalModule)?);
-    let unit = libm::cbrt(diameter) + decimal("0.65") * module;
-    let value = micrometres(decimal(a) * unit + decimal(c));
+    let unit = libm::cbrt(diameter) + 0.65 * module;
+    let value = micrometres(a * unit + c);
     Ok(Permissible {
         standard: STANDARD,
         grade,

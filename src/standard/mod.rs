@@ -88,40 +88,34 @@ impl Standard {
         Self::JisB1702Of1976,
     ];
 
+    /// The name that specs, arguments and results call it by, the one that people read, and its grades.
+    const fn row(self) -> (&'static str, &'static str, RangeInclusive<u8>) {
+        match self {
+            Self::Iso1328Part1Of1995 => ("iso1328-1:1995", "ISO 1328-1:1995", 0..=12),
+            Self::Iso1328Part2Of1997 => ("iso1328-2:1997", "ISO 1328-2:1997", 4..=12),
+            Self::Iso1328Part1Of2013 => ("iso1328-1:2013", "ISO 1328-1:2013", 1..=11),
+            // few of its cells are confirmed
+            Self::Din3962 => ("din3962:1978", "DIN 3962:1978", 1..=12),
+            Self::JisB1702Of1976 => ("jisb1702:1976", "JIS B 1702-1976", 0..=8),
+        }
+    }
+
     /// The name that specs, arguments and results call it by: `iso1328-1:1995`.
     #[must_use]
     pub const fn id(self) -> &'static str {
-        match self {
-            Self::Iso1328Part1Of1995 => "iso1328-1:1995",
-            Self::Iso1328Part2Of1997 => "iso1328-2:1997",
-            Self::Iso1328Part1Of2013 => "iso1328-1:2013",
-            Self::Din3962 => "din3962:1978",
-            Self::JisB1702Of1976 => "jisb1702:1976",
-        }
+        self.row().0
     }
 
     /// The name that people read, with the edition: `ISO 1328-1:1995`.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Iso1328Part1Of1995 => "ISO 1328-1:1995",
-            Self::Iso1328Part2Of1997 => "ISO 1328-2:1997",
-            Self::Iso1328Part1Of2013 => "ISO 1328-1:2013",
-            Self::Din3962 => "DIN 3962:1978",
-            Self::JisB1702Of1976 => "JIS B 1702-1976",
-        }
+        self.row().1
     }
 
     /// Its grades, from the finest. DIN 3962 has 1 to 12, of which few cells are confirmed.
     #[must_use]
     pub const fn grades(self) -> RangeInclusive<u8> {
-        match self {
-            Self::Iso1328Part1Of1995 => 0..=12,
-            Self::Iso1328Part2Of1997 => 4..=12,
-            Self::Iso1328Part1Of2013 => 1..=11,
-            Self::Din3962 => 1..=12,
-            Self::JisB1702Of1976 => 0..=8,
-        }
+        self.row().2
     }
 
     /// The other part of the same system, whose values are given beside this one's.
@@ -197,16 +191,10 @@ impl FromStr for Standard {
     fn from_str(text: &str) -> Result<Self, UnknownStandard> {
         let letters: String = text.chars().filter(char::is_ascii_alphanumeric).collect();
         Ok(match letters.to_ascii_lowercase().as_str() {
-            "iso132811995" | "ansiagmaiso13281" | "agmaiso13281" | "ansiagmaiso13281a01" | "ansiagmaiso13281b14" => {
-                // the American edition of 2014 is that of 2013; the earlier one is that of 1995
-                if letters.to_ascii_lowercase().ends_with("b14") {
-                    Self::Iso1328Part1Of2013
-                } else {
-                    Self::Iso1328Part1Of1995
-                }
-            }
+            "iso132811995" | "ansiagmaiso13281" | "agmaiso13281" | "ansiagmaiso13281a01" => Self::Iso1328Part1Of1995,
             "iso132821997" | "ansiagmaiso13282" => Self::Iso1328Part2Of1997,
-            "iso132812013" | "diniso132812018" | "eniso132812013" => Self::Iso1328Part1Of2013,
+            // the American edition of 2014 is that of 2013
+            "iso132812013" | "diniso132812018" | "eniso132812013" | "ansiagmaiso13281b14" => Self::Iso1328Part1Of2013,
             "din3962" | "din39621978" | "din39621" | "din39622" | "din396211978" | "din396221978" => Self::Din3962,
             "jisb17021976" | "jisb1702" => Self::JisB1702Of1976,
             _ => return Err(UnknownStandard { text: text.to_owned() }),
@@ -245,38 +233,33 @@ pub enum Size {
 }
 
 impl Size {
+    /// Its name, its unit behind a number, and its key.
+    const fn row(self) -> [&'static str; 3] {
+        match self {
+            Self::NormalModule => ["normal module m_n", " mm", "normal_module"],
+            Self::Diameter => ["reference diameter d", " mm", "diameter"],
+            Self::FaceWidth => ["face width b", " mm", "face_width"],
+            Self::Teeth => ["number of teeth z", "", "teeth"],
+            Self::HelixAngle => ["helix angle β", "°", "helix_angle"],
+        }
+    }
+
     /// Its name: `face width b`.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::NormalModule => "normal module m_n",
-            Self::Diameter => "reference diameter d",
-            Self::FaceWidth => "face width b",
-            Self::Teeth => "number of teeth z",
-            Self::HelixAngle => "helix angle β",
-        }
+        self.row()[0]
     }
 
     /// Its unit as it stands behind a number.
     #[must_use]
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Teeth => "",
-            Self::HelixAngle => "°",
-            _ => " mm",
-        }
+        self.row()[1]
     }
 
     /// The name that results call it by: `face_width`.
     #[must_use]
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::NormalModule => "normal_module",
-            Self::Diameter => "diameter",
-            Self::FaceWidth => "face_width",
-            Self::Teeth => "teeth",
-            Self::HelixAngle => "helix_angle",
-        }
+        self.row()[2]
     }
 }
 

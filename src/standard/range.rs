@@ -20,17 +20,14 @@ impl SizeRange {
 
 /// The limits of a table's ranges, ascending.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ranges(pub(super) &'static [&'static str]);
+pub(super) struct Ranges(pub(super) &'static [f64]);
 
 impl Ranges {
     /// The range in which a size lies; `None` outside the table.
     pub(super) fn of(self, size: f64) -> Option<SizeRange> {
-        let limits: Vec<f64> = self.0.iter().map(|limit| decimal(limit)).collect();
-        if size < *limits.first()? {
-            return None;
-        }
-        let index = limits.iter().skip(1).position(|limit| size <= *limit)?;
-        Some(SizeRange { over: limits[index], up_to: limits[index + 1] })
+        let is_in = |range: &&[f64]| size <= range[1];
+        let range = self.0.windows(2).find(is_in).filter(|_| size >= self.0[0])?;
+        Some(SizeRange { over: range[0], up_to: range[1] })
     }
 
     /// The table's ends in words: `5 to 10000`.
@@ -42,34 +39,26 @@ impl Ranges {
     }
 }
 
-/// A decimal number of the source text.
-///
-/// # Panics
-/// If it is none: such numbers are written in the source code, never read, and the tests use all of them.
-pub(super) fn decimal(text: &str) -> f64 {
-    text.parse().unwrap_or_else(|_| panic!("{text} is a decimal number of a standard's table"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_size_on_a_limit_belongs_to_the_lower_range() {
-        let ranges = Ranges(&["5", "20", "50"]);
-        let up_to = |size: &str| ranges.of(decimal(size)).map(|range| range.up_to);
-        assert_eq!(up_to("5"), Some(20.0));
-        assert_eq!(up_to("20"), Some(20.0));
-        assert_eq!(up_to("20.000000000001"), Some(50.0));
-        assert_eq!(up_to("50"), Some(50.0));
-        assert_eq!(up_to("4.999999999999"), None);
-        assert_eq!(up_to("50.000000000001"), None);
+        let ranges = Ranges(&[5.0, 20.0, 50.0]);
+        let up_to = |size: f64| ranges.of(size).map(|range| range.up_to);
+        assert_eq!(up_to(5.0), Some(20.0));
+        assert_eq!(up_to(20.0), Some(20.0));
+        assert_eq!(up_to(20.000_000_000_001), Some(50.0));
+        assert_eq!(up_to(50.0), Some(50.0));
+        assert_eq!(up_to(4.999_999_999_999), None);
+        assert_eq!(up_to(50.000_000_000_001), None);
         assert_eq!(ranges.bound(), "5 to 50");
     }
 
     #[test]
     fn means_are_geometric() {
-        let range = SizeRange { over: decimal("5"), up_to: decimal("20") };
+        let range = SizeRange { over: 5.0, up_to: 20.0 };
         assert!((range.geometric_mean() - 10.0).abs() < 1e-15);
     }
 }

@@ -26,7 +26,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::mesh::Summary;
 use crate::parallel;
-use crate::quantity::Length;
+use crate::quantity::{Length, tidy};
 use crate::spec::{MeasuredTables, Spec};
 use crate::table::{self, AsideReading, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
 
@@ -43,82 +43,56 @@ pub struct TeethRequest {
 }
 
 /// A column that is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 enum Column {
     Id,
-    Number(Number),
+    /// A result, mm.
+    Number(NumberOf),
+    /// An end of what is held against the limit, mm.
+    End(NumberOf),
     Verdict,
 }
+
+/// A result; `None` if there is none.
+type NumberOf = fn(&Solved) -> Option<f64>;
 
 impl Column {
     const fn kind(self) -> ColumnKind {
         match self {
             Self::Id | Self::Verdict => ColumnKind::Text,
-            Self::Number(_) => ColumnKind::Number,
+            Self::Number(_) | Self::End(_) => ColumnKind::Number,
         }
     }
-}
 
-/// A result, mm.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Number {
-    Mean,
-    Min,
-    Max,
-    PeakToPeak,
-    ToothToTooth,
-    MinStroke,
-    MaxStroke,
-    TransmissionError,
-    Lower,
-    Upper,
-    FromStroke,
-    ToStroke,
-}
-
-impl Number {
-    /// `None` if there is none.
-    fn of(self, solved: &Solved) -> Option<f64> {
-        /// Digits beyond this, mm, are rounding of the solution.
-        const FINEST: f64 = 1e12;
-        let summary = &solved.summary;
-        let mm = match self {
-            Self::Mean => summary.mean_mm,
-            Self::Min => summary.min_mm,
-            Self::Max => summary.max_mm,
-            Self::PeakToPeak => summary.peak_to_peak_mm,
-            Self::ToothToTooth => summary.tooth_to_tooth_mm,
-            Self::MinStroke => summary.min_stroke_mm,
-            Self::MaxStroke => summary.max_stroke_mm,
-            Self::TransmissionError => summary.transmission_error_mm,
-            Self::Lower => solved.judged.range.ok()?.lower.mm(),
-            Self::Upper => solved.judged.range.ok()?.upper.mm(),
-            Self::FromStroke => solved.strokes.start,
-            Self::ToStroke => solved.strokes.end,
-        };
-        // -0 is no result
-        Some((mm * FINEST).round() / FINEST + 0.0)
+    /// The result without digits that are rounding of the solution; `None` if there is none.
+    fn number(self, solved: &Solved) -> Option<f64> {
+        match self {
+            Self::Number(of) | Self::End(of) => of(solved).map(tidy),
+            Self::Id | Self::Verdict => None,
+        }
     }
 }
 
 /// The columns that can be written; the first so many are written unless others are asked for.
 const COLUMNS: [(&str, Column); 14] = [
     ("part_id", Column::Id),
-    ("mean_delta_cd_mm", Column::Number(Number::Mean)),
-    ("min_delta_cd_mm", Column::Number(Number::Min)),
-    ("max_delta_cd_mm", Column::Number(Number::Max)),
-    ("peak_to_peak_mm", Column::Number(Number::PeakToPeak)),
-    ("tooth_to_tooth_mm", Column::Number(Number::ToothToTooth)),
-    ("lower_mm", Column::Number(Number::Lower)),
-    ("upper_mm", Column::Number(Number::Upper)),
+    ("mean_delta_cd_mm", Column::Number(|solved| Some(solved.summary.mean_mm))),
+    ("min_delta_cd_mm", Column::Number(|solved| Some(solved.summary.min_mm))),
+    ("max_delta_cd_mm", Column::Number(|solved| Some(solved.summary.max_mm))),
+    ("peak_to_peak_mm", Column::Number(|solved| Some(solved.summary.peak_to_peak_mm))),
+    ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
+    ("lower_mm", Column::End(|solved| Some(solved.judged.range.ok()?.lower.mm()))),
+    ("upper_mm", Column::End(|solved| Some(solved.judged.range.ok()?.upper.mm()))),
     ("verdict", Column::Verdict),
-    ("from_stroke_mm", Column::Number(Number::FromStroke)),
-    ("to_stroke_mm", Column::Number(Number::ToStroke)),
-    ("min_stroke_mm", Column::Number(Number::MinStroke)),
-    ("max_stroke_mm", Column::Number(Number::MaxStroke)),
-    ("transmission_error_mm", Column::Number(Number::TransmissionError)),
+    ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
+    ("to_stroke_mm", Column::Number(|solved| Some(solved.strokes.end))),
+    ("min_stroke_mm", Column::Number(|solved| Some(solved.summary.min_stroke_mm))),
+    ("max_stroke_mm", Column::Number(|solved| Some(solved.summary.max_stroke_mm))),
+    ("transmission_error_mm", Column::Number(|solved| Some(solved.summary.transmission_error_mm))),
 ];
 const WRITTEN: usize = 11;
+/// Those of which there are statistics.
+const QUANTITIES: Range<usize> = 1..8;
 
 /// The columns of these names; those that are written unless others are asked for, if none are.
 fn columns_asked(names: Option<&[String]>) -> Result<Vec<(&'static str, Column)>, Diagnostic> {
@@ -132,17 +106,6 @@ fn columns_asked(names: Option<&[String]>) -> Result<Vec<(&'static str, Column)>
     names.iter().map(column).collect()
 }
 
-/// The results of which there are statistics.
-const QUANTITIES: [(&str, Number); 7] = [
-    ("mean_delta_cd_mm", Number::Mean),
-    ("min_delta_cd_mm", Number::Min),
-    ("max_delta_cd_mm", Number::Max),
-    ("peak_to_peak_mm", Number::PeakToPeak),
-    ("tooth_to_tooth_mm", Number::ToothToTooth),
-    ("lower_mm", Number::Lower),
-    ("upper_mm", Number::Upper),
-];
-
 /// A batch of parts with their teeth. In the counts of its outcome, a row is a part.
 pub struct Teeth<'a> {
     spec: &'a Spec,
@@ -154,7 +117,7 @@ pub struct Teeth<'a> {
     limit: Option<&'a Limit>,
     ledger: Ledger<'a>,
     workers: usize,
-    moving: [MovingRange; QUANTITIES.len()],
+    moving: Vec<MovingRange>,
     /// Parts of which not every stroke that was asked for is covered.
     cut: u64,
 }
@@ -174,12 +137,12 @@ impl<'a> Teeth<'a> {
         let columns = columns_asked(request.rows.columns.as_deref())?;
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
         let limit = limit.map(|(_, limit)| &limit.value);
-        let quantity = |(name, number): (&str, Number)| {
-            let is_held = matches!(number, Number::Lower | Number::Upper);
+        let kept = if request.rows.statistics { &COLUMNS[QUANTITIES] } else { &[] };
+        let quantity = |(name, column): &(&str, Column)| {
+            let is_held = matches!(column, Column::End(_));
             let on = is_held.then_some(LimitTarget::CenterDistance);
-            Quantity::new(name.to_owned(), on, limit.filter(|_| is_held))
+            Quantity::new((*name).to_owned(), on, limit.filter(|_| is_held))
         };
-        let quantities = if request.rows.statistics { QUANTITIES.map(quantity).to_vec() } else { Vec::new() };
         Ok(Self {
             spec,
             tables,
@@ -187,9 +150,9 @@ impl<'a> Teeth<'a> {
             request,
             columns,
             limit,
-            ledger: Ledger::new(sinks, quantities),
+            ledger: Ledger::new(sinks, kept.iter().map(quantity).collect()),
             workers: workers.max(1),
-            moving: [MovingRange::default(); QUANTITIES.len()],
+            moving: vec![MovingRange::default(); kept.len()],
             cut: 0,
         })
     }
@@ -212,27 +175,26 @@ impl<'a> Teeth<'a> {
         let gatherer = Gatherer::new(&table)?;
         let is_rack = gatherer.is_rack();
         let judge = TeethJudge::new(self.spec, is_rack, self.request.rows.rule.clone(), self.request.rows.partial)?;
-        for note in judge.notes() {
-            if !self.ledger.outcome.notes.contains(&note) {
-                self.ledger.outcome.notes.push(note);
-            }
-        }
+        self.note(judge.notes());
         let mut reading = table.reading.clone();
         if self.spec.has_other_deviations(is_rack) {
             reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
         }
         let place = Where { file: name, unit: table.place, encoding: table.encoding };
         let (header, has_names) = (table.header_raw.clone(), table.has_id);
-        let gathered = self.gathered(table, gatherer, &mut reading.asides).map_err(RunError::Read);
+        let gathered = self.gathered(table, gatherer, &mut reading.asides);
         self.ledger.outcome.readings.push(reading);
-        Ok(match gathered {
-            Ok(Ok(parts)) => {
-                self.lots.push(Lot { parts, is_rack, has_names, place, header, judge });
-                Ok(())
+        Ok(gathered.map(|parts| self.lots.push(Lot { parts, is_rack, has_names, place, header, judge })))
+    }
+
+    /// Keeps notes that are new.
+    fn note(&mut self, notes: Vec<String>) {
+        let known = &mut self.ledger.outcome.notes;
+        for note in notes {
+            if !known.contains(&note) {
+                known.push(note);
             }
-            Ok(Err(contradiction)) => Err(RunError::Contradiction(contradiction)),
-            Err(unread) => Err(unread),
-        })
+        }
     }
 
     /// The rows of a table, put together to parts; records that are none go to `asides`.
@@ -241,18 +203,18 @@ impl<'a> Teeth<'a> {
         table: Table,
         mut gatherer: Gatherer,
         asides: &mut Vec<AsideReading>,
-    ) -> io::Result<Result<Vec<ToothedPart>, table::Contradiction>> {
+    ) -> Result<Vec<ToothedPart>, RunError> {
         let keeps_raw = self.ledger.sinks.rejects.is_some();
         let needed = vec![true; table.columns.len()];
         for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
-            let block = block?;
+            let block = block.map_err(RunError::Read)?;
             gatherer.take(&block, keeps_raw);
             asides.extend(block.asides.iter().cloned());
             if let Some(contradiction) = block.contradiction {
-                return Ok(Err(contradiction));
+                return Err(RunError::Contradiction(contradiction));
             }
         }
-        Ok(Ok(gatherer.finish()))
+        Ok(gatherer.finish())
     }
 
     /// Judges the parts of all tables. `stop` ends the run after the parts that were begun.
@@ -322,16 +284,12 @@ impl<'a> Teeth<'a> {
     /// Judges, counts and writes a part.
     fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, place: &Where) -> io::Result<()> {
         self.ledger.outcome.counts.rows += 1;
-        let solved = match solved {
+        let mut solved = match solved {
             Ok(solved) => solved,
             Err(fault) => return self.reject(part, &fault, place),
         };
         let verdict = solved.judged.verdict;
-        for note in &solved.judged.notes {
-            if !self.ledger.outcome.notes.contains(note) {
-                self.ledger.outcome.notes.push(note.clone());
-            }
-        }
+        self.note(std::mem::take(&mut solved.judged.notes));
         self.ledger.outcome.counts.judge(verdict);
         if solved.is_cut {
             self.cut += 1;
@@ -350,9 +308,9 @@ impl<'a> Teeth<'a> {
     }
 
     fn count(&mut self, solved: &Solved) {
-        let quantities = self.ledger.outcome.quantities.iter_mut().zip(&mut self.moving).zip(QUANTITIES);
-        for ((quantity, moving), (_, number)) in quantities {
-            let Some(Ok(value)) = number.of(solved).map(Length::from_mm) else { continue };
+        let quantities = self.ledger.outcome.quantities.iter_mut().zip(&mut self.moving);
+        for ((quantity, moving), (_, column)) in quantities.zip(&COLUMNS[QUANTITIES]) {
+            let Some(Ok(value)) = column.number(solved).map(Length::from_mm) else { continue };
             quantity.statistics.add(value);
             moving.add(value);
         }
@@ -365,7 +323,7 @@ impl<'a> Teeth<'a> {
             if !raw.ends_with(b"\n") && !raw.ends_with(b"\r") {
                 raw.push(b'\n');
             }
-            rejects.writer.write_all(&rejects.packing.pack(place.encoding.original(&raw).into_owned())?)?;
+            rejects.write(&place.encoding.original(&raw))?;
         }
         if self.ledger.outcome.problems.len() < self.request.rows.problems_kept {
             self.ledger.outcome.problems.push(Problem {
@@ -409,7 +367,7 @@ impl<'a> Teeth<'a> {
         let Request { format, decimals, .. } = self.request.rows;
         let cells = self.columns.iter().map(|(_, column)| match column {
             Column::Id => ResultCell::Text(part.name.as_bytes().into()),
-            Column::Number(of) => of.of(solved).map_or(ResultCell::Nothing, ResultCell::Number),
+            Column::Number(_) | Column::End(_) => column.number(solved).map_or(ResultCell::Nothing, ResultCell::Number),
             Column::Verdict => match solved.judged.verdict {
                 Some(verdict) => ResultCell::Text(verdict.name().as_bytes().into()),
                 None => ResultCell::Nothing,
@@ -430,7 +388,7 @@ impl<'a> Teeth<'a> {
                     write::cell(&mut out, &cell, format, decimals);
                 }
                 write::end(&mut out, format);
-                sink.writer.write_all(&sink.packing.pack(out.written().to_vec())?)
+                sink.write(out.written())
             }
         }
     }

@@ -388,7 +388,7 @@ impl Args {
 
     /// What the user should know before the first row.
     fn remarks(&self, plan: &Plan, output: &mut Output) {
-        for target in plan.unjudged() {
+        for target in &plan.unjudged {
             let message = match target {
                 LimitTarget::Error(kind) if plan.errors().all(|error| error != *kind) => {
                     format!("there is a limit on ΔCD of the {target}, but the table has no such column")
@@ -399,7 +399,7 @@ impl Args {
             };
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
         }
-        if self.only_failures && plan.limits().is_empty() && plan.unjudged().is_empty() {
+        if self.only_failures && plan.limits.is_empty() && plan.unjudged.is_empty() {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
     }
@@ -517,14 +517,14 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
             format!("{key}: the table's values count; class {grade} in [errors] is not held against them, because limits stand in [limits]")
         })
         .collect();
-    notes.extend(lacking("tables lack", spec, plan.lacking(), plan.is_partial()));
+    notes.extend(lacking("tables lack", spec, &plan.lacking, plan.is_partial()));
     notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
     notes.extend(plan.extents_in_words());
     let exact: Vec<_> = plan.taken_as_exact().iter().map(|kind| kind.key()).collect();
     if !exact.is_empty() {
         let names = exact.join(", ");
-        let rule = plan.rule();
-        notes.push(if rule.needs_uncertainty() && !plan.unjudged().is_empty() {
+        let rule = &plan.request.rule;
+        notes.push(if rule.needs_uncertainty() && !plan.unjudged.is_empty() {
             format!("no uncertainty is given, and the rule {rule} needs one: {names}; --partial takes these as exact")
         } else {
             format!("taken as exact, because no uncertainty is given: {names}")
@@ -538,7 +538,7 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
         let missing = spec.missing_geometry();
         notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
     }
-    if !plan.has_id() {
+    if !plan.has_id {
         notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
     }
     notes

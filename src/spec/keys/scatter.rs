@@ -1,16 +1,16 @@
 //! The keys of `[scatter]`: a part of the table in [`keys`](super).
 
-use super::{AnyKey, Kind, Section, key};
+use super::{AnyKey, Kind, Section, key, section};
 use crate::deviation::DeviationKind;
 
 const fn length(name: &'static str, class: Option<DeviationKind>, doc: &'static str) -> AnyKey {
     key(name, Kind::Spread { is_angle: false, class }, doc)
 }
 
-pub(crate) const SCATTER: Section = Section {
-    name: "scatter",
-    doc: "How the teeth deviate at random: standard deviations, half-widths with their distribution, or classes.",
-    keys: &[
+pub(crate) const SCATTER: Section = section(
+    "scatter",
+    "How the teeth deviate at random: standard deviations, half-widths with their distribution, or classes.",
+    &[
         length("rack_pitch", Some(DeviationKind::RackPitch), "Single pitch deviation of the rack, along its axis."),
         length("rack_thickness", None, "Normal tooth thickness of the rack."),
         key(
@@ -32,4 +32,4 @@ pub(crate) const SCATTER: Section = Section {
             "Runout of the pinion, twice its eccentricity, in a random direction.",
         ),
     ],
-};
+);

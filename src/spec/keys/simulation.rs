@@ -1,6 +1,6 @@
 //! The keys of `[simulation]`: a part of the table in [`keys`](super).
 
-use super::{Key, Kind, Section, Unit, between, composite, count, from_zero, length, measure, word};
+use super::{Key, Kind, Section, Unit, between, composite, count, from_zero, length, measure, section, word};
 use crate::quantity::{Bound, Domain, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {

@@ -101,7 +101,7 @@ pub fn judge(bytes: &[u8], spec: &Arc<Spec>, workers: usize) -> Result<Judged, S
         Verdict { name: row[0].to_owned(), verdict: row[row.len() - 1].to_owned() }
     });
     let verdicts = verdicts.collect();
-    Ok(Judged { verdicts, outcome, is_open: !plan.unjudged().is_empty(), is_whole: run.is_ok(), rows })
+    Ok(Judged { verdicts, outcome, is_open: !plan.unjudged.is_empty(), is_whole: run.is_ok(), rows })
 }
 
 impl Judged {
