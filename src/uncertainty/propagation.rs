@@ -8,10 +8,9 @@
 //! ∂ΔCD/∂x = ΔCD · ∂(ln gain)/∂x        for the gear's x
 //! ```
 //!
-//! The ends of the combination are those of the bound, which is linear in pieces: their derivatives are differences. Of a
-//! pair's sizes they are differences over the standard uncertainty, to the side where they are steeper: the bound jumps where
-//! one more tooth comes to carry. Of errors near zero the steepest counts that a value within its uncertainty may
-//! have: a size on some teeth raises the upper end where it lifts, and not where it sinks.
+//! The ends of the combination are those of the bound, which has kinks and jumps: a size on some teeth raises the upper end
+//! where it lifts and not where it sinks, and one more tooth comes to carry. Their slopes by an error are therefore the
+//! steepest within its uncertainty ([`WITHIN`]), and by a size of the pair that over its standard uncertainty.
 
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, own_slope, range_alone};
@@ -122,16 +121,20 @@ pub struct Propagator {
 /// their digits lose.
 const VARIED_BY: f64 = 1e-6;
 
-/// The way from zero.
-fn away(value: f64) -> f64 {
-    if value < 0.0 { -1.0 } else { 1.0 }
-}
+/// How far from a value, in standard uncertainties, the ends are looked at. A jump or a kink on the way adds to the slope as much
+/// as makes the end of the interval (k = 1 to 2.5) reach beyond it.
+const WITHIN: [f64; 6] = [1.0, -1.0, 1.7, -1.7, 2.5, -2.5];
 
-/// The steeper of two slopes; the first unless the other one is clearly so.
-fn steeper(slope: f64, other: f64) -> f64 {
-    /// Differences have fewer digits than their ends.
-    const CLEARLY: f64 = 1.0 + 1e-6;
-    if other.abs() > slope.abs() * CLEARLY + 1e-9 { other } else { slope }
+/// The steepest slope of both ends within the uncertainty of a value, of which `over` is the slope over a distance; that at the
+/// value unless another one is clearly steeper.
+fn steepest_within(standard: f64, at: Range, over: impl Fn(f64) -> Range) -> Range {
+    /// Ends that are combined in squares bend a little.
+    const CLEARLY: f64 = 1.0 + 1e-3;
+    let steeper = |slope: f64, other: f64| {
+        if other.is_nan() || other.abs() > slope.abs() * CLEARLY + 1e-9 { other } else { slope }
+    };
+    let distances = WITHIN.iter().map(|so_many| so_many * standard).filter(|distance| *distance != 0.0);
+    distances.fold(at, |slope, distance| slope.with(over(distance), steeper))
 }
 
 impl Propagator {
@@ -234,13 +237,8 @@ impl Propagator {
         gradients.upper.folded.clone_from(&gradients.lower.folded);
         let values = values(points);
         let centre = self.ends(&values, None, &self.basis);
-        let within = [1.0, -1.0].map(|side| self.moved(&values, side));
-        let at_ends_of = within.each_ref().map(|values| self.ends(values, None, &self.basis));
         for (input, (source, _)) in self.uncertainties.inputs().iter().enumerate() {
-            let mut slopes = self.by_input(input, &values, centre);
-            for (values, centre) in within.iter().zip(at_ends_of) {
-                slopes = slopes.with(self.by_error(input, values, centre).unwrap_or_default(), steeper);
-            }
+            let slopes = self.by_input(input, &values, centre);
             let teeth = self.teeth.iter().find(|teeth| teeth.source == *source);
             let teeth = teeth.map_or(Range::default(), |teeth| teeth.slope);
             let slope = slopes.with(teeth, |slope, teeth| slope + self.own_slopes[input] + teeth);
@@ -254,18 +252,12 @@ impl Propagator {
         let alone = |value: f64, basis: &Basis| {
             of.varied.map_or(NO_RANGE, |varied| range_alone(&varied.with_value(value), basis))
         };
-        let slope_at = |value: f64| {
-            let step = away(value) * VARIED_BY;
-            let from = alone(value, &self.basis);
-            alone(value + step, &self.basis).with(from, |to, from| (to - from) / step)
-        };
-        let mut slope = slope_at(value);
-        for side in [1.0, -1.0] {
-            slope = slope.with(slope_at(self.moved_value(of, value, side)), steeper);
-        }
+        let here = alone(value, &self.basis);
+        let over = |step: f64| alone(value + step, &self.basis).with(here, |off, here| (off - here) / step);
+        let away = if value < 0.0 { -VARIED_BY } else { VARIED_BY };
+        let slope = steepest_within(self.standard(of), over(away), over);
         let of_law = of.law.slope(value, self.model);
         let mut of_pair_mm = Range::default();
-        let here = alone(value, &self.basis);
         for pair in &self.pairs {
             let steepest = pair.steepest(here, |basis| alone(value, basis));
             let standard = self.uncertainties.of(pair.source).map_or(0.0, |uncertainty| uncertainty.standard);
@@ -274,45 +266,27 @@ impl Propagator {
         EndWeights { slope: Range { lower: slope.lower / of_law, upper: slope.upper / of_law }, of_pair_mm }
     }
 
-    /// ∂(both ends)/∂x of one input. An error's magnitude has a kink at zero: there it is varied away from it. So it is
-    /// elsewhere for ends that are linear in errors, and otherwise from both sides.
+    /// ∂(both ends)/∂x of one input.
     fn by_input(&self, input: usize, values: &[f64], centre: Range) -> Range {
-        let own = self.derivatives.iter().position(|of| of.own.is_some_and(|(own, _)| own == input));
-        let one_sided = own.filter(|&index| self.stack == Stack::Range || values[index].abs() < VARIED_BY);
-        if let Some(index) = one_sided {
-            let step = away(values[index]) * VARIED_BY;
-            let ends = self.ends(values, Some((input, step)), &self.basis);
-            return ends.with(centre, |off, centre| (off - centre) / step);
-        }
-        let [above, below] = [VARIED_BY, -VARIED_BY].map(|step| self.ends(values, Some((input, step)), &self.basis));
-        let laws = above.with(below, |above, below| (above - below) / (2.0 * VARIED_BY));
-        let (source, _) = self.uncertainties.inputs()[input];
-        let Some(pair) = self.pairs.iter().find(|pair| pair.source == source) else { return laws };
-        laws.with(pair.steepest(centre, |basis| self.ends(values, None, basis)), |laws, of_pair| laws + of_pair)
-    }
-
-    /// ∂(both ends)/∂x of an input that errors follow from; `None` of any other.
-    fn by_error(&self, input: usize, values: &[f64], centre: Range) -> Option<Range> {
+        let over = |step: f64| {
+            self.ends(values, Some((input, step)), &self.basis).with(centre, |off, centre| (off - centre) / step)
+        };
+        let at = over(VARIED_BY).with(over(-VARIED_BY), |above, below| 0.5 * (above + below));
+        let (source, uncertainty) = self.uncertainties.inputs()[input];
         let follows = |of: &Derivatives| of.own.is_some_and(|(own, _)| own == input) || of.constant[input] != 0.0;
-        self.derivatives.iter().any(follows).then(|| self.by_input(input, values, centre))
+        let slope = match self.derivatives.iter().any(follows) {
+            true => steepest_within(uncertainty.standard, at, over),
+            false => at,
+        };
+        let Some(pair) = self.pairs.iter().find(|pair| pair.source == source) else { return slope };
+        slope.with(pair.steepest(centre, |basis| self.ends(values, None, basis)), |slope, of_pair| slope + of_pair)
     }
 
-    /// The errors near zero as far off, to one side, as their uncertainties let expect.
-    fn moved(&self, values: &[f64], side: f64) -> Vec<f64> {
-        values.iter().zip(&self.derivatives).map(|(value, of)| self.moved_value(of, *value, side)).collect()
-    }
-
-    /// One error so far off if it is near zero: a size up or down, a magnitude away from zero or beyond it.
-    fn moved_value(&self, of: &Derivatives, value: f64, side: f64) -> f64 {
-        let own = of.own.map_or(0.0, |(_, standard)| standard);
+    /// The standard uncertainty of an error, at most: by its own and that of its nominal value.
+    fn standard(&self, of: &Derivatives) -> f64 {
         let inputs = self.uncertainties.inputs().iter().zip(&of.constant);
         let of_nominal = inputs.map(|((_, uncertainty), slope)| (slope * uncertainty.standard).abs());
-        let reach = FOLD * (own + of_nominal.sum::<f64>());
-        if value.abs() >= reach {
-            return value;
-        }
-        let up = if of.law.kind().always_acts() { 1.0 } else { away(value) };
-        value + side * up * reach
+        of.own.map_or(0.0, |(_, standard)| standard) + of_nominal.sum::<f64>()
     }
 
     /// Both ends of the combination for errors of these values, with one input off by so much.
