@@ -274,10 +274,8 @@ impl Propagator {
         let at = over(VARIED_BY).with(over(-VARIED_BY), |above, below| 0.5 * (above + below));
         let (source, uncertainty) = self.uncertainties.inputs()[input];
         let follows = |of: &Derivatives| of.own.is_some_and(|(own, _)| own == input) || of.constant[input] != 0.0;
-        let slope = match self.derivatives.iter().any(follows) {
-            true => steepest_within(uncertainty.standard, at, over),
-            false => at,
-        };
+        let of_error = self.derivatives.iter().any(follows);
+        let slope = if of_error { steepest_within(uncertainty.standard, at, over) } else { at };
         let Some(pair) = self.pairs.iter().find(|pair| pair.source == source) else { return slope };
         slope.with(pair.steepest(centre, |basis| self.ends(values, None, basis)), |slope, of_pair| slope + of_pair)
     }
