@@ -507,6 +507,27 @@ fn a_size_near_zero_is_uncertain_to_the_side_where_it_acts() {
     }
 }
 
+/// Within the uncertainty of a step one more tooth comes to carry, so that the lower end jumps: the limit lies between, and a
+/// quarter of 20,000 draws is beyond it.
+#[test]
+fn an_error_near_a_jump_of_the_bound_is_uncertain_by_the_jump() {
+    let spec = "[pair]\nnormal_module = 1\nnormal_pressure_angle = 20\n[rack]\nhelix_angle = -7.355\nface_width = 6.59\n\
+        addendum = 0.6281\n[pinion]\nteeth = 8\nhelix_angle = 0\nprofile_shift = 0.5\nface_width = 9.227\ntip_diameter = 10.7021\n\
+        [errors]\nrack_over_roller = { value = \"-7.246 um\", extent = \"each\" }\n\
+        rack_pitch = { value = \"-19.772 um\", extent = \"one\", u = \"3.71 um\" }\n[decision]\nrule = \"iso14253\"\n[limits]\n";
+    let of = |limit: &str, draws: &[&str]| {
+        let spec = format!("{spec}center_distance = {{ lower = {limit} }}\n");
+        run(&[&["eval", "-", "--format", "json"], draws].concat(), &spec).json()
+    };
+    let drawn = of("-0.022", &["--monte-carlo", "2e4"]);
+    let conformance = drawn["limits"][0]["decision"]["conformance_probability"].as_f64().unwrap();
+    assert!((0.7..0.85).contains(&conformance), "{conformance}");
+    for draws in [&[][..], &["--monte-carlo", "2e4"]] {
+        assert_eq!(of("-0.022", draws)["verdict"], "indeterminate", "{draws:?}");
+        assert_eq!(of("-0.03", draws)["verdict"], "pass", "{draws:?}");
+    }
+}
+
 /// A rack that may roll and has no error sinks by nothing: a limit of 0 is met.
 #[test]
 fn a_rolling_rack_without_errors_is_at_nought() {
