@@ -232,7 +232,7 @@ pub fn evaluate(
             exact: error.delta_cd(Model::Exact).map_err(of_error)?,
             paper: error.delta_cd(Model::Paper).map_err(of_error)?,
             range: Interval::of(range.map(ErrorRange::alone)).map_err(|problem| of_error(problem.into()))?,
-            in_contact: range.ok().and_then(|range| range.in_contact),
+            in_contact: range.ok().map(|range| range.in_contact),
             share: None,
             is_tolerance: error.is_tolerance(),
         });

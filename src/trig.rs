@@ -10,7 +10,7 @@ use crate::quantity::Angle;
 #[must_use]
 #[inline]
 pub fn sin_cos(radians: f64) -> (f64, f64) {
-    (libm::sin(radians), libm::cos(radians))
+    libm::sincos(radians)
 }
 
 /// Sine of an angle in radians.

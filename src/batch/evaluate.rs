@@ -15,7 +15,7 @@ use super::uncertain::RowUncertainty;
 use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::judge::Verdict;
-use crate::judge::bound::ExtendedError;
+use crate::judge::bound::ChangingErrors;
 use crate::quantity::shown;
 use crate::table::Block;
 use crate::uncertainty::Spreads;
@@ -32,7 +32,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) statistics: Vec<Statistics>,
     deviations: [DeviationValue; KINDS],
     /// The same on the teeth that their extents allow.
-    errors: Vec<ExtendedError>,
+    errors: ChangingErrors<'a>,
     /// Which deviations are not suspicious.
     usual: Reach,
     /// Whether rejected rows are kept at all.
@@ -55,7 +55,7 @@ impl<'a> Evaluator<'a> {
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
             deviations,
-            errors: plan.sources.iter().map(|source| source.extended).collect(),
+            errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
         }

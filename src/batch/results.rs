@@ -7,7 +7,7 @@ use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
 use crate::deviation::DeviationValue;
 use crate::evaluation::overall;
-use crate::judge::bound::{ExtendedError, GivenGeometry, Range};
+use crate::judge::bound::{ChangingErrors, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{Ends, verdict};
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
@@ -68,7 +68,7 @@ impl Results {
     pub(super) fn new(
         plan: &Plan,
         deviations: &[DeviationValue; KINDS],
-        errors: &mut [ExtendedError],
+        errors: &mut ChangingErrors<'_>,
     ) -> Result<Self, Refusal> {
         let of_source = |index, problem| Refusal::of(plan, Some(index), &problem);
         let mut results =
@@ -77,15 +77,15 @@ impl Results {
             let kind = source.law.kind() as usize;
             let delta_cd = source.law.delta_cd(deviations[index], plan.request.model);
             results.each[kind] = delta_cd.map_err(|problem| of_source(index, problem))?;
-            errors[index].value = plain_value(deviations[index]);
+            errors.set(index, plain_value(deviations[index]));
             if source.is_limited {
-                let alone = plan.basis.alone(&errors[index]).ok();
+                let alone = errors.alone(index).ok();
                 let alone = alone.map(|alone| Interval::nearest(alone.alone())).transpose();
                 results.alone[kind] = alone.map_err(|problem| of_source(index, problem.into()))?;
             }
         }
         if plan.needs_range || plan.needs_rss {
-            let together = plan.basis.together(errors);
+            let together = errors.together();
             let of = |stack: Stack| {
                 let ends = together.interval(stack).ok().map(Interval::nearest).transpose();
                 ends.map_err(|problem| Refusal::of(plan, None, &problem.into()))
@@ -98,7 +98,7 @@ impl Results {
             }
         }
         if plan.needs_reached {
-            results.reached = reached(plan, errors);
+            results.reached = reached(plan, errors.errors());
         }
         Ok(results)
     }

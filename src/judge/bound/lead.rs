@@ -94,11 +94,7 @@ impl Leads {
     }
 
     fn with_value(mut self, value: f64, extent: Extent, lines: Option<RackLines>) -> Self {
-        let added = match extent {
-            Extent::All => Range { lower: value, upper: value },
-            Extent::Each => Range { lower: -value.abs(), upper: value.abs() },
-            Extent::One | Extent::Part | Extent::Total => Range { lower: value.min(0.0), upper: value.max(0.0) },
-        };
+        let added = values_of(value, extent);
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
         self.one_tooth = is_first && extent == Extent::One;
         self.extent = is_first.then_some(extent);
@@ -107,12 +103,8 @@ impl Leads {
         self
     }
 
-    /// The values at which what a flank asks for can be extreme: both ends, none at all, and the turn that brings a rack's
-    /// tooth line across the rack, where heights count least.
     fn candidates(&self) -> [f64; 4] {
-        let Range { lower, upper } = self.values;
-        let level = self.lines.map_or(lower, |lines| -lines.helix);
-        [lower, upper, 0.0_f64.clamp(lower, upper), level.clamp(lower, upper)]
+        candidates(self.values, self.lines.as_ref())
     }
 
     /// What flanks ask for that are turned by a value; the pinion's face has half this width.
@@ -125,16 +117,7 @@ impl Leads {
 
     /// Their range for any pair whose flanks touch up to this height over and under the reference plane.
     pub(super) fn of_any_pair(&self, height: f64) -> ErrorRange {
-        let mut upper_mm = 0.0_f64;
-        let candidates = self.candidates();
-        // a lead of all teeth has one value
-        let count = if self.values.lower == self.values.upper { 1 } else { candidates.len() };
-        for &value in &candidates[..count] {
-            let Slopes { across, up, along } = self.turned(value, 1.0);
-            let half_width = self.lines.map_or(0.0, |lines| 0.5 * lines.face_width);
-            upper_mm = upper_mm.max(across.abs() * half_width + up.abs() * height + along.abs());
-        }
-        ErrorRange::either_way(upper_mm)
+        of_any_pair(self.values, self.lines.as_ref(), height)
     }
 
     /// Their range for a pair.
@@ -153,7 +136,7 @@ impl Leads {
         };
         let lower_mm = self.kept(known).unwrap_or(raw_lower_mm).max(raw_lower_mm);
         let raw_upper_mm = at_any_time.max(upper_mm);
-        ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm, upper_with_undercut_mm, in_contact: None }
+        ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm, upper_with_undercut_mm, in_contact: 0 }
     }
 
     /// What a single lead asks for, between the nodes on either side of it: a bound of a line in the slopes of flanks is convex
@@ -310,6 +293,43 @@ impl Leads {
         });
         kept.into_iter().reduce(f64::min)
     }
+}
+
+/// From what to what a lead of this value and extent turns tooth lines.
+#[inline]
+pub(super) fn values_of(value: f64, extent: Extent) -> Range {
+    match extent {
+        Extent::All => Range { lower: value, upper: value },
+        Extent::Each => Range { lower: -value.abs(), upper: value.abs() },
+        Extent::One | Extent::Part | Extent::Total => Range { lower: value.min(0.0), upper: value.max(0.0) },
+    }
+}
+
+/// The values at which what a flank asks for can be extreme: both ends, none at all, and the turn that brings a rack's
+/// tooth line across the rack, where heights count least.
+fn candidates(values: Range, lines: Option<&RackLines>) -> [f64; 4] {
+    let Range { lower, upper } = values;
+    let level = lines.map_or(lower, |lines| -lines.helix);
+    [lower, upper, 0.0_f64.clamp(lower, upper), level.clamp(lower, upper)]
+}
+
+/// What leads of these values do to any pair whose flanks touch up to this height over and under the reference plane.
+#[inline]
+pub(super) fn of_any_pair(values: Range, lines: Option<&RackLines>, height: f64) -> ErrorRange {
+    let asked = |value: f64| match lines {
+        None => value.abs(),
+        Some(lines) => {
+            let Slopes { across, up, .. } = Slopes::of_rack(value, lines.tan_alpha, lines.helix);
+            across.abs() * 0.5 * lines.face_width + up.abs() * height
+        }
+    };
+    // a lead of all teeth has one value
+    let most = if values.lower == values.upper {
+        asked(values.lower)
+    } else {
+        candidates(values, lines).into_iter().map(asked).fold(0.0, f64::max)
+    };
+    ErrorRange::either_way(most)
 }
 
 /// What undercut lifts of a pair.

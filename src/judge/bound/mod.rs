@@ -15,6 +15,7 @@ mod levels;
 mod moments;
 mod pitch;
 pub(in crate::judge) mod profile;
+mod proportion;
 mod scales;
 mod single;
 mod sum;
@@ -26,6 +27,7 @@ pub use basis::{Basis, GivenGeometry, KnownPairs};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownTeeth, Reach};
+pub(crate) use proportion::ChangingErrors;
 pub use scales::Scales;
 pub use sum::{Bound, Combined};
 
@@ -60,11 +62,23 @@ pub struct ErrorRange {
     pub raw_upper_mm: f64,
     /// The highest ΔCD of this error and what undercut lifts at the same stroke; infinite where that is not looked at.
     pub upper_with_undercut_mm: f64,
-    /// How many steps between teeth add up in it, at most; of a pitch whose extent counts teeth.
-    pub in_contact: Option<u32>,
+    /// How many steps between teeth add up in it, at most; 0 where none are counted.
+    pub in_contact: u32,
 }
 
 impl ErrorRange {
+    /// The same of a value that is so many times as large.
+    #[inline]
+    fn scaled(self, by: f64) -> Self {
+        Self {
+            raw_lower_mm: by * self.raw_lower_mm,
+            lower_mm: by * self.lower_mm,
+            upper_mm: by * self.upper_mm,
+            raw_upper_mm: by * self.raw_upper_mm,
+            ..self
+        }
+    }
+
     #[inline]
     fn either_way(upper_mm: f64) -> Self {
         Self::within(-upper_mm, upper_mm)
@@ -79,7 +93,7 @@ impl ErrorRange {
             upper_mm: upper,
             raw_upper_mm: upper,
             upper_with_undercut_mm,
-            in_contact: None,
+            in_contact: 0,
         }
     }
 
@@ -149,6 +163,11 @@ pub(super) struct Knowledge<'a> {
 impl Knowledge<'_> {
     fn rolls(&self) -> bool {
         self.pair.map_or(self.basis.rolls, |known| known.given.rolls())
+    }
+
+    /// Whether a tooth of either part is stated to carry with both flanks always.
+    fn has_both_flanks(&self) -> bool {
+        matches!(self.basis.geometry, GivenGeometry::BothFlanks) && !self.rolls()
     }
 }
 

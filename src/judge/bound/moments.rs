@@ -20,6 +20,12 @@ const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
 const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 
 impl Moments {
+    /// The same of an error that is so many times as large, in proportion to which both are.
+    #[inline]
+    pub(super) fn scaled(self, by: f64) -> Self {
+        Self { mean_mm: by * self.mean_mm, deviation_mm: by * self.deviation_mm }
+    }
+
     /// Of a tolerance, of whose two ends these are the moments: what it does grows in proportion to it, either way.
     fn or(self, other: Self) -> Self {
         let mean_mm = FOLDED_MEAN * 0.5 * (self.mean_mm + other.mean_mm);
@@ -35,15 +41,24 @@ impl Moments {
 ///
 /// # Errors
 /// [`NoBound`] if it follows from a range that there is not.
+#[inline]
 pub(super) fn moments(
     error: &ExtendedError,
     range: Result<ErrorRange, NoBound>,
     knowledge: &Knowledge,
 ) -> Result<Moments, NoBound> {
-    if let Some([one, other]) = error.signs() {
-        let of = |error: &ExtendedError| moments(error, range_of(error, knowledge), knowledge);
-        return Ok(of(&one)?.or(of(&other)?));
-    }
+    let Some([one, other]) = error.signs() else { return of_signed(error, range, knowledge) };
+    let of = |error: &ExtendedError| of_signed(error, range_of(error, knowledge), knowledge);
+    Ok(of(&one)?.or(of(&other)?))
+}
+
+/// The same of an error with a sign.
+#[inline]
+fn of_signed(
+    error: &ExtendedError,
+    range: Result<ErrorRange, NoBound>,
+    knowledge: &Knowledge,
+) -> Result<Moments, NoBound> {
     let fixed = |mean_mm| Moments { mean_mm, deviation_mm: 0.0 };
     let folded = |largest: f64| Moments { mean_mm: FOLDED_MEAN * largest, deviation_mm: FOLDED_DEVIATION * largest };
     let value = error.value;

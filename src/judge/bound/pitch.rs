@@ -44,8 +44,8 @@ pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known:
         Extent::Part => range.or(range),
         Extent::All | Extent::Each | Extent::Total => range,
     };
-    let count = (range.upper_mm / step - SLACK).ceil().clamp(0.0, 1e6) as u32;
-    ErrorRange { in_contact: (step > 0.0).then_some(count), ..range }
+    let in_contact = if step > 0.0 { (range.upper_mm / step - SLACK).ceil().clamp(0.0, 1e6) as u32 } else { 0 };
+    ErrorRange { in_contact, ..range }
 }
 
 /// One step, of any pair.

@@ -58,7 +58,7 @@ impl Scale {
             upper_mm: between(a.upper_mm, b.upper_mm),
             raw_upper_mm: between(a.raw_upper_mm, b.raw_upper_mm),
             upper_with_undercut_mm: a.upper_with_undercut_mm.max(b.upper_with_undercut_mm),
-            in_contact: None,
+            in_contact: 0,
         }
     }
 }

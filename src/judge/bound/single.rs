@@ -2,10 +2,10 @@
 
 use super::error::{ErrorEffect, RackLines};
 use super::known::{KnownPair, flanks_apart};
-use super::lead::{Leads, undercut};
+use super::lead::{self, Leads, undercut};
 use super::pitch;
 use super::undercut::UndercutTable;
-use super::{ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, NoBound};
+use super::{ErrorRange, ExtendedError, Extent, Knowledge, NoBound};
 use crate::deviation::Part;
 use crate::mesh::LARGEST_ROLL_RAD;
 use crate::trig;
@@ -18,77 +18,106 @@ const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 /// What one error can do alone.
 #[inline]
 pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
-    if let Some([one, other]) = error.signs() {
-        return Ok(range_of(&one, knowledge)?.or(range_of(&other, knowledge)?));
+    match error.signs() {
+        None => range_of_signed(error, knowledge),
+        Some([one, other]) => Ok(range_of_signed(&one, knowledge)?.or(range_of_signed(&other, knowledge)?)),
     }
-    let range = match error.effect {
-        ErrorEffect::Size => size(error.part, error.value, error.extent, knowledge),
-        ErrorEffect::Pitch { gain, cap } => pitch_range(error, gain, cap, knowledge)?,
-        ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => {
-            of_leads(&Leads::none(error.part).with(error), knowledge)
-        }
+}
+
+/// The same of an error with a sign.
+#[inline]
+fn range_of_signed(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
+    let range = match knowledge.pair {
+        None => of_any_pair(error, knowledge)?,
+        Some(known) => of_pair(error, known),
     };
     Ok(supported(range, knowledge).ordered())
 }
 
-/// A space that sits higher by e: both its flanks carry for a while, or never.
+/// What an error does whose pair is not known.
 #[inline]
-fn size(part: Part, value: f64, extent: Extent, knowledge: &Knowledge) -> ErrorRange {
-    let sometimes = ErrorRange::within(value.min(0.0), value.max(0.0));
-    match (extent, knowledge.pair) {
-        (Extent::All, _) => ErrorRange::signed(value),
-        (Extent::Each | Extent::Total, _) => ErrorRange::either_way(value.abs()),
-        (Extent::One, Some(known)) if value > 0.0 => {
-            let with_undercut = undercut(known).map(|table| table.with_one_space(part, value));
-            ErrorRange {
-                upper_mm: (value - known.space_stands_back(part)).max(0.5 * value),
-                upper_with_undercut_mm: with_undercut.unwrap_or(f64::INFINITY),
-                ..sometimes
-            }
-        }
-        (Extent::One, Some(known)) if known.carries_lines() => {
-            let path = &known.line;
-            let alone = if path.ratio + flanks_apart(part, path) < 2.0 {
-                1.0
-            } else if path.ratio < 2.0 {
-                0.5
-            } else {
-                0.0
+fn of_any_pair(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
+    let ExtendedError { value, extent, .. } = *error;
+    Ok(match error.effect {
+        ErrorEffect::Size => size(value, extent),
+        ErrorEffect::Pitch { gain, cap } => {
+            let limit = cap.map_or(f64::INFINITY, |cap| total(gain, cap, None));
+            let range = match extent {
+                Extent::Total => ErrorRange::either_way(total(gain, value.abs(), None)),
+                Extent::One => pitch::one_of_any_pair(gain * value.abs(), knowledge.has_both_flanks()),
+                _ if cap.is_some() => ErrorRange::either_way(limit),
+                _ => return Err(NoBound::TeethInContactUnknown),
             };
-            ErrorRange { lower_mm: alone * value, ..sometimes }
+            range.limited(limit)
         }
-        (Extent::Part | Extent::One, _) => sometimes,
+        ErrorEffect::RackLead(lines) => {
+            lead::of_any_pair(lead::values_of(value, extent), Some(&lines), assumed_height(&lines, knowledge))
+        }
+        ErrorEffect::PinionLead { gain } => lead::of_any_pair(lead::values_of(gain * value, extent), None, 0.0),
+    })
+}
+
+/// What an error does in a known pair.
+fn of_pair(error: &ExtendedError, known: &KnownPair) -> ErrorRange {
+    let ExtendedError { part, value, extent, .. } = *error;
+    match error.effect {
+        ErrorEffect::Size if extent == Extent::One => one_space(part, value, known),
+        ErrorEffect::Size => size(value, extent),
+        ErrorEffect::Pitch { gain, cap } => pitch_range(error, gain, cap, known),
+        ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => Leads::none(part).with(error).of_pair(known),
     }
 }
 
+/// A space that sits higher by e: both its flanks carry for a while, or never.
 #[inline]
-fn pitch_range(
-    error: &ExtendedError,
-    gain: f64,
-    cap: Option<f64>,
-    knowledge: &Knowledge,
-) -> Result<ErrorRange, NoBound> {
-    let ExtendedError { part, value, extent, .. } = *error;
-    let known = knowledge.pair;
-    let teeth = known.map(|known| known.given.pair.pinion().teeth);
-    // a pinion's deviations are measured from the mean of the turn
-    let mean = if part == Part::Pinion { teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)) } else { 0.0 };
-    let total = |deviation: f64| 2.0 * gain * deviation * (1.0 - mean);
-    // F_p limits either flank side, which may deviate apart
-    let limit = cap.map_or(f64::INFINITY, total);
-    let step = gain * value.abs();
-    let range = match (extent, known) {
-        (Extent::Total, _) => ErrorRange::either_way(total(value.abs())),
-        (_, Some(known)) => pitch::of_pair(part, extent, value >= 0.0, step, known),
-        (Extent::One, None) => pitch::one_of_any_pair(
-            step,
-            matches!(knowledge.basis.geometry, GivenGeometry::BothFlanks) && !knowledge.rolls(),
-        ),
-        (_, None) if cap.is_some() => ErrorRange::either_way(limit),
-        (_, None) => return Err(NoBound::TeethInContactUnknown),
+fn size(value: f64, extent: Extent) -> ErrorRange {
+    match extent {
+        Extent::All => ErrorRange::signed(value),
+        Extent::Each | Extent::Total => ErrorRange::either_way(value.abs()),
+        Extent::Part | Extent::One => ErrorRange::within(value.min(0.0), value.max(0.0)),
+    }
+}
+
+fn one_space(part: Part, value: f64, known: &KnownPair) -> ErrorRange {
+    let sometimes = size(value, Extent::One);
+    if value > 0.0 {
+        let with_undercut = undercut(known).map(|table| table.with_one_space(part, value));
+        return ErrorRange {
+            upper_mm: (value - known.space_stands_back(part)).max(0.5 * value),
+            upper_with_undercut_mm: with_undercut.unwrap_or(f64::INFINITY),
+            ..sometimes
+        };
+    }
+    if !known.carries_lines() {
+        return sometimes;
+    }
+    let path = &known.line;
+    let alone = if path.ratio + flanks_apart(part, path) < 2.0 {
+        1.0
+    } else if path.ratio < 2.0 {
+        0.5
+    } else {
+        0.0
     };
-    let upper_with_undercut_mm = known.map_or(f64::INFINITY, |known| with_undercut(error, gain, limit, known));
-    Ok(ErrorRange { upper_with_undercut_mm, ..range.limited(limit) })
+    ErrorRange { lower_mm: alone * value, ..sometimes }
+}
+
+/// What a total cumulative deviation of either flank side does, which may deviate apart; a pinion's are measured from the
+/// mean of the turn.
+#[inline]
+fn total(gain: f64, deviation: f64, pinion_teeth: Option<u32>) -> f64 {
+    2.0 * gain * deviation * (1.0 - pinion_teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)))
+}
+
+fn pitch_range(error: &ExtendedError, gain: f64, cap: Option<f64>, known: &KnownPair) -> ErrorRange {
+    let ExtendedError { part, value, extent, .. } = *error;
+    let teeth = (part == Part::Pinion).then_some(known.given.pair.pinion().teeth);
+    let limit = cap.map_or(f64::INFINITY, |cap| total(gain, cap, teeth));
+    let range = match extent {
+        Extent::Total => ErrorRange::either_way(total(gain, value.abs(), teeth)),
+        _ => pitch::of_pair(part, extent, value >= 0.0, gain * value.abs(), known),
+    };
+    ErrorRange { upper_with_undercut_mm: with_undercut(error, gain, limit, known), ..range.limited(limit) }
 }
 
 /// What steps lift together with undercut, up to a limit of the steps.
@@ -106,15 +135,22 @@ fn with_undercut(error: &ExtendedError, gain: f64, limit: f64, known: &KnownPair
     })
 }
 
+/// What the leads of a part do.
 #[inline]
 pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
-    if let Some([one, other]) = leads.signs() {
-        return of_leads(&one, knowledge).or(of_leads(&other, knowledge));
+    match leads.signs() {
+        None => of_signed_leads(leads, knowledge),
+        Some([one, other]) => of_signed_leads(&one, knowledge).or(of_signed_leads(&other, knowledge)),
     }
-    match knowledge.pair {
+}
+
+#[inline]
+fn of_signed_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
+    let range = match knowledge.pair {
         Some(known) => leads.of_pair(known),
         None => leads.of_any_pair(leads.lines.as_ref().map_or(0.0, |lines| assumed_height(lines, knowledge))),
-    }
+    };
+    supported(range, knowledge).ordered()
 }
 
 pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
@@ -123,7 +159,7 @@ pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
 
 /// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.
 #[inline]
-pub(super) fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
+fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
     if !knowledge.rolls() {
         return range;
     }

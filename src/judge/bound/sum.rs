@@ -5,7 +5,7 @@ use super::field::thickness_offset;
 use super::known::Own;
 use super::lead::Leads;
 use super::moments::{Moments, moments};
-use super::single::{assumed_height, of_leads, range_of, supported};
+use super::single::{assumed_height, of_leads, range_of};
 use super::{
     Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, KnownPair, KnownTeeth, NoBound, Note, OwnCurve,
     Range, Reach,
@@ -44,7 +44,7 @@ const SPARE_MM: f64 = 1e-6;
 
 /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
 pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
-    let combined = together(errors, knowledge);
+    let combined = together(errors, knowledge, |_, error| Acting::of(error, knowledge));
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
     let (mut acts, mut counts) = (false, false);
     for error in errors.iter().filter(|error| is_pitch(error) && knowledge.pair.is_none()) {
@@ -76,37 +76,6 @@ pub(super) struct Sum {
     pinion_lifts: f64,
 }
 
-/// Errors on the way to their sum: sizes and pitches one by one, leads one for each part.
-#[derive(Default)]
-struct Adding {
-    sum: Sum,
-    /// The leads of each part, and what the last one does.
-    leads: [Option<(Leads, ErrorRange)>; 2],
-}
-
-impl Adding {
-    #[inline]
-    fn add(&mut self, error: &ExtendedError, range: Result<ErrorRange, NoBound>) -> Result<(), NoBound> {
-        let (part, range) = (error.part, range?);
-        if error.effect.is_lead() {
-            let before = self.leads[part as usize].map_or_else(|| Leads::none(part), |(leads, _)| leads);
-            self.leads[part as usize] = Some((before.with(error), range));
-        } else {
-            self.sum.add(part, range);
-        }
-        Ok(())
-    }
-
-    fn sum(&self, knowledge: &Knowledge) -> Sum {
-        let mut sum = self.sum;
-        for (all, last) in self.leads.iter().flatten() {
-            let range = if all.extent.is_some() { *last } else { supported(of_leads(all, knowledge), knowledge) };
-            sum.add(all.part, range);
-        }
-        sum
-    }
-}
-
 impl Default for Sum {
     /// Of no errors.
     fn default() -> Self {
@@ -126,11 +95,27 @@ impl Default for Sum {
 
 impl Sum {
     fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, NoBound> {
-        let mut adding = Adding::default();
+        let several = parts_with_several_leads(errors);
+        let mut sum = Self::default();
         for error in errors {
-            adding.add(error, range_of(error, knowledge))?;
+            let range = range_of(error, knowledge)?;
+            if !(error.effect.is_lead() && several[error.part as usize]) {
+                sum.add(error.part, range);
+            }
         }
-        Ok(adding.sum(knowledge))
+        sum.add_several_leads(several, errors, knowledge);
+        Ok(sum)
+    }
+
+    /// Adds what the leads of parts do that have several, which are added as angles.
+    #[inline]
+    fn add_several_leads(&mut self, several: [bool; 2], errors: &[ExtendedError], knowledge: &Knowledge) {
+        for part in [Part::Rack, Part::Pinion] {
+            if several[part as usize] {
+                let of_part = errors.iter().filter(|error| error.part == part);
+                self.add(part, of_leads(&of_part.fold(Leads::none(part), Leads::with), knowledge));
+            }
+        }
     }
 
     #[inline]
@@ -191,16 +176,51 @@ fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
     }
 }
 
-/// What errors do together; what each does alone is computed once.
-pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combined<Range> {
-    let (mut adding, mut scatter) = (Adding::default(), StatisticalSum::default());
-    let (mut summed, mut scattered) = (Ok(()), Ok(()));
-    for error in errors {
+/// What an error does alone: its ends, and its mean and spread at one stroke.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Acting {
+    range: Result<ErrorRange, NoBound>,
+    moments: Result<Moments, NoBound>,
+}
+
+impl Acting {
+    #[inline]
+    pub(super) fn of(error: &ExtendedError, knowledge: &Knowledge) -> Self {
         let range = range_of(error, knowledge);
-        summed = summed.and_then(|()| adding.add(error, range));
-        scattered = scattered.and_then(|()| scatter.add(moments(error, range, knowledge)));
+        Self { range, moments: moments(error, range, knowledge) }
     }
-    let sum = summed.map(|()| adding.sum(knowledge));
+
+    /// The same of an error that is so many times as large, where both are in proportion to it.
+    #[inline]
+    pub(super) fn scaled(&self, by: f64) -> Self {
+        Self {
+            range: self.range.map(|range| range.scaled(by)),
+            moments: self.moments.map(|moments| moments.scaled(by)),
+        }
+    }
+}
+
+/// What errors do together, each of which does alone what `acting` says.
+#[inline]
+pub(super) fn together(
+    errors: &[ExtendedError],
+    knowledge: &Knowledge,
+    acting: impl Fn(usize, &ExtendedError) -> Acting,
+) -> Combined<Range> {
+    let several = parts_with_several_leads(errors);
+    let (mut sum, mut scatter) = (Sum::default(), StatisticalSum::default());
+    let (mut summed, mut scattered) = (Ok(()), Ok(()));
+    for (index, error) in errors.iter().enumerate() {
+        let Acting { range, moments } = acting(index, error);
+        match range {
+            Ok(_) if error.effect.is_lead() && several[error.part as usize] => {}
+            Ok(range) => sum.add(error.part, range),
+            Err(open) => summed = summed.and(Err(open)),
+        }
+        scattered = scattered.and_then(|()| scatter.add(moments));
+    }
+    sum.add_several_leads(several, errors, knowledge);
+    let sum = summed.map(|()| sum);
     let own = sum.and_then(|sum| own(&sum, knowledge));
     let total = match knowledge.basis.known_teeth {
         Some(teeth) if !teeth.solved => Err(NoBound::NotSolved),
@@ -275,6 +295,16 @@ impl Bound {
         let combined = Combined { range: Err(open), rss: Err(open) };
         Self { errors: vec![Err(open); errors], combined, notes: Vec::new(), statistical_notes: Vec::new() }
     }
+}
+
+/// Which parts have more than one lead.
+#[inline]
+fn parts_with_several_leads(errors: &[ExtendedError]) -> [bool; 2] {
+    let mut leads = [0_usize; 2];
+    for error in errors.iter().filter(|error| error.effect.is_lead()) {
+        leads[error.part as usize] += 1;
+    }
+    leads.map(|count| count > 1)
 }
 
 fn is_pitch(error: &ExtendedError) -> bool {
