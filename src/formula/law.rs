@@ -197,6 +197,7 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if the error is outside its domain or no length or angle as the law needs it, or if the result
     /// is beyond the largest length.
+    #[inline]
     pub fn delta_cd(self, error: impl Into<DeviationValue>, model: Model) -> Result<Length, DomainError> {
         let error = error.into();
         let gain = self.gain(model);
@@ -219,6 +220,7 @@ impl Law {
         Ok(Length::nearest(fm, "ΔCD")?)
     }
 
+    #[cold]
     fn wrong_dimension(self, error: DeviationValue) -> DomainError {
         DomainError::WrongDimension { error: self.kind.name(), value: error.to_string() }
     }

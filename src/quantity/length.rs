@@ -43,6 +43,7 @@ impl Length {
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] naming the quantity, `what`.
+    #[inline]
     pub(crate) fn nearest(fm: f64, what: &'static str) -> Result<Self, QuantityError> {
         let whole = fm as i64;
         // what lies between is exact in a double
