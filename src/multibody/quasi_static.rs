@@ -3,12 +3,12 @@
 
 use std::ops::ControlFlow;
 
-use super::energy::{Ledger, Rest};
+use super::energy::Ledger;
 use super::law::Law;
 use super::load::Work;
 use super::newton::{Balance, Bend, Limits, Solution, System, newton};
 use super::outcome::{Counters, Outcome, RunEnd, Sample, Watch, steady};
-use super::state::{Coordinates, Forces};
+use super::state::{Coordinates, Forces, State};
 use super::{Scene, SimulationError};
 
 /// Unbalanced force over the closing force: it moves a contact by less than 1e-6 of its penetration.
@@ -60,13 +60,9 @@ impl System for AtRest<'_> {
         let scene = self.scene;
         let at = Coordinates::from_free(*x, self.stroke);
         let forces = scene.contact(self.law, &at, &self.rates, self.work);
-        let (closing, rate) = scene.closing(x[1]);
-        let [angle, height, roll, _] = forces.generalized;
-        let mut tangent = forces.stiffness;
-        tangent[1][1] += rate;
         let with_energy = self.descend && scene.law.friction.is_none();
         let potential = with_energy.then(|| forces.energy + scene.closing_energy(x[1]));
-        Balance { residual: [angle, height - closing, roll], tangent, potential, with: forces }
+        Balance { residual: scene.unbalanced(x, &forces), tangent: scene.tangent(x, &forces), potential, with: forces }
     }
 
     fn bend(&self, step: &[f64; 3]) -> Option<Bend> {
@@ -82,7 +78,7 @@ impl Scene {
         let law = self.law.without_damping();
         let p = &self.parameters;
         let (mut known, mut before): (Option<[f64; 3]>, Option<[f64; 3]>) = (None, None);
-        let (mut start, mut here): (Option<Rest>, Option<Rest>) = (None, None);
+        let (mut start, mut here): (Option<State>, Option<State>) = (None, None);
         let mut ledger = Ledger::default();
         let last = self.intervals();
         let mut samples = Vec::with_capacity(last as usize + 1);
@@ -96,19 +92,20 @@ impl Scene {
                 [guess[0] + nominal, guess[1], guess[2]]
             });
             match self.equilibrium(stroke, guess, &law, &mut work) {
-                Ok((free, forces)) => {
+                Ok((q, contact)) => {
                     before = known;
-                    known = Some([free[0] - nominal, free[1], free[2]]);
-                    let at = Coordinates::from_free(free, stroke);
-                    let next = Rest { time: (stroke - p.start_mm) / p.speed_mm_per_s, free, stroke, contact: forces };
+                    known = Some([q[0] - nominal, q[1], q[2]]);
+                    let time = (stroke - p.start_mm) / p.speed_mm_per_s;
+                    let f = self.unbalanced(&q, &contact);
+                    let next = State { time, q, v: [0.0; 3], stroke, speed: 0.0, f, contact };
                     if let Some(here) = here {
-                        ledger.add(&here.flow_to(&next, self), false);
+                        ledger.add(&self.flow_at_rest(&here, &next), false);
                     }
                     start = start.or(Some(next));
                     here = Some(next);
-                    let sample = self.sample(next.time, &at, &forces, &work);
+                    let sample = self.sample(&next, &work);
                     samples.push(sample);
-                    work.margin = NEAR * forces.penetration;
+                    work.margin = NEAR * contact.penetration;
                     if watch(&sample) == ControlFlow::Break(()) && index < last {
                         end = RunEnd::Interrupted;
                         break;
@@ -120,8 +117,8 @@ impl Scene {
                 }
             }
         }
-        let stored = |at: Rest| self.potential(&at.contact, at.free[1]);
-        let energy = start.zip(here).map(|(start, end)| ledger.balance(stored(end) - stored(start), 0.0));
+        let gained = |start, end| self.potential(&end) - self.potential(&start);
+        let energy = start.zip(here).map(|(start, end)| ledger.balance(gained(start, end), 0.0));
         self.outcome(samples, energy, work.counters, end)
     }
 
@@ -226,10 +223,9 @@ impl Scene {
                 high = x[2];
             }
             // the tangent without the other coordinates, which follow
-            let k = &last.with.stiffness;
-            let k11 = k[1][1] + self.closing(x[1]).1;
-            let det = k[0][0] * k11 - k[0][1] * k[1][0];
-            let follow = [(k11 * k[0][2] - k[0][1] * k[1][2]) / det, (k[0][0] * k[1][2] - k[1][0] * k[0][2]) / det];
+            let k = self.tangent(&x, &last.with);
+            let det = k[0][0] * k[1][1] - k[0][1] * k[1][0];
+            let follow = [k[1][1] * k[0][2] - k[0][1] * k[1][2], k[0][0] * k[1][2] - k[1][0] * k[0][2]].map(|x| x / det);
             let tangent = k[2][2] - k[2][0] * follow[0] - k[2][1] * follow[1];
             let newton = x[2] + torque / tangent;
             let roll = if low.is_finite() && high.is_finite() {
@@ -277,21 +273,22 @@ impl Scene {
         Ok(())
     }
 
-    pub(super) fn sample(&self, time_s: f64, at: &Coordinates, forces: &Forces, work: &Work) -> Sample {
+    pub(super) fn sample(&self, at: &State, work: &Work) -> Sample {
+        let State { time, q: [pinion_angle_rad, center_distance_mm, roll_rad], stroke, contact, .. } = *at;
         Sample {
-            time_s,
-            stroke_mm: at.stroke,
-            delta_cd_mm: at.center_distance - self.mesh.pair().nominal_center_distance_mm(),
-            center_distance_mm: at.center_distance,
-            pinion_angle_rad: at.pinion_angle,
-            roll_rad: at.roll,
-            normal_force_right_n: forces.normal_right,
-            normal_force_left_n: forces.normal_left,
-            yoke: self.yoke(at.center_distance),
-            contacts: forces.contacts,
-            penetration_mm: forces.penetration,
+            time_s: time,
+            stroke_mm: stroke,
+            delta_cd_mm: center_distance_mm - self.mesh.pair().nominal_center_distance_mm(),
+            center_distance_mm,
+            pinion_angle_rad,
+            roll_rad,
+            normal_force_right_n: contact.normal_right,
+            normal_force_left_n: contact.normal_left,
+            yoke: self.yoke(center_distance_mm),
+            contacts: contact.contacts,
+            penetration_mm: contact.penetration,
             indentation_mm: work.touching.indentation(),
-            teeth: forces.teeth,
+            teeth: contact.teeth,
         }
     }
 

@@ -37,7 +37,6 @@ pub struct Scene {
     pub(super) first_tooth: i64,
     pub(super) deviating: Vec<bool>,
     pub(super) shared: SceneGeometry,
-    pub(super) depth: f64,
     pub(super) rolls: bool,
     /// Inertias of ψ, a, φ in N s²/mm and N mm s².
     pub(super) inertia: [f64; 3],
@@ -63,10 +62,8 @@ impl Scene {
             angular_pitch: pair.pinion().angular_pitch_rad(),
             sin_shaft,
             cos_shaft,
-        };
-        let depth = match parameters.support {
-            Support::FreeRoll { axis_depth_mm } => axis_depth_mm,
-            _ => 0.0,
+            depth: if let Support::FreeRoll { axis_depth_mm } = parameters.support { axis_depth_mm } else { 0.0 },
+            eccentricity: pinion.eccentricity_mm(),
         };
         let around = i64::from(pair.pinion().teeth) / 2 + 3;
         let end = parameters.start_mm + parameters.stroke_mm;
@@ -82,7 +79,7 @@ impl Scene {
         let helical = pair.rack().helix_angle_rad != 0.0 || pair.pinion().helix_angle_rad != 0.0;
         let inertia = inertia(&pair, &parameters);
         let rolls = matches!(parameters.support, Support::FreeRoll { .. }) && (led || helical);
-        let rigid = if rolls { mesh::Support::FreeRoll { axis_depth_mm: depth } } else { mesh::Support::Fixed };
+        let rigid = if rolls { mesh::Support::FreeRoll { axis_depth_mm: shared.depth } } else { mesh::Support::Fixed };
         let mut scene = Self {
             mesh: Mesh::new(pair, rack, pinion, rigid)?,
             parameters,
@@ -93,7 +90,6 @@ impl Scene {
             first_tooth: first,
             deviating: teeth.iter().map(|tooth| *tooth != RackTooth::default()).collect(),
             shared,
-            depth,
             rolls,
             inertia,
         };
@@ -284,7 +280,7 @@ impl Scene {
         work.counters.evaluations += 1;
         work.touching.0.iter_mut().for_each(Vec::clear);
         work.near.clear();
-        let pose = Pose::new(*at, self.depth, self.mesh.pinion().eccentricity_mm(), &self.shared);
+        let pose = Pose::new(*at, self.shared);
         let reach = self.reach(&pose, work.margin);
         let mut load = Load { law, rates: rates.all(), sum: Forces::default(), work };
         // each pinion tooth once: those whose angle from straight down is at most half a turn
@@ -318,8 +314,8 @@ impl Scene {
         // no point of the rack lies higher, rolled or not
         let top = rack.addendum_mm
             + 0.5 * rack.face_width_mm * pose.sin_roll.abs()
-            + (self.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
-        let (along, across) = self.mesh.pinion().eccentricity_mm();
+            + (self.shared.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
+        let (along, across) = self.shared.eccentricity;
         let off = (along * along + across * across).sqrt();
         let cosine = (pose.at.center_distance - off - top - 2.0 * radius - margin) / p.tip_radius_mm;
         let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
@@ -328,7 +324,7 @@ impl Scene {
 
     /// The yoke at a centre distance.
     pub(super) fn yoke(&self, center_distance: f64) -> Option<YokeSample> {
-        let Support::Yoke(yoke) = self.parameters.support else { return None };
+        let yoke = self.parameters.yoke()?;
         let travel_mm = center_distance - self.mesh.pair().nominal_center_distance_mm();
         let spring = (yoke.preload_n + yoke.rate_n_per_mm * travel_mm).max(0.0);
         let stop = yoke.stop_n_per_mm * (travel_mm - yoke.clearance_mm).max(0.0);
@@ -337,7 +333,7 @@ impl Scene {
 
     /// Force that presses the parts together at a centre distance, and its rate, N and N/mm.
     pub(super) fn closing(&self, center_distance: f64) -> (f64, f64) {
-        let Support::Yoke(yoke) = self.parameters.support else { return (self.parameters.preload_n, 0.0) };
+        let Some(yoke) = self.parameters.yoke() else { return (self.parameters.preload_n, 0.0) };
         let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
         let spring = yoke.preload_n + yoke.rate_n_per_mm * travel;
         let (mut force, mut rate) = if spring > 0.0 { (spring, yoke.rate_n_per_mm) } else { (0.0, 0.0) };
@@ -348,29 +344,34 @@ impl Scene {
         (force + yoke.bush_n_per_mm * travel, rate + yoke.bush_n_per_mm)
     }
 
-    /// Potential energy of that force against a_0, N mm.
+    /// Forces on ψ, a and φ, the closing force included.
+    pub(super) fn unbalanced(&self, q: &[f64; 3], contact: &Forces) -> [f64; 3] {
+        let [angle, height, roll, _] = contact.generalized;
+        [angle, height - self.closing(q[1]).0, roll]
+    }
+
+    /// How these fall with ψ, a and φ.
+    pub(super) fn tangent(&self, q: &[f64; 3], contact: &Forces) -> [[f64; 3]; 3] {
+        let mut tangent = contact.stiffness;
+        tangent[1][1] += self.closing(q[1]).1;
+        tangent
+    }
+
+    /// Potential energy of the closing force against a_0, N mm.
     pub(super) fn closing_energy(&self, center_distance: f64) -> f64 {
         let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
-        match self.parameters.support {
-            Support::Yoke(yoke) => {
-                let floor =
-                    if yoke.rate_n_per_mm > 0.0 { travel.max(-yoke.preload_n / yoke.rate_n_per_mm) } else { travel };
-                let beyond = (travel - yoke.clearance_mm).max(0.0);
-                yoke.preload_n * floor
-                    + 0.5 * yoke.rate_n_per_mm * floor * floor
-                    + 0.5 * yoke.bush_n_per_mm * travel * travel
-                    + 0.5 * yoke.stop_n_per_mm * beyond * beyond
-            }
-            _ => self.parameters.preload_n * travel,
-        }
+        let Some(yoke) = self.parameters.yoke() else { return self.parameters.preload_n * travel };
+        let floor = if yoke.rate_n_per_mm > 0.0 { travel.max(-yoke.preload_n / yoke.rate_n_per_mm) } else { travel };
+        let beyond = (travel - yoke.clearance_mm).max(0.0);
+        yoke.preload_n * floor
+            + 0.5 * yoke.rate_n_per_mm * floor * floor
+            + 0.5 * yoke.bush_n_per_mm * travel * travel
+            + 0.5 * yoke.stop_n_per_mm * beyond * beyond
     }
 
     /// Nominal closing force: the measure of all force tolerances.
     pub(super) fn load_n(&self) -> f64 {
-        match self.parameters.support {
-            Support::Yoke(yoke) => yoke.preload_n,
-            _ => self.parameters.preload_n,
-        }
+        self.parameters.yoke().map_or(self.parameters.preload_n, |yoke| yoke.preload_n)
     }
 
     pub(super) fn is_deviating(&self, tooth: i64) -> bool {
