@@ -38,11 +38,11 @@ struct AtRest<'a> {
 }
 
 impl<'a> AtRest<'a> {
-    fn new(scene: &'a Scene, stroke: f64, law: &'a Law, descend: bool, work: &'a mut Work) -> Self {
+    fn new(scene: &'a Scene, stroke: f64, law: &'a Law, work: &'a mut Work) -> Self {
         let speed = scene.parameters.speed_mm_per_s;
         let pinion_angle = speed * scene.mesh.pair().rotation_per_stroke_rad();
         let rates = Coordinates { pinion_angle, stroke: speed, ..Coordinates::default() };
-        Self { scene, law, stroke, rates, descend, work }
+        Self { scene, law, stroke, rates, descend: false, work }
     }
 
     /// The balance of the coordinates that `limits` names.
@@ -50,6 +50,70 @@ impl<'a> AtRest<'a> {
         let solution = newton(start, limits, self);
         self.work.counters.iterations += u64::from(solution.iterations);
         solution
+    }
+
+    fn settle(&mut self, start: [f64; 3], descend: bool) -> Solution<Forces> {
+        let mut limits = self.scene.limits(BALANCE * self.scene.load_n());
+        if self.scene.rolls {
+            limits.iterations = QUICK;
+        }
+        self.descend = descend;
+        self.solve(start, &limits)
+    }
+
+    /// The same with the roll outside: for each roll the balance of the other coordinates, and that roll at which the
+    /// rest of the torque vanishes falling. Slower, but follows any valley.
+    fn settle_rolling(&mut self, start: [f64; 3]) -> Solution<Forces> {
+        let mut limits = self.scene.limits(BALANCE * self.scene.load_n());
+        let half_face = limits.scale[2];
+        limits.unknowns = 2;
+        limits.iterations = 3 * QUICK;
+        let mut x = start;
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut step = FIRST_ROLL;
+        self.descend = true;
+        let mut last = self.solve(x, &limits);
+        for iteration in 0..ROLLS {
+            x = last.x;
+            let torque = last.with.generalized[2];
+            let residual = torque.abs() / half_face;
+            last.converged &= residual <= limits.force;
+            last.residual = last.residual.max(residual);
+            last.iterations = iteration;
+            if last.converged {
+                break;
+            }
+            if torque > 0.0 {
+                low = x[2];
+            } else {
+                high = x[2];
+            }
+            // the tangent without the other coordinates, which follow
+            let k = self.scene.tangent(&x, &last.with);
+            let det = k[0][0] * k[1][1] - k[0][1] * k[1][0];
+            let follow =
+                [k[1][1] * k[0][2] - k[0][1] * k[1][2], k[0][0] * k[1][2] - k[1][0] * k[0][2]].map(|x| x / det);
+            let tangent = k[2][2] - k[2][0] * follow[0] - k[2][1] * follow[1];
+            let newton = x[2] + torque / tangent;
+            let roll = if low.is_finite() && high.is_finite() {
+                if newton > low && newton < high && iteration % 3 != 2 { newton } else { 0.5 * (low + high) }
+            } else {
+                step = (2.0 * step).min(WIDEST_ROLL);
+                if tangent > 0.0 && (newton - x[2]).abs() < step { newton } else { x[2] + step.copysign(torque) }
+            };
+            if det > 0.0 {
+                for i in 0..2 {
+                    x[i] -= follow[i] * (roll - x[2]);
+                }
+            }
+            if roll == x[2] || (high - low) <= f64::EPSILON * roll.abs() {
+                last.converged = true;
+                break;
+            }
+            x[2] = roll;
+            last = self.solve(x, &limits);
+        }
+        last
     }
 }
 
@@ -169,16 +233,17 @@ impl Scene {
             Some(guess) => guess,
             None => self.rigid(stroke)?,
         };
-        let first = self.settle(stroke, start, law, self.rolls, work);
-        let found = if first.converged || self.rolls {
-            first
-        } else {
-            let again = self.settle(stroke, self.rigid(stroke)?, law, false, work);
-            // elements that fade out at a face's end bend the balance: the energy leads through
-            if again.converged { again } else { self.settle(stroke, again.x, law, true, work) }
-        };
-        let found =
-            if found.converged || !self.rolls { found } else { self.settle_rolling(stroke, found.x, law, work) };
+        let mut at_rest = AtRest::new(self, stroke, law, work);
+        let mut found = at_rest.settle(start, self.rolls);
+        if self.rolls && !found.converged {
+            found = at_rest.settle_rolling(found.x);
+        } else if !found.converged {
+            found = at_rest.settle(self.rigid(stroke)?, false);
+            if !found.converged {
+                // elements that fade out at a face's end bend the balance: the energy leads through
+                found = at_rest.settle(found.x, true);
+            }
+        }
         self.check(stroke, &found.x, &found.with)?;
         if !found.converged {
             return Err(SimulationError::NoEquilibrium {
@@ -193,68 +258,6 @@ impl Scene {
     fn rigid(&self, stroke: f64) -> Result<[f64; 3], SimulationError> {
         let rigid = self.mesh.at(stroke)?;
         Ok([rigid.pinion_angle_rad, rigid.center_distance_mm, rigid.roll_rad])
-    }
-
-    /// The same with the roll outside: for each roll the balance of the other coordinates, and that roll at which the
-    /// rest of the torque vanishes falling. Slower, but follows any valley.
-    fn settle_rolling(&self, stroke: f64, start: [f64; 3], law: &Law, work: &mut Work) -> Solution<Forces> {
-        let mut limits = self.limits(BALANCE * self.load_n());
-        let half_face = limits.scale[2];
-        limits.unknowns = 2;
-        limits.iterations = 3 * QUICK;
-        let mut x = start;
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut step = FIRST_ROLL;
-        let mut at_rest = AtRest::new(self, stroke, law, true, work);
-        let mut last = at_rest.solve(x, &limits);
-        for iteration in 0..ROLLS {
-            x = last.x;
-            let torque = last.with.generalized[2];
-            let residual = torque.abs() / half_face;
-            last.converged &= residual <= limits.force;
-            last.residual = last.residual.max(residual);
-            last.iterations = iteration;
-            if last.converged {
-                break;
-            }
-            if torque > 0.0 {
-                low = x[2];
-            } else {
-                high = x[2];
-            }
-            // the tangent without the other coordinates, which follow
-            let k = self.tangent(&x, &last.with);
-            let det = k[0][0] * k[1][1] - k[0][1] * k[1][0];
-            let follow = [k[1][1] * k[0][2] - k[0][1] * k[1][2], k[0][0] * k[1][2] - k[1][0] * k[0][2]].map(|x| x / det);
-            let tangent = k[2][2] - k[2][0] * follow[0] - k[2][1] * follow[1];
-            let newton = x[2] + torque / tangent;
-            let roll = if low.is_finite() && high.is_finite() {
-                if newton > low && newton < high && iteration % 3 != 2 { newton } else { 0.5 * (low + high) }
-            } else {
-                step = (2.0 * step).min(WIDEST_ROLL);
-                if tangent > 0.0 && (newton - x[2]).abs() < step { newton } else { x[2] + step.copysign(torque) }
-            };
-            if det > 0.0 {
-                for i in 0..2 {
-                    x[i] -= follow[i] * (roll - x[2]);
-                }
-            }
-            if roll == x[2] || (high - low) <= f64::EPSILON * roll.abs() {
-                last.converged = true;
-                break;
-            }
-            x[2] = roll;
-            last = at_rest.solve(x, &limits);
-        }
-        last
-    }
-
-    fn settle(&self, stroke: f64, start: [f64; 3], law: &Law, descend: bool, work: &mut Work) -> Solution<Forces> {
-        let mut limits = self.limits(BALANCE * self.load_n());
-        if self.rolls {
-            limits.iterations = QUICK;
-        }
-        AtRest::new(self, stroke, law, descend, work).solve(start, &limits)
     }
 
     /// Whether a position still means something.

@@ -16,7 +16,7 @@ use super::strips;
 use super::template::Template;
 use crate::deviation::{PinionFlanks, RackFlanks, RackTooth};
 use crate::gear::Pair;
-use crate::mesh::{self, Mesh};
+use crate::mesh::{self, FlankSide, MatingFlanks, Mesh};
 use crate::trig;
 
 /// Contacts may sink between elements by this share of the normal module: what is coarser is no gear.
@@ -93,12 +93,10 @@ impl Scene {
             rolls,
             inertia,
         };
-        let mut leads = Vec::new();
-        for (index, tooth) in (first..=last).zip(&teeth) {
-            for right in [true, false] {
-                let flank = scene.flank(right, index, tooth, &mut leads)?;
-                if right { scene.right.push(flank) } else { scene.left.push(flank) }
-            }
+        for tooth in first..=last {
+            let (right, left) = (scene.flank(FlankSide::Right, tooth)?, scene.flank(FlankSide::Left, tooth)?);
+            scene.right.push(right);
+            scene.left.push(left);
         }
         let (resolution_mm, limit_mm) = (scene.resolution_mm(), COARSE * pair.normal_module_mm());
         if resolution_mm > limit_mm {
@@ -107,27 +105,13 @@ impl Scene {
         Ok(scene)
     }
 
-    fn flank(
-        &mut self,
-        right: bool,
-        index: i64,
-        tooth: &RackTooth,
-        leads: &mut Vec<(bool, u64)>,
-    ) -> Result<FlankPair, SimulationError> {
+    fn flank(&mut self, side: FlankSide, rack_tooth: i64) -> Result<FlankPair, SimulationError> {
         let pair = *self.mesh.pair();
         let (rack, p) = (pair.rack(), pair.pinion());
-        let sign = if right { 1.0 } else { -1.0 };
-        let flank = if right { tooth.right } else { tooth.left };
-        let pinion_tooth = if right { index } else { index - 1 };
-        let partner = usize::try_from(pinion_tooth.rem_euclid(i64::from(p.teeth))).unwrap_or(0);
-        let partner = &self.mesh.pinion().teeth()[partner];
-        let partner = if right { partner.left } else { partner.right };
-        let template = self.template(right, partner.lead_rad, leads)?;
-        let (sin_n, cos_n) = trig::sin_cos(pair.normal_pressure_angle_rad());
-        let (sin_b, cos_b) = trig::sin_cos(sign * (rack.helix_angle_rad + flank.lead_rad));
-        let normal = [cos_b * cos_n, -sin_b * cos_n, sin_n];
-        let half_x = 0.5 * rack.tooth_thickness_mm / trig::cos(rack.helix_angle_rad);
-        let offset = normal[0] * (sign * flank.along_x_mm + half_x) + normal[2] * flank.along_z_mm;
+        let MatingFlanks { normal, offset, pinion_tooth, pinion_lead_rad, start, .. } =
+            self.mesh.mating_flanks(side, rack_tooth);
+        let sign = side.sign();
+        let template = self.template(sign, pinion_lead_rad)?;
         let bounds = Bounds {
             half_width: 0.5 * rack.face_width_mm,
             tip: rack.addendum_mm,
@@ -139,13 +123,13 @@ impl Scene {
         let corner = |y: f64, z: f64| [(offset - normal[1] * y - normal[2] * z) / normal[0], y, z];
         let Bounds { half_width, tip, bottom, .. } = bounds;
         let mut made = FlankPair {
-            right,
+            right: side == FlankSide::Right,
             sign,
-            rack_tooth: index,
+            rack_tooth,
             pinion_tooth,
             normal,
             offset,
-            start: sign * partner.arc_mm / p.reference_radius_mm - p.base_half_angle_rad,
+            start,
             level: transverse(normal[0] * cos_shaft - normal[1] * sign * sin_shaft, normal[2]),
             template,
             bounds,
@@ -164,21 +148,18 @@ impl Scene {
     }
 
     /// Which template has a pinion flank of this lead; it is made if none has.
-    fn template(&mut self, right: bool, lead: f64, leads: &mut Vec<(bool, u64)>) -> Result<usize, SimulationError> {
-        let key = (right, lead.to_bits());
-        if let Some(found) = leads.iter().position(|known| *known == key) {
+    fn template(&mut self, sign: f64, lead: f64) -> Result<usize, SimulationError> {
+        if let Some(found) = self.templates.iter().position(|known| known.sign == sign && known.lead == lead) {
             return Ok(found);
         }
         let pinion = self.mesh.pinion();
         let p = self.mesh.pair().pinion();
         let shift = pinion.teeth().iter().flat_map(|tooth| [tooth.left, tooth.right]);
         let shift = shift.map(|flank| flank.arc_mm.abs()).fold(0.0, f64::max) / p.reference_radius_mm;
-        let sign = if right { 1.0 } else { -1.0 };
         let mut made = Template::new(self.mesh.pair(), sign, lead, *pinion.form(), &self.parameters.contact)?;
         made.tooth_reach = p.base_half_angle_rad + shift;
         self.templates.push(made);
-        leads.push(key);
-        Ok(leads.len() - 1)
+        Ok(self.templates.len() - 1)
     }
 
     /// Counts the teeth from this one on as the rack's second part, whether they deviate or not.
