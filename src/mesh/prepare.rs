@@ -290,11 +290,8 @@ impl Mesh {
     fn form(&self, roll: &Roll, normal: [f64; 3], per_height: f64) -> Option<Form> {
         let (rack, pinion) = (self.rack.form(), self.pinion.form());
         (!rack.is_plain() || !pinion.is_plain()).then(|| Form {
-            rack_crowning: rack.crowning_mm,
-            pinion_crowning: pinion.crowning_mm,
-            profile_slope: pinion.profile_slope_mm,
-            tip_relief: rack.tip_relief_mm,
-            relief_start: rack.tip_relief_start_mm,
+            rack: *rack,
+            pinion: *pinion,
             tip: self.pair.rack().addendum_mm,
             per_normal: per_height,
             per_normal_on_tip: normal[2] / roll.cos,

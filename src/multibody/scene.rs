@@ -74,8 +74,9 @@ impl Scene {
         let nearest = |stroke: f64| (stroke / shared.pitch).round() as i64;
         let (first, last) = (nearest(parameters.start_mm) - around, nearest(end) + around);
         let teeth: Vec<RackTooth> = (first..=last).map(|index| rack.tooth(index)).collect();
-        let led = teeth.iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0)
-            || pinion.teeth().iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0);
+        let leads = teeth.iter().map(|tooth| [tooth.left.lead_rad, tooth.right.lead_rad]);
+        let leads = leads.chain(pinion.teeth().iter().map(|tooth| [tooth.left.lead_rad, tooth.right.lead_rad]));
+        let led = leads.flatten().any(|lead| lead != 0.0);
         let helical = pair.rack().helix_angle_rad != 0.0 || pair.pinion().helix_angle_rad != 0.0;
         let inertia = inertia(&pair, &parameters);
         let rolls = matches!(parameters.support, Support::FreeRoll { .. }) && (led || helical);

@@ -281,6 +281,11 @@ impl<'a> SectionReader<'a> {
         self.quantity(name, value, "an angle (a number in degrees, or text such as \"15 arcmin\")")
     }
 
+    /// An angle in degrees, or a length in mm.
+    pub(super) fn base_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, is_angle: bool) -> Option<f64> {
+        Some(if is_angle { self.angle_value(name, value)?.degrees() } else { self.length_value(name, value)?.mm() })
+    }
+
     fn quantity<Q: std::str::FromStr<Err = QuantityError>>(
         &mut self,
         name: &str,

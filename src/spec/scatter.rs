@@ -39,8 +39,7 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
     let span = value.span();
     let located = |value| Some(Located { value, span: span.clone() });
     let number = |reader: &mut SectionReader<'_>, name: &str, value| {
-        let number =
-            if is_angle { reader.angle_value(name, value)?.degrees() } else { reader.length_value(name, value)?.mm() };
+        let number = reader.base_value(name, value, is_angle)?;
         if number > 0.0 {
             return Some(number);
         }

@@ -71,11 +71,7 @@ impl SectionReader<'_> {
         }
         let magnitude = |reader: &mut Self, key: &str| {
             let value = table.get(key)?;
-            let number = if is_angle {
-                reader.angle_value(key, value)?.degrees()
-            } else {
-                reader.length_value(key, value)?.mm()
-            };
+            let number = reader.base_value(key, value, is_angle)?;
             if number < 0.0 {
                 return reader.refuse(bad(format!("`{key}` of `{name}` is negative")), value.span());
             }

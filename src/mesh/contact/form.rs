@@ -15,16 +15,14 @@ use super::{
     Bound, ContactKind, Coordinates, DEMAND, FlankContact, Generator, Line, Plane, Pose, PoseRates, Range, RollRates,
     Surface, Touch,
 };
+use crate::deviation::{PinionForm, RackForm};
 
 /// Flank form of both parts: how far the material stands back along the normal, mm, and how that acts on what a point
 /// asks for. It is a property of each part: of the rolled rack, places are those in the rack itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::mesh) struct Form {
-    pub(in crate::mesh) rack_crowning: f64,
-    pub(in crate::mesh) pinion_crowning: f64,
-    pub(in crate::mesh) profile_slope: f64,
-    pub(in crate::mesh) tip_relief: f64,
-    pub(in crate::mesh) relief_start: f64,
+    pub(in crate::mesh) rack: RackForm,
+    pub(in crate::mesh) pinion: PinionForm,
     pub(in crate::mesh) tip: f64,
     /// Centre distance per amount, over the flank and, of the pinion's, over the rack's tip plane.
     pub(in crate::mesh) per_normal: f64,
@@ -149,15 +147,16 @@ impl FlankContact {
         let across = at.across * (1.0 / self.across.half_width);
         let axial = at.w * (1.0 / self.half_face);
         let profile = (at.roll - Polynomial::from(self.start_roll)) * (1.0 / (self.tip_roll - self.start_roll));
-        let pinion = axial * axial * form.pinion_crowning + profile * form.profile_slope;
-        let back = pinion + across * across * form.rack_crowning;
+        let pinion = axial * axial * form.pinion.crowning_mm + profile * form.pinion.profile_slope_mm;
+        let back = pinion + across * across * form.rack.crowning_mm;
         let flank = |back: Polynomial| at.flank - at.per_normal * back;
         let plain = flank(back);
-        let relieved = if form.tip_relief > 0.0 {
+        let relieved = if form.rack.tip_relief_mm > 0.0 {
             // how high in the rack the flank's plane is where the point is, above where the relief starts
             let deep = at.sin * (at.flank + Polynomial::from(form.depth)) - at.shift;
-            let high = Polynomial::from(form.tip - form.relief_start) - at.cos * (at.tip - at.flank) + deep * form.fall;
-            flank(back + high * (form.tip_relief / (form.tip - form.relief_start)))
+            let high = Polynomial::from(form.tip - form.rack.tip_relief_start_mm) - at.cos * (at.tip - at.flank)
+                + deep * form.fall;
+            flank(back + high * (form.rack.tip_relief_mm / (form.tip - form.rack.tip_relief_start_mm)))
         } else {
             plain
         };
