@@ -2,7 +2,7 @@
 
 use super::output::Output;
 use super::plan::Plan;
-use super::source::{Source, missing, reading};
+use super::source::{Source, missing, nominal_of};
 use crate::deviation::DeviationKind;
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -45,7 +45,7 @@ impl Layout {
                 continue;
             };
             let column = &table.columns[found];
-            if reading(column) != source.reading {
+            if nominal_of(column) != source.nominal {
                 diagnostics.push(bad(format!(
                     "{}, column `{}`: of measured values and deviations it does not hold what the first table's holds",
                     table.name, column.title

@@ -5,7 +5,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Law, PartDeviation};
 use crate::judge::bound::ExtendedError;
 use crate::judge::{LimitTarget, Limits};
-use crate::spec::{Reading, Spec};
+use crate::spec::Spec;
 use crate::table::{Column, Field, Nominal, Table, is_called};
 
 /// How many kinds of error there are.
@@ -19,20 +19,21 @@ pub(super) struct Source {
     pub(super) extended: ExtendedError,
     /// Whether it has a limit of its own.
     pub(super) is_limited: bool,
-    pub(super) reading: Reading,
+    /// The nominal value that is taken from the numbers of its column, if these are measured values.
+    pub(super) nominal: Option<DeviationValue>,
     /// The value that every part has; `None` if it is read from the table.
     pub(super) of_every_part: Option<DeviationValue>,
 }
 
 impl Source {
     /// Of an error of any value.
-    fn new(error: &PartDeviation, reading: Reading, limits: &Limits) -> Result<Self, Diagnostic> {
+    fn new(error: &PartDeviation, nominal: Option<DeviationValue>, limits: &Limits) -> Result<Self, Diagnostic> {
         let kind = error.kind();
         // zero is in every domain: only an extent may not fit
         let extended = ExtendedError::of(&error.with_value(DeviationValue::zero(kind)))
             .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
         let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
-        Ok(Self { law: error.law(), extended, is_limited, reading, of_every_part: None })
+        Ok(Self { law: error.law(), extended, is_limited, nominal, of_every_part: None })
     }
 }
 
@@ -82,19 +83,19 @@ pub(super) fn sources(
     let (mut sources, mut diagnostics) = (Vec::new(), Vec::new());
     for kind in needed {
         let of_every_part = of_every_part.iter().find(|error| error.kind() == *kind);
-        let (error, reading) = if let Some(error) = of_every_part {
-            (*error, Reading::Deviation)
+        let (error, nominal) = if let Some(error) = of_every_part {
+            (*error, None)
         } else {
             let Some(column) = columns.iter().find(|column| column.kind == Some(*kind)) else { continue };
             match spec.law(*kind, &format!("the column of `{}`", kind.key())) {
-                Ok(law) => (spec.extended(PartDeviation::new(law, DeviationValue::zero(*kind))), reading(column)),
+                Ok(law) => (spec.extended(PartDeviation::new(law, DeviationValue::zero(*kind))), nominal_of(column)),
                 Err(problems) => {
                     diagnostics.extend(problems.0);
                     continue;
                 }
             }
         };
-        match Source::new(&error, reading, limits) {
+        match Source::new(&error, nominal, limits) {
             Ok(source) => sources.push(Source { of_every_part: of_every_part.map(PartDeviation::value), ..source }),
             Err(problem) => diagnostics.push(problem),
         }
@@ -106,12 +107,9 @@ pub(super) fn sources(
     Err(Diagnostics(diagnostics))
 }
 
-/// What a column's numbers are.
-pub(super) fn reading(column: &Column) -> Reading {
-    match column.nominal {
-        Nominal::Fixed(nominal) => Reading::Measured(nominal),
-        Nominal::None | Nominal::Beside => Reading::Deviation,
-    }
+/// The nominal value of all numbers of a column.
+pub(super) fn nominal_of(column: &Column) -> Option<DeviationValue> {
+    if let Nominal::Fixed(nominal) = column.nominal { Some(nominal) } else { None }
 }
 
 fn no_column(table: &Table) -> Diagnostic {

@@ -12,7 +12,7 @@ use crate::formula::over_pin::OverPin;
 use crate::judge::Limits;
 use crate::judge::bound::Basis;
 use crate::quantity::Length;
-use crate::spec::{Reading, Spec};
+use crate::spec::Spec;
 use crate::uncertainty::{Part, Point, Propagator, Spreads, TeethSensitivity};
 
 /// What is known of the uncertainty of a part's results.
@@ -64,9 +64,9 @@ impl Uncertain {
             // another nominal value may stand in the way
             let computed = over_pin.measure().map(DeviationValue::Length);
             computed.is_ok_and(|nominal| {
-                let nominal = Reading::Measured(nominal);
-                let is_so =
-                    |source: &Source| source.law.kind() == DeviationKind::RackOverRoller && source.reading == nominal;
+                let is_so = |source: &Source| {
+                    source.law.kind() == DeviationKind::RackOverRoller && source.nominal == Some(nominal)
+                };
                 sources.iter().any(is_so)
             })
         });

@@ -237,10 +237,8 @@ pub fn simulate(
     if let Some(draws) = settings.draws {
         check("the number of draws", draws, 1, MOST_DRAWS)?;
     }
-    let ziggurat = Ziggurat::new();
-    let pilot = pilot(model, variables, settings.seed, &ziggurat)?;
-    let run =
-        SimulationRun { model, variables, bands, settings, ziggurat: &ziggurat, adaptive: settings.draws.is_none() };
+    let run = SimulationRun { model, variables, bands, settings, ziggurat: Ziggurat::new() };
+    let pilot = run.pilot()?;
     let mut total = Tally::new(&pilot, bands.len());
     let mut blocks = Vec::new();
     let wanted = settings.draws.map(|draws| draws.div_ceil(BLOCK));
@@ -367,42 +365,6 @@ fn draw(variables: &Variables, random: &mut Random, ziggurat: &Ziggurat, inputs:
     }
 }
 
-/// Evaluates the first block and keeps its values long enough to see where they lie.
-fn pilot(
-    model: &impl Simulated,
-    variables: &Variables,
-    seed: u64,
-    ziggurat: &Ziggurat,
-) -> Result<Vec<Pilot>, MonteCarloError> {
-    let mut random = Random::of_block(seed, 0);
-    let mut inputs = vec![vec![0.0; CHUNK]; variables.variables.len()];
-    let mut outputs = vec![vec![0.0; CHUNK]; model.outputs()];
-    let mut scratch = vec![0.0; CHUNK];
-    let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); model.outputs()];
-    let mut outside = 0_u32;
-    for _ in 0..BLOCK / CHUNK as u64 {
-        draw(variables, &mut random, ziggurat, &mut inputs, &mut scratch);
-        model.evaluate(&inputs, &mut outputs);
-        for (end, column) in ends.iter_mut().zip(&outputs) {
-            for &value in column {
-                outside += u32::from(!value.is_finite());
-                *end = (end.0.min(value), end.1.max(value));
-            }
-        }
-    }
-    if outside > 0 {
-        let draws = BLOCK as f64;
-        return Err(MonteCarloError::OutsideDomain { share: f64::from(outside) / draws });
-    }
-    Ok(ends
-        .into_iter()
-        .map(|(low, high)| {
-            let width = high - low;
-            Pilot { center: 0.5 * (low + high), low: low - width, high: high + width }
-        })
-        .collect())
-}
-
 /// Mean and standard deviation of all blocks, added up in their order.
 fn moments<'a>(blocks: impl Iterator<Item = &'a BlockSums>, center: f64) -> (f64, f64) {
     let (mut n, mut sum, mut squares) = (0.0, 0.0, 0.0);
@@ -421,11 +383,43 @@ struct SimulationRun<'a, M> {
     variables: &'a Variables,
     bands: &'a [Band],
     settings: &'a Settings,
-    ziggurat: &'a Ziggurat,
-    adaptive: bool,
+    ziggurat: Ziggurat,
 }
 
 impl<M: Simulated> SimulationRun<'_, M> {
+    /// Draws and evaluates a block, and shows the results of each chunk.
+    fn block(&self, block: u64, columns: &mut Columns, mut see: impl FnMut(&[Vec<f64>])) {
+        let mut random = Random::of_block(self.settings.seed, block);
+        let Columns { inputs, outputs, scratch } = columns;
+        for _ in 0..BLOCK / CHUNK as u64 {
+            draw(self.variables, &mut random, &self.ziggurat, inputs, scratch);
+            self.model.evaluate(inputs, outputs);
+            see(outputs);
+        }
+    }
+
+    /// Where the values of the first block lie.
+    fn pilot(&self) -> Result<Vec<Pilot>, MonteCarloError> {
+        let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); self.model.outputs()];
+        let mut outside = 0_u32;
+        self.block(0, &mut Columns::new(self), |outputs| {
+            for (end, column) in ends.iter_mut().zip(outputs) {
+                for &value in column {
+                    outside += u32::from(!value.is_finite());
+                    *end = (end.0.min(value), end.1.max(value));
+                }
+            }
+        });
+        if outside > 0 {
+            return Err(MonteCarloError::OutsideDomain { share: f64::from(outside) / BLOCK as f64 });
+        }
+        let pilot = ends.into_iter().map(|(low, high)| {
+            let width = high - low;
+            Pilot { center: 0.5 * (low + high), low: low - width, high: high + width }
+        });
+        Ok(pilot.collect())
+    }
+
     /// Makes the blocks from `from` to before `upto`, on all threads.
     fn blocks(&self, from: u64, upto: u64, pilot: &[Pilot], total: &mut Tally, sums: &mut Vec<Vec<BlockSums>>) {
         let count = usize::try_from(upto - from).unwrap_or(usize::MAX);
@@ -467,11 +461,24 @@ impl<M: Simulated> SimulationRun<'_, M> {
     }
 }
 
-/// One thread's buffers and counts.
-struct Worker {
+/// Memory for a chunk: a column for each variable and each result, and one more.
+struct Columns {
     inputs: Vec<Vec<f64>>,
     outputs: Vec<Vec<f64>>,
     scratch: Vec<f64>,
+}
+
+impl Columns {
+    fn new<M: Simulated>(run: &SimulationRun<'_, M>) -> Self {
+        let columns = |count| vec![vec![0.0; CHUNK]; count];
+        let inputs = columns(run.variables.variables.len());
+        Self { inputs, outputs: columns(run.model.outputs()), scratch: vec![0.0; CHUNK] }
+    }
+}
+
+/// One thread's memory and counts.
+struct Worker {
+    columns: Columns,
     /// A block's values of each result, where the ends of its interval are asked for.
     kept: Vec<Vec<f64>>,
     tally: Tally,
@@ -479,25 +486,20 @@ struct Worker {
 
 impl Worker {
     fn new<M: Simulated>(run: &SimulationRun<'_, M>, pilot: &[Pilot]) -> Self {
+        let is_adaptive = run.settings.draws.is_none();
         Self {
-            inputs: vec![vec![0.0; CHUNK]; run.variables.variables.len()],
-            outputs: vec![vec![0.0; CHUNK]; pilot.len()],
-            scratch: vec![0.0; CHUNK],
-            kept: vec![Vec::new(); if run.adaptive { pilot.len() } else { 0 }],
+            columns: Columns::new(run),
+            kept: vec![Vec::new(); if is_adaptive { pilot.len() } else { 0 }],
             tally: Tally::new(pilot, run.bands.len()),
         }
     }
 
     fn block<M: Simulated>(&mut self, run: &SimulationRun<'_, M>, block: u64, pilot: &[Pilot]) -> Vec<BlockSums> {
-        let mut random = Random::of_block(run.settings.seed, block);
+        let Self { columns, kept, tally } = self;
         let mut sums = vec![BlockSums::default(); pilot.len()];
-        for kept in &mut self.kept {
-            kept.clear();
-        }
-        for _ in 0..BLOCK / CHUNK as u64 {
-            draw(run.variables, &mut random, run.ziggurat, &mut self.inputs, &mut self.scratch);
-            run.model.evaluate(&self.inputs, &mut self.outputs);
-            for (output, column) in self.outputs.iter().enumerate() {
+        kept.iter_mut().for_each(Vec::clear);
+        run.block(block, columns, |outputs| {
+            for (output, column) in outputs.iter().enumerate() {
                 let center = pilot[output].center;
                 let (mut sum, mut squares) = (0.0, 0.0);
                 for value in column {
@@ -509,19 +511,19 @@ impl Worker {
                 sums[output].squares += squares;
                 // a value that is no number makes the sum none
                 if !sum.is_finite() {
-                    self.tally.outside += column.iter().filter(|value| !value.is_finite()).count() as u64;
+                    tally.outside += column.iter().filter(|value| !value.is_finite()).count() as u64;
                 }
-                self.tally.histograms[output].count(column);
-                if let Some(kept) = self.kept.get_mut(output) {
+                tally.histograms[output].count(column);
+                if let Some(kept) = kept.get_mut(output) {
                     kept.extend_from_slice(column);
                 }
             }
-            for (band, inside) in run.bands.iter().zip(&mut self.tally.inside) {
-                let pairs = self.outputs[band.low].iter().zip(&self.outputs[band.high]);
+            for (band, inside) in run.bands.iter().zip(&mut tally.inside) {
+                let pairs = outputs[band.low].iter().zip(&outputs[band.high]);
                 *inside += pairs.filter(|(low, high)| **low >= band.lower && **high <= band.upper).count() as u64;
             }
-        }
-        for (sums, kept) in sums.iter_mut().zip(&mut self.kept) {
+        });
+        for (sums, kept) in sums.iter_mut().zip(kept) {
             sums.ends = ends(kept);
         }
         sums

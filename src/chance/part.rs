@@ -64,13 +64,12 @@ pub fn simulate_part(
     {
         return Err(MonteCarloError::TooFewFreedom { source_of: *source, dof: u.dof });
     }
-    let limited: Vec<_> = part.errors.iter().map(PartDeviation::kind).enumerate().collect();
-    let is_limited = |kind| limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
-    let limited = limited.into_iter().filter(|(_, kind)| is_limited(*kind)).map(|(index, _)| index).collect();
+    let kinds: Vec<_> = part.errors.iter().map(PartDeviation::kind).collect();
+    let is_limited = |&index: &usize| limits.iter().any(|(on, _)| *on == LimitTarget::Error(kinds[index]));
+    let limited = (0..kinds.len()).filter(is_limited).collect();
     let model = PartModel::new(part, uncertainties, limited).map_err(UncertaintyError::from)?;
     let variables = uncertainties.inputs().iter().map(|(source, u)| (model.best_estimate(*source), *u)).collect();
     let variables = Variables { variables, factor: uncertainties.correlation_factor().map(<[f64]>::to_vec) };
-    let kinds: Vec<_> = part.errors.iter().map(PartDeviation::kind).collect();
     let bands: Vec<_> = limits.iter().map(|(on, limit)| model.band(*on, limit)).collect();
     let known: Vec<_> = bands.iter().flatten().copied().collect();
     let mut outcome = simulate(&model, &variables, &known, settings)?;

@@ -263,14 +263,13 @@ fn the_ends_of_a_block() {
 fn blocks_have_settled_when_each_statistic_has() {
     let variables = Variables::default();
     let settings = Settings { digits: 1, ..Settings::default() };
-    let (model, ziggurat) = (Function(|_: &[f64]| 0.0), Ziggurat::new());
+    let model = Function(|_: &[f64]| 0.0);
     let run = SimulationRun {
         model: &model,
         variables: &variables,
         bands: &[],
         settings: &settings,
-        ziggurat: &ziggurat,
-        adaptive: true,
+        ziggurat: Ziggurat::new(),
     };
     let pilot = [Pilot { center: 7.0, low: 0.0, high: 14.0 }];
     let n = 10_000.0;

@@ -207,6 +207,11 @@ struct Range {
 }
 
 impl Touch {
+    /// A contact that one spot decides.
+    fn at(demand: f64, rate: f64, spot: Spot) -> Self {
+        Self { demand, rate, kind: spot.kind, spot, other: None, vertex: None, at_rack_edge: false }
+    }
+
     /// Whether what touches lies over the rack tooth's tip plane, away from its flank.
     pub(super) fn is_on_tip(&self) -> bool {
         self.spot.is_on_tip() && self.other.is_none_or(|(spot, _)| spot.is_on_tip())
@@ -485,7 +490,7 @@ impl FlankContact {
         }
         let rate = -self.scale - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
         let spot = Spot { delta: 0.0, w: 0.5 * (lo + hi), kind: ContactKind::Line, surface: Surface::Flank };
-        Some(Touch { demand, rate, kind: ContactKind::Line, spot, other: None, vertex: None, at_rack_edge: false })
+        Some(Touch::at(demand, rate, spot))
     }
 
     /// The largest demand over the whole flank; `None` if no point of it is over the rack's face.

@@ -133,13 +133,7 @@ impl Refiner<'_> {
         let kinked = a.right != b.right || a.left != b.left;
         let exhausted = depth >= MAX_DEPTH || middle <= a.stroke_mm || middle >= b.stroke_mm;
         if exhausted || (kinked && width <= KINK_WIDTH * self.pitch) {
-            if kinked {
-                let after = (b.right, b.left);
-                let kink =
-                    Kink { stroke_mm: b.stroke_mm, delta_cd_mm: b.delta_cd_mm, before: (a.right, a.left), after };
-                self.curve.kinks.push(kink);
-            }
-            self.keep(b, kinked);
+            self.finish(a, b, kinked);
             return Ok(());
         }
         if self.sampler.work().searched as f64 >= self.budget {
@@ -165,14 +159,20 @@ impl Refiner<'_> {
         }
         // a kink that no longer shows is located well enough
         if kinked && depth >= HARMLESS_DEPTH && sagitta <= HARMLESS * self.tolerance {
-            let after = (b.right, b.left);
-            let kink = Kink { stroke_mm: b.stroke_mm, delta_cd_mm: b.delta_cd_mm, before: (a.right, a.left), after };
-            self.curve.kinks.push(kink);
-            self.keep(b, true);
+            self.finish(a, b, true);
             return Ok(());
         }
         self.refine(a, &m, depth + 1)?;
         self.refine(&m, b, depth + 1)
+    }
+
+    /// Nothing more is solved between `a` and `b`.
+    fn finish(&mut self, a: &MeshPoint, b: &MeshPoint, kinked: bool) {
+        if kinked {
+            let (before, after) = ((a.right, a.left), (b.right, b.left));
+            self.curve.kinks.push(Kink { stroke_mm: b.stroke_mm, delta_cd_mm: b.delta_cd_mm, before, after });
+        }
+        self.keep(b, kinked);
     }
 
     fn keep(&mut self, point: &MeshPoint, must: bool) {

@@ -57,6 +57,7 @@ pub use coverage::CarryingStrokes;
 pub use curve::{Curve, Kink};
 pub use measure::{PinionReading, RackReading};
 pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, SOLVED_MM, Work};
+pub(crate) use prepare::MatingFlanks;
 pub use prepare::{Mesh, Support};
 pub use roll::LARGEST_ROLL_RAD;
 pub use sampler::Sampler;

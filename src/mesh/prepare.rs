@@ -107,6 +107,21 @@ pub(super) struct Prepared {
     pub(super) in_order: bool,
 }
 
+/// A flank of a rack tooth that is not rolled, and the pinion's flank that meets it; both mirrored if it is a left one.
+pub(crate) struct MatingFlanks {
+    /// The outward normal of the rack's flank, and its distance from the tooth's nominal place.
+    pub(crate) normal: [f64; 3],
+    pub(crate) offset: f64,
+    pub(crate) rack_lead_rad: f64,
+    /// Half of the rack tooth's nominal thickness along X, mm.
+    pub(crate) half_x: f64,
+    /// Number of the pinion's tooth, counted on over turns.
+    pub(crate) pinion_tooth: i64,
+    pub(crate) pinion_lead_rad: f64,
+    /// The start angle of the pinion's flank less its tooth's.
+    pub(crate) start: f64,
+}
+
 /// Roll of the rack with what depends on it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Roll {
@@ -139,7 +154,7 @@ struct RolledTooth {
 const NO_HELIX: f64 = 1e-12;
 
 impl FlankSide {
-    pub(super) const fn sign(self) -> f64 {
+    pub(crate) const fn sign(self) -> f64 {
         match self {
             Self::Right => 1.0,
             Self::Left => -1.0,
@@ -148,26 +163,44 @@ impl FlankSide {
 }
 
 impl Mesh {
+    /// One side of rack tooth `index`, and what meets it.
+    pub(crate) fn mating_flanks(&self, side: FlankSide, index: i64) -> MatingFlanks {
+        let (rack, pinion) = (self.pair.rack(), self.pair.pinion());
+        let (tooth, sign) = (self.rack.tooth(index), side.sign());
+        let (flank, pinion_tooth) = match side {
+            FlankSide::Right => (tooth.right, index),
+            FlankSide::Left => (tooth.left, index - 1),
+        };
+        let partner = usize::try_from(pinion_tooth.rem_euclid(i64::from(pinion.teeth))).unwrap_or(0);
+        let partner = &self.pinion.teeth()[partner];
+        let partner = if side == FlankSide::Right { partner.left } else { partner.right };
+        let (sin_n, cos_n) = trig::sin_cos(self.pair.normal_pressure_angle_rad());
+        let (sin_b, cos_b) = trig::sin_cos(sign * (rack.helix_angle_rad + flank.lead_rad));
+        let normal = [cos_b * cos_n, -sin_b * cos_n, sin_n];
+        let half_x = 0.5 * rack.tooth_thickness_mm / trig::cos(rack.helix_angle_rad);
+        MatingFlanks {
+            normal,
+            offset: normal[0] * (sign * flank.along_x_mm + half_x) + normal[2] * flank.along_z_mm,
+            rack_lead_rad: flank.lead_rad,
+            half_x,
+            pinion_tooth,
+            pinion_lead_rad: partner.lead_rad,
+            start: sign * partner.arc_mm / pinion.reference_radius_mm - pinion.base_half_angle_rad,
+        }
+    }
+
     /// The constants of one side of rack tooth `index`.
     pub(super) fn prepare(&self, side: FlankSide, index: i64, roll: &Roll) -> Prepared {
         let sign = side.sign();
         let (rack, pinion) = (self.pair.rack(), self.pair.pinion());
         let tooth = self.rack.tooth(index);
         let next = self.rack.tooth(index.saturating_add(1));
-        let flank = if side == FlankSide::Right { tooth.right } else { tooth.left };
-        let partner_index = if side == FlankSide::Right { index } else { index - 1 };
-        let partner = usize::try_from(partner_index.rem_euclid(i64::from(pinion.teeth))).unwrap_or(0);
-        let partner_tooth = &self.pinion.teeth()[partner];
-        let partner = if side == FlankSide::Right { partner_tooth.left } else { partner_tooth.right };
-
-        let (sin_n, cos_n) = trig::sin_cos(self.pair.normal_pressure_angle_rad());
-        let (sin_b, cos_b) = trig::sin_cos(sign * (rack.helix_angle_rad + flank.lead_rad));
-        let normal = (cos_b * cos_n, -sin_b * cos_n, sin_n);
-        let half_x = 0.5 * rack.tooth_thickness_mm / trig::cos(rack.helix_angle_rad);
-        let d = normal.0 * (sign * flank.along_x_mm + half_x) + normal.2 * flank.along_z_mm;
-        let RolledTooth { flank: plane, tip, across, per_height, rates } = self.rolled_tooth(sign, normal, d, roll);
+        let MatingFlanks { normal, offset, rack_lead_rad, half_x, pinion_lead_rad, start, .. } =
+            self.mating_flanks(side, index);
+        let RolledTooth { flank: plane, tip, across, per_height, rates } =
+            self.rolled_tooth(sign, normal, offset, roll);
         let half_face = 0.5 * pinion.face_width_mm;
-        let helix = pinion.helix_angle_rad + partner.lead_rad;
+        let helix = pinion.helix_angle_rad + pinion_lead_rad;
         let kappa = sign * trig::tan(helix) / pinion.reference_radius_mm;
         let kappa = if kappa.abs() * pinion.face_width_mm < NO_HELIX { 0.0 } else { kappa };
         let nu = trig::atan2(1.0, plane.t);
@@ -176,7 +209,7 @@ impl Mesh {
         let radius = pinion.tip_radius_mm + self.eccentricity();
         let off_axis = across.t.abs() * radius + roll.sin.abs() * (roll.depth.abs() + 2.0 * radius);
         let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
-        let fits = flank.lead_rad == 0.0 && partner.lead_rad == 0.0 && roll.angle == 0.0;
+        let fits = rack_lead_rad == 0.0 && pinion_lead_rad == 0.0 && roll.angle == 0.0;
         let form = self.form(roll, normal, per_height);
         let contact = FlankContact {
             base_radius: pinion.base_radius_mm,
@@ -201,8 +234,8 @@ impl Mesh {
         let thickness = 2.0 * half_x + tooth.right.along_x_mm - tooth.left.along_x_mm;
         Prepared {
             contact,
-            start: sign * partner.arc_mm / pinion.reference_radius_mm - pinion.base_half_angle_rad,
-            per_shift: sign * normal.0 * per_height,
+            start,
+            per_shift: sign * normal[0] * per_height,
             rates,
             center: middle(&tooth),
             in_order: thickness > 0.0 && rack.pitch_mm + middle(&next) - middle(&tooth) > 0.0,
@@ -211,17 +244,17 @@ impl Mesh {
 
     /// The planes of one side of a rack tooth, whose flank has a normal at a distance from the tooth's place, rolled about
     /// the rack's axis.
-    fn rolled_tooth(&self, sign: f64, normal: (f64, f64, f64), d: f64, roll: &Roll) -> RolledTooth {
+    fn rolled_tooth(&self, sign: f64, normal: [f64; 3], d: f64, roll: &Roll) -> RolledTooth {
         let rack = self.pair.rack();
-        let rolled_y = normal.1 * roll.cos - normal.2 * roll.sin;
-        let rolled_z = normal.1 * roll.sin + normal.2 * roll.cos;
-        let rolled_d = d + (normal.2 - rolled_z) * roll.depth;
+        let rolled_y = normal[1] * roll.cos - normal[2] * roll.sin;
+        let rolled_z = normal[1] * roll.sin + normal[2] * roll.cos;
+        let rolled_d = d + (normal[2] - rolled_z) * roll.depth;
         let (sin_s, cos_s) = trig::sin_cos(sign * self.pair.shaft_angle_rad());
         let inverse = 1.0 / rolled_z;
         let plane = Plane {
             d: rolled_d * inverse,
-            t: (normal.0 * cos_s - rolled_y * sin_s) * inverse,
-            w: (normal.0 * sin_s + rolled_y * cos_s) * inverse,
+            t: (normal[0] * cos_s - rolled_y * sin_s) * inverse,
+            w: (normal[0] * sin_s + rolled_y * cos_s) * inverse,
         };
         let tan_roll = roll.sin / roll.cos;
         let tip = Plane {
@@ -237,13 +270,13 @@ impl Mesh {
         let rates = RollRates {
             flank: Plane {
                 d: -rolled_y * roll.depth * inverse + rolled_d * inverse_rate,
-                t: rolled_z * sin_s * inverse + (normal.0 * cos_s - rolled_y * sin_s) * inverse_rate,
-                w: -rolled_z * cos_s * inverse + (normal.0 * sin_s + rolled_y * cos_s) * inverse_rate,
+                t: rolled_z * sin_s * inverse + (normal[0] * cos_s - rolled_y * sin_s) * inverse_rate,
+                w: -rolled_z * cos_s * inverse + (normal[0] * sin_s + rolled_y * cos_s) * inverse_rate,
             },
             tip: Plane { d: (rack.addendum_mm + roll.depth) * roll.sin * level, t: sin_s * level, w: -cos_s * level },
             across: Across { t: sin_s * roll.sin, w: -cos_s * roll.sin, z: roll.cos, half_width: 0.0 },
-            per_shift: sign * normal.0 * inverse_rate,
-            form: FormRates { per_normal: inverse_rate, per_normal_on_tip: normal.2 * roll.sin * level },
+            per_shift: sign * normal[0] * inverse_rate,
+            form: FormRates { per_normal: inverse_rate, per_normal_on_tip: normal[2] * roll.sin * level },
         };
         RolledTooth { flank: plane, tip, across, per_height: inverse, rates }
     }
@@ -254,18 +287,15 @@ impl Mesh {
     }
 
     /// The amounts that stand back, if there are any.
-    fn form(&self, roll: &Roll, normal: (f64, f64, f64), per_height: f64) -> Option<Form> {
+    fn form(&self, roll: &Roll, normal: [f64; 3], per_height: f64) -> Option<Form> {
         let (rack, pinion) = (self.rack.form(), self.pinion.form());
         (!rack.is_plain() || !pinion.is_plain()).then(|| Form {
-            rack_crowning: rack.crowning_mm,
-            pinion_crowning: pinion.crowning_mm,
-            profile_slope: pinion.profile_slope_mm,
-            tip_relief: rack.tip_relief_mm,
-            relief_start: rack.tip_relief_start_mm,
+            rack: *rack,
+            pinion: *pinion,
             tip: self.pair.rack().addendum_mm,
             per_normal: per_height,
-            per_normal_on_tip: normal.2 / roll.cos,
-            fall: normal.1 / normal.2,
+            per_normal_on_tip: normal[2] / roll.cos,
+            fall: normal[1] / normal[2],
             roll: (roll.sin, roll.cos),
             depth: roll.depth,
         })

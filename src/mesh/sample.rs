@@ -1,5 +1,5 @@
-//! One stroke after the other, and many on all cores. Called through [`Sampler::at`], [`Mesh::at`], [`Mesh::sample`],
-//! [`Mesh::sample_into`] and [`Mesh::sample_blocks`]; deals strokes out and collects results, solves nothing itself.
+//! One stroke after the other, and many on all cores. Called through [`Sampler::at`], [`Mesh::at`], [`Mesh::sample`]
+//! and [`Mesh::sample_blocks`]; deals strokes out and collects results, solves nothing itself.
 //!
 //! The result of many does not depend on the number of cores: strokes are dealt in blocks of fixed size, each solved from a
 //! fresh start.
@@ -41,20 +41,15 @@ impl Mesh {
     #[must_use]
     pub fn sample(&self, strokes_mm: &[f64]) -> Vec<Result<MeshPoint, MeshError>> {
         let mut points = vec![UNSOLVED; strokes_mm.len()];
-        self.sample_into(strokes_mm, &mut points);
-        points
-    }
-
-    /// The same, written to the caller's memory. Ends with the shorter of the two slices.
-    pub fn sample_into(&self, strokes_mm: &[f64], points: &mut [Result<MeshPoint, MeshError>]) {
         let block = self.strokes_to_a_block();
-        let blocks = strokes_mm.len().min(points.len()).div_ceil(block);
-        parallel::deal(cores(blocks), strokes_mm.chunks(block).zip(points.chunks_mut(block)), |(strokes, points)| {
+        let blocks = strokes_mm.chunks(block).zip(points.chunks_mut(block));
+        parallel::deal(parallel::cores().min(blocks.len()), blocks, |(strokes, points)| {
             let mut sampler = Sampler::new(self);
             for (&stroke, point) in strokes.iter().zip(points) {
                 *point = sampler.at(stroke);
             }
         });
+        points
     }
 
     /// Solves `count` strokes on all cores, makes something of each block of points while still there, and hands
@@ -85,11 +80,6 @@ impl Mesh {
             Support::FreeRoll { .. } => ROLLING_BLOCK,
         }
     }
-}
-
-/// Cores worth starting for so many blocks.
-fn cores(blocks: usize) -> usize {
-    if blocks <= 1 { 1 } else { parallel::cores().min(blocks) }
 }
 
 #[cfg(test)]
@@ -160,14 +150,5 @@ mod tests {
         let count = |points: &[_]| solved.fetch_add(points.len(), std::sync::atomic::Ordering::Relaxed);
         assert_eq!(mesh.sample_blocks(u64::MAX, |_| 1.0, count, |_| Err("enough")), Err("enough"));
         assert!(solved.into_inner() <= BLOCK * parallel::HELD * parallel::cores());
-    }
-
-    #[test]
-    fn the_shorter_slice_ends_it() {
-        let mesh = mesh();
-        let mut points = vec![UNSOLVED; 700];
-        mesh.sample_into(&[0.5; 600], &mut points);
-        assert!(points[..600].iter().all(Result::is_ok) && points[600..].iter().all(Result::is_err));
-        mesh.sample_into(&[0.5; 600], &mut points[..1]);
     }
 }

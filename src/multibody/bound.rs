@@ -146,7 +146,7 @@ impl<'a> Tip<'a> {
     pub(super) fn new(template: &'a Template, pair: &'a FlankPair, placed: &FlankPosition, pose: &Pose) -> Self {
         let top = pose.at.center_distance + placed.eccentric.1;
         let tilt = (pose.sin_roll.abs(), 1.0 - pose.cos_roll);
-        let over_axis = pair.bounds.tip + pose.depth;
+        let over_axis = pair.bounds.tip + pose.shared.depth;
         Self { template, pair, top, tilt, over_axis, nu: placed.nu, length: placed.length }
     }
 

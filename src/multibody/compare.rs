@@ -2,8 +2,7 @@
 //! tests; solves nothing of its own.
 
 use super::Steady;
-use crate::mesh::{Mesh, Sampler, Support};
-use crate::parallel;
+use crate::mesh::Mesh;
 use crate::trig;
 
 /// Cells per pitch at first: a tooth's passage takes several.
@@ -15,9 +14,6 @@ const HALVINGS: u32 = 4;
 /// Cells whose ends lie this near to a straight line (mm), and means of a cell and its halves this near to each other,
 /// are near enough: the mean is then right to as much.
 const STRAIGHT: f64 = 2e-7;
-
-/// Strokes that are solved one after the other from a fresh start, whatever the number of threads.
-const PART: usize = 8;
 
 /// A cell's ends and middle: strokes and ΔCD.
 #[derive(Debug, Clone, Copy)]
@@ -48,15 +44,7 @@ pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
     let (from_mm, to_mm) = one_pitch(mesh, steady).unwrap_or((steady.from_mm, steady.to_mm));
     let length = to_mm - from_mm;
     let solve = |strokes: &[f64]| -> Option<Vec<f64>> {
-        // a stroke of a rack that rolls is worth sharing out, others are not worth a thread
-        let threads = if mesh.support() == Support::Fixed { 1 } else { parallel::cores() };
-        let part = |(): &mut (), index: usize| -> Option<Vec<f64>> {
-            let mut sampler = Sampler::new(mesh);
-            let part = &strokes[index * PART..strokes.len().min((index + 1) * PART)];
-            part.iter().map(|&stroke| sampler.at(stroke).ok().map(|point| point.delta_cd_mm)).collect()
-        };
-        let (parts, _) = parallel::map(threads, strokes.len().div_ceil(PART), || (), part);
-        parts.into_iter().collect::<Option<Vec<_>>>().map(|parts| parts.concat())
+        mesh.sample(strokes).into_iter().map(|point| Some(point.ok()?.delta_cd_mm)).collect()
     };
     let count = (length / mesh.pair().rack().pitch_mm * CELLS_PER_PITCH).ceil().clamp(1.0, MOST);
     // whole and at most a million

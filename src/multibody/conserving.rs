@@ -91,7 +91,7 @@ impl Scene {
     pub(super) fn following(&self, at: &State) -> f64 {
         let n = self.coordinates() as usize;
         let scale = self.limits(0.0).scale;
-        let tangent = self.tangent(at);
+        let tangent = self.tangent(&at.q, &at.contact);
         let mut square: f64 = if self.inertia[..n].contains(&0.0) { f64::INFINITY } else { 0.0 };
         for i in 0..n {
             let sum: f64 = (0..n).map(|j| tangent[i][j].abs() / scale[j]).sum();
@@ -108,15 +108,14 @@ impl Scene {
         let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
         let scale = limits.scale;
         let travel = drive.at(end).0 - from.stroke;
-        let potential = |state: &State| self.potential(&state.contact, state.q[1]);
-        let before = potential(from);
+        let before = self.potential(from);
         let most = (0..n).map(|i| m[i] / (scale[i] * scale[i])).fold(0.0, f64::max);
         let least = most * (travel * travel + ROUNDING * ROUNDING);
         // M (v_1 − v_0)/h
         let inertia = |i: usize, way: &[f64; 3]| 2.0 * m[i] * (way[i] / h - from.v[i]) / h;
         // from where the rack alone would have taken the parts, on by the tangent
         let mut guess = [travel * self.mesh.pair().rotation_per_stroke_rad(), 0.0, 0.0];
-        let (mut matrix, mut right) = (self.tangent(from), [0.0; 3]);
+        let (mut matrix, mut right) = (self.tangent(&from.q, &from.contact), [0.0; 3]);
         for i in 0..n {
             matrix[i] = std::array::from_fn(|j| 0.5 * matrix[i][j] / (scale[i] * scale[j]));
             matrix[i][i] += 2.0 * m[i] / (h * h * scale[i] * scale[i]);
@@ -131,11 +130,11 @@ impl Scene {
             let state = self.state(drive, end, q, v, work);
             let mean: [f64; 3] = std::array::from_fn(|i| 0.5 * (from.f[i] + state.f[i]));
             let along = 0.5 * (from.contact.generalized[3] + state.contact.generalized[3]) * travel;
-            let gained = potential(&state) - before + along + (0..n).map(|i| mean[i] * way[i]).sum::<f64>();
+            let gained = self.potential(&state) - before + along + (0..n).map(|i| mean[i] * way[i]).sum::<f64>();
             let size = least + (0..n).map(|i| m[i] * way[i] * way[i]).sum::<f64>();
             let lambda = -gained / size;
             // how λ changes is left out: its share is the change of the stiffness over the step's way
-            let (mut residual, mut tangent) = ([0.0; 3], self.tangent(&state));
+            let (mut residual, mut tangent) = ([0.0; 3], self.tangent(&q, &state.contact));
             for i in 0..n {
                 residual[i] = mean[i] + lambda * m[i] * way[i] - inertia(i, way);
                 tangent[i] = tangent[i].map(|k| 0.5 * k);
@@ -159,13 +158,6 @@ impl Scene {
             ..Flow::default()
         };
         Some(Step { state, error, gained })
-    }
-
-    /// −∂F/∂q, the closing force included.
-    fn tangent(&self, state: &State) -> [[f64; 3]; 3] {
-        let mut tangent = state.contact.stiffness;
-        tangent[1][1] += self.closing(state.q[1]).1;
-        tangent
     }
 }
 

@@ -137,10 +137,9 @@ impl Scene {
     ) -> Result<RunEnd, SimulationError> {
         let mut run = MotionRun::new(self, work)?;
         let mut take = |run: &MotionRun<'_>, work: &Work| {
-            let here = &run.here;
-            let sample = self.sample(here.time, &Coordinates::from_free(here.q, here.stroke), &here.contact, work);
+            let sample = self.sample(&run.here, work);
             samples.push(sample);
-            *energy = Some(run.energy(here, &run.ledger));
+            *energy = Some(run.energy(&run.here, &run.ledger));
             watch(&sample)
         };
         if take(&run, work) == ControlFlow::Break(()) {
@@ -170,8 +169,7 @@ impl Scene {
         let Driven { time, stroke, speed } = driven;
         let rates = Coordinates::from_free(v, speed);
         let contact = self.contact(&self.law, &Coordinates::from_free(q, stroke), &rates, work);
-        let [angle, height, roll, _] = contact.generalized;
-        State { time, q, v, stroke, speed, f: [angle, height - self.closing(q[1]).0, roll], contact }
+        State { time, q, v, stroke, speed, f: self.unbalanced(&q, &contact), contact }
     }
 
     /// One TR-BDF2 step; `None` if a stage is not solved.
@@ -201,8 +199,7 @@ impl Scene {
         let n = self.coordinates() as usize;
         let scale = self.limits(0.0).scale;
         let per = 1.0 / (D * h);
-        let (mut matrix, mut right) = (end.contact.stiffness, [0.0; 3]);
-        matrix[1][1] += self.closing(end.q[1]).1;
+        let (mut matrix, mut right) = (self.tangent(&end.q, &end.contact), [0.0; 3]);
         for i in 0..n {
             let position = |j: usize| h * (ERROR[0] * from.v[j] + ERROR[1] * two.v[j] + ERROR[2] * end.v[j]);
             let momentum = h * (ERROR[0] * from.f[i] + ERROR[1] * two.f[i] + ERROR[2] * end.f[i]);
@@ -242,10 +239,7 @@ impl Scene {
         let solution = newton(guess, &limits, &mut |q: &[f64; 3]| {
             let v = velocity(q);
             let state = self.state_at(driven, *q, v, work);
-            let rate = self.closing(q[1]).1;
-            let mut tangent = state.contact.stiffness;
-            tangent[1][1] += rate;
-            let mut residual = state.f;
+            let (mut residual, mut tangent) = (state.f, self.tangent(q, &state.contact));
             for i in 0..3 {
                 residual[i] += (momentum[i] - self.inertia[i] * v[i]) * per;
                 tangent[i][i] += self.inertia[i] * per * per;
@@ -476,7 +470,7 @@ impl<'a> MotionRun<'a> {
         let inertia = &self.scene.inertia;
         let stored = |state: &State| {
             let kinetic: f64 = (0..3).map(|i| 0.5 * inertia[i] * state.v[i] * state.v[i]).sum();
-            kinetic + self.scene.potential(&state.contact, state.q[1])
+            kinetic + self.scene.potential(state)
         };
         ledger.balance(stored(now) - stored(&self.start), inertia[1] * (now.v[1] - self.start.v[1]))
     }

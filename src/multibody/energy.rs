@@ -76,36 +76,24 @@ impl Ledger {
     }
 }
 
-/// A position of a quasi-static run.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rest {
-    pub(super) time: f64,
-    pub(super) free: [f64; 3],
-    pub(super) stroke: f64,
-    pub(super) contact: Forces,
-}
-
-impl Rest {
-    /// What flows to the next position. In equilibrium the contact passes on what the closing force takes.
-    pub(super) fn flow_to(&self, next: &Self, scene: &Scene) -> Flow {
-        let mean = |of: fn(&Forces) -> f64| 0.5 * (of(&self.contact) + of(&next.contact));
-        let time = next.time - self.time;
-        let closing = |at: &Self| scene.closing(at.free[1]).0;
-        let passed_on = 0.5 * (closing(self) + closing(next)) * (next.free[1] - self.free[1]);
-        let unbalanced = |at: &Self| at.contact.generalized[1] - closing(at);
-        Flow {
-            driven: next.contact.energy - self.contact.energy + passed_on + time * mean(Forces::dissipation),
-            damped: time * mean(|contact| contact.damped),
-            rubbed: time * mean(|contact| contact.rubbed),
-            exchanged: mean(|contact| contact.along) * (next.stroke - self.stroke),
-            impulse: 0.5 * time * (unbalanced(self) + unbalanced(next)),
-        }
-    }
-}
-
 impl Scene {
     /// Energy of the contact and of the closing force.
-    pub(super) fn potential(&self, contact: &Forces, center_distance: f64) -> f64 {
-        contact.energy + self.closing_energy(center_distance)
+    pub(super) fn potential(&self, at: &State) -> f64 {
+        at.contact.energy + self.closing_energy(at.q[1])
+    }
+
+    /// What flows from one equilibrium to the next: the contact passes on what the closing force takes.
+    pub(super) fn flow_at_rest(&self, from: &State, to: &State) -> Flow {
+        let mean = |of: fn(&Forces) -> f64| 0.5 * (of(&from.contact) + of(&to.contact));
+        let time = to.time - from.time;
+        let closing = |at: &State| self.closing(at.q[1]).0;
+        let passed_on = 0.5 * (closing(from) + closing(to)) * (to.q[1] - from.q[1]);
+        Flow {
+            driven: to.contact.energy - from.contact.energy + passed_on + time * mean(Forces::dissipation),
+            damped: time * mean(|contact| contact.damped),
+            rubbed: time * mean(|contact| contact.rubbed),
+            exchanged: mean(|contact| contact.along) * (to.stroke - from.stroke),
+            impulse: 0.5 * time * (from.f[1] + to.f[1]),
+        }
     }
 }

@@ -44,69 +44,6 @@ pub enum ParameterName {
     BushStiffness,
 }
 
-impl ParameterName {
-    /// The name that people read.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Start => "start stroke",
-            Self::Stroke => "stroke",
-            Self::Speed => "speed",
-            Self::Ramp => "start ramp",
-            Self::Preload => "preload",
-            Self::Stiffness => "contact stiffness",
-            Self::StiffnessExponent => "stiffness exponent",
-            Self::Damping => "contact damping",
-            Self::DampingExponent => "damping exponent",
-            Self::IndentationExponent => "indentation exponent",
-            Self::Friction => "friction coefficient",
-            Self::FrictionSpeed => "friction regularisation speed",
-            Self::ProfileNodes => "spheres over the profile",
-            Self::WidthNodes => "spheres over the width",
-            Self::SphereRadius => "sphere radius",
-            Self::PatchCells => "cells of a rack flank",
-            Self::Strips => "strips over the width",
-            Self::Spacing => "sample spacing",
-            Self::Tolerance => "tolerance",
-            Self::EnergyTolerance => "energy tolerance",
-            Self::MaxSteps => "step limit",
-            Self::PinionMass => "pinion mass",
-            Self::PinionInertia => "pinion inertia",
-            Self::RackMass => "rack mass",
-            Self::RackInertia => "rack inertia",
-            Self::RollAxisDepth => "roll axis depth",
-            Self::YokePreload => "yoke preload",
-            Self::YokeRate => "yoke rate",
-            Self::YokeClearance => "yoke clearance",
-            Self::YokeStop => "yoke stop stiffness",
-            Self::BushStiffness => "bush stiffness",
-        }
-    }
-
-    /// The unit its values are in, empty for numbers.
-    #[must_use]
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Start
-            | Self::Stroke
-            | Self::Ramp
-            | Self::SphereRadius
-            | Self::Tolerance
-            | Self::Spacing
-            | Self::RollAxisDepth
-            | Self::YokeClearance => "mm",
-            Self::Speed | Self::FrictionSpeed => "mm/s",
-            Self::Preload | Self::YokePreload => "N",
-            Self::Stiffness => "N/mm^a",
-            Self::Damping => "N/((mm/s)^b mm^e)",
-            Self::PinionMass | Self::RackMass => "kg",
-            Self::PinionInertia | Self::RackInertia => "kg mm²",
-            Self::YokeRate | Self::YokeStop | Self::BushStiffness => "N/mm",
-            _ => "",
-        }
-    }
-}
-
 impl fmt::Display for ParameterName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())

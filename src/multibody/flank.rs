@@ -57,13 +57,9 @@ pub(super) struct Pose {
     pub(super) at: Coordinates,
     pub(super) sin_roll: f64,
     pub(super) cos_roll: f64,
-    pub(super) depth: f64,
     /// The pinion's tooth system against its axis, across and up.
     pub(super) eccentric: (f64, f64),
-    pub(super) angular_pitch: f64,
-    pub(super) pitch: f64,
-    pub(super) sin_shaft: f64,
-    pub(super) cos_shaft: f64,
+    pub(super) shared: SceneGeometry,
 }
 
 /// A flank pair in a position.
@@ -92,14 +88,14 @@ pub(super) struct FlankPosition {
 
 impl FlankPair {
     pub(super) fn place(&self, pose: &Pose) -> FlankPosition {
-        let Pose { at, sin_roll, cos_roll, depth, .. } = pose;
-        let sign = self.sign;
+        let Pose { at, sin_roll, cos_roll, shared, .. } = pose;
+        let (sign, depth) = (self.sign, shared.depth);
         let (tooth, partner) = (self.rack_tooth as f64, self.pinion_tooth as f64);
-        let tooth_angle = (partner + 0.5) * pose.angular_pitch - at.pinion_angle;
-        let place = sign * (tooth * pose.pitch - at.stroke);
+        let tooth_angle = (partner + 0.5) * shared.angular_pitch - at.pinion_angle;
+        let place = sign * (tooth * shared.pitch - at.stroke);
         let [nx, ny, nz] = self.normal;
         let (gy, gz) = (ny * cos_roll - nz * sin_roll, ny * sin_roll + nz * cos_roll);
-        let (sin_shaft, cos_shaft) = (sign * pose.sin_shaft, pose.cos_shaft);
+        let (sin_shaft, cos_shaft) = (sign * shared.sin_shaft, shared.cos_shaft);
         let n_xi = nx * cos_shaft - gy * sin_shaft;
         let eccentric = (sign * pose.eccentric.0, pose.eccentric.1);
         let (nu, length) = if *sin_roll == 0.0 { self.level } else { transverse(n_xi, gz) };
@@ -242,13 +238,13 @@ impl FlankPosition {
         let lifted = pose.unrolled([
             xi * cos + w * sin - self.place,
             -xi * sin + w * cos,
-            pose.at.center_distance + zeta + pose.depth,
+            pose.at.center_distance + zeta + pose.shared.depth,
         ]);
         let by_angle = self.direction(pose, self.sign * zeta, -self.sign * xi);
         let by_height = pose.unrolled([0.0, 0.0, 1.0]);
         let by_roll = turn(lifted);
         Point {
-            at: [lifted[0], lifted[1], lifted[2] - pose.depth],
+            at: [lifted[0], lifted[1], lifted[2] - pose.shared.depth],
             motion: [by_angle, by_height, by_roll, [self.sign, 0.0, 0.0]],
             second: [self.direction(pose, -xi, -zeta), turn(by_angle), turn(by_height), turn(by_roll)],
         }
@@ -283,26 +279,16 @@ impl Pose {
         [x, y * cos + z * sin, -y * sin + z * cos]
     }
 
-    pub(super) fn new(at: Coordinates, depth: f64, eccentricity: (f64, f64), shared: &SceneGeometry) -> Self {
+    pub(super) fn new(at: Coordinates, shared: SceneGeometry) -> Self {
         let (sin_roll, cos_roll) = if at.roll == 0.0 { (0.0, 1.0) } else { trig::sin_cos(at.roll) };
-        let eccentric = if eccentricity == (0.0, 0.0) {
+        let (along, across) = shared.eccentricity;
+        let eccentric = if (along, across) == (0.0, 0.0) {
             (0.0, 0.0)
         } else {
-            let (along, across) = eccentricity;
             let (sin, cos) = trig::sin_cos(0.5 * shared.angular_pitch - at.pinion_angle);
             (along * sin + across * cos, across * sin - along * cos)
         };
-        Self {
-            at,
-            sin_roll,
-            cos_roll,
-            depth,
-            eccentric,
-            angular_pitch: shared.angular_pitch,
-            pitch: shared.pitch,
-            sin_shaft: shared.sin_shaft,
-            cos_shaft: shared.cos_shaft,
-        }
+        Self { at, sin_roll, cos_roll, eccentric, shared }
     }
 }
 
@@ -313,4 +299,8 @@ pub(super) struct SceneGeometry {
     pub(super) angular_pitch: f64,
     pub(super) sin_shaft: f64,
     pub(super) cos_shaft: f64,
+    /// How far the roll axis lies below the reference plane.
+    pub(super) depth: f64,
+    /// Of the pinion, towards tooth 0 and across.
+    pub(super) eccentricity: (f64, f64),
 }

@@ -202,62 +202,110 @@ impl Default for Parameters {
     }
 }
 
+/// What people call a parameter, the unit of its values, and its domain.
+struct Row {
+    name: Name,
+    words: &'static str,
+    /// Empty for numbers.
+    unit: &'static str,
+    min: f64,
+    max: f64,
+    /// Its value, if the run has it.
+    value: fn(&Parameters) -> Option<f64>,
+}
+
+const fn row(
+    name: Name,
+    words: &'static str,
+    unit: &'static str,
+    [min, max]: [f64; 2],
+    value: fn(&Parameters) -> Option<f64>,
+) -> Row {
+    Row { name, words, unit, min, max, value }
+}
+
+/// Every parameter, in the order in which they are checked.
+static ROWS: [Row; 31] = [
+    row(Name::Start, "start stroke", "mm", [-1e6, 1e6], |p| Some(p.start_mm)),
+    row(Name::Stroke, "stroke", "mm", [1e-6, 1e6], |p| Some(p.stroke_mm)),
+    row(Name::Speed, "speed", "mm/s", [1e-6, 1e6], |p| Some(p.speed_mm_per_s)),
+    row(Name::Ramp, "start ramp", "mm", [1e-9, 1e6], |p| Some(p.ramp_mm)),
+    row(Name::Preload, "preload", "N", [1e-6, 1e9], |p| Some(p.preload_n)),
+    row(Name::Stiffness, "contact stiffness", "N/mm^a", [1.0, 1e15], |p| Some(p.stiffness)),
+    row(Name::StiffnessExponent, "stiffness exponent", "", [1.0, 2.5], |p| Some(p.stiffness_exponent)),
+    row(Name::Damping, "contact damping", "N/((mm/s)^b mm^e)", [0.0, 1e15], |p| Some(p.damping)),
+    row(Name::DampingExponent, "damping exponent", "", [1.0, 2.5], |p| Some(p.damping_exponent)),
+    row(Name::IndentationExponent, "indentation exponent", "", [1.0, 2.5], |p| Some(p.indentation_exponent)),
+    row(Name::Friction, "friction coefficient", "", [0.0, 0.5], |p| Some(p.friction)),
+    row(Name::FrictionSpeed, "friction regularisation speed", "mm/s", [1e-9, 1e6], |p| Some(p.friction_speed_mm_per_s)),
+    row(Name::ProfileNodes, "spheres over the profile", "", [2.0, 1e5], |p| Some(p.spheres()?.profile_nodes.into())),
+    row(Name::WidthNodes, "spheres over the width", "", [2.0, 1e5], |p| Some(p.spheres()?.width_nodes.into())),
+    row(Name::SphereRadius, "sphere radius", "mm", [0.0, 1e3], |p| Some(p.spheres()?.radius_mm)),
+    row(Name::PatchCells, "cells of a rack flank", "", [1.0, 1e3], |p| Some(p.spheres()?.patch_cells.into())),
+    row(Name::Strips, "strips over the width", "", [2.0, 1e5], |p| Some(p.strips()?.strips.into())),
+    row(Name::RollAxisDepth, "roll axis depth", "mm", [-1e6, 1e6], |p| match p.support {
+        Support::FreeRoll { axis_depth_mm } => Some(axis_depth_mm),
+        _ => None,
+    }),
+    row(Name::YokePreload, "yoke preload", "N", [1e-6, 1e9], |p| Some(p.yoke()?.preload_n)),
+    row(Name::YokeRate, "yoke rate", "N/mm", [0.0, 1e9], |p| Some(p.yoke()?.rate_n_per_mm)),
+    row(Name::YokeClearance, "yoke clearance", "mm", [0.0, 1e3], |p| Some(p.yoke()?.clearance_mm)),
+    row(Name::YokeStop, "yoke stop stiffness", "N/mm", [0.0, 1e12], |p| Some(p.yoke()?.stop_n_per_mm)),
+    row(Name::BushStiffness, "bush stiffness", "N/mm", [0.0, 1e9], |p| Some(p.yoke()?.bush_n_per_mm)),
+    row(Name::PinionMass, "pinion mass", "kg", [0.0, 1e9], |p| p.masses.pinion_kg),
+    row(Name::PinionInertia, "pinion inertia", "kg mm²", [0.0, 1e9], |p| p.masses.pinion_kg_mm2),
+    row(Name::RackMass, "rack mass", "kg", [0.0, 1e9], |p| p.masses.rack_kg),
+    row(Name::RackInertia, "rack inertia", "kg mm²", [0.0, 1e9], |p| p.masses.rack_kg_mm2),
+    row(Name::Tolerance, "tolerance", "mm", [1e-12, 1.0], |p| Some(p.tolerance_mm)),
+    row(Name::EnergyTolerance, "energy tolerance", "", [1e-12, 1.0], |p| Some(p.energy_tolerance)),
+    // at least a ten-millionth of the stroke, as `Parameters::check` has it
+    row(Name::Spacing, "sample spacing", "mm", [0.0, f64::MAX], |p| Some(p.spacing_mm)),
+    row(Name::MaxSteps, "step limit", "", [1.0, 1e12], |p| Some(p.max_steps as f64)),
+];
+
+impl Name {
+    fn row(self) -> &'static Row {
+        ROWS.iter().find(|row| row.name == self).unwrap_or(&ROWS[0])
+    }
+
+    /// The name that people read.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.row().words
+    }
+
+    /// The unit its values are in, empty for numbers.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        self.row().unit
+    }
+}
+
 impl Parameters {
+    fn spheres(&self) -> Option<SphereGrid> {
+        if let ContactModel::Spheres(grid) = self.contact { Some(grid) } else { None }
+    }
+
+    fn strips(&self) -> Option<StripGrid> {
+        if let ContactModel::Analytic(grid) = self.contact { Some(grid) } else { None }
+    }
+
+    /// The yoke, if there is one.
+    pub(super) fn yoke(&self) -> Option<Yoke> {
+        if let Support::Yoke(yoke) = self.support { Some(yoke) } else { None }
+    }
+
     /// Checks every number against its domain.
     ///
     /// # Errors
     /// [`SimulationError::OutOfDomain`] names the first one outside.
     pub fn check(&self) -> Result<(), SimulationError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SimulationError::OutOfDomain { name, value, min, max })
-            }
-        };
-        within(Name::Start, self.start_mm, -1e6, 1e6)?;
-        within(Name::Stroke, self.stroke_mm, 1e-6, 1e6)?;
-        within(Name::Speed, self.speed_mm_per_s, 1e-6, 1e6)?;
-        within(Name::Ramp, self.ramp_mm, 1e-9, 1e6)?;
-        within(Name::Preload, self.preload_n, 1e-6, 1e9)?;
-        within(Name::Stiffness, self.stiffness, 1.0, 1e15)?;
-        within(Name::StiffnessExponent, self.stiffness_exponent, 1.0, 2.5)?;
-        within(Name::Damping, self.damping, 0.0, 1e15)?;
-        within(Name::DampingExponent, self.damping_exponent, 1.0, 2.5)?;
-        within(Name::IndentationExponent, self.indentation_exponent, 1.0, 2.5)?;
-        within(Name::Friction, self.friction, 0.0, 0.5)?;
-        within(Name::FrictionSpeed, self.friction_speed_mm_per_s, 1e-9, 1e6)?;
-        match self.contact {
-            ContactModel::Spheres(grid) => {
-                within(Name::ProfileNodes, f64::from(grid.profile_nodes), 2.0, 1e5)?;
-                within(Name::WidthNodes, f64::from(grid.width_nodes), 2.0, 1e5)?;
-                within(Name::SphereRadius, grid.radius_mm, 0.0, 1e3)?;
-                within(Name::PatchCells, f64::from(grid.patch_cells), 1.0, 1e3)?;
-            }
-            ContactModel::Analytic(grid) => within(Name::Strips, f64::from(grid.strips), 2.0, 1e5)?,
-        }
-        match self.support {
-            Support::Fixed => {}
-            Support::FreeRoll { axis_depth_mm } => within(Name::RollAxisDepth, axis_depth_mm, -1e6, 1e6)?,
-            Support::Yoke(yoke) => {
-                within(Name::YokePreload, yoke.preload_n, 1e-6, 1e9)?;
-                within(Name::YokeRate, yoke.rate_n_per_mm, 0.0, 1e9)?;
-                within(Name::YokeClearance, yoke.clearance_mm, 0.0, 1e3)?;
-                within(Name::YokeStop, yoke.stop_n_per_mm, 0.0, 1e12)?;
-                within(Name::BushStiffness, yoke.bush_n_per_mm, 0.0, 1e9)?;
+        for &Row { name, min, max, value, .. } in &ROWS {
+            let min = if name == Name::Spacing { self.stroke_mm * 1e-7 } else { min };
+            if let Some(value) = value(self).filter(|value| !(min..=max).contains(value)) {
+                return Err(SimulationError::OutOfDomain { name, value, min, max });
             }
         }
-        for (name, value) in [
-            (Name::PinionMass, self.masses.pinion_kg),
-            (Name::PinionInertia, self.masses.pinion_kg_mm2),
-            (Name::RackMass, self.masses.rack_kg),
-            (Name::RackInertia, self.masses.rack_kg_mm2),
-        ] {
-            within(name, value.unwrap_or(0.0), 0.0, 1e9)?;
-        }
-        within(Name::Tolerance, self.tolerance_mm, 1e-12, 1.0)?;
-        within(Name::EnergyTolerance, self.energy_tolerance, 1e-12, 1.0)?;
-        within(Name::Spacing, self.spacing_mm, self.stroke_mm * 1e-7, f64::MAX)?;
-        within(Name::MaxSteps, self.max_steps as f64, 1.0, 1e12)
+        Ok(())
     }
 }

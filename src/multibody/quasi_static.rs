@@ -3,12 +3,12 @@
 
 use std::ops::ControlFlow;
 
-use super::energy::{Ledger, Rest};
+use super::energy::Ledger;
 use super::law::Law;
 use super::load::Work;
 use super::newton::{Balance, Bend, Limits, Solution, System, newton};
 use super::outcome::{Counters, Outcome, RunEnd, Sample, Watch, steady};
-use super::state::{Coordinates, Forces};
+use super::state::{Coordinates, Forces, State};
 use super::{Scene, SimulationError};
 
 /// Unbalanced force over the closing force: it moves a contact by less than 1e-6 of its penetration.
@@ -38,11 +38,11 @@ struct AtRest<'a> {
 }
 
 impl<'a> AtRest<'a> {
-    fn new(scene: &'a Scene, stroke: f64, law: &'a Law, descend: bool, work: &'a mut Work) -> Self {
+    fn new(scene: &'a Scene, stroke: f64, law: &'a Law, work: &'a mut Work) -> Self {
         let speed = scene.parameters.speed_mm_per_s;
         let pinion_angle = speed * scene.mesh.pair().rotation_per_stroke_rad();
         let rates = Coordinates { pinion_angle, stroke: speed, ..Coordinates::default() };
-        Self { scene, law, stroke, rates, descend, work }
+        Self { scene, law, stroke, rates, descend: false, work }
     }
 
     /// The balance of the coordinates that `limits` names.
@@ -50,6 +50,70 @@ impl<'a> AtRest<'a> {
         let solution = newton(start, limits, self);
         self.work.counters.iterations += u64::from(solution.iterations);
         solution
+    }
+
+    fn settle(&mut self, start: [f64; 3], descend: bool) -> Solution<Forces> {
+        let mut limits = self.scene.limits(BALANCE * self.scene.load_n());
+        if self.scene.rolls {
+            limits.iterations = QUICK;
+        }
+        self.descend = descend;
+        self.solve(start, &limits)
+    }
+
+    /// The same with the roll outside: for each roll the balance of the other coordinates, and that roll at which the
+    /// rest of the torque vanishes falling. Slower, but follows any valley.
+    fn settle_rolling(&mut self, start: [f64; 3]) -> Solution<Forces> {
+        let mut limits = self.scene.limits(BALANCE * self.scene.load_n());
+        let half_face = limits.scale[2];
+        limits.unknowns = 2;
+        limits.iterations = 3 * QUICK;
+        let mut x = start;
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut step = FIRST_ROLL;
+        self.descend = true;
+        let mut last = self.solve(x, &limits);
+        for iteration in 0..ROLLS {
+            x = last.x;
+            let torque = last.with.generalized[2];
+            let residual = torque.abs() / half_face;
+            last.converged &= residual <= limits.force;
+            last.residual = last.residual.max(residual);
+            last.iterations = iteration;
+            if last.converged {
+                break;
+            }
+            if torque > 0.0 {
+                low = x[2];
+            } else {
+                high = x[2];
+            }
+            // the tangent without the other coordinates, which follow
+            let k = self.scene.tangent(&x, &last.with);
+            let det = k[0][0] * k[1][1] - k[0][1] * k[1][0];
+            let follow =
+                [k[1][1] * k[0][2] - k[0][1] * k[1][2], k[0][0] * k[1][2] - k[1][0] * k[0][2]].map(|x| x / det);
+            let tangent = k[2][2] - k[2][0] * follow[0] - k[2][1] * follow[1];
+            let newton = x[2] + torque / tangent;
+            let roll = if low.is_finite() && high.is_finite() {
+                if newton > low && newton < high && iteration % 3 != 2 { newton } else { 0.5 * (low + high) }
+            } else {
+                step = (2.0 * step).min(WIDEST_ROLL);
+                if tangent > 0.0 && (newton - x[2]).abs() < step { newton } else { x[2] + step.copysign(torque) }
+            };
+            if det > 0.0 {
+                for i in 0..2 {
+                    x[i] -= follow[i] * (roll - x[2]);
+                }
+            }
+            if roll == x[2] || (high - low) <= f64::EPSILON * roll.abs() {
+                last.converged = true;
+                break;
+            }
+            x[2] = roll;
+            last = self.solve(x, &limits);
+        }
+        last
     }
 }
 
@@ -60,13 +124,9 @@ impl System for AtRest<'_> {
         let scene = self.scene;
         let at = Coordinates::from_free(*x, self.stroke);
         let forces = scene.contact(self.law, &at, &self.rates, self.work);
-        let (closing, rate) = scene.closing(x[1]);
-        let [angle, height, roll, _] = forces.generalized;
-        let mut tangent = forces.stiffness;
-        tangent[1][1] += rate;
         let with_energy = self.descend && scene.law.friction.is_none();
         let potential = with_energy.then(|| forces.energy + scene.closing_energy(x[1]));
-        Balance { residual: [angle, height - closing, roll], tangent, potential, with: forces }
+        Balance { residual: scene.unbalanced(x, &forces), tangent: scene.tangent(x, &forces), potential, with: forces }
     }
 
     fn bend(&self, step: &[f64; 3]) -> Option<Bend> {
@@ -82,7 +142,7 @@ impl Scene {
         let law = self.law.without_damping();
         let p = &self.parameters;
         let (mut known, mut before): (Option<[f64; 3]>, Option<[f64; 3]>) = (None, None);
-        let (mut start, mut here): (Option<Rest>, Option<Rest>) = (None, None);
+        let (mut start, mut here): (Option<State>, Option<State>) = (None, None);
         let mut ledger = Ledger::default();
         let last = self.intervals();
         let mut samples = Vec::with_capacity(last as usize + 1);
@@ -96,19 +156,20 @@ impl Scene {
                 [guess[0] + nominal, guess[1], guess[2]]
             });
             match self.equilibrium(stroke, guess, &law, &mut work) {
-                Ok((free, forces)) => {
+                Ok((q, contact)) => {
                     before = known;
-                    known = Some([free[0] - nominal, free[1], free[2]]);
-                    let at = Coordinates::from_free(free, stroke);
-                    let next = Rest { time: (stroke - p.start_mm) / p.speed_mm_per_s, free, stroke, contact: forces };
+                    known = Some([q[0] - nominal, q[1], q[2]]);
+                    let time = (stroke - p.start_mm) / p.speed_mm_per_s;
+                    let f = self.unbalanced(&q, &contact);
+                    let next = State { time, q, v: [0.0; 3], stroke, speed: 0.0, f, contact };
                     if let Some(here) = here {
-                        ledger.add(&here.flow_to(&next, self), false);
+                        ledger.add(&self.flow_at_rest(&here, &next), false);
                     }
                     start = start.or(Some(next));
                     here = Some(next);
-                    let sample = self.sample(next.time, &at, &forces, &work);
+                    let sample = self.sample(&next, &work);
                     samples.push(sample);
-                    work.margin = NEAR * forces.penetration;
+                    work.margin = NEAR * contact.penetration;
                     if watch(&sample) == ControlFlow::Break(()) && index < last {
                         end = RunEnd::Interrupted;
                         break;
@@ -120,8 +181,8 @@ impl Scene {
                 }
             }
         }
-        let stored = |at: Rest| self.potential(&at.contact, at.free[1]);
-        let energy = start.zip(here).map(|(start, end)| ledger.balance(stored(end) - stored(start), 0.0));
+        let gained = |start, end| self.potential(&end) - self.potential(&start);
+        let energy = start.zip(here).map(|(start, end)| ledger.balance(gained(start, end), 0.0));
         self.outcome(samples, energy, work.counters, end)
     }
 
@@ -172,16 +233,17 @@ impl Scene {
             Some(guess) => guess,
             None => self.rigid(stroke)?,
         };
-        let first = self.settle(stroke, start, law, self.rolls, work);
-        let found = if first.converged || self.rolls {
-            first
-        } else {
-            let again = self.settle(stroke, self.rigid(stroke)?, law, false, work);
-            // elements that fade out at a face's end bend the balance: the energy leads through
-            if again.converged { again } else { self.settle(stroke, again.x, law, true, work) }
-        };
-        let found =
-            if found.converged || !self.rolls { found } else { self.settle_rolling(stroke, found.x, law, work) };
+        let mut at_rest = AtRest::new(self, stroke, law, work);
+        let mut found = at_rest.settle(start, self.rolls);
+        if self.rolls && !found.converged {
+            found = at_rest.settle_rolling(found.x);
+        } else if !found.converged {
+            found = at_rest.settle(self.rigid(stroke)?, false);
+            if !found.converged {
+                // elements that fade out at a face's end bend the balance: the energy leads through
+                found = at_rest.settle(found.x, true);
+            }
+        }
         self.check(stroke, &found.x, &found.with)?;
         if !found.converged {
             return Err(SimulationError::NoEquilibrium {
@@ -196,69 +258,6 @@ impl Scene {
     fn rigid(&self, stroke: f64) -> Result<[f64; 3], SimulationError> {
         let rigid = self.mesh.at(stroke)?;
         Ok([rigid.pinion_angle_rad, rigid.center_distance_mm, rigid.roll_rad])
-    }
-
-    /// The same with the roll outside: for each roll the balance of the other coordinates, and that roll at which the
-    /// rest of the torque vanishes falling. Slower, but follows any valley.
-    fn settle_rolling(&self, stroke: f64, start: [f64; 3], law: &Law, work: &mut Work) -> Solution<Forces> {
-        let mut limits = self.limits(BALANCE * self.load_n());
-        let half_face = limits.scale[2];
-        limits.unknowns = 2;
-        limits.iterations = 3 * QUICK;
-        let mut x = start;
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut step = FIRST_ROLL;
-        let mut at_rest = AtRest::new(self, stroke, law, true, work);
-        let mut last = at_rest.solve(x, &limits);
-        for iteration in 0..ROLLS {
-            x = last.x;
-            let torque = last.with.generalized[2];
-            let residual = torque.abs() / half_face;
-            last.converged &= residual <= limits.force;
-            last.residual = last.residual.max(residual);
-            last.iterations = iteration;
-            if last.converged {
-                break;
-            }
-            if torque > 0.0 {
-                low = x[2];
-            } else {
-                high = x[2];
-            }
-            // the tangent without the other coordinates, which follow
-            let k = &last.with.stiffness;
-            let k11 = k[1][1] + self.closing(x[1]).1;
-            let det = k[0][0] * k11 - k[0][1] * k[1][0];
-            let follow = [(k11 * k[0][2] - k[0][1] * k[1][2]) / det, (k[0][0] * k[1][2] - k[1][0] * k[0][2]) / det];
-            let tangent = k[2][2] - k[2][0] * follow[0] - k[2][1] * follow[1];
-            let newton = x[2] + torque / tangent;
-            let roll = if low.is_finite() && high.is_finite() {
-                if newton > low && newton < high && iteration % 3 != 2 { newton } else { 0.5 * (low + high) }
-            } else {
-                step = (2.0 * step).min(WIDEST_ROLL);
-                if tangent > 0.0 && (newton - x[2]).abs() < step { newton } else { x[2] + step.copysign(torque) }
-            };
-            if det > 0.0 {
-                for i in 0..2 {
-                    x[i] -= follow[i] * (roll - x[2]);
-                }
-            }
-            if roll == x[2] || (high - low) <= f64::EPSILON * roll.abs() {
-                last.converged = true;
-                break;
-            }
-            x[2] = roll;
-            last = at_rest.solve(x, &limits);
-        }
-        last
-    }
-
-    fn settle(&self, stroke: f64, start: [f64; 3], law: &Law, descend: bool, work: &mut Work) -> Solution<Forces> {
-        let mut limits = self.limits(BALANCE * self.load_n());
-        if self.rolls {
-            limits.iterations = QUICK;
-        }
-        AtRest::new(self, stroke, law, descend, work).solve(start, &limits)
     }
 
     /// Whether a position still means something.
@@ -277,21 +276,22 @@ impl Scene {
         Ok(())
     }
 
-    pub(super) fn sample(&self, time_s: f64, at: &Coordinates, forces: &Forces, work: &Work) -> Sample {
+    pub(super) fn sample(&self, at: &State, work: &Work) -> Sample {
+        let State { time, q: [pinion_angle_rad, center_distance_mm, roll_rad], stroke, contact, .. } = *at;
         Sample {
-            time_s,
-            stroke_mm: at.stroke,
-            delta_cd_mm: at.center_distance - self.mesh.pair().nominal_center_distance_mm(),
-            center_distance_mm: at.center_distance,
-            pinion_angle_rad: at.pinion_angle,
-            roll_rad: at.roll,
-            normal_force_right_n: forces.normal_right,
-            normal_force_left_n: forces.normal_left,
-            yoke: self.yoke(at.center_distance),
-            contacts: forces.contacts,
-            penetration_mm: forces.penetration,
+            time_s: time,
+            stroke_mm: stroke,
+            delta_cd_mm: center_distance_mm - self.mesh.pair().nominal_center_distance_mm(),
+            center_distance_mm,
+            pinion_angle_rad,
+            roll_rad,
+            normal_force_right_n: contact.normal_right,
+            normal_force_left_n: contact.normal_left,
+            yoke: self.yoke(center_distance_mm),
+            contacts: contact.contacts,
+            penetration_mm: contact.penetration,
             indentation_mm: work.touching.indentation(),
-            teeth: forces.teeth,
+            teeth: contact.teeth,
         }
     }
 

@@ -16,7 +16,7 @@ use super::strips;
 use super::template::Template;
 use crate::deviation::{PinionFlanks, RackFlanks, RackTooth};
 use crate::gear::Pair;
-use crate::mesh::{self, Mesh};
+use crate::mesh::{self, FlankSide, MatingFlanks, Mesh};
 use crate::trig;
 
 /// Contacts may sink between elements by this share of the normal module: what is coarser is no gear.
@@ -37,7 +37,6 @@ pub struct Scene {
     pub(super) first_tooth: i64,
     pub(super) deviating: Vec<bool>,
     pub(super) shared: SceneGeometry,
-    pub(super) depth: f64,
     pub(super) rolls: bool,
     /// Inertias of ψ, a, φ in N s²/mm and N mm s².
     pub(super) inertia: [f64; 3],
@@ -63,10 +62,8 @@ impl Scene {
             angular_pitch: pair.pinion().angular_pitch_rad(),
             sin_shaft,
             cos_shaft,
-        };
-        let depth = match parameters.support {
-            Support::FreeRoll { axis_depth_mm } => axis_depth_mm,
-            _ => 0.0,
+            depth: if let Support::FreeRoll { axis_depth_mm } = parameters.support { axis_depth_mm } else { 0.0 },
+            eccentricity: pinion.eccentricity_mm(),
         };
         let around = i64::from(pair.pinion().teeth) / 2 + 3;
         let end = parameters.start_mm + parameters.stroke_mm;
@@ -77,12 +74,13 @@ impl Scene {
         let nearest = |stroke: f64| (stroke / shared.pitch).round() as i64;
         let (first, last) = (nearest(parameters.start_mm) - around, nearest(end) + around);
         let teeth: Vec<RackTooth> = (first..=last).map(|index| rack.tooth(index)).collect();
-        let led = teeth.iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0)
-            || pinion.teeth().iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0);
+        let leads = teeth.iter().map(|tooth| [tooth.left.lead_rad, tooth.right.lead_rad]);
+        let leads = leads.chain(pinion.teeth().iter().map(|tooth| [tooth.left.lead_rad, tooth.right.lead_rad]));
+        let led = leads.flatten().any(|lead| lead != 0.0);
         let helical = pair.rack().helix_angle_rad != 0.0 || pair.pinion().helix_angle_rad != 0.0;
         let inertia = inertia(&pair, &parameters);
         let rolls = matches!(parameters.support, Support::FreeRoll { .. }) && (led || helical);
-        let rigid = if rolls { mesh::Support::FreeRoll { axis_depth_mm: depth } } else { mesh::Support::Fixed };
+        let rigid = if rolls { mesh::Support::FreeRoll { axis_depth_mm: shared.depth } } else { mesh::Support::Fixed };
         let mut scene = Self {
             mesh: Mesh::new(pair, rack, pinion, rigid)?,
             parameters,
@@ -93,16 +91,13 @@ impl Scene {
             first_tooth: first,
             deviating: teeth.iter().map(|tooth| *tooth != RackTooth::default()).collect(),
             shared,
-            depth,
             rolls,
             inertia,
         };
-        let mut leads = Vec::new();
-        for (index, tooth) in (first..=last).zip(&teeth) {
-            for right in [true, false] {
-                let flank = scene.flank(right, index, tooth, &mut leads)?;
-                if right { scene.right.push(flank) } else { scene.left.push(flank) }
-            }
+        for tooth in first..=last {
+            let (right, left) = (scene.flank(FlankSide::Right, tooth)?, scene.flank(FlankSide::Left, tooth)?);
+            scene.right.push(right);
+            scene.left.push(left);
         }
         let (resolution_mm, limit_mm) = (scene.resolution_mm(), COARSE * pair.normal_module_mm());
         if resolution_mm > limit_mm {
@@ -111,27 +106,13 @@ impl Scene {
         Ok(scene)
     }
 
-    fn flank(
-        &mut self,
-        right: bool,
-        index: i64,
-        tooth: &RackTooth,
-        leads: &mut Vec<(bool, u64)>,
-    ) -> Result<FlankPair, SimulationError> {
+    fn flank(&mut self, side: FlankSide, rack_tooth: i64) -> Result<FlankPair, SimulationError> {
         let pair = *self.mesh.pair();
         let (rack, p) = (pair.rack(), pair.pinion());
-        let sign = if right { 1.0 } else { -1.0 };
-        let flank = if right { tooth.right } else { tooth.left };
-        let pinion_tooth = if right { index } else { index - 1 };
-        let partner = usize::try_from(pinion_tooth.rem_euclid(i64::from(p.teeth))).unwrap_or(0);
-        let partner = &self.mesh.pinion().teeth()[partner];
-        let partner = if right { partner.left } else { partner.right };
-        let template = self.template(right, partner.lead_rad, leads)?;
-        let (sin_n, cos_n) = trig::sin_cos(pair.normal_pressure_angle_rad());
-        let (sin_b, cos_b) = trig::sin_cos(sign * (rack.helix_angle_rad + flank.lead_rad));
-        let normal = [cos_b * cos_n, -sin_b * cos_n, sin_n];
-        let half_x = 0.5 * rack.tooth_thickness_mm / trig::cos(rack.helix_angle_rad);
-        let offset = normal[0] * (sign * flank.along_x_mm + half_x) + normal[2] * flank.along_z_mm;
+        let MatingFlanks { normal, offset, pinion_tooth, pinion_lead_rad, start, .. } =
+            self.mesh.mating_flanks(side, rack_tooth);
+        let sign = side.sign();
+        let template = self.template(sign, pinion_lead_rad)?;
         let bounds = Bounds {
             half_width: 0.5 * rack.face_width_mm,
             tip: rack.addendum_mm,
@@ -143,13 +124,13 @@ impl Scene {
         let corner = |y: f64, z: f64| [(offset - normal[1] * y - normal[2] * z) / normal[0], y, z];
         let Bounds { half_width, tip, bottom, .. } = bounds;
         let mut made = FlankPair {
-            right,
+            right: side == FlankSide::Right,
             sign,
-            rack_tooth: index,
+            rack_tooth,
             pinion_tooth,
             normal,
             offset,
-            start: sign * partner.arc_mm / p.reference_radius_mm - p.base_half_angle_rad,
+            start,
             level: transverse(normal[0] * cos_shaft - normal[1] * sign * sin_shaft, normal[2]),
             template,
             bounds,
@@ -168,21 +149,18 @@ impl Scene {
     }
 
     /// Which template has a pinion flank of this lead; it is made if none has.
-    fn template(&mut self, right: bool, lead: f64, leads: &mut Vec<(bool, u64)>) -> Result<usize, SimulationError> {
-        let key = (right, lead.to_bits());
-        if let Some(found) = leads.iter().position(|known| *known == key) {
+    fn template(&mut self, sign: f64, lead: f64) -> Result<usize, SimulationError> {
+        if let Some(found) = self.templates.iter().position(|known| known.sign == sign && known.lead == lead) {
             return Ok(found);
         }
         let pinion = self.mesh.pinion();
         let p = self.mesh.pair().pinion();
         let shift = pinion.teeth().iter().flat_map(|tooth| [tooth.left, tooth.right]);
         let shift = shift.map(|flank| flank.arc_mm.abs()).fold(0.0, f64::max) / p.reference_radius_mm;
-        let sign = if right { 1.0 } else { -1.0 };
         let mut made = Template::new(self.mesh.pair(), sign, lead, *pinion.form(), &self.parameters.contact)?;
         made.tooth_reach = p.base_half_angle_rad + shift;
         self.templates.push(made);
-        leads.push(key);
-        Ok(leads.len() - 1)
+        Ok(self.templates.len() - 1)
     }
 
     /// Counts the teeth from this one on as the rack's second part, whether they deviate or not.
@@ -284,7 +262,7 @@ impl Scene {
         work.counters.evaluations += 1;
         work.touching.0.iter_mut().for_each(Vec::clear);
         work.near.clear();
-        let pose = Pose::new(*at, self.depth, self.mesh.pinion().eccentricity_mm(), &self.shared);
+        let pose = Pose::new(*at, self.shared);
         let reach = self.reach(&pose, work.margin);
         let mut load = Load { law, rates: rates.all(), sum: Forces::default(), work };
         // each pinion tooth once: those whose angle from straight down is at most half a turn
@@ -318,8 +296,8 @@ impl Scene {
         // no point of the rack lies higher, rolled or not
         let top = rack.addendum_mm
             + 0.5 * rack.face_width_mm * pose.sin_roll.abs()
-            + (self.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
-        let (along, across) = self.mesh.pinion().eccentricity_mm();
+            + (self.shared.depth + rack.addendum_mm).abs() * (1.0 - pose.cos_roll);
+        let (along, across) = self.shared.eccentricity;
         let off = (along * along + across * across).sqrt();
         let cosine = (pose.at.center_distance - off - top - 2.0 * radius - margin) / p.tip_radius_mm;
         let polar = if cosine <= -1.0 { std::f64::consts::PI } else { trig::acos(cosine.min(1.0)) };
@@ -328,7 +306,7 @@ impl Scene {
 
     /// The yoke at a centre distance.
     pub(super) fn yoke(&self, center_distance: f64) -> Option<YokeSample> {
-        let Support::Yoke(yoke) = self.parameters.support else { return None };
+        let yoke = self.parameters.yoke()?;
         let travel_mm = center_distance - self.mesh.pair().nominal_center_distance_mm();
         let spring = (yoke.preload_n + yoke.rate_n_per_mm * travel_mm).max(0.0);
         let stop = yoke.stop_n_per_mm * (travel_mm - yoke.clearance_mm).max(0.0);
@@ -337,7 +315,7 @@ impl Scene {
 
     /// Force that presses the parts together at a centre distance, and its rate, N and N/mm.
     pub(super) fn closing(&self, center_distance: f64) -> (f64, f64) {
-        let Support::Yoke(yoke) = self.parameters.support else { return (self.parameters.preload_n, 0.0) };
+        let Some(yoke) = self.parameters.yoke() else { return (self.parameters.preload_n, 0.0) };
         let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
         let spring = yoke.preload_n + yoke.rate_n_per_mm * travel;
         let (mut force, mut rate) = if spring > 0.0 { (spring, yoke.rate_n_per_mm) } else { (0.0, 0.0) };
@@ -348,29 +326,34 @@ impl Scene {
         (force + yoke.bush_n_per_mm * travel, rate + yoke.bush_n_per_mm)
     }
 
-    /// Potential energy of that force against a_0, N mm.
+    /// Forces on ψ, a and φ, the closing force included.
+    pub(super) fn unbalanced(&self, q: &[f64; 3], contact: &Forces) -> [f64; 3] {
+        let [angle, height, roll, _] = contact.generalized;
+        [angle, height - self.closing(q[1]).0, roll]
+    }
+
+    /// How these fall with ψ, a and φ.
+    pub(super) fn tangent(&self, q: &[f64; 3], contact: &Forces) -> [[f64; 3]; 3] {
+        let mut tangent = contact.stiffness;
+        tangent[1][1] += self.closing(q[1]).1;
+        tangent
+    }
+
+    /// Potential energy of the closing force against a_0, N mm.
     pub(super) fn closing_energy(&self, center_distance: f64) -> f64 {
         let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
-        match self.parameters.support {
-            Support::Yoke(yoke) => {
-                let floor =
-                    if yoke.rate_n_per_mm > 0.0 { travel.max(-yoke.preload_n / yoke.rate_n_per_mm) } else { travel };
-                let beyond = (travel - yoke.clearance_mm).max(0.0);
-                yoke.preload_n * floor
-                    + 0.5 * yoke.rate_n_per_mm * floor * floor
-                    + 0.5 * yoke.bush_n_per_mm * travel * travel
-                    + 0.5 * yoke.stop_n_per_mm * beyond * beyond
-            }
-            _ => self.parameters.preload_n * travel,
-        }
+        let Some(yoke) = self.parameters.yoke() else { return self.parameters.preload_n * travel };
+        let floor = if yoke.rate_n_per_mm > 0.0 { travel.max(-yoke.preload_n / yoke.rate_n_per_mm) } else { travel };
+        let beyond = (travel - yoke.clearance_mm).max(0.0);
+        yoke.preload_n * floor
+            + 0.5 * yoke.rate_n_per_mm * floor * floor
+            + 0.5 * yoke.bush_n_per_mm * travel * travel
+            + 0.5 * yoke.stop_n_per_mm * beyond * beyond
     }
 
     /// Nominal closing force: the measure of all force tolerances.
     pub(super) fn load_n(&self) -> f64 {
-        match self.parameters.support {
-            Support::Yoke(yoke) => yoke.preload_n,
-            _ => self.parameters.preload_n,
-        }
+        self.parameters.yoke().map_or(self.parameters.preload_n, |yoke| yoke.preload_n)
     }
 
     pub(super) fn is_deviating(&self, tooth: i64) -> bool {

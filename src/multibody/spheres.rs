@@ -177,7 +177,7 @@ impl Sphere {
         let (xi, zeta) = (xi + placed.eccentric.0, zeta + placed.eccentric.1);
         let across = w * placed.cos_shaft - xi * placed.sin_shaft;
         // from the axis of the roll
-        let up = zeta + (pose.at.center_distance + pose.depth);
+        let up = zeta + (pose.at.center_distance + pose.shared.depth);
         let (y, z) = if ROLLS {
             (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll)
         } else {
@@ -186,7 +186,7 @@ impl Sphere {
         // what is left of the radius once the form is removed, and the height of the centre
         let left = self.radius - self.removed;
         let height = self.gap + left;
-        let beyond = pair.beyond(y, z - pose.depth, height);
+        let beyond = pair.beyond(y, z - pose.shared.depth, height);
         if beyond > 0.0 {
             return self.gap >= 0.0 || closest::clear(height, beyond, self.radius, left);
         }

@@ -64,6 +64,9 @@ pub(super) struct Row {
 /// A flank of one side and lead.
 #[derive(Debug, Clone)]
 pub(super) struct Template {
+    /// Of the side and the lead deviation that it is of.
+    pub(super) sign: f64,
+    pub(super) lead: f64,
     pub(super) kappa: f64,
     pub(super) base_radius: f64,
     pub(super) sin_base: f64,
@@ -109,6 +112,8 @@ impl Template {
         let tan_base = p.base_radius_mm * kappa;
         let cos_base = 1.0 / (1.0 + tan_base * tan_base).sqrt();
         let mut template = Self {
+            sign,
+            lead,
             kappa,
             base_radius: p.base_radius_mm,
             sin_base: tan_base * cos_base,

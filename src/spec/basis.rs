@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Spec, keys};
+use super::{Spec, keys, said_of};
 use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth, OwnCurve};
@@ -29,8 +29,7 @@ impl Spec {
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
     pub fn basis(&self) -> Result<Basis, Diagnostics> {
         // a part that is given both ways is said before
-        let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
-        self.refuse_both_ways(&kinds)?;
+        self.refuse_both_ways(&self.kinds())?;
         if self.has_deviations() && self.known_teeth.is_none() {
             let message = "the spec knows teeth one by one: their mesh has to be solved before anything is judged";
             return Err(Diagnostic::error(Code::NoMesh, message).help("see `Spec::with_known_teeth`").into());
@@ -126,8 +125,8 @@ impl Spec {
         let message = format!("the {part} is given both ways: `{}` as one value, and its teeth one by one", kind.key());
         let help = format!("leave out the value, or [[{part}.deviation]] and `{part}.measured`");
         let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help(help);
-        Err(match self.errors.iter().find(|(other, _)| other == kind) {
-            Some((_, written)) if !written.span.is_empty() => diagnostic.at(&self.source, written.span.clone(), ""),
+        Err(match said_of(&self.errors, *kind) {
+            Some(written) if !written.span.is_empty() => diagnostic.at(&self.source, written.span.clone(), ""),
             _ => diagnostic,
         })
     }

@@ -10,7 +10,7 @@ use super::errors::{of_each, read_extent_value};
 use super::keys::{self, Section};
 use super::reader::SectionReader;
 use super::resolve::Problems;
-use super::{Located, Spec, WrittenError};
+use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::page_of;
@@ -47,16 +47,6 @@ pub struct BatchColumn {
     pub kind: Option<Located<&'static str>>,
     /// On which teeth each of its values is.
     pub extent: Option<Located<Extent>>,
-}
-
-/// What the numbers of a column are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum Reading {
-    /// The error itself.
-    Deviation,
-    /// A measured value, from which this nominal value is taken.
-    Measured(DeviationValue),
 }
 
 /// Reads `[batch]`.
@@ -97,10 +87,7 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
             length,
             nominal: nominal(reader, kind),
             kind: reader.get(keys::COLUMN_KIND),
-            extent: reader
-                .table
-                .and_then(|table| table.get(keys::EXTENT))
-                .and_then(|value| read_extent_value(reader, kind, value)),
+            extent: reader.table.get(keys::EXTENT).and_then(|value| read_extent_value(reader, kind, value)),
         }
     })
 }
@@ -118,7 +105,7 @@ fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Locate
 impl SectionReader<'_> {
     /// The unit of a column.
     fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
-        let value = self.table?.get(name)?;
+        let value = self.table.get(name)?;
         let DeValue::String(symbol) = value.get_ref() else {
             return self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
         };
@@ -139,7 +126,7 @@ impl SectionReader<'_> {
 
     /// The texts of a list; none if it is not there.
     fn texts(&mut self, name: &str) -> Vec<Located<String>> {
-        let Some(value) = self.table.and_then(|table| table.get(name)) else { return Vec::new() };
+        let Some(value) = self.table.get(name) else { return Vec::new() };
         let DeValue::Array(list) = value.get_ref() else {
             self.wrong_type::<()>(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
             return Vec::new();
@@ -158,8 +145,7 @@ impl SectionReader<'_> {
 impl Spec {
     /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
     pub(super) fn other_extents(&self) -> Vec<Diagnostic> {
-        let has_value = |kind: DeviationKind| self.errors.iter().any(|(other, _)| *other == kind);
-        let of_tables = self.extents.iter().filter(|(kind, _)| !has_value(*kind));
+        let of_tables = self.extents.iter().filter(|(kind, _)| said_of(&self.errors, *kind).is_none());
         let contradicted = of_tables.filter_map(|(kind, in_errors)| {
             let column = self.batch_column(*kind)?;
             let in_column = column.value.extent.as_ref().filter(|extent| extent.value != in_errors.value)?;
@@ -177,7 +163,7 @@ impl Spec {
     /// The entry of `[batch.columns]` for an error.
     #[must_use]
     pub fn batch_column(&self, kind: DeviationKind) -> Option<&Located<BatchColumn>> {
-        self.batch.columns.iter().find(|(column, _)| *column == kind).map(|(_, column)| column)
+        said_of(&self.batch.columns, kind)
     }
 
     /// What the spec says of a table before it is read. What the user says of the file is added to it.
@@ -206,21 +192,12 @@ impl Spec {
     fn given(&self, kind: DeviationKind) -> GivenColumn {
         let column = self.batch_column(kind).map(|column| &column.value);
         let stated = column.and_then(|column| column.kind.as_ref()).map(|stated| stated.value);
-        let holds = match stated {
-            Some("deviation") => Some(ValueKind::Deviation),
-            Some(_) => Some(ValueKind::Measured),
-            None => None,
-        };
-        let nominal = match self.reading(kind) {
-            Ok(Reading::Measured(nominal)) => Some(Ok(nominal)),
-            Ok(Reading::Deviation) => None,
-            Err(problems) => Some(Err(problems)),
-        };
+        let holds = stated.map(|stated| if stated == "deviation" { ValueKind::Deviation } else { ValueKind::Measured });
         GivenColumn {
             kind,
             unit: column.and_then(|column| column.unit.as_ref()).map(|unit| unit.value),
             holds,
-            nominal,
+            nominal: self.nominal_of_column(kind).transpose(),
             length: column
                 .and_then(|column| column.length.as_ref())
                 .map(|length| length.value)
@@ -246,7 +223,7 @@ impl Spec {
     #[must_use]
     pub fn extents_in_words(&self, errors: &[DeviationKind]) -> Option<String> {
         let stated = errors.iter().filter_map(|kind| {
-            let (_, extent) = self.extents.iter().find(|(of, _)| of == kind)?;
+            let extent = said_of(&self.extents, *kind)?;
             Some(format!("{} {} ({})", kind.key(), extent.value, extent.value.words(kind.unit(), None)))
         });
         let stated: Vec<_> = stated.collect();
@@ -295,46 +272,37 @@ impl Spec {
         self.asked_errors().into_iter().filter(|kind| !in_table.contains(kind)).collect()
     }
 
-    /// What the column of an error holds: measured values if `[batch.columns]` or `[errors]` gives a nominal
-    /// value (or the roller from which it follows), deviations otherwise.
+    /// The nominal value that is taken from the numbers of an error's column, if they are measured values: if
+    /// `[batch.columns]` or `[errors]` gives a nominal value, or the roller from which it follows. Others are deviations.
     ///
     /// # Errors
     /// Diagnostics for gear data that a computed nominal value needs, or a kind of column that contradicts
     /// its nominal value.
-    pub fn reading(&self, kind: DeviationKind) -> Result<Reading, Diagnostics> {
-        let column = self.batch_column(kind);
-        let stated = column.and_then(|column| column.value.kind.as_ref());
-        let in_column = column.and_then(|column| column.value.nominal.as_ref());
-        let in_errors = self.nominals.iter().find(|(nominal, _)| *nominal == kind).map(|(_, nominal)| nominal);
-        let roller = self.errors.iter().find_map(|(error, written)| match &written.value {
-            WrittenError::OverRoller { roller, .. } if *error == kind => Some((roller, written)),
+    pub fn nominal_of_column(&self, kind: DeviationKind) -> Result<Option<DeviationValue>, Diagnostics> {
+        let column = self.batch_column(kind).map(|column| &column.value);
+        let stated = column.and_then(|column| column.kind.as_ref());
+        let in_column = column.and_then(|column| column.nominal.as_ref());
+        let nominal = in_column.or(said_of(&self.nominals, kind));
+        let roller = said_of(&self.errors, kind).and_then(|written| match &written.value {
+            WrittenError::OverRoller { roller, .. } => Some((roller, written)),
             _ => None,
         });
-        match stated {
-            Some(stated) if stated.value == "deviation" => match in_column {
-                Some(nominal) => {
-                    let message =
-                        format!("the column of `{}` holds deviations, which have no nominal value", kind.key());
-                    Err(Diagnostic::error(Code::BadErrorEntry, message)
-                        .at(&self.source, nominal.span.clone(), "")
-                        .help("remove `nominal`, or write kind = \"measured\"")
-                        .into())
-                }
-                None => Ok(Reading::Deviation),
-            },
-            Some(stated) if in_column.is_none() && in_errors.is_none() && roller.is_none() => {
-                let message =
-                    format!("the column of `{}` holds measured values, and there is no nominal value", kind.key());
-                Err(Diagnostic::error(Code::MissingKey, message)
-                    .at(&self.source, stated.span.clone(), "")
-                    .help("add `nominal = …` beside it")
-                    .into())
+        let refused = |code, holds, span: &Range<usize>, help| {
+            let message = format!("the column of `{}` holds {holds}", kind.key());
+            Err(Diagnostic::error(code, message).at(&self.source, span.clone(), "").help(help).into())
+        };
+        match (stated, nominal, roller) {
+            (Some(stated), ..) if stated.value == "deviation" => in_column.map_or(Ok(None), |nominal| {
+                let help = "remove `nominal`, or write kind = \"measured\"";
+                refused(Code::BadErrorEntry, "deviations, which have no nominal value", &nominal.span, help)
+            }),
+            (Some(stated), None, None) => {
+                let holds = "measured values, and there is no nominal value";
+                refused(Code::MissingKey, holds, &stated.span, "add `nominal = …` beside it")
             }
-            _ => match (in_column.or(in_errors), roller) {
-                (Some(nominal), _) => Ok(Reading::Measured(nominal.value)),
-                (None, Some((roller, written))) => self.over_roller(*roller, written).map(Reading::Measured),
-                (None, None) => Ok(Reading::Deviation),
-            },
+            (_, Some(nominal), _) => Ok(Some(nominal.value)),
+            (_, None, Some((roller, written))) => self.over_roller(*roller, written).map(Some),
+            (None, None, None) => Ok(None),
         }
     }
 
@@ -367,9 +335,8 @@ impl Spec {
     /// Where the spec speaks of an error.
     fn place_of(&self, kind: DeviationKind) -> Option<Range<usize>> {
         let column = self.batch_column(kind).map(|column| column.span.clone());
-        let error = || self.errors.iter().find(|(error, _)| *error == kind).map(|(_, error)| error.span.clone());
-        let nominal =
-            || self.nominals.iter().find(|(nominal, _)| *nominal == kind).map(|(_, found)| found.span.clone());
+        let error = || said_of(&self.errors, kind).map(|error| error.span.clone());
+        let nominal = || said_of(&self.nominals, kind).map(|nominal| nominal.span.clone());
         column.or_else(error).or_else(nominal)
     }
 }
@@ -383,29 +350,29 @@ mod tests {
         Spec::parse("spec.toml", text).expect(text)
     }
 
-    fn measured(mm: &str) -> Reading {
-        Reading::Measured(DeviationValue::Length(mm.parse().unwrap()))
+    fn measured(mm: &str) -> Option<DeviationValue> {
+        Some(DeviationValue::Length(mm.parse().unwrap()))
     }
 
     #[test]
     fn a_nominal_value_makes_a_column_measured() {
-        let reading = |text: &str| spec(text).reading(DeviationKind::RackOverRoller).unwrap();
-        assert_eq!(reading(""), Reading::Deviation);
-        assert_eq!(reading("[errors]\nrack_over_roller = 0.01"), Reading::Deviation);
+        let reading = |text: &str| spec(text).nominal_of_column(DeviationKind::RackOverRoller).unwrap();
+        assert_eq!(reading(""), None);
+        assert_eq!(reading("[errors]\nrack_over_roller = 0.01"), None);
         assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25.0 }"), measured("25"));
         assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25, measured = 25.1 }"), measured("25"));
         assert_eq!(reading("[batch.columns]\nrack_over_roller = { nominal = \"1 in\" }"), measured("25.4"));
         let both = "[errors]\nrack_over_roller = { nominal = 25 }\n[batch.columns]\nrack_over_roller = { kind = \"deviation\" }";
-        assert_eq!(reading(both), Reading::Deviation);
+        assert_eq!(reading(both), None);
         let roller = "[pair]\nnormal_module = 2.5\nnormal_pressure_angle = 20\n[rack]\ndatum = 21.5\n\
                       [errors]\nrack_over_roller = { roller = 5, measured = 26 }";
-        let Reading::Measured(DeviationValue::Length(nominal)) = reading(roller) else { panic!() };
+        let Some(DeviationValue::Length(nominal)) = reading(roller) else { panic!() };
         assert_eq!(format!("{:.3}", nominal.mm()), "25.915");
     }
 
     #[test]
     fn contradictions_are_refused_with_their_place() {
-        let problem = |text: &str| spec(text).reading(DeviationKind::RackPitch).unwrap_err().to_string();
+        let problem = |text: &str| spec(text).nominal_of_column(DeviationKind::RackPitch).unwrap_err().to_string();
         assert_eq!(
             problem("[batch.columns]\nrack_pitch = { kind = \"measured\" }"),
             "spec.toml:2:23: error[missing-key]: the column of `rack_pitch` holds measured values, and there is no nominal value"

@@ -7,7 +7,7 @@ use super::errors::{of_each, read_error_value, read_extent};
 use super::keys;
 use super::reader::SectionReader;
 use super::resolve::Problems;
-use super::{Located, Spec, WrittenError};
+use super::{Located, Spec, WrittenError, said_of};
 use crate::budget::Spread;
 use crate::budget::{Entry, Free, Freedom};
 use crate::deviation::{DeviationKind, Extent};
@@ -39,8 +39,7 @@ impl BudgetSection {
     /// On which teeth an error may be: each, with a value of its own, unless it says otherwise.
     #[must_use]
     pub fn extent(&self, kind: DeviationKind) -> Extent {
-        let written = self.extents.iter().find(|(of, _)| *of == kind);
-        written.map_or(Extent::Each, |(_, extent)| extent.value)
+        said_of(&self.extents, kind).map_or(Extent::Each, |extent| extent.value)
     }
 }
 
@@ -54,7 +53,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BudgetSection {
 
 fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<WrittenTolerance>> {
     let name = kind.key();
-    let value = reader.table?.get(name)?;
+    let value = reader.table.get(name)?;
     let span = value.span();
     let free = |freedom| Some(Located { value: WrittenTolerance::Free(freedom), span: span.clone() });
     match value.get_ref() {

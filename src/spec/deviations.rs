@@ -44,74 +44,55 @@ const PINION_DISPLACEMENTS: [Displacement<PinionDeviationKind>; 5] = [
 
 /// Reads every `[[rack.deviation]]`.
 pub(super) fn rack(reader: &mut SectionReader<'_>) -> Vec<Located<RackDeviation>> {
-    let mut deviations = Vec::new();
-    each_table(
-        reader,
-        "deviation",
-        &keys::RACK_DEVIATION,
-        |entry, found| {
-            let Some(teeth) = entry.teeth(keys::RACK_DEVIATION_TEETH) else { return };
-            for (key, kind) in RACK_DISPLACEMENTS {
-                if let Some(length) = entry.get(key) {
-                    let deviation = RackDeviation { teeth, kind: kind(length.value.mm()) };
-                    found.push(Located { value: deviation, span: length.span });
-                }
+    each_table(reader, &keys::RACK_DEVIATION, |entry, found| {
+        let Some(teeth) = entry.teeth(keys::RACK_DEVIATION_TEETH) else { return };
+        let mut push = |kind, span| found.push(Located { value: RackDeviation { teeth, kind }, span });
+        for (key, kind) in RACK_DISPLACEMENTS {
+            if let Some(length) = entry.get(key) {
+                push(kind(length.value.mm()), length.span);
             }
-            if let Some(angle) = entry.get(keys::RACK_DEVIATION_LEAD) {
-                let deviation = RackDeviation { teeth, kind: RackDeviationKind::Lead(angle.value.radians()) };
-                found.push(Located { value: deviation, span: angle.span });
-            }
-        },
-        &mut deviations,
-    );
-    deviations
+        }
+        if let Some(angle) = entry.get(keys::RACK_DEVIATION_LEAD) {
+            push(RackDeviationKind::Lead(angle.value.radians()), angle.span);
+        }
+    })
 }
 
 /// Reads every `[[pinion.deviation]]`.
 pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinionDeviation>> {
-    let mut deviations = Vec::new();
-    each_table(
-        reader,
-        "deviation",
-        &keys::PINION_DEVIATION,
-        |entry, found| {
-            let Some(teeth) = entry.teeth(keys::PINION_DEVIATION_TEETH) else { return };
-            let mut of_teeth = |kind, span| {
-                let deviation = WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind });
-                found.push(Located { value: deviation, span });
-            };
-            for (key, kind) in PINION_DISPLACEMENTS {
-                if let Some(length) = entry.get(key) {
-                    of_teeth(kind(length.value.mm()), length.span);
-                }
+    each_table(reader, &keys::PINION_DEVIATION, |entry, found| {
+        let Some(teeth) = entry.teeth(keys::PINION_DEVIATION_TEETH) else { return };
+        let mut push = |kind, span| {
+            found.push(Located { value: WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind }), span });
+        };
+        for (key, kind) in PINION_DISPLACEMENTS {
+            if let Some(length) = entry.get(key) {
+                push(kind(length.value.mm()), length.span);
             }
-            if let Some(angle) = entry.get(keys::PINION_DEVIATION_LEAD) {
-                of_teeth(PinionDeviationKind::Lead(angle.value.radians()), angle.span);
-            }
-            let eccentricity = entry.table("eccentricity", &keys::ECCENTRICITY, |reader| {
-                reader.refuse_missing_keys();
-                let tooth = reader.get(keys::PINION_DEVIATION_ECCENTRICITY_TOOTH);
-                (reader.get(keys::PINION_DEVIATION_ECCENTRICITY_AMOUNT), tooth)
-            });
-            if let Some(Located { value: (Some(amount), Some(tooth)), span }) = eccentricity {
-                let eccentricity = Eccentricity { amount_mm: amount.value.mm(), tooth: i64::from(tooth.value) };
-                found.push(Located { value: WrittenPinionDeviation::Eccentricity(eccentricity), span });
-            }
-        },
-        &mut deviations,
-    );
-    deviations
+        }
+        if let Some(angle) = entry.get(keys::PINION_DEVIATION_LEAD) {
+            push(PinionDeviationKind::Lead(angle.value.radians()), angle.span);
+        }
+        let eccentricity = entry.table("eccentricity", &keys::ECCENTRICITY, |reader| {
+            reader.refuse_missing_keys();
+            let tooth = reader.get(keys::PINION_DEVIATION_ECCENTRICITY_TOOTH);
+            (reader.get(keys::PINION_DEVIATION_ECCENTRICITY_AMOUNT), tooth)
+        });
+        if let Some(Located { value: (Some(amount), Some(tooth)), span }) = eccentricity {
+            let eccentricity = Eccentricity { amount_mm: amount.value.mm(), tooth: i64::from(tooth.value) };
+            found.push(Located { value: WrittenPinionDeviation::Eccentricity(eccentricity), span });
+        }
+    })
 }
 
-/// Reads each table of `[[section.name]]`; one that holds nothing but teeth is a mistake.
+/// Reads each table of `[[….deviation]]`; one that holds nothing but teeth is a mistake.
 fn each_table<T>(
     reader: &mut SectionReader<'_>,
-    name: &str,
     section: &'static Section,
     read: impl Fn(&mut SectionReader<'_>, &mut Vec<T>),
-    found: &mut Vec<T>,
-) {
-    let Some(value) = reader.table.and_then(|table| table.get(name)) else { return };
+) -> Vec<T> {
+    let mut found = Vec::new();
+    let Some(value) = reader.table.get("deviation") else { return found };
     let entries: Vec<&Spanned<DeValue<'_>>> = match value.get_ref() {
         DeValue::Array(entries) => entries.iter().collect(),
         _ => vec![value],
@@ -132,8 +113,9 @@ fn each_table<T>(
             reader.report(diagnostic, entry.span());
             continue;
         }
-        reader.inner(section, table, |inner| read(inner, found));
+        reader.inner(section, table, |inner| read(inner, &mut found));
     }
+    found
 }
 
 impl SectionReader<'_> {
@@ -147,7 +129,7 @@ impl SectionReader<'_> {
         let mut inner = SectionReader {
             source: self.source,
             section,
-            table: Some(table),
+            table,
             diagnostics: self.diagnostics,
             uncertainties: self.uncertainties,
         };
@@ -162,7 +144,7 @@ impl SectionReader<'_> {
         section: &'static Section,
         read: impl FnOnce(&mut SectionReader<'_>) -> T,
     ) -> Option<Located<T>> {
-        let value = self.table?.get(name)?;
+        let value = self.table.get(name)?;
         let DeValue::Table(table) = value.get_ref() else {
             let names: Vec<_> = section.keys.iter().map(|key| format!("{} = …", key.name())).collect();
             return self.wrong_type(name, value, &format!("a table {{ {} }}", names.join(", ")));
@@ -174,10 +156,9 @@ impl SectionReader<'_> {
 
     /// Reports keys without which the table means nothing.
     pub(super) fn refuse_missing_keys(&mut self) {
-        let Some(table) = self.table else { return };
         // a table without keys has no place of its own; its section's name is in the message
-        let span = table.iter().next().map_or(0..0, |(key, value)| key.span().start..value.span().end);
-        for key in self.section.keys.iter().filter(|key| !table.contains_key(key.name())) {
+        let span = self.table.iter().next().map_or(0..0, |(key, value)| key.span().start..value.span().end);
+        for key in self.section.keys.iter().filter(|key| !self.table.contains_key(key.name())) {
             let message = format!("`{}` needs `{}`", self.section.name, key.name());
             self.report(Diagnostic::error(Code::MissingKey, message), span.clone());
         }
@@ -185,6 +166,6 @@ impl SectionReader<'_> {
 
     /// A range of teeth; every tooth if there is none.
     fn teeth(&mut self, key: Key<ToothRange>) -> Option<ToothRange> {
-        if self.table?.contains_key(key.any.name()) { Some(self.get(key)?.value) } else { Some(ToothRange::ALL) }
+        if self.table.contains_key(key.any.name()) { Some(self.get(key)?.value) } else { Some(ToothRange::ALL) }
     }
 }

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::keys;
 use super::reader::SectionReader;
-use super::{Located, Spec};
+use super::{Located, Spec, said_of};
 use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
@@ -43,10 +43,7 @@ pub(super) fn of_each<T>(mut read: impl FnMut(DeviationKind) -> Option<T>) -> Ve
 pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
     spec.nominals = of_each(|kind| read_nominal(reader, kind));
     spec.unmeasured = of_each(|kind| read_unmeasured(reader, kind));
-    let alone = |kind| {
-        reader.table.and_then(|table| only_nominal(table, kind)).is_some()
-            || spec.unmeasured.iter().any(|(other, _)| *other == kind)
-    };
+    let alone = |kind| only_nominal(reader, kind).is_some() || said_of(&spec.unmeasured, kind).is_some();
     let kinds: Vec<_> = DeviationKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
     spec.every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
     spec.errors = of_each(|kind| kinds.contains(&kind).then(|| read_error(reader, kind))?);
@@ -56,8 +53,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
 
 /// The length beside f_Hβ; one that cannot be read is reported with the value.
 fn read_evaluation_length(reader: &mut SectionReader<'_>) -> Option<Length> {
-    let entry = reader.table?.get(DeviationKind::RackLead.key())?.get_ref().as_table()?;
-    let value = entry.get("length")?;
+    let value = reader.entry(DeviationKind::RackLead.key())?.get("length")?;
     let known = reader.diagnostics.len();
     let length = reader.length_value("length", value);
     reader.diagnostics.truncate(known);
@@ -66,8 +62,7 @@ fn read_evaluation_length(reader: &mut SectionReader<'_>) -> Option<Length> {
 
 /// Whether the entry of an error says that its value is that of every part.
 fn is_of_every_part(reader: &mut SectionReader<'_>, kind: DeviationKind) -> bool {
-    let entry = reader.table.and_then(|table| table.get(kind.key())?.get_ref().as_table());
-    let Some(value) = entry.and_then(|entry| entry.get(keys::EVERY_PART)) else { return false };
+    let Some(value) = reader.entry(kind.key()).and_then(|entry| entry.get(keys::EVERY_PART)) else { return false };
     if let DeValue::Boolean(every_part) = value.get_ref() {
         return *every_part;
     }
@@ -77,7 +72,7 @@ fn is_of_every_part(reader: &mut SectionReader<'_>, kind: DeviationKind) -> bool
 
 /// On which teeth an error is, if that is written.
 pub(super) fn read_extent(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<Extent>> {
-    let value = reader.table?.get(kind.key())?.get_ref().as_table()?.get(keys::EXTENT)?;
+    let value = reader.entry(kind.key())?.get(keys::EXTENT)?;
     read_extent_value(reader, kind, value)
 }
 
@@ -106,7 +101,7 @@ fn is_beside(key: &str) -> bool {
 
 /// Reads one entry of `[errors]`.
 fn read_error(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<WrittenError>> {
-    let value = reader.table?.get(kind.key())?;
+    let value = reader.table.get(kind.key())?;
     let written = read_error_value(reader, kind, value)?;
     Some(Located { value: written, span: value.span() })
 }
@@ -141,8 +136,8 @@ fn value_of(
 }
 
 /// The entry of an error that has nothing but a nominal value.
-fn only_nominal<'t>(table: &'t DeTable<'_>, kind: DeviationKind) -> Option<&'t DeTable<'t>> {
-    let entry = table.get(kind.key())?.get_ref().as_table()?;
+fn only_nominal<'t>(reader: &SectionReader<'t>, kind: DeviationKind) -> Option<&'t DeTable<'t>> {
+    let entry = reader.entry(kind.key())?;
     let beside = entry.iter().filter(|(key, _)| is_beside(key.get_ref().as_ref())).count();
     (entry.len() == 1 + beside && entry.contains_key("nominal")).then_some(entry)
 }
@@ -150,12 +145,11 @@ fn only_nominal<'t>(table: &'t DeTable<'_>, kind: DeviationKind) -> Option<&'t D
 /// The nominal value in an entry of `[errors]`. A value that cannot be read is reported here if it stands alone, and
 /// with the measured one otherwise.
 fn read_nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
-    let table = reader.table?;
-    let entry = table.get(kind.key())?.get_ref().as_table()?;
+    let entry = reader.entry(kind.key())?;
     let value = entry.get("nominal")?;
     let known = reader.diagnostics.len();
     let nominal = value_of(reader, kind, "nominal", value);
-    if only_nominal(table, kind).is_none() {
+    if only_nominal(reader, kind).is_none() {
         reader.diagnostics.truncate(known);
     } else {
         // the uncertainty of the measured values to come
@@ -167,7 +161,7 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<L
 
 /// Reads an entry of an error that has nothing but an uncertainty or an extent: where it stands.
 fn read_unmeasured(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Range<usize>> {
-    let written = reader.table?.get(kind.key())?;
+    let written = reader.table.get(kind.key())?;
     let entry = written.get_ref().as_table()?;
     let only = !entry.is_empty() && entry.iter().all(|(key, _)| is_beside(key.get_ref().as_ref()));
     if !only {

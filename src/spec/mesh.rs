@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::resolve::Problems;
-use super::{Located, Spec, WrittenPinionDeviation, keys};
+use super::{Located, Spec, WrittenPinionDeviation, keys, said_of};
 use crate::deviation::plausible;
 use crate::deviation::{
     DeviationKind, DeviationValue, Part, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow,
@@ -165,8 +165,7 @@ impl Spec {
             self.rack_deviations.iter().map(|deviation| deviation.value).collect(),
             self.pinion_deviations.iter().map(|deviation| deviation.value).collect(),
         );
-        let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
-        self.refuse_both_ways(&kinds)?;
+        self.refuse_both_ways(&self.kinds())?;
         let origin = if self.has_deviations() || self.errors.is_empty() { Origin::Teeth } else { Origin::Errors };
         let mut pinion_lead_mm = None;
         if origin == Origin::Errors {
@@ -376,8 +375,8 @@ impl Spec {
     /// # Errors
     /// Diagnostics for missing keys, or a thickness that leaves no space.
     pub fn nominal_over_pin(&self) -> Result<Length, Diagnostics> {
-        let given = self.nominals.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller);
-        if let Some((_, Located { value: DeviationValue::Length(nominal), .. })) = given {
+        let given = said_of(&self.nominals, DeviationKind::RackOverRoller);
+        if let Some(Located { value: DeviationValue::Length(nominal), .. }) = given {
             return Ok(*nominal);
         }
         let mut problems = Problems::default();

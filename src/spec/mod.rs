@@ -34,7 +34,7 @@ mod value;
 mod vary;
 
 pub use basis::GEOMETRY_KEYS;
-pub use batch::{BatchColumn, BatchSection, Reading};
+pub use batch::{BatchColumn, BatchSection};
 pub use budget::{BudgetSection, WrittenTolerance};
 pub use deviations::WrittenPinionDeviation;
 pub use errors::WrittenError;
@@ -69,6 +69,11 @@ pub struct Located<T> {
     pub value: T,
     /// The bytes of the spec that hold it.
     pub span: Range<usize>,
+}
+
+/// What is said of one of several things, such as the kinds of error, if anything is.
+pub(crate) fn said_of<K: PartialEq, T>(entries: &[(K, T)], of: K) -> Option<&T> {
+    entries.iter().find(|(other, _)| *other == of).map(|(_, said)| said)
 }
 
 /// A spec as it was written: every value valid by itself, nothing required yet.
@@ -162,12 +167,11 @@ impl Spec {
     fn read(top: &DeTable<'_>, source: &Arc<Source>, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let mut spec = Self { source: Arc::clone(source), ..Self::default() };
         let mut uncertainties = Vec::new();
-        let mut sections = Sections { source, top, diagnostics, uncertainties: &mut uncertainties };
-        sections.refuse_unknown();
-        sections.read(&keys::TOP, |reader| {
-            spec.title = reader.get(keys::TITLE).map(|title| title.value);
-            spec.correlations = uncertainty::correlations(reader);
-        });
+        let mut sections =
+            SectionReader { source, section: &keys::TOP, table: top, diagnostics, uncertainties: &mut uncertainties };
+        sections.refuse_unknown_sections();
+        spec.title = sections.get(keys::TITLE).map(|title| title.value);
+        spec.correlations = uncertainty::correlations(&mut sections);
         sections.read(&keys::PAIR, |reader| reader.values(&mut spec.values));
         sections.read(&keys::RACK, |reader| {
             reader.values(&mut spec.values);
@@ -195,17 +199,10 @@ impl Spec {
     }
 }
 
-/// The tables of a spec while it is being read.
-struct Sections<'a> {
-    source: &'a Arc<Source>,
-    top: &'a DeTable<'a>,
-    diagnostics: &'a mut Vec<Diagnostic>,
-    uncertainties: &'a mut Vec<(uncertain::Source, Located<uncertain::Uncertainty>)>,
-}
-
-impl Sections<'_> {
-    fn refuse_unknown(&mut self) {
-        for (key, value) in self.top {
+impl SectionReader<'_> {
+    /// Of the whole spec: reports keys at its top that are no sections, or that it does not have.
+    fn refuse_unknown_sections(&mut self) {
+        for (key, value) in self.table {
             let name = key.get_ref().as_ref();
             let is_table = matches!(value.get_ref(), DeValue::Table(_));
             let top_names = keys::TOP.keys.iter().map(keys::AnyKey::name);
@@ -237,27 +234,11 @@ impl Sections<'_> {
         }
     }
 
-    /// Reads a section; one that is not there is not read at all, which a short spec's start-up gains from.
+    /// Reads a section, if it is there; one that is no table is reported as unknown.
     fn read(&mut self, section: &'static Section, read: impl FnOnce(&mut SectionReader<'_>)) {
-        let table = if section.name.is_empty() {
-            Some(self.top)
-        } else {
-            self.top.get(section.name).and_then(|value| value.get_ref().as_table())
-        };
-        if table.is_none() {
-            return;
+        if let Some(table) = self.entry(section.name) {
+            self.inner(section, table, read);
         }
-        let mut reader = SectionReader {
-            source: self.source,
-            section,
-            table,
-            diagnostics: self.diagnostics,
-            uncertainties: self.uncertainties,
-        };
-        if !section.name.is_empty() {
-            reader.refuse_unknown_keys();
-        }
-        read(&mut reader);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::class::NO_OVER_ROLLER_CLASS;
 use crate::quantity::{Angle, Length};
 use crate::standard::Deviation;
-use crate::table::Measured;
+use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::trig;
 
 /// A measured deviation of a part.
@@ -46,8 +46,22 @@ impl Spec {
                 values.push(MeasuredValue { part, graded, amount, origin });
             }
         }
-        self.of_rack_table(tables, &mut values)?;
-        self.of_pinion_table(tables, &mut values)?;
+        let (rack, pinion) = (&tables.rack, &tables.pinion);
+        let of_rack = rack.as_ref().map(|table| {
+            let lead = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max();
+            (Part::Rack, &table.name, of_spaces(&table.rows), lead)
+        });
+        let of_pinion = pinion.as_ref().map(|table| {
+            let lead = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max();
+            (Part::Pinion, &table.name, of_teeth(&table.rows, self.or_zero(keys::PINION_TEETH) as usize), lead)
+        });
+        for (part, table, mut told, lead) in of_rack.into_iter().chain(of_pinion) {
+            let slope = lead.map(|lead| self.slope(part, trig::tan_of(lead))).transpose()?;
+            told.push(Told { graded: Ok(Deviation::HelixSlope), amount: slope, what: "largest lead deviation" });
+            values.extend(told.into_iter().filter_map(|Told { graded, amount, what }| {
+                Some(MeasuredValue { part, graded, amount: amount?, origin: format!("{what} in {table}") })
+            }));
+        }
         Ok(values)
     }
 
@@ -66,90 +80,69 @@ impl Spec {
         Length::nearest(width.mm() * tangent.abs() * 1e12, "f_Hβ")
             .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
     }
+}
 
-    fn of_rack_table(&self, tables: &MeasuredTables, values: &mut Vec<MeasuredValue>) -> Result<(), Diagnostics> {
-        let Some(table) = &tables.rack else { return Ok(()) };
-        let mut push = |deviation, amount: Length, what: &str| {
-            let origin = format!("{what} in {}", table.name);
-            values.push(MeasuredValue { part: Part::Rack, graded: deviation, amount, origin });
-        };
-        let heights: Vec<Length> = table
-            .rows
-            .iter()
-            .filter_map(|row| row.over_pin.as_ref())
-            .map(|measured| match measured {
-                Measured::Absolute(length) | Measured::Deviation(length) => *length,
-            })
-            .collect();
-        if let Some(spread) = spread(&heights) {
-            push(Err(NO_RUNOUT_OF_A_RACK), spread, "over-pin values, largest less smallest");
-        }
-        // position deviations of neighbouring spaces differ by the pitch deviation
-        let positions: BTreeMap<i64, Length> = table
-            .rows
-            .iter()
-            .filter_map(|row| match row.position.as_ref()? {
-                Measured::Deviation(length) => Some((row.space, *length)),
-                Measured::Absolute(_) => None,
-            })
-            .collect();
-        let steps =
-            positions.iter().filter_map(|(space, position)| Some((*positions.get(&(space + 1))? - *position).abs()));
-        if let Some(step) = steps.max() {
-            push(Ok(Deviation::SinglePitch), step, "differences of neighbouring position deviations");
-        }
-        let all: Vec<Length> = positions.into_values().collect();
-        if let Some(spread) = spread(&all) {
-            push(Ok(Deviation::TotalPitch), spread, "position deviations, largest less smallest");
-        }
-        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max() {
-            push(Ok(Deviation::HelixSlope), self.slope(Part::Rack, trig::tan_of(lead))?, "largest lead deviation");
-        }
-        Ok(())
-    }
+/// What a table tells of a deviation; no amount if too little was measured.
+struct Told {
+    graded: Result<Deviation, &'static str>,
+    amount: Option<Length>,
+    what: &'static str,
+}
 
-    fn of_pinion_table(&self, tables: &MeasuredTables, values: &mut Vec<MeasuredValue>) -> Result<(), Diagnostics> {
-        let Some(table) = &tables.pinion else { return Ok(()) };
-        let mut push = |deviation, amount: Length, what: &str| {
-            let origin = format!("{what} in {}", table.name);
-            values.push(MeasuredValue { part: Part::Pinion, graded: Ok(deviation), amount, origin });
-        };
-        let radial: Vec<Length> = table.rows.iter().filter_map(|row| row.radial).collect();
-        if let Some(spread) = spread(&radial) {
-            push(Deviation::Runout, spread, "radial deviations, largest less smallest");
-        }
-        let of_flank = |left: bool| -> BTreeMap<i64, Length> {
-            let pitch = |row: &crate::table::PinionTooth| if left { row.left_pitch } else { row.right_pitch };
-            table.rows.iter().filter_map(|row| Some((row.tooth, pitch(row)?))).collect()
-        };
-        let flanks = [of_flank(true), of_flank(false)];
-        if let Some(largest) = flanks.iter().flat_map(BTreeMap::values).map(|pitch| pitch.abs()).max() {
-            push(Deviation::SinglePitch, largest, "largest single pitch deviation");
-        }
-        let teeth = self.or_zero(keys::PINION_TEETH) as usize;
-        // sums mean something only over a whole turn
-        let whole: Vec<Vec<Length>> = flanks
-            .iter()
-            .filter(|flank| teeth > 0 && flank.len() == teeth)
-            .map(|flank| flank.values().copied().collect())
-            .collect();
-        let totals = whole.iter().filter_map(|flank| spread(&centred_sums(flank)));
-        if let Some(total) = totals.max() {
-            push(Deviation::TotalPitch, total, "cumulative pitch deviations, largest less smallest");
-        }
-        let pitches = (teeth / 8).max(2);
-        let sectors = whole.iter().flat_map(|flank| {
-            let sums = centred_sums(flank);
-            (0..flank.len()).map(move |tooth| (sums[(tooth + pitches) % sums.len()] - sums[tooth]).abs())
-        });
-        if let Some(sector) = sectors.max() {
-            push(Deviation::SectorPitch, sector, "largest cumulative pitch deviation over k pitches");
-        }
-        if let Some(lead) = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max() {
-            push(Deviation::HelixSlope, self.slope(Part::Pinion, trig::tan_of(lead))?, "largest lead deviation");
-        }
-        Ok(())
-    }
+fn of_spaces(rows: &[RackSpace]) -> Vec<Told> {
+    let height =
+        |row: &RackSpace| row.over_pin.map(|(Measured::Absolute(length) | Measured::Deviation(length))| length);
+    let heights: Vec<Length> = rows.iter().filter_map(height).collect();
+    // position deviations of neighbouring spaces differ by the pitch deviation
+    let position = |row: &RackSpace| match row.position? {
+        Measured::Deviation(length) => Some((row.space, length)),
+        Measured::Absolute(_) => None,
+    };
+    let positions: BTreeMap<i64, Length> = rows.iter().filter_map(position).collect();
+    let step = |(space, position): (&i64, &Length)| positions.get(&(space + 1)).map(|next| (*next - *position).abs());
+    let steps = positions.iter().filter_map(step);
+    vec![
+        Told {
+            graded: Err(NO_RUNOUT_OF_A_RACK),
+            amount: spread(&heights),
+            what: "over-pin values, largest less smallest",
+        },
+        Told {
+            graded: Ok(Deviation::SinglePitch),
+            amount: steps.max(),
+            what: "differences of neighbouring position deviations",
+        },
+        Told {
+            graded: Ok(Deviation::TotalPitch),
+            amount: spread(&positions.values().copied().collect::<Vec<_>>()),
+            what: "position deviations, largest less smallest",
+        },
+    ]
+}
+
+fn of_teeth(rows: &[PinionTooth], teeth: usize) -> Vec<Told> {
+    let radial: Vec<Length> = rows.iter().filter_map(|row| row.radial).collect();
+    let flanks = [|row: &PinionTooth| row.left_pitch, |row: &PinionTooth| row.right_pitch]
+        .map(|pitch| rows.iter().filter_map(|row| Some((row.tooth, pitch(row)?))).collect::<BTreeMap<_, _>>());
+    let largest = flanks.iter().flat_map(BTreeMap::values).map(|pitch| pitch.abs()).max();
+    // sums mean something only over a whole turn
+    let whole = flanks.iter().filter(|flank| teeth > 0 && flank.len() == teeth);
+    let sums: Vec<_> = whole.map(|flank| centred_sums(&flank.values().copied().collect::<Vec<_>>())).collect();
+    let pitches = (teeth / 8).max(2);
+    let sectors = sums
+        .iter()
+        .flat_map(|sums| (0..sums.len()).map(move |tooth| (sums[(tooth + pitches) % sums.len()] - sums[tooth]).abs()));
+    let told = |deviation, amount, what| Told { graded: Ok(deviation), amount, what };
+    vec![
+        told(Deviation::Runout, spread(&radial), "radial deviations, largest less smallest"),
+        told(Deviation::SinglePitch, largest, "largest single pitch deviation"),
+        told(
+            Deviation::TotalPitch,
+            sums.iter().filter_map(|sums| spread(sums)).max(),
+            "cumulative pitch deviations, largest less smallest",
+        ),
+        told(Deviation::SectorPitch, sectors.max(), "largest cumulative pitch deviation over k pitches"),
+    ]
 }
 
 const NO_RUNOUT_OF_A_RACK: &str = "the standards grade the runout of a wheel about its axis, and a rack has none";

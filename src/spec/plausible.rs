@@ -7,7 +7,7 @@ use super::errors::WrittenError;
 use super::keys::{self, Key};
 use super::resolve::Problems;
 use super::value::KeyType;
-use super::{Located, Spec, WrittenPinionDeviation};
+use super::{Located, Spec, WrittenPinionDeviation, said_of};
 use crate::deviation::plausible::{self, Doubt, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Severity};
@@ -26,9 +26,7 @@ impl Spec {
     /// What in it is suspicious, in its order: there is a result, but it may be that of a mistaken unit.
     #[must_use]
     pub fn suspicions(&self) -> Vec<Diagnostic> {
-        let mut all = self.doubts();
-        all.retain(|diagnostic| diagnostic.severity == Severity::Warning);
-        all
+        self.doubts(Severity::Warning)
     }
 
     /// The same as sentences, for the notes of a result.
@@ -39,19 +37,18 @@ impl Spec {
 
     /// What in it is impossible.
     pub(super) fn impossibilities(&self) -> Vec<Diagnostic> {
-        let mut all = self.doubts();
-        all.retain(|diagnostic| diagnostic.severity == Severity::Error);
-        all
+        self.doubts(Severity::Error)
     }
 
-    fn doubts(&self) -> Vec<Diagnostic> {
+    fn doubts(&self, severity: Severity) -> Vec<Diagnostic> {
         let mut found = self.doubted_sizes();
         found.extend(self.errors.iter().filter_map(|(kind, written)| self.doubted_error(*kind, written)));
         found.extend(self.doubted_teeth());
         found.extend(self.doubted_limits());
         found.extend(self.doubted_uncertainties());
         found.sort_by_key(|doubted| doubted.span.start);
-        found.into_iter().map(|doubted| self.diagnostic(&doubted)).collect()
+        let diagnostics = found.iter().map(|doubted| self.diagnostic(doubted));
+        diagnostics.filter(|diagnostic| diagnostic.severity == severity).collect()
     }
 
     fn diagnostic(&self, doubted: &DoubtedKey) -> Diagnostic {
@@ -134,7 +131,7 @@ impl Spec {
     /// The doubt about an entry of `[errors]`; a class is the standard's.
     fn doubted_error(&self, kind: DeviationKind, written: &Located<WrittenError>) -> Option<DoubtedKey> {
         let (value, is_difference) = match written.value {
-            WrittenError::Value(value) => (value, self.nominals.iter().any(|(of, _)| *of == kind)),
+            WrittenError::Value(value) => (value, said_of(&self.nominals, kind).is_some()),
             WrittenError::OverRoller { measured, roller } => {
                 let need = || (kind.key().to_owned(), None);
                 let over_pin = self.over_pin_of(roller, &mut Problems::default(), &need)?;
@@ -151,13 +148,9 @@ impl Spec {
     fn doubted_limits(&self) -> Vec<DoubtedKey> {
         let doubted = |on: &LimitTarget, end: Option<Length>| {
             let doubt = plausible::deviation(DeviationValue::Length(end?), self.module())?;
-            let key = match on {
-                LimitTarget::CenterDistance => "center_distance",
-                LimitTarget::Error(kind) => kind.key(),
-            };
             // it is a choice, and no value of a part
             let doubt = Doubt { is_impossible: false, ..doubt };
-            Some(DoubtedKey { name: format!("limits.{key}"), span: 0..0, doubt })
+            Some(DoubtedKey { name: format!("limits.{}", on.key()), span: 0..0, doubt })
                 .filter(|_| plausible::Reach::possible(self.module()).is_exceeded_by(doubt.value))
         };
         self.limits()

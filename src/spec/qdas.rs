@@ -1,7 +1,7 @@
 //! What a Q-DAS file says where the spec is silent: nominal values and limits. Called by `paste` and `batch`; what the
 //! spec says is never replaced.
 
-use super::{Located, Spec};
+use super::{Located, Spec, said_of};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
@@ -86,12 +86,10 @@ impl Spec {
     }
 
     fn of_values(&self, kind: DeviationKind) -> OfValues {
-        let limit = self.limits.iter().find(|(on, _)| *on == LimitTarget::Error(kind));
-        let uncertainty = self.uncertainties.iter().find(|(of, _)| *of == Source::Error(kind));
         OfValues {
-            nominal: self.nominals.iter().find(|(of, _)| *of == kind).map(|(_, nominal)| nominal.value),
-            limit: limit.map(|(_, limit)| limit.value),
-            uncertainty: uncertainty.map(|(_, uncertainty)| uncertainty.value),
+            nominal: said_of(&self.nominals, kind).map(|nominal| nominal.value),
+            limit: self.limit_on(LimitTarget::Error(kind)).copied(),
+            uncertainty: said_of(&self.uncertainties, Source::Error(kind)).map(|uncertainty| uncertainty.value),
         }
     }
 
@@ -107,7 +105,7 @@ impl Spec {
         let stated = self.batch_column(kind).is_some_and(|column| {
             column.value.nominal.is_some() || column.value.kind.as_ref().is_some_and(|kind| kind.value == "deviation")
         });
-        if !stated && !nominal.is_zero() && self.nominals.iter().all(|(of, _)| *of != kind) {
+        if !stated && !nominal.is_zero() && said_of(&self.nominals, kind).is_none() {
             notes.push(format!("{kind}: nominal value {nominal} from the file (K2101)"));
             self.nominals.push((kind, Located { value: nominal, span: 0..0 }));
         }
@@ -118,7 +116,7 @@ impl Spec {
         const COVERAGE: f64 = 2.0;
         let source = Source::Error(kind);
         let Some(text) = found.uncertainty.as_deref() else { return };
-        if self.uncertainties.iter().any(|(of, _)| *of == source) {
+        if said_of(&self.uncertainties, source).is_some() {
             return;
         }
         let Some(expanded) = value(kind, text, found) else {
@@ -139,15 +137,14 @@ impl Spec {
         let end = |text: &Option<String>| text.as_deref().and_then(|text| value(kind, text, found));
         let (lower, upper) = (end(&found.lower), end(&found.upper));
         let is_read = lower.is_some() == found.lower.is_some() && upper.is_some() == found.upper.is_some();
-        if (found.lower.is_none() && found.upper.is_none()) || self.limits.iter().any(|(on, _)| *on == target) {
+        if (found.lower.is_none() && found.upper.is_none()) || self.limit_on(target).is_some() {
             return;
         }
         if !is_read {
             let unit = found.unit.as_deref().unwrap_or_default();
             return notes.push(format!("{kind}: the limits of the file are not taken: `{unit}` is not its unit"));
         }
-        let nominal = self.nominals.iter().find(|(of, _)| *of == kind).map(|(_, nominal)| nominal.value);
-        let nominal = nominal.unwrap_or(DeviationValue::zero(kind));
+        let nominal = said_of(&self.nominals, kind).map_or(DeviationValue::zero(kind), |nominal| nominal.value);
         let (lower, upper) = (lower.map(|end| end.less(nominal)), upper.map(|end| end.less(nominal)));
         let limit = match (lower, upper) {
             _ if kind.always_acts() => Some(Limit { lower: lower.and_then(length), upper: upper.and_then(length) }),
@@ -187,7 +184,7 @@ fn says_the_same(one: &Characteristic, other: &Characteristic) -> bool {
 }
 
 fn value(kind: DeviationKind, text: &str, found: &Characteristic) -> Option<DeviationValue> {
-    let text = format!("{text} {}", found.unit.as_deref().unwrap_or(""));
+    let text = format!("{text} {}", found.unit.as_deref().unwrap_or_default());
     match kind {
         DeviationKind::RackLead => text.parse::<Angle>().ok().map(DeviationValue::Angle),
         _ => text.parse::<Length>().ok().map(DeviationValue::Length),

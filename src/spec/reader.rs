@@ -23,17 +23,22 @@ use crate::uncertainty::{Source as UncertainSource, Uncertainty};
 pub(super) struct SectionReader<'a> {
     pub(super) source: &'a Arc<Source>,
     pub(super) section: &'static Section,
-    pub(super) table: Option<&'a DeTable<'a>>,
+    pub(super) table: &'a DeTable<'a>,
     pub(super) diagnostics: &'a mut Vec<Diagnostic>,
     /// The uncertainties found so far.
     pub(super) uncertainties: &'a mut Vec<(UncertainSource, Located<Uncertainty>)>,
 }
 
-impl SectionReader<'_> {
+impl<'a> SectionReader<'a> {
+    /// The value under a name, if it is a table.
+    pub(super) fn entry(&self, name: &str) -> Option<&'a DeTable<'a>> {
+        self.table.get(name)?.get_ref().as_table()
+    }
+
     /// Reports keys that the section does not have.
     pub(super) fn refuse_unknown_keys(&mut self) {
         let known = |name: &str| self.section.keys.iter().any(|key| key.name() == name);
-        for (key, _) in self.table.into_iter().flatten() {
+        for (key, _) in self.table {
             let name = key.get_ref().as_ref();
             if !known(name) {
                 let section = format!("[{}]", self.section.name);
@@ -84,7 +89,7 @@ impl SectionReader<'_> {
     /// The value of a key that holds one; `None` for the others too.
     fn value(&mut self, key: &AnyKey) -> Option<Located<Value>> {
         let name = key.name();
-        let written = self.table?.get(name)?;
+        let written = self.table.get(name)?;
         let written = match key.kind {
             Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, UncertainSource::of_gear(key.path))?,
             _ => written,
@@ -274,6 +279,11 @@ impl SectionReader<'_> {
     /// An angle under `name`, unchecked against a domain.
     pub(super) fn angle_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Angle> {
         self.quantity(name, value, "an angle (a number in degrees, or text such as \"15 arcmin\")")
+    }
+
+    /// An angle in degrees, or a length in mm.
+    pub(super) fn base_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, is_angle: bool) -> Option<f64> {
+        Some(if is_angle { self.angle_value(name, value)?.degrees() } else { self.length_value(name, value)?.mm() })
     }
 
     fn quantity<Q: std::str::FromStr<Err = QuantityError>>(

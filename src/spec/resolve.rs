@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::keys::{self, AnyKey, Key};
 use super::value::KeyType;
-use super::{Located, Spec, WrittenError};
+use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::evaluation::EvaluationError;
@@ -24,8 +24,7 @@ impl Spec {
     /// that contradict each other, or because there are no errors at all.
     pub fn part_deviations(&self) -> Result<Vec<PartDeviation>, Diagnostics> {
         self.refuse_without_value()?;
-        let kinds: Vec<_> = self.errors.iter().map(|(kind, _)| *kind).collect();
-        self.refuse_both_ways(&kinds)?;
+        self.refuse_both_ways(&self.kinds())?;
         if self.errors.is_empty() && self.has_deviations() {
             return Ok(Vec::new());
         }
@@ -47,6 +46,12 @@ impl Spec {
         problems.answer(Some(errors), &self.source)
     }
 
+    /// The kinds of the errors in `[errors]`.
+    #[must_use]
+    pub fn kinds(&self) -> Vec<DeviationKind> {
+        self.errors.iter().map(|(kind, _)| *kind).collect()
+    }
+
     /// Refuses errors of which a nominal value or an uncertainty is given, and no value.
     fn refuse_without_value(&self) -> Result<(), Diagnostic> {
         let refused = |kind: &DeviationKind, has: &str, place: &Range<usize>, key: &str| {
@@ -56,7 +61,7 @@ impl Spec {
                 .at(&self.source, place.clone(), "")
                 .help(help))
         };
-        let is_given = |kind: &DeviationKind| self.errors.iter().any(|(other, _)| other == kind);
+        let is_given = |kind: &DeviationKind| said_of(&self.errors, *kind).is_some();
         if let Some((kind, nominal)) = self.nominals.iter().find(|(kind, _)| !is_given(kind)) {
             return refused(kind, "a nominal value, but no measured one", &nominal.span, "measured");
         }
@@ -78,8 +83,7 @@ impl Spec {
     /// An error on the teeth that the spec says, if it says so.
     #[must_use]
     pub fn extended(&self, error: PartDeviation) -> PartDeviation {
-        let extent = self.extents.iter().find(|(kind, _)| *kind == error.kind());
-        extent.map_or(error, |(_, extent)| error.with_extent(extent.value))
+        said_of(&self.extents, error.kind()).map_or(error, |extent| error.with_extent(extent.value))
     }
 
     /// The same spec with other errors, as measured on a part; their formulas ask for gear data as if they
@@ -109,16 +113,15 @@ impl Spec {
     /// The limit on a ΔCD, if the spec gives one.
     #[must_use]
     pub fn limit_on(&self, target: LimitTarget) -> Option<&Limit> {
-        self.limits.iter().find(|(on, _)| *on == target).map(|(_, limit)| &limit.value)
+        said_of(&self.limits, target).map(|limit| &limit.value)
     }
 
     /// A failed evaluation as a diagnostic that points at the error concerned.
     #[must_use]
     pub fn explain_failure(&self, failure: &EvaluationError) -> Diagnostic {
         let diagnostic = Diagnostic::error(Code::NoResult, failure.to_string());
-        let written = self.errors.iter().find(|(kind, _)| Some(*kind) == failure.error);
-        match written {
-            Some((_, written)) => diagnostic.at(&self.source, written.span.clone(), ""),
+        match failure.error.and_then(|kind| said_of(&self.errors, kind)) {
+            Some(written) => diagnostic.at(&self.source, written.span.clone(), ""),
             None => diagnostic,
         }
     }

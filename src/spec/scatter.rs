@@ -35,12 +35,11 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> ScatterSection {
 
 fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Option<Located<WrittenSpread>> {
     let Kind::Spread { is_angle, class } = kind else { return None };
-    let value = reader.table?.get(name)?;
+    let value = reader.table.get(name)?;
     let span = value.span();
     let located = |value| Some(Located { value, span: span.clone() });
     let number = |reader: &mut SectionReader<'_>, name: &str, value| {
-        let number =
-            if is_angle { reader.angle_value(name, value)?.degrees() } else { reader.length_value(name, value)?.mm() };
+        let number = reader.base_value(name, value, is_angle)?;
         if number > 0.0 {
             return Some(number);
         }

@@ -201,20 +201,13 @@ fn error(kind: DeviationKind) -> Value {
 
 fn typed(name: &str, domain: &Domain) -> Value {
     let mut schema = json!({ "type": name });
-    let (lower, upper) = (
-        match domain.lower {
-            Bound::None => None,
-            Bound::Exclusive(bound) => Some(("exclusiveMinimum", bound)),
-            Bound::Inclusive(bound) => Some(("minimum", bound)),
-        },
-        match domain.upper {
-            Bound::None => None,
-            Bound::Exclusive(bound) => Some(("exclusiveMaximum", bound)),
-            Bound::Inclusive(bound) => Some(("maximum", bound)),
-        },
-    );
-    for (keyword, bound) in lower.into_iter().chain(upper) {
-        schema[keyword] = bound.into();
+    let ends = [(domain.lower, "minimum", "exclusiveMinimum"), (domain.upper, "maximum", "exclusiveMaximum")];
+    for (end, inclusive, exclusive) in ends {
+        match end {
+            Bound::None => {}
+            Bound::Exclusive(bound) => schema[exclusive] = bound.into(),
+            Bound::Inclusive(bound) => schema[inclusive] = bound.into(),
+        }
     }
     schema
 }

@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 use super::keys::{self, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, similar};
 use super::resolve::Problems;
-use super::{Located, Spec};
+use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
@@ -71,11 +71,7 @@ impl SectionReader<'_> {
         }
         let magnitude = |reader: &mut Self, key: &str| {
             let value = table.get(key)?;
-            let number = if is_angle {
-                reader.angle_value(key, value)?.degrees()
-            } else {
-                reader.length_value(key, value)?.mm()
-            };
+            let number = reader.base_value(key, value, is_angle)?;
             if number < 0.0 {
                 return reader.refuse(bad(format!("`{key}` of `{name}` is negative")), value.span());
             }
@@ -162,7 +158,7 @@ fn first_of(table: &DeTable<'_>) -> &'static str {
 
 /// Reads every `[[correlation]]`.
 pub(super) fn correlations(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenCorrelation>> {
-    let Some(value) = reader.table.and_then(|table| table.get("correlation")) else { return Vec::new() };
+    let Some(value) = reader.table.get("correlation") else { return Vec::new() };
     let DeValue::Array(entries) = value.get_ref() else {
         reader.wrong_type::<()>("correlation", value, "tables, each under a line `[[correlation]]`,");
         return Vec::new();
@@ -224,8 +220,8 @@ impl Spec {
     /// The inputs of the over-roller nominal, if the spec has it computed.
     #[must_use]
     pub fn over_pin(&self) -> Option<OverPin> {
-        let (_, written) = self.errors.iter().find(|(kind, _)| *kind == DeviationKind::RackOverRoller)?;
-        let super::WrittenError::OverRoller { roller, .. } = &written.value else { return None };
+        let written = said_of(&self.errors, DeviationKind::RackOverRoller)?;
+        let WrittenError::OverRoller { roller, .. } = &written.value else { return None };
         self.over_pin_of(*roller, &mut Problems::default(), &|| (String::new(), None))
     }
 
@@ -234,7 +230,7 @@ impl Spec {
     /// # Errors
     /// A diagnostic for correlations of what has no uncertainty, or that contradict each other.
     pub fn uncertainties(&self) -> Result<Uncertainties, Diagnostics> {
-        self.uncertainties_of(&self.errors.iter().map(|(kind, _)| *kind).collect::<Vec<_>>())
+        self.uncertainties_of(&self.kinds())
     }
 
     /// The uncertainties of the values that ΔCD of errors of these kinds follows from, wherever their values stand.
@@ -269,7 +265,7 @@ impl Spec {
         for written in &self.correlations {
             let WrittenCorrelation { between: (a, b), coefficient } = written.value;
             for source in [a, b] {
-                if !self.uncertainties.iter().any(|(other, _)| *other == source) {
+                if said_of(&self.uncertainties, source).is_none() {
                     let problem = UncertaintyError::Unknown(source).to_string();
                     return Err(Diagnostic::error(Code::BadUncertainty, problem)
                         .at(&self.source, written.span.clone(), "")
@@ -287,13 +283,16 @@ impl Spec {
         })
     }
 
+    /// Whether values of this kind of error have an uncertainty.
+    pub(super) fn is_uncertain(&self, kind: DeviationKind) -> bool {
+        said_of(&self.uncertainties, Source::Error(kind)).is_some()
+    }
+
     /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.
     #[must_use]
     pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
-        let has = |kind: DeviationKind| self.uncertainties.iter().any(|(source, _)| *source == Source::Error(kind));
-        let measured =
-            self.errors.iter().filter(|(_, written)| !matches!(written.value, super::WrittenError::Class(_)));
-        let single = measured.map(|(kind, _)| *kind).filter(|kind| !has(*kind));
+        let measured = self.errors.iter().filter(|(_, written)| !matches!(written.value, WrittenError::Class(_)));
+        let single = measured.map(|(kind, _)| *kind).filter(|kind| !self.is_uncertain(*kind));
         single.chain(self.teeth_taken_as_exact.iter().copied()).collect()
     }
 }

@@ -69,9 +69,7 @@ impl Spec {
     /// What was measured of teeth that this spec or its tables know one by one, and has no uncertainty.
     #[must_use]
     pub fn certain_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
-        let is_uncertain =
-            |kind: DeviationKind| self.uncertainties.iter().any(|(source, _)| *source == Source::Error(kind));
-        self.known_of_teeth(tables).into_iter().filter(|kind| !is_uncertain(*kind)).collect()
+        self.known_of_teeth(tables).into_iter().filter(|kind| !self.is_uncertain(*kind)).collect()
     }
 
     /// What the spec says or asks of a part whose teeth `tables` have, and these do not tell.

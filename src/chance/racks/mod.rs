@@ -219,9 +219,7 @@ pub fn simulate_racks<E: From<RacksError>>(
     if racks == 0 || first_rack.checked_add(racks).is_none() {
         return Err(RacksError::Count { first_rack, racks }.into());
     }
-    let strokes = Strokes::new(base, settings)?;
-    let ziggurat = Ziggurat::new();
-    let draw = Draw { base, scatter, settings, strokes: &strokes, ziggurat: &ziggurat };
+    let draw = Draw::new(base, scatter, settings)?;
     let of_block = |block: u64| {
         let skipped = block * BLOCK;
         RackRange { first_rack: first_rack + skipped, racks: BLOCK.min(racks - skipped) }
@@ -253,49 +251,43 @@ struct Block {
     error: Option<RacksError>,
 }
 
-struct Strokes {
-    from: f64,
-    step: f64,
-    count: u32,
-    teeth: std::ops::RangeInclusive<i64>,
-}
-
-impl Strokes {
-    fn new(base: &Mesh, settings: &RackSettings) -> Result<Self, RacksError> {
-        let RackSettings { from_mm, to_mm, .. } = *settings;
-        let pitch = base.pair().rack().pitch_mm;
-        let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil();
-        if !(to_mm > from_mm && steps <= MOST_STROKES && from_mm.abs() <= 1e9) {
-            return Err(RacksError::Stroke { from_mm, to_mm });
-        }
-        Ok(Self {
-            from: from_mm,
-            step: (to_mm - from_mm) / steps.max(1.0),
-            count: steps.max(1.0) as u32,
-            teeth: (from_mm / pitch).floor() as i64 - MARGIN..=(to_mm / pitch).ceil() as i64 + MARGIN,
-        })
-    }
-}
-
 /// The spread of a tooth's place such that the difference of two is spread as asked for.
 fn place_of(pitch: &Uncertainty) -> Uncertainty {
     let share = if pitch.distribution == Distribution::Normal { SQRT_2 } else { 2.0 };
     Uncertainty { standard: pitch.standard / share, ..*pitch }
 }
 
+/// What every rack is drawn from, and the strokes at which it is solved.
 struct Draw<'a> {
     base: &'a Mesh,
     scatter: &'a Scatter,
-    settings: &'a RackSettings,
-    strokes: &'a Strokes,
-    ziggurat: &'a Ziggurat,
+    seed: u64,
+    from: f64,
+    step: f64,
+    steps: u32,
+    /// The rack's teeth that deviate.
+    teeth: std::ops::RangeInclusive<i64>,
+    ziggurat: Ziggurat,
 }
 
-impl Draw<'_> {
+impl<'a> Draw<'a> {
+    fn new(base: &'a Mesh, scatter: &'a Scatter, settings: &RackSettings) -> Result<Self, RacksError> {
+        let RackSettings { seed, from_mm, to_mm, .. } = *settings;
+        let pitch = base.pair().rack().pitch_mm;
+        let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil();
+        if !(to_mm > from_mm && steps <= MOST_STROKES && from_mm.abs() <= 1e9) {
+            return Err(RacksError::Stroke { from_mm, to_mm });
+        }
+        let steps = steps.max(1.0);
+        let teeth = (from_mm / pitch).floor() as i64 - MARGIN..=(to_mm / pitch).ceil() as i64 + MARGIN;
+        let (step, steps) = ((to_mm - from_mm) / steps, steps as u32);
+        Ok(Self { base, scatter, seed, from: from_mm, step, steps, teeth, ziggurat: Ziggurat::new() })
+    }
+
     fn value(&self, spread: &Uncertainty, random: &mut Random) -> f64 {
         let half = spread.standard * spread.distribution.half_width();
         match spread.distribution {
-            Distribution::Normal => spread.standard * random.normal(self.ziggurat),
+            Distribution::Normal => spread.standard * random.normal(&self.ziggurat),
             Distribution::Rectangular => half * (2.0 * random.uniform() - 1.0),
             Distribution::Triangular => half * random.triangular(),
             Distribution::Arcsine => half * random.arcsine(),
@@ -309,7 +301,7 @@ impl Draw<'_> {
         let mut draw = |spread: &Option<Uncertainty>| spread.as_ref().map_or(0.0, |spread| self.value(spread, random));
         let mut drawn = BTreeMap::new();
         let place = rack_pitch.as_ref().map(place_of);
-        for tooth in self.strokes.teeth.clone() {
+        for tooth in self.teeth.clone() {
             let (place, thickness) = (draw(&place), draw(rack_thickness) * half_to_x);
             let (lead_rad, along_z_mm) = (draw(rack_lead), draw(rack_over_roller));
             let flank = |along_x_mm| RackFlank { along_x_mm, along_z_mm, lead_rad };
@@ -322,10 +314,8 @@ impl Draw<'_> {
             let place = pinion_pitch.as_ref().map(place_of);
             let teeth: Vec<_> = (0..pair.pinion().teeth)
                 .map(|_| {
-                    let place = place.map_or(0.0, |place| self.value(&place, random));
-                    let half = pinion_thickness.map_or(0.0, |spread| 0.5 * self.value(&spread, random));
-                    let slope = pinion_lead.map_or(0.0, |spread| self.value(&spread, random));
-                    let lead_rad = pinion_lead_angle_rad(pair, slope);
+                    let (place, half) = (draw(&place), 0.5 * draw(pinion_thickness));
+                    let lead_rad = pinion_lead_angle_rad(pair, draw(pinion_lead));
                     let flank = |arc_mm| PinionFlank { arc_mm, lead_rad };
                     PinionTooth { left: flank(place - half), right: flank(place + half) }
                 })
@@ -360,18 +350,17 @@ impl Draw<'_> {
     }
 
     fn rack(&self, rack: u64) -> Result<RackResult, RacksError> {
-        let mut random = Random::of_block(self.settings.seed, rack);
+        let mut random = Random::of_block(self.seed, rack);
         let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?;
         let solve = |mesh: &Mesh| -> Result<RackResult, MeshError> {
-            let Strokes { from, step, count, .. } = *self.strokes;
             let mut sampler = Sampler::new(mesh);
             let (mut sum, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-            for i in 0..=count {
-                let delta_cd = sampler.at(from + step * f64::from(i))?.delta_cd_mm;
-                sum += if i == 0 || i == count { 0.5 * delta_cd } else { delta_cd };
+            for i in 0..=self.steps {
+                let delta_cd = sampler.at(self.from + self.step * f64::from(i))?.delta_cd_mm;
+                sum += if i == 0 || i == self.steps { 0.5 * delta_cd } else { delta_cd };
                 (min, max) = (min.min(delta_cd), max.max(delta_cd));
             }
-            Ok(RackResult { mean_mm: sum / f64::from(count), min_mm: min, max_mm: max })
+            Ok(RackResult { mean_mm: sum / f64::from(self.steps), min_mm: min, max_mm: max })
         };
         mesh.and_then(|mesh| solve(&mesh)).map_err(|error| RacksError::Mesh { rack, error })
     }
@@ -420,9 +409,7 @@ mod tests {
     fn equal_steps_meet_the_extremes_and_the_mean_of_the_adaptive_curve() {
         let base = base();
         let (scatter, settings) = (all(), settings(12));
-        let strokes = Strokes::new(&base, &settings).unwrap();
-        let ziggurat = Ziggurat::new();
-        let draw = Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+        let draw = Draw::new(&base, &scatter, &settings).unwrap();
         for rack in 0..settings.range.racks {
             let mesh = draw.mesh(&mut Random::of_block(1, rack)).unwrap().unwrap();
             let exact = mesh.curve(0.0, 50.0, 1e-6).unwrap().summary(&mesh).unwrap();
@@ -438,9 +425,8 @@ mod tests {
     #[test]
     fn values_are_spread_as_asked_for() {
         let base = base();
-        let (scatter, settings, ziggurat) = (all(), settings(1), Ziggurat::new());
-        let strokes = Strokes::new(&base, &settings).unwrap();
-        let draw = Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+        let scatter = all();
+        let draw = Draw::new(&base, &scatter, &settings(1)).unwrap();
         let mut random = Random::of_block(3, 0);
         // E x⁴ / (E x²)²
         let shapes = [
@@ -488,13 +474,11 @@ mod tests {
         };
         // thickness across the teeth is twice as much along a rack of 60°
         let base = Mesh::nominal(Pair::new(&data).unwrap()).unwrap();
-        let (settings, ziggurat) = (settings(1), Ziggurat::new());
-        let strokes = Strokes::new(&base, &settings).unwrap();
+        let settings = settings(1);
         let drawn = |scatter: Scatter, seed| {
-            let draw =
-                Draw { base: &base, scatter: &scatter, settings: &settings, strokes: &strokes, ziggurat: &ziggurat };
+            let draw = Draw::new(&base, &scatter, &settings).unwrap();
             let mesh = draw.mesh(&mut Random::of_block(seed, 0)).unwrap().unwrap();
-            let rack: Vec<RackTooth> = strokes.teeth.clone().map(|tooth| mesh.rack().tooth(tooth)).collect();
+            let rack: Vec<RackTooth> = draw.teeth.clone().map(|tooth| mesh.rack().tooth(tooth)).collect();
             let pinion = mesh.pinion().teeth().to_vec();
             (rack, pinion, mesh.pinion().eccentricity_mm())
         };

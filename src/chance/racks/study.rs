@@ -113,6 +113,14 @@ impl RacksStudy {
         }
     }
 
+    fn counts(&self) -> [&Counts; 4] {
+        [&self.mean, &self.peak_to_peak, &self.smallest, &self.largest]
+    }
+
+    fn counts_mut(&mut self) -> [&mut Counts; 4] {
+        [&mut self.mean, &mut self.peak_to_peak, &mut self.smallest, &mut self.largest]
+    }
+
     /// The study of successive racks.
     ///
     /// # Errors
@@ -122,10 +130,9 @@ impl RacksStudy {
         let mut study = Self::new(of, range, limit.is_some());
         study.ranges.extend((range.racks > 0).then_some(range));
         for result in results {
-            study.mean.count(result.mean_mm)?;
-            study.peak_to_peak.count(result.peak_to_peak_mm())?;
-            study.smallest.count(result.min_mm)?;
-            study.largest.count(result.max_mm)?;
+            let RackResult { mean_mm, min_mm, max_mm } = *result;
+            let lengths_mm = [mean_mm, result.peak_to_peak_mm(), min_mm, max_mm];
+            study.counts_mut().into_iter().zip(lengths_mm).try_for_each(|(counts, length)| counts.count(length))?;
         }
         study.inside = limit.map(|limit| results.iter().filter(|result| result.is_inside(limit)).count() as u64);
         Ok(study)
@@ -146,17 +153,12 @@ impl RacksStudy {
         if let Some(both) = both.into_iter().flatten().next() {
             return Err(StudyError::Overlap { both });
         }
-        let takes = self.mean.takes(&other.mean)
-            && self.peak_to_peak.takes(&other.peak_to_peak)
-            && self.smallest.takes(&other.smallest)
-            && self.largest.takes(&other.largest);
-        if !takes {
+        if !self.counts().into_iter().zip(other.counts()).all(|(mine, theirs)| mine.takes(theirs)) {
             return Err(StudyError::TooMany);
         }
-        self.mean.merge(&other.mean);
-        self.peak_to_peak.merge(&other.peak_to_peak);
-        self.smallest.merge(&other.smallest);
-        self.largest.merge(&other.largest);
+        for (mine, theirs) in self.counts_mut().into_iter().zip(other.counts()) {
+            mine.merge(theirs);
+        }
         self.inside = self.inside.zip(other.inside).map(|(mine, theirs)| mine + theirs);
         self.ranges = joined(self.ranges.iter().chain(&other.ranges).copied().collect());
         let (mine, theirs) = (self.asked, other.asked);
@@ -224,7 +226,7 @@ impl RacksStudy {
     #[cfg(feature = "report")]
     pub(crate) fn check(&self) -> Result<(), StudyError> {
         let damaged = |what| Err(StudyError::Damaged { what });
-        let all = [&self.mean, &self.peak_to_peak, &self.smallest, &self.largest];
+        let all = self.counts();
         let is_whole = |range: &RackRange| range.racks > 0 && range.first_rack.checked_add(range.racks).is_some();
         if !all.iter().all(|counts| counts.is_sound()) {
             return damaged("counts, sums and extremes do not belong together");

@@ -43,9 +43,7 @@ impl Sample {
         if let Generator::Some { demand, rate, w, kind, surface, .. } = self.generator
             && best.is_none_or(|best| demand > best.demand)
         {
-            let spot = Spot { delta: self.x, w, kind, surface };
-            let (other, vertex, at_rack_edge) = (None, None, false);
-            *best = Some(Touch { demand, rate, kind, spot, other, vertex, at_rack_edge });
+            *best = Some(Touch::at(demand, rate, Spot { delta: self.x, w, kind, surface }));
         }
     }
 

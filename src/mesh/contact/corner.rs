@@ -219,15 +219,8 @@ impl FlankContact {
             (EdgeEnd::PinionEnd, true, false) => ContactKind::RootEdge,
             _ => ContactKind::Corner,
         };
-        Some(Touch {
-            demand: demand.max(rest),
-            rate: self.scale * (rate - 1.0) - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1,
-            kind,
-            spot: Spot { delta, w, kind, surface: Surface::Flank },
-            other: None,
-            vertex: None,
-            at_rack_edge: false,
-        })
+        let rate = self.scale * (rate - 1.0) - self.flank.t * pose.offset_rate.0 - pose.offset_rate.1;
+        Some(Touch::at(demand.max(rest), rate, Spot { delta, w, kind, surface: Surface::Flank }))
     }
 }
 

@@ -15,16 +15,14 @@ use super::{
     Bound, ContactKind, Coordinates, DEMAND, FlankContact, Generator, Line, Plane, Pose, PoseRates, Range, RollRates,
     Surface, Touch,
 };
+use crate::deviation::{PinionForm, RackForm};
 
 /// Flank form of both parts: how far the material stands back along the normal, mm, and how that acts on what a point
 /// asks for. It is a property of each part: of the rolled rack, places are those in the rack itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::mesh) struct Form {
-    pub(in crate::mesh) rack_crowning: f64,
-    pub(in crate::mesh) pinion_crowning: f64,
-    pub(in crate::mesh) profile_slope: f64,
-    pub(in crate::mesh) tip_relief: f64,
-    pub(in crate::mesh) relief_start: f64,
+    pub(in crate::mesh) rack: RackForm,
+    pub(in crate::mesh) pinion: PinionForm,
     pub(in crate::mesh) tip: f64,
     /// Centre distance per amount, over the flank and, of the pinion's, over the rack's tip plane.
     pub(in crate::mesh) per_normal: f64,
@@ -58,16 +56,7 @@ const BESIDE: [f64; 8] = [-0.03, -0.01, -1e-3, -1e-4, 1e-4, 1e-3, 0.01, 0.03];
 /// Bounds on w nearer to each other than this share of the face width are a vertex.
 const SMALLEST: f64 = 1e-9;
 
-/// What a point of the pinion is asked for in: along a generator, or with a derivative.
-trait Quantity:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> + From<f64>
-{
-}
-
-impl Quantity for Polynomial {}
-impl Quantity for Changing {}
-
-/// a w² + b w + c; of a product no higher power counts.
+/// a x² + b x + c, of a product no higher power: along a generator in w, or near a place a value c with its rate b.
 #[derive(Debug, Clone, Copy)]
 struct Polynomial {
     a: f64,
@@ -75,35 +64,28 @@ struct Polynomial {
     c: f64,
 }
 
-/// A number, and its derivative by something.
-#[derive(Debug, Clone, Copy)]
-struct Changing {
-    value: f64,
-    rate: f64,
-}
-
 /// What decides on the demands of the surfaces at a point of the pinion, and all that the rack's roll changes.
 #[derive(Debug, Clone, Copy)]
-struct Place<T> {
+struct Place {
     /// What the planes of flank and tip ask for.
-    flank: T,
-    tip: T,
+    flank: Polynomial,
+    tip: Polynomial,
     /// The coordinates across the rack and along the axis, and the roll angle.
-    across: T,
-    w: T,
-    roll: T,
+    across: Polynomial,
+    w: Polynomial,
+    roll: Polynomial,
     /// Of the rack's roll.
-    sin: T,
-    cos: T,
+    sin: Polynomial,
+    cos: Polynomial,
     /// Constant part of the coordinate across the rack.
-    shift: T,
-    per_normal: T,
-    per_normal_on_tip: T,
+    shift: Polynomial,
+    per_normal: Polynomial,
+    per_normal_on_tip: Polynomial,
 }
 
-impl<T: Quantity> Place<T> {
+impl Place {
     /// Where nothing of the rack changes.
-    fn new(form: &Form, pose: &Pose, [flank, tip, across]: [T; 3], w: T, roll: T) -> Self {
+    fn new(form: &Form, pose: &Pose, [flank, tip, across]: [Polynomial; 3], w: Polynomial, roll: Polynomial) -> Self {
         Self {
             flank,
             tip,
@@ -161,19 +143,20 @@ struct Peak {
 
 impl FlankContact {
     /// What the surfaces ask for.
-    fn surfaces<T: Quantity>(&self, form: &Form, at: &Place<T>) -> [T; 3] {
+    fn surfaces(&self, form: &Form, at: &Place) -> [Polynomial; 3] {
         let across = at.across * (1.0 / self.across.half_width);
         let axial = at.w * (1.0 / self.half_face);
-        let profile = (at.roll - T::from(self.start_roll)) * (1.0 / (self.tip_roll - self.start_roll));
-        let pinion = axial * axial * form.pinion_crowning + profile * form.profile_slope;
-        let back = pinion + across * across * form.rack_crowning;
-        let flank = |back: T| at.flank - at.per_normal * back;
+        let profile = (at.roll - Polynomial::from(self.start_roll)) * (1.0 / (self.tip_roll - self.start_roll));
+        let pinion = axial * axial * form.pinion.crowning_mm + profile * form.pinion.profile_slope_mm;
+        let back = pinion + across * across * form.rack.crowning_mm;
+        let flank = |back: Polynomial| at.flank - at.per_normal * back;
         let plain = flank(back);
-        let relieved = if form.tip_relief > 0.0 {
+        let relieved = if form.rack.tip_relief_mm > 0.0 {
             // how high in the rack the flank's plane is where the point is, above where the relief starts
-            let deep = at.sin * (at.flank + T::from(form.depth)) - at.shift;
-            let high = T::from(form.tip - form.relief_start) - at.cos * (at.tip - at.flank) + deep * form.fall;
-            flank(back + high * (form.tip_relief / (form.tip - form.relief_start)))
+            let deep = at.sin * (at.flank + Polynomial::from(form.depth)) - at.shift;
+            let high = Polynomial::from(form.tip - form.rack.tip_relief_start_mm) - at.cos * (at.tip - at.flank)
+                + deep * form.fall;
+            flank(back + high * (form.rack.tip_relief_mm / (form.tip - form.rack.tip_relief_start_mm)))
         } else {
             plain
         };
@@ -186,15 +169,15 @@ impl FlankContact {
     }
 
     /// A generator's places.
-    fn along(&self, form: &Form, pose: &Pose, at: &Coordinates, lines: &[Line; 3]) -> Place<Polynomial> {
-        let line = |q: f64, p: f64| Polynomial { a: 0.0, b: q, c: p };
+    fn along(&self, form: &Form, pose: &Pose, at: &Coordinates, lines: &[Line; 3]) -> Place {
+        let line = Polynomial::line;
         Place::new(form, pose, lines.map(|of| line(of.q, of.p)), line(1.0, 0.0), line(self.kappa, at.t0))
     }
 
     /// A place on a generator where all changes as told.
-    fn changing(&self, on: &OnGenerator<'_>, w: f64, rates: &Rates) -> Place<Changing> {
-        let values = [0, 1, 2].map(|i| Changing { value: on.lines[i].at(w), rate: rates.lines[i] });
-        let roll = Changing { value: on.at.t0 + self.kappa * w, rate: rates.roll };
+    fn changing(&self, on: &OnGenerator<'_>, w: f64, rates: &Rates) -> Place {
+        let values = [0, 1, 2].map(|i| Polynomial::line(rates.lines[i], on.lines[i].at(w)));
+        let roll = Polynomial::line(rates.roll, on.at.t0 + self.kappa * w);
         Place::new(on.form, on.pose, values, w.into(), roll)
     }
 
@@ -244,8 +227,8 @@ impl FlankContact {
     }
 
     /// How the largest demand on a generator changes where its place does, and its ends as told.
-    fn rate(&self, form: &Form, peak: &Peak, place: &Place<Changing>, ends: [f64; 2]) -> f64 {
-        let rates = self.surfaces(form, place).map(|surface| surface.rate);
+    fn rate(&self, form: &Form, peak: &Peak, place: &Place, ends: [f64; 2]) -> f64 {
+        let rates = self.surfaces(form, place).map(|surface| surface.b);
         let along = |index: usize| peak.surfaces[index].slope_at(peak.w);
         let [lo, hi] = ends;
         match peak.held {
@@ -297,7 +280,7 @@ impl FlankContact {
         let xi = at.xi.at(w);
         let by_roll = |plane: &Plane| plane.d - plane.t * xi - plane.w * w;
         let still = self.changing(&on, w, &Rates::default());
-        let changing = |quantity: Changing, rate: f64| Changing { rate, ..quantity };
+        let changing = |quantity: Polynomial, rate: f64| Polynomial { b: rate, ..quantity };
         let (sin, cos) = form.roll;
         let rolled = Place {
             flank: changing(still.flank, by_roll(&rates.flank) + moved.shift),
@@ -421,6 +404,10 @@ impl Sample {
 }
 
 impl Polynomial {
+    fn line(b: f64, c: f64) -> Self {
+        Self { a: 0.0, b, c }
+    }
+
     fn at(&self, w: f64) -> f64 {
         (self.a * w + self.b) * w + self.c
     }
@@ -439,7 +426,7 @@ impl Polynomial {
 
 impl From<f64> for Polynomial {
     fn from(c: f64) -> Self {
-        Self { a: 0.0, b: 0.0, c }
+        Self::line(0.0, c)
     }
 }
 
@@ -472,40 +459,6 @@ impl Mul<f64> for Polynomial {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
         Self { a: self.a * factor, b: self.b * factor, c: self.c * factor }
-    }
-}
-
-impl From<f64> for Changing {
-    fn from(value: f64) -> Self {
-        Self { value, rate: 0.0 }
-    }
-}
-
-impl Add for Changing {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, rate: self.rate + other.rate }
-    }
-}
-
-impl Sub for Changing {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, rate: self.rate - other.rate }
-    }
-}
-
-impl Mul for Changing {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Self { value: self.value * other.value, rate: self.rate * other.value + self.value * other.rate }
-    }
-}
-
-impl Mul<f64> for Changing {
-    type Output = Self;
-    fn mul(self, factor: f64) -> Self {
-        Self { value: self.value * factor, rate: self.rate * factor }
     }
 }
 

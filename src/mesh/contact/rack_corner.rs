@@ -146,9 +146,8 @@ impl FlankContact {
         // across the rack and one along it, and so one ξ and one w
         let by_roll = (at.demand_rate - at.tip_rate) * (1.0 / at.excess_by[0]);
         let rate = at.demand_rate - at.demand_by[0] * by_roll;
-        let kind = ContactKind::Corner;
-        let spot = Spot { delta: at.delta, w, kind, surface: Surface::Flank };
-        Some(Touch { demand: at.demand, rate, kind, spot, other: None, vertex: None, at_rack_edge: true })
+        let spot = Spot { delta: at.delta, w, kind: ContactKind::Corner, surface: Surface::Flank };
+        Some(Touch { at_rack_edge: true, ..Touch::at(at.demand, rate, spot) })
     }
 }
 

@@ -106,7 +106,7 @@ impl FlankContact {
             let below = self.start_roll - roll;
             start((below - reach).clamp(0.0, 1.0)).min(start((below + reach).max(0.0)))
         };
-        let slope = self.form.map_or(0.0, |form| (-form.profile_slope).max(0.0) * form.per_normal);
+        let slope = self.form.map_or(0.0, |form| (-form.pinion.profile_slope_mm).max(0.0) * form.per_normal);
         self.unbounded(pose) + self.tilt.abs() * self.w_extent - self.scale * loss + slope
     }
 }

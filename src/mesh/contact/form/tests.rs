@@ -182,7 +182,7 @@ fn edges_are_where_flank_and_tip_meet() {
                 edges += 1;
                 assert!(at_edge, "{tip} {touch:?}\n{contact:?}\n{pose:?}");
             }
-            ContactKind::Point if form.tip_relief > 0.0 && (plain - relieved).abs() < 1e-9 => {
+            ContactKind::Point if form.rack.tip_relief_mm > 0.0 && (plain - relieved).abs() < 1e-9 => {
                 starts += 1;
                 assert!(!at_edge, "{touch:?}\n{contact:?}\n{pose:?}");
             }
