@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::cell::{Cell, Record};
 use super::number::{Marks, marks};
+use super::shape::NoShape;
 use super::split::{Field, next_record};
 use crate::quantity::Unit;
 
@@ -54,27 +55,16 @@ pub(crate) fn separators(text: &str) -> Vec<Separator> {
     found
 }
 
-/// A text, cut.
-pub(crate) struct Cut {
-    pub(crate) records: Vec<Record>,
-    /// The line of a quote that is not closed, if there is one.
-    pub(crate) open_quote: Option<u64>,
-}
-
 /// The records of `text`; those of a character stand as the streaming reader cuts them, so that the number of a record
 /// means the same to both.
-pub(crate) fn cut(text: &str, separator: Separator) -> Cut {
+///
+/// # Errors
+/// If a quote is not closed.
+pub(crate) fn records(text: &str, separator: Separator) -> Result<Vec<Record>, NoShape> {
     match separator {
         Separator::Character(byte) => separated(text, byte),
-        Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => {
-            Cut { records: by_line(text, separator), open_quote: None }
-        }
+        Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => Ok(by_line(text, separator)),
     }
-}
-
-/// The records alone.
-pub(crate) fn records(text: &str, separator: Separator) -> Vec<Record> {
-    cut(text, separator).records
 }
 
 fn trimmed(text: &str, span: Range<usize>) -> Cell {
@@ -84,7 +74,7 @@ fn trimmed(text: &str, span: Range<usize>) -> Cell {
     Cell::of_text(trimmed, start..start + trimmed.len())
 }
 
-fn separated(text: &str, separator: u8) -> Cut {
+fn separated(text: &str, separator: u8) -> Result<Vec<Record>, NoShape> {
     let bytes = text.as_bytes();
     let (mut records, mut fields) = (Vec::new(), Vec::new());
     let (mut at, mut lines, mut blank, mut open_quote) = (0, 0, 0, None);
@@ -114,7 +104,7 @@ fn separated(text: &str, separator: u8) -> Cut {
         lines += found.lines;
         at = found.next;
     }
-    Cut { records, open_quote }
+    open_quote.map_or(Ok(records), |line| Err(NoShape::OpenQuote { line }))
 }
 
 fn by_line(text: &str, separator: Separator) -> Vec<Record> {

@@ -95,6 +95,8 @@ use std::sync::Arc;
 use crate::deviation::DeviationKind;
 use crate::quantity::{Unit, shown};
 use column::{Stated, UnitFrom};
+use gathered::gathered;
+use names::Role;
 use shape::Measurement;
 use understand::Understood;
 
@@ -152,7 +154,7 @@ impl Table {
             reading.notes.extend(doubts(name, measurement, column));
             reading.columns.push(column_reading(column));
             reading.columns.extend(companions(measurement, column.checks_deviation()));
-            if let Some(uncertainty) = &measurement.beside.uncertainty {
+            if let Some(uncertainty) = measurement.beside.get(Role::Uncertainty) {
                 reading.notes.push(format!(
                     "{name}: `{}` is an uncertainty, and is not used: uncertainties stand in the spec",
                     uncertainty.title
@@ -179,7 +181,8 @@ impl Table {
             header_raw: Vec::new(),
             encoding: Encoding::PLAIN,
             place: Place::Line,
-            pieces: Pieces::Blocks(Vec::new()),
+            // the readers of files give those that are not there yet
+            pieces: Pieces::block(if understood.has_row_per_part() { Block::default() } else { gathered(understood) }),
         }
     }
 
@@ -306,16 +309,15 @@ fn column_reading(column: &Column) -> ColumnReading {
 fn companions(measurement: &Measurement, is_checked: bool) -> impl Iterator<Item = ColumnReading> + '_ {
     let key = measurement.field.key();
     let beside = [
-        (&measurement.beside.deviation, "deviation", if is_checked { ", checked" } else { ", not used" }),
-        (&measurement.beside.nominal, "nominal", ""),
-        (&measurement.beside.upper, "upper tolerance", ", not judged"),
-        (&measurement.beside.lower, "lower tolerance", ", not judged"),
-        (&measurement.beside.unit, "unit", ""),
-        (&measurement.beside.length, "evaluation length", ""),
+        (Role::Deviation, "deviation", if is_checked { ", checked" } else { ", not used" }),
+        (Role::Nominal, "nominal", ""),
+        (Role::Upper, "upper tolerance", ", not judged"),
+        (Role::Lower, "lower tolerance", ", not judged"),
+        (Role::Unit, "unit", ""),
+        (Role::Length, "evaluation length", ""),
     ];
-    let own = move |series: &shape::Series| series.title != measurement.value.title;
-    beside.into_iter().filter_map(move |(series, what, note)| {
-        let series = series.as_ref().filter(|series| own(series))?;
+    beside.into_iter().filter_map(move |(role, what, note)| {
+        let series = measurement.beside.get(role).filter(|series| series.title != measurement.value.title)?;
         Some(named_only(&series.title, &format!("{what} of {key}{note}")))
     })
 }

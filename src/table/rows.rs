@@ -8,7 +8,7 @@ pub(crate) use stored::stored_record;
 
 use std::ops::Range;
 
-use super::block::{Block, Contradiction, Span, as_line, span_end};
+use super::block::{Block, Contradiction, Span, line_of, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
@@ -245,17 +245,17 @@ impl Rows {
         }
     }
 
-    /// A record of a file that has cells of its own, or of a short text; `raw` is the record as it stands there.
-    pub(crate) fn record(&self, record: &Record, raw: Option<&[u8]>, block: &mut Block) {
+    /// A record of a file that has cells of its own, or of a short `text`.
+    pub(crate) fn record(&self, record: &Record, text: Option<&str>, block: &mut Block) {
         if block.contradiction.is_some() {
             return;
         }
         block.values.resize_with(self.setup.columns.len(), Vec::new);
         block.record_count += 1;
-        let raw = match raw {
-            Some(raw) if self.wanted.keeps_raw => block.append(raw),
-            None if self.wanted.keeps_raw => block.append(&as_line(record)),
-            _ => Span::default(),
+        let raw = match text {
+            _ if !self.wanted.keeps_raw => Span::default(),
+            Some(text) => block.append(&record.line_in(text)),
+            None => block.append(&line_of(record.cells.iter().map(Cell::text))),
         };
         self.row(record, raw, block);
     }

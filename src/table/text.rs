@@ -5,10 +5,8 @@ use std::io::Read;
 use std::sync::Arc;
 
 use super::Table;
-use super::block::Block;
 use super::chunk::Chunker;
 use super::encoding::{Encoding, recoded, text};
-use super::gathered::gathered;
 use super::grid::{Separator, records};
 use super::pieces::Pieces;
 use super::rows::Setup;
@@ -116,26 +114,16 @@ impl Text {
     /// A table that is all there.
     fn whole_table(self, source: &Arc<Source>, understood: Understood, want: &Want) -> Table {
         let mut table = self.found(&understood, want);
-        let (Some(separator), true) = (understood.separator, understood.has_row_per_part()) else {
-            table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
-            return table;
-        };
-        let all = records(&source.text, separator);
-        let range = understood.shape.data.clone();
-        table.header_raw = line_at(
-            &source.text,
-            all[..range.start].iter().rev().find(|record| Some(record.line) == understood.shape.header_line),
-        );
+        let (Some(separator), true) = (understood.separator, understood.has_row_per_part()) else { return table };
+        let mut all = records(&source.text, separator).unwrap_or_default();
+        let data = understood.shape.data.clone();
+        let header = all[..data.start].iter().rfind(|record| Some(record.line) == understood.shape.header_line);
+        table.header_raw = header.map_or_else(Vec::new, |record| record.line_in(&source.text));
         let is_even = matches!(separator, Separator::Character(_));
         let setup = setup(understood, separator_byte(separator), is_even, want);
-        let source = Arc::clone(source);
-        table.pieces = Pieces::later(setup, move |rows| {
-            let mut block = Block::default();
-            for record in &all[range] {
-                rows.record(record, Some(&line_at(&source.text, Some(record))), &mut block);
-            }
-            Box::new(std::iter::once(Ok(block)))
-        });
+        all.truncate(data.end);
+        let rows = all.into_iter().skip(data.start).map(Ok);
+        table.pieces = Pieces::records(setup, rows, Some(Arc::clone(source)));
         table
     }
 
@@ -157,8 +145,7 @@ impl Text {
         }
         self.chunks.skip(at);
         self.chunks.set_separator(separator);
-        table.pieces =
-            Pieces::Stream { setup: setup(understood, separator, true, want), chunks: self.chunks, lines: self.lines };
+        table.pieces = Pieces::chunks(setup(understood, separator, true, want), self.chunks, self.lines);
         Ok(table)
     }
 
@@ -204,19 +191,6 @@ pub(crate) fn setup(understood: Understood, separator: u8, is_even: bool, want: 
         is_even,
         watched: shape.watched(want),
     }
-}
-
-/// The line of a text on which a record stands, with its end.
-fn line_at(text: &str, record: Option<&super::cell::Record>) -> Vec<u8> {
-    let Some(record) = record else { return Vec::new() };
-    let span = record.span();
-    let start = text[..span.start].rfind('\n').map_or(0, |end| end + 1);
-    let end = text[span.end..].find('\n').map_or(text.len(), |length| span.end + length + 1);
-    let mut line = text.as_bytes()[start..end].to_vec();
-    if !line.ends_with(b"\n") {
-        line.push(b'\n');
-    }
-    line
 }
 
 /// `sep=;` on a line of its own, as spreadsheets write it: the separator, and the line's length.

@@ -2,17 +2,16 @@
 //! and the others follow as they are read. Called by [`Container::table`](super::Container::table).
 
 use super::Table;
-use super::block::{Block, line_of};
+use super::block::line_of;
 use super::cell::{Cell, Content, Record};
-use super::gathered::gathered;
 use super::grid::Separator;
 use super::names::{Field, ValueKind, heading, is_value_heading, role};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
-use super::pieces::{Blocks, Pieces, Place, as_io};
+use super::pieces::{Pieces, Place};
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
-use super::rows::{Rows, Setup, stored_record};
+use super::rows::{Setup, stored_record};
 use super::shape::shape;
 use super::stored::Stored;
 use super::strangers;
@@ -27,9 +26,6 @@ use crate::quantity::{Decimal, Unit};
 
 /// Records from which columns are found.
 const HEAD: usize = 400;
-/// Records that are handed on together.
-const TOGETHER: usize = 1024;
-
 /// A table of records with a row per part.
 fn of_records(
     name: &str,
@@ -39,25 +35,9 @@ fn of_records(
     records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
 ) -> Table {
     let mut table = Table::new(name, format, &understood, want);
-    table.header_raw = line_of(table.titles.iter().map(String::as_str));
-    table.pieces = Pieces::later(setup(understood, b',', false, want), move |rows| together(rows, records));
+    table.header_raw = line_of(table.titles.iter());
+    table.pieces = Pieces::records(setup(understood, b',', false, want), records, None);
     table
-}
-
-/// Records as blocks, some rows at a time.
-fn together(rows: Rows, records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static) -> Blocks {
-    let mut records = records.peekable();
-    Box::new(std::iter::from_fn(move || {
-        if let Some(Err(problem)) = records.next_if(Result::is_err) {
-            return Some(Err(as_io(&problem)));
-        }
-        let mut block = Block::default();
-        for _ in 0..TOGETHER {
-            let Some(Ok(record)) = records.next_if(Result::is_ok) else { break };
-            rows.record(&record, None, &mut block);
-        }
-        (block.record_count > 0).then_some(Ok(block))
-    }))
 }
 
 /// A sheet of a workbook, and its first records.
@@ -95,9 +75,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
         let records = head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all));
         of_records(&name, "workbook", understood, want, records)
     } else {
-        let mut table = Table::new(&name, "workbook", &understood, want);
-        table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
-        table
+        Table::new(&name, "workbook", &understood, want)
     };
     table.place = Place::SheetRow;
     for other in &others {
@@ -276,12 +254,11 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
     };
     let StoredTable { mut table, setup, in_rows } = stored_table(name, "Parquet", &titles, &head, want)?;
     if in_rows {
-        table.pieces = Pieces::Parquet { setup, file };
+        table.pieces = Pieces::parquet(setup, file);
     } else {
         let understood = understand_records(name, &whole(name, &file, &titles)?, want)?;
         table = Table::new(name, "Parquet", &understood, want);
         table.place = Place::Record;
-        table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
     }
     table.reading.not_used.extend(not_used);
     Ok(table)
@@ -352,7 +329,7 @@ pub(crate) fn stored_table(
     records.extend((0..rows).map(|row| stored_record(head, row, 0)));
     let understood = understand_records(name, &records, want)?;
     let mut table = Table::new(name, format, &understood, want);
-    table.header_raw = line_of(table.titles.iter().map(String::as_str));
+    table.header_raw = line_of(table.titles.iter());
     table.reading.header_line = None;
     // rows that are no part say so themselves when they are read
     table.reading.asides.clear();

@@ -305,19 +305,17 @@ impl<'a> Reading<'a> {
         let mut filled = vec![false; self.parts.len()];
         for record in rows {
             let cell = record.cells.get(place).filter(|cell| !cell.is_missing()).cloned().unwrap_or_default();
-            if self.found.parts.is_empty() {
-                let part = self.part_of(record);
-                if std::mem::replace(&mut filled[part], true) {
-                    let field = heading(&title.text(), &[]).and_then(|heading| heading.fields.first().copied());
-                    return Err(NoShape::Twice { heading: title.clone(), field: field.unwrap_or(Field::PartId) });
-                }
-                cells[part] = cell;
-            } else if let Some(part) = self.found.parts.iter().position(|column| *column == place) {
-                cells[part] = cell;
-            } else {
+            if !self.found.parts.is_empty() {
                 // a nominal value or a tolerance is that of every part
                 cells.fill(cell);
+                continue;
             }
+            let part = self.part_of(record);
+            if std::mem::replace(&mut filled[part], true) {
+                let field = heading(&title.text(), &[]).and_then(|heading| heading.fields.first().copied());
+                return Err(NoShape::Twice { heading: title.clone(), field: field.unwrap_or(Field::PartId) });
+            }
+            cells[part] = cell;
         }
         let (_, unit) = split_unit(&self.titles[place]);
         Ok(Series { title: title.text().into_owned(), place, unit, cells })
@@ -344,13 +342,16 @@ impl<'a> Reading<'a> {
         };
         let (measured, deviation) = (of_role(Role::Measured)?, of_role(Role::Deviation)?);
         let measured = if self.found.parts.is_empty() { measured } else { Some(united(self.by_part(rows, title))) };
-        let (nominal, upper, lower) = (of_role(Role::Nominal)?, of_role(Role::Upper)?, of_role(Role::Lower)?);
-        let uncertainty = of_role(Role::Uncertainty)?;
+        let mut beside = Companions::default();
+        let headed = |series: Series| Series { title: self.titles[series.place].clone(), ..series };
+        for role in [Role::Nominal, Role::Upper, Role::Lower, Role::Uncertainty] {
+            beside.set(role, of_role(role)?.map(headed));
+        }
         // the value and its nominal, or else the deviation
         let in_spec =
             named.field.kind().and_then(|kind| self.want.given(kind)).is_some_and(|given| given.nominal.is_some());
         let (value, deviation, holds) = match (measured, deviation) {
-            (Some(measured), deviation) if nominal.is_some() || (in_spec && deviation.is_some()) => {
+            (Some(measured), deviation) if beside.get(Role::Nominal).is_some() || (in_spec && deviation.is_some()) => {
                 (measured, deviation, Some(ValueKind::Measured))
             }
             (_, Some(deviation)) => (deviation, None, Some(ValueKind::Deviation)),
@@ -363,11 +364,7 @@ impl<'a> Reading<'a> {
             return Err(NoShape::Units { record: rows[0].clone() });
         }
         let field = if named.aspect == Role::Measured { named.field } else { return Err(twice(named, title)) };
-        let headed =
-            |series: Option<Series>| series.map(|series| Series { title: self.titles[series.place].clone(), ..series });
-        let [deviation, nominal, upper, lower, uncertainty] =
-            [deviation, nominal, upper, lower, uncertainty].map(headed);
-        let beside = Companions { deviation, nominal, upper, lower, uncertainty, ..Companions::default() };
+        beside.set(Role::Deviation, deviation.map(headed));
         Ok(Measurement { field, holds, value, beside, stated_unit: None })
     }
 

@@ -198,7 +198,7 @@ pub(super) fn by_header(
         }
     }
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
-        measurement.beside.length.clone_from(&lengths);
+        measurement.beside.set(Role::Length, lengths.clone());
     }
     shape.take_units_before();
     shape.take_units_beside();
