@@ -173,6 +173,13 @@ pub(crate) fn is_unit(text: &str) -> bool {
     Unit::from_symbol(bare_unit(text)).is_some()
 }
 
+/// The first of some cells, if all that say something are units.
+pub(crate) fn only_units(cells: &[Cell]) -> Option<&Cell> {
+    let mut cells = cells.iter().filter(|cell| !cell.is_missing());
+    let first = cells.next().filter(|first| is_unit(&first.text()))?;
+    cells.all(|cell| is_unit(&cell.text())).then_some(first)
+}
+
 /// A unit without its brackets.
 pub(crate) fn bare_unit(text: &str) -> &str {
     text.trim().trim_matches(['[', ']', '(', ')']).trim()

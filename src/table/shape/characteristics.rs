@@ -6,13 +6,13 @@ use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
-use super::headings::{Named, headings, is_part_name, names_value, says_no_part};
+use super::headings::{Named, headings, is_part_name, says_no_part};
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, role, split_unit};
+use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -66,7 +66,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let name = roles.iter().position(|role| *role == Some(Role::Name));
         let name = name.or_else(|| roles.iter().position(Option::is_none)).unwrap_or(0);
         let is_row = |record: &Record| {
-            let is_named = || record.cells.get(name).is_some_and(|cell| names_value(cell, want));
+            let is_named = || record.cells.get(name).is_some_and(|cell| names_value(&cell.text(), &want.own));
             record.cells.len() > name.max(1) && (record.numbers() > 0 || is_named())
         };
         let rows: Vec<usize> = (header + 1..records.len()).filter(|index| is_row(&records[*index])).collect();

@@ -99,11 +99,6 @@ fn is_known(cell: &Cell, want: &Want) -> bool {
     heading(&text, &want.own).is_some() || is_evaluation_length(&text)
 }
 
-/// Whether a cell names a value, and not only a part.
-pub(crate) fn names_value(cell: &Cell, want: &Want) -> bool {
-    heading(&cell.text(), &want.own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
-}
-
 /// Whether a column is called nominal, a tolerance or a deviation, of whatever part: `P1 Soll`.
 pub(super) fn says_no_part(text: &str) -> bool {
     let is_none = |text: &str| {
