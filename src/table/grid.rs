@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::cell::{Cell, Record};
 use super::number::{Marks, marks};
-use super::shape::NoShape;
 use super::split::{Field, next_record};
 use crate::quantity::Unit;
 
@@ -27,6 +26,14 @@ impl Separator {
     pub const TAB: Self = Self::Character(b'\t');
     /// Commas.
     pub const COMMA: Self = Self::Character(b',');
+
+    /// The byte between the fields of a row; a tab where that is no single one.
+    pub(crate) const fn byte(self) -> u8 {
+        match self {
+            Self::Character(byte) => byte,
+            Self::AlignedBlanks | Self::Blanks | Self::Lines => b'\t',
+        }
+    }
 
     /// In words.
     #[must_use]
@@ -59,8 +66,8 @@ pub(crate) fn separators(text: &str) -> Vec<Separator> {
 /// means the same to both.
 ///
 /// # Errors
-/// If a quote is not closed.
-pub(crate) fn records(text: &str, separator: Separator) -> Result<Vec<Record>, NoShape> {
+/// If a quote is not closed: its line.
+pub(crate) fn records(text: &str, separator: Separator) -> Result<Vec<Record>, u64> {
     match separator {
         Separator::Character(byte) => separated(text, byte),
         Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => Ok(by_line(text, separator)),
@@ -74,7 +81,7 @@ fn trimmed(text: &str, span: Range<usize>) -> Cell {
     Cell::of_text(trimmed, start..start + trimmed.len())
 }
 
-fn separated(text: &str, separator: u8) -> Result<Vec<Record>, NoShape> {
+fn separated(text: &str, separator: u8) -> Result<Vec<Record>, u64> {
     let bytes = text.as_bytes();
     let (mut records, mut fields) = (Vec::new(), Vec::new());
     let (mut at, mut lines, mut blank, mut open_quote) = (0, 0, 0, None);
@@ -104,7 +111,7 @@ fn separated(text: &str, separator: u8) -> Result<Vec<Record>, NoShape> {
         lines += found.lines;
         at = found.next;
     }
-    open_quote.map_or(Ok(records), |line| Err(NoShape::OpenQuote { line }))
+    open_quote.map_or(Ok(records), Err)
 }
 
 fn by_line(text: &str, separator: Separator) -> Vec<Record> {

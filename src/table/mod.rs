@@ -87,15 +87,15 @@ pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use rows::{Rows, Wanted};
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
-pub(crate) use typed::{StoredTable, stored_table};
+pub(crate) use typed::stored_table;
 pub(crate) use understand::in_words;
 
 use std::sync::Arc;
 
 use crate::deviation::DeviationKind;
 use crate::quantity::{Unit, shown};
+use block::line_of;
 use column::{Stated, UnitFrom};
-use gathered::gathered;
 use names::Role;
 use shape::Measurement;
 use understand::Understood;
@@ -168,6 +168,8 @@ impl Table {
         for column in understood.columns.iter().filter(|column| column.evaluated_over_face_width(want)) {
             reading.notes.push(format!("{name}: `{}` is evaluated over the rack's face width", column.title));
         }
+        let titles: Vec<_> = shape.header.iter().map(|cell| cell.text().into_owned()).collect();
+        let pieces = Pieces::of(understood, want);
         Self {
             name: name.into(),
             reading,
@@ -175,14 +177,13 @@ impl Table {
             still_missing: if want.others_ignored { missing } else { Vec::new() },
             is_teeth: understood.is_teeth,
             has_id: shape.ids.is_some(),
-            titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
             columns: understood.columns.clone(),
             index_field: shape.index_field,
-            header_raw: Vec::new(),
+            header_raw: if pieces.are_rows() { line_of(titles.iter()) } else { Vec::new() },
             encoding: Encoding::PLAIN,
             place: Place::Line,
-            // the readers of files give those that are not there yet
-            pieces: Pieces::block(if understood.has_row_per_part() { Block::default() } else { gathered(understood) }),
+            titles,
+            pieces,
         }
     }
 

@@ -8,9 +8,12 @@ use std::sync::Arc;
 use super::block::Block;
 use super::cell::Record;
 use super::chunk::{ChunkContent, Chunker};
+use super::gathered::gathered;
 use super::parquet::{OpenGroup, ParquetTable, RowRange};
 use super::rows::{Rows, Setup, Wanted};
 use super::split::next_record;
+use super::understand::Understood;
+use super::want::Want;
 use crate::diagnostic::{Diagnostic, Source as Text};
 
 /// Records that make one piece.
@@ -94,34 +97,48 @@ enum Source {
 }
 
 impl Pieces {
-    fn of(setup: Option<Setup>, source: Source, lines: u64) -> Self {
-        Self { setup, queue: Queue { source, records: 0, lines } }
+    /// Those of a table whose rows are still to be given; where parts are no rows, they are there.
+    pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
+        let setup = understood.has_row_per_part().then(|| Setup::of(understood, want));
+        let block = if setup.is_some() { Block::default() } else { gathered(understood) };
+        Self { setup, queue: Queue { source: Source::Block(Some(block)), records: 0, lines: 0 } }
     }
 
-    /// Text behind so many lines, in chunks.
-    pub(crate) fn chunks(setup: Setup, chunks: Chunker, lines: u64) -> Self {
-        Self::of(Some(setup), Source::Chunks(chunks), lines)
+    /// Whether rows are parts, spaces or teeth.
+    pub(crate) fn are_rows(&self) -> bool {
+        self.setup.is_some()
     }
 
-    /// Records, and the text that they stand in, if they do.
-    pub(crate) fn records(
-        setup: Setup,
+    fn give(&mut self, source: Source) {
+        if self.are_rows() {
+            self.queue.source = source;
+        }
+    }
+
+    /// Gives the rows as text behind so many lines, in chunks.
+    pub(crate) fn give_chunks(&mut self, mut chunks: Chunker, lines: u64) {
+        if let Some(setup) = &mut self.setup {
+            chunks.set_separator(setup.separator);
+            setup.is_even = true;
+        }
+        self.queue.lines = lines;
+        self.give(Source::Chunks(chunks));
+    }
+
+    /// Gives the rows as records, with the text that they stand in, if they do.
+    pub(crate) fn give_records(
+        &mut self,
         records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
         text: Option<Arc<Text>>,
-    ) -> Self {
+    ) {
         let records: Records = Box::new(records);
-        Self::of(Some(setup), Source::Records(records.peekable(), text), 0)
+        self.give(Source::Records(records.peekable(), text));
     }
 
-    /// The rows of a Parquet file.
-    pub(crate) fn parquet(setup: Setup, file: ParquetTable) -> Self {
+    /// Gives the rows of a Parquet file.
+    pub(crate) fn give_file(&mut self, file: ParquetTable) {
         let ranges = file.ranges().into_iter();
-        Self::of(Some(setup), Source::Parquet(Arc::new(file), ranges), 0)
-    }
-
-    /// Rows that are there.
-    pub(crate) fn block(block: Block) -> Self {
-        Self::of(None, Source::Block(Some(block)), 0)
+        self.give(Source::Parquet(Arc::new(file), ranges));
     }
 
     /// The reader of rows that workers share, and what they take.

@@ -13,11 +13,13 @@ use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
-use super::grid::only_units;
+use super::grid::{Separator, only_units};
 use super::names::{Role, heading, is_context, is_statistic, is_value_heading, names_value, role};
 use super::reading::AsideReading;
 use super::shape::has_digit;
 use super::split::{Field, next_record};
+use super::understand::Understood;
+use super::want::Want;
 use crate::deviation::DeviationValue;
 use crate::quantity::{Decimal, Length, shown};
 
@@ -82,6 +84,23 @@ pub(crate) struct Wanted {
     pub(crate) copied: Vec<usize>,
     /// Whether rows are kept as they stand.
     pub(crate) keeps_raw: bool,
+}
+
+impl Setup {
+    pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
+        let Understood { shape, columns, mark, separator, .. } = understood;
+        let mut columns = columns.clone();
+        columns.iter_mut().for_each(|column| column.mark_is_open = mark.is_none());
+        Self {
+            columns,
+            titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
+            id: shape.ids.as_ref().map(|ids| ids.place),
+            index: shape.index.as_ref().map(|index| index.place),
+            separator: separator.map_or(b',', Separator::byte),
+            is_even: matches!(separator, Some(Separator::Character(_))),
+            watched: shape.watched(want),
+        }
+    }
 }
 
 impl PlainRow {

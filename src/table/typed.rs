@@ -2,20 +2,18 @@
 //! and the others follow as they are read. Called by [`Container::table`](super::Container::table).
 
 use super::Table;
-use super::block::line_of;
 use super::cell::{Cell, Content, Record};
 use super::grid::Separator;
 use super::names::{Field, ValueKind, heading, is_value_heading, role};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
-use super::pieces::{Pieces, Place};
+use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
-use super::rows::{Setup, stored_record};
+use super::rows::stored_record;
 use super::shape::shape;
 use super::stored::Stored;
 use super::strangers;
-use super::text::setup;
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
@@ -26,19 +24,6 @@ use crate::quantity::{Decimal, Unit};
 
 /// Records from which columns are found.
 const HEAD: usize = 400;
-/// A table of records with a row per part.
-fn of_records(
-    name: &str,
-    format: &'static str,
-    understood: Understood,
-    want: &Want,
-    records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
-) -> Table {
-    let mut table = Table::new(name, format, &understood, want);
-    table.header_raw = line_of(table.titles.iter());
-    table.pieces = Pieces::records(setup(understood, b',', false, want), records, None);
-    table
-}
 
 /// A sheet of a workbook, and its first records.
 struct Sheet {
@@ -67,16 +52,12 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     if let Some(refused) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &understood, in_rows)) {
         return Err(refused.into());
     }
-    let mut table = if in_rows {
-        // the table may end before the sheet does, if all of it was looked at
-        let is_all = all.len() < HEAD;
-        let range = understood.shape.data.start..if is_all { understood.shape.data.end } else { all.len() };
-        let head: Vec<Record> = all.drain(range).collect();
-        let records = head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all));
-        of_records(&name, "workbook", understood, want, records)
-    } else {
-        Table::new(&name, "workbook", &understood, want)
-    };
+    let mut table = Table::new(&name, "workbook", &understood, want);
+    // the table may end before the sheet does, if all of it was looked at
+    let is_all = all.len() < HEAD;
+    let range = understood.shape.data.start..if is_all { understood.shape.data.end } else { all.len() };
+    let head: Vec<Record> = all.drain(range).collect();
+    table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     for other in &others {
         table.take_other(other, want);
@@ -174,7 +155,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     }
     understood.mark = mark;
     let records = (0..table.len()).filter_map(move |row| table.record(row)).map(Ok);
-    let mut found = of_records(name, "Q-DAS", understood, want, records);
+    let mut found = Table::new(name, "Q-DAS", &understood, want);
+    found.pieces.give_records(records, None);
     found.reading.header_line = None;
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;
@@ -252,9 +234,9 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
         Some(range) => file.read(&mut None, range.first(HEAD), &all)?,
         None => Vec::new(),
     };
-    let StoredTable { mut table, setup, in_rows } = stored_table(name, "Parquet", &titles, &head, want)?;
-    if in_rows {
-        table.pieces = Pieces::parquet(setup, file);
+    let mut table = stored_table(name, "Parquet", &titles, &head, want)?;
+    if table.pieces.are_rows() {
+        table.pieces.give_file(file);
     } else {
         let understood = understand_records(name, &whole(name, &file, &titles)?, want)?;
         table = Table::new(name, "Parquet", &understood, want);
@@ -308,32 +290,22 @@ fn header(titles: &[String]) -> Record {
     Record::new(titles.iter().map(|title| Cell::from(Content::of_text(title))).collect(), 0)
 }
 
-/// A table of stored columns, whose rows are not given yet.
-pub(crate) struct StoredTable {
-    pub(crate) table: Table,
-    pub(crate) setup: Setup,
-    /// Whether each row is a part, a space or a tooth.
-    pub(crate) in_rows: bool,
-}
-
-/// A table of stored columns, of which these are the first rows.
+/// A table of stored columns, of which these are the first rows; all of them are given later.
 pub(crate) fn stored_table(
     name: &str,
     format: &'static str,
     titles: &[String],
     head: &[Option<Stored<'_>>],
     want: &Want,
-) -> Result<StoredTable, Diagnostics> {
+) -> Result<Table, Diagnostics> {
     let mut records = vec![header(titles)];
     let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(HEAD);
     records.extend((0..rows).map(|row| stored_record(head, row, 0)));
     let understood = understand_records(name, &records, want)?;
     let mut table = Table::new(name, format, &understood, want);
-    table.header_raw = line_of(table.titles.iter());
     table.reading.header_line = None;
     // rows that are no part say so themselves when they are read
     table.reading.asides.clear();
     table.place = Place::Record;
-    let in_rows = understood.has_row_per_part();
-    Ok(StoredTable { table, setup: setup(understood, b',', false, want), in_rows })
+    Ok(table)
 }

@@ -66,7 +66,8 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
     }
     for separator in possible {
         let is_strong = matches!(separator, Separator::Character(byte) if byte != b',' || want.separator.is_some());
-        let cut = records(text, separator).and_then(|records| Ok((shape(&records, separator, want)?, records)));
+        let cut = records(text, separator).map_err(|line| NoShape::OpenQuote { line });
+        let cut = cut.and_then(|records| Ok((shape(&records, separator, want)?, records)));
         match cut {
             Ok((shape, _)) if separator == Separator::COMMA && !is_strong && !commas_separate(&shape) => {}
             Ok((shape, records)) => {
