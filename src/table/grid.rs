@@ -237,7 +237,7 @@ mod tests {
     use super::*;
 
     fn cells(text: &str, separator: Separator) -> Vec<Vec<String>> {
-        let records = records(text, separator);
+        let records = records(text, separator).unwrap();
         records.into_iter().map(|record| record.cells.iter().map(|cell| cell.text().into_owned()).collect()).collect()
     }
 

@@ -93,7 +93,7 @@ enum Source {
     /// The rows of a Parquet file, which workers read side by side.
     Parquet(Arc<ParquetTable>, std::vec::IntoIter<RowRange>),
     /// Rows that are there.
-    Block(Option<Block>),
+    Block(Option<Box<Block>>),
 }
 
 impl Pieces {
@@ -101,7 +101,7 @@ impl Pieces {
     pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
         let setup = understood.has_row_per_part().then(|| Setup::of(understood, want));
         let block = if setup.is_some() { Block::default() } else { gathered(understood) };
-        Self { setup, queue: Queue { source: Source::Block(Some(block)), records: 0, lines: 0 } }
+        Self { setup, queue: Queue { source: Source::Block(Some(Box::new(block))), records: 0, lines: 0 } }
     }
 
     /// Whether rows are parts, spaces or teeth.
@@ -192,7 +192,7 @@ impl Queue {
             }
             (Source::Block(block), _) => {
                 let Some(block) = block.take() else { return Ok(false) };
-                piece.block = block;
+                piece.block = *block;
             }
             (Source::Records(..), None) => return Ok(false),
         }

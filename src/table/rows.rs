@@ -90,7 +90,9 @@ impl Setup {
     pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
         let Understood { shape, columns, mark, separator, .. } = understood;
         let mut columns = columns.clone();
-        columns.iter_mut().for_each(|column| column.mark_is_open = mark.is_none());
+        for column in &mut columns {
+            column.mark_is_open = mark.is_none();
+        }
         Self {
             columns,
             titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),

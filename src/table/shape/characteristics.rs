@@ -118,7 +118,6 @@ fn numbers_parts(record: &Record) -> bool {
         && record.cells.iter().any(|cell| role(&cell.text()) == Some(Role::Name))
 }
 
-/// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
 /// Whether a heading is that of another column but for its digits: `R17` beside `R16`.
 fn is_called_like_another(header: &[Cell], place: usize) -> bool {
     let stem = |cell: &Cell| cell.text().trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
@@ -128,6 +127,7 @@ fn is_called_like_another(header: &[Cell], place: usize) -> bool {
         && header.iter().enumerate().any(|(other, cell)| other != place && has_digit(&cell.text()) && stem(cell) == own)
 }
 
+/// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
 fn names_one_part(title: &str) -> bool {
     has_digit(title) && is_part_name(title.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-'))
 }
