@@ -11,7 +11,7 @@ use crate::judge::class::{self, DiameterSource, Meshing, RackDiameter};
 use crate::judge::class_mesh::ArrangedDeviation;
 use crate::judge::grade::{self, GradeSearch, ObtainedGrade, ToleranceError};
 use crate::quantity::{Angle, Length};
-use crate::report::{ClassHead, ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
+use crate::report::{ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
 use crate::spec::{MeasuredValue, Spec, keys};
 use crate::standard::{Deviation, Permissible, Size, Standard, StandardError, Wheel};
 
@@ -48,8 +48,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "SPEC")]
     spec: Option<String>,
     /// Which part.
-    #[arg(long, value_enum, default_value_t)]
-    part: PartArg,
+    #[arg(long, value_parser = ["pinion", "rack"], default_value = "pinion")]
+    part: String,
     /// Normal module m_n.
     #[arg(long, allow_hyphen_values = true)]
     normal_module: Option<Length>,
@@ -76,13 +76,6 @@ pub(super) struct Args {
     /// Output format.
     #[arg(long, short, value_enum, default_value_t)]
     format: Format,
-}
-
-#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-enum PartArg {
-    #[default]
-    Pinion,
-    Rack,
 }
 
 fn rack_diameter(text: &str) -> Result<RackDiameter, String> {
@@ -203,10 +196,7 @@ impl Args {
     }
 
     fn part(&self) -> Part {
-        match self.part {
-            PartArg::Pinion => Part::Pinion,
-            PartArg::Rack => Part::Rack,
-        }
+        if self.part == "rack" { Part::Rack } else { Part::Pinion }
     }
 
     /// The permissible values of one grade.
@@ -256,8 +246,10 @@ impl Args {
         let not_given = not_given.into_iter().map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
         rows.sort_by_key(|row| row.permissible.deviation);
         notes.extend(remarks(&rows, &sized.meshing));
-        let head = head(standard, spec, sized);
-        output.report(&ClassReport { head, grade, rows, not_given, notes }, self.format)?;
+        let Sized { part, wheel, diameter_source, .. } = sized;
+        let title = spec.and_then(|spec| spec.title.clone());
+        let report = ClassReport { title, standard, part, wheel, diameter_source, grade, rows, not_given, notes };
+        output.report(&report, self.format)?;
         Ok(Status::Pass)
     }
 
@@ -449,16 +441,6 @@ fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair
         arranged.largest_delta_cd_mm(pair)
     });
     ClassRow { permissible, delta_cd, mesh }
-}
-
-fn head(standard: Standard, spec: Option<&Spec>, sized: Sized) -> ClassHead {
-    ClassHead {
-        title: spec.and_then(|spec| spec.title.clone()),
-        standard,
-        part: sized.part,
-        wheel: sized.wheel,
-        diameter_source: sized.diameter_source,
-    }
 }
 
 /// The option that gives a size.

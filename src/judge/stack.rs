@@ -57,6 +57,7 @@ impl fmt::Display for Stack {
 }
 
 /// ΔCD from a lowest to a highest value.
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Interval {
     /// The lowest.

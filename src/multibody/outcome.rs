@@ -101,6 +101,7 @@ impl Energy {
 }
 
 /// How much work a run was.
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counters {
     /// Coordinates solved for: 2, or 3 with roll.
@@ -108,14 +109,17 @@ pub struct Counters {
     /// Evaluations of all contacts.
     pub evaluations: u64,
     /// Spheres (or strips) whose gap was computed.
+    #[cfg_attr(feature = "report", serde(rename = "elements_tested"))]
     pub spheres_tested: u64,
     /// Friction forces computed.
     pub friction_evaluations: u64,
     /// Newton iterations.
+    #[cfg_attr(feature = "report", serde(rename = "newton_iterations"))]
     pub iterations: u64,
     /// Steps in time accepted; 0 in a quasi-static run.
     pub steps: u64,
     /// Steps in time rejected.
+    #[cfg_attr(feature = "report", serde(rename = "rejected_steps"))]
     pub rejected: u64,
 }
 

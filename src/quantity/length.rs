@@ -24,6 +24,14 @@ pub struct Length {
     fm: i64,
 }
 
+/// In mm.
+#[cfg(feature = "report")]
+impl serde::Serialize for Length {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(self.mm())
+    }
+}
+
 impl Length {
     /// A length in mm; the number is taken as the decimal that was written for it, its shortest one.
     ///

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::number::{ends, grouped, millimetres, unsigned};
 use super::uncertainty::{micrometres, rule_words};
-use super::{Block, Column, Report, Table, fact, judged_without, titled};
+use super::{Block, Report, Table, fact, judged_without, titled};
 use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Quantity};
 use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
@@ -71,20 +71,43 @@ pub struct BatchReport<'a> {
     title: Option<&'a str>,
     basis: &'a Basis,
     outcome: &'a Outcome,
-    results: Vec<Capable<'a>>,
+    results: Vec<ResultFact<'a>>,
 }
 
 /// One result over all parts, and how capable the process is of its limits.
-#[derive(Debug)]
-struct Capable<'a> {
-    quantity: &'a Quantity,
+#[derive(Debug, Serialize)]
+struct ResultFact<'a> {
+    name: &'a str,
+    count: u64,
+    mean_mm: Option<f64>,
+    standard_deviation_mm: Option<f64>,
+    min_mm: Option<f64>,
+    max_mm: Option<f64>,
+    quantiles: [QuantileFact; QUANTILES.len()],
+    limit_lower_mm: Option<f64>,
+    limit_upper_mm: Option<f64>,
+    #[serde(flatten)]
     capability: Capability,
 }
 
-impl Capable<'_> {
+#[derive(Debug, Clone, Copy, Serialize)]
+struct QuantileFact {
+    share: f64,
+    value_mm: Option<f64>,
+}
+
+impl ResultFact<'_> {
+    fn quantile_mm(&self, share: f64) -> Option<f64> {
+        self.quantiles.iter().find(|quantile| quantile.share == share)?.value_mm
+    }
+
+    fn is_limited(&self) -> bool {
+        self.limit_lower_mm.is_some() || self.limit_upper_mm.is_some()
+    }
+
     /// Its name for people.
     fn shown(&self) -> String {
-        self.quantity.name.trim_start_matches("delta_cd_").trim_end_matches("_mm").replace('_', " ")
+        self.name.trim_start_matches("delta_cd_").trim_end_matches("_mm").replace('_', " ")
     }
 
     fn indices(&self) -> [(&'static str, Option<Index>); 4] {
@@ -97,134 +120,81 @@ impl<'a> BatchReport<'a> {
     /// The report of a batch that was run with statistics.
     #[must_use]
     pub fn new(title: Option<&'a str>, basis: &'a Basis, outcome: &'a Outcome) -> Self {
-        let capable = |quantity: &'a Quantity| {
-            let capability = Capability::of(&quantity.statistics, quantity.limits);
-            Capable { quantity, capability }
-        };
-        Self { title, basis, outcome, results: outcome.quantities.iter().map(capable).collect() }
+        Self { title, basis, outcome, results: outcome.quantities.iter().map(ResultFact::from).collect() }
     }
 
-    fn counts_table(&self) -> Table {
+    fn counts_table(&self) -> Block {
         let rows = self.outcome.counts.rows;
-        let shown = self
-            .outcome
-            .counts
-            .named()
-            .into_iter()
-            .filter(|(name, count)| *count > 0 || matches!(*name, "rows" | "pass" | "fail"));
-        let shown = shown.map(|(name, count)| {
-            let share = if rows == 0 { 0.0 } else { 100.0 * count as f64 / rows as f64 };
-            let name = if name == "unjudged" { "without a verdict" } else { name };
-            // a part in a million that fails is not 0 %, and one that does not is not 100 %
-            let share = if count > 0 && share < 0.01 {
-                "< 0.01 %".to_owned()
-            } else if count < rows && share > 99.99 {
-                "> 99.99 %".to_owned()
-            } else {
-                format!("{share:.2} %")
-            };
-            vec![name.to_owned(), grouped(count), share]
-        });
-        Table {
-            rows: shown.collect(),
-            columns: vec![Column::text("parts"), Column::number("count"), Column::number("share")],
-        }
+        // a part in a million that fails is not 0 %, and one that does not is not 100 %
+        let share = |count: u64| match 100.0 * count as f64 / rows.max(1) as f64 {
+            share if count > 0 && share < 0.01 => "< 0.01 %".to_owned(),
+            share if count < rows && share > 99.99 => "> 99.99 %".to_owned(),
+            share => format!("{share:.2} %"),
+        };
+        let is_shown = |(name, count): &(&str, u64)| *count > 0 || matches!(*name, "rows" | "pass" | "fail");
+        Table::of(self.outcome.counts.named().into_iter().filter(is_shown))
+            .text("parts", |(name, _)| if *name == "unjudged" { "without a verdict" } else { name })
+            .number("count", |(_, count)| grouped(*count))
+            .number("share", |(_, count)| share(*count))
+            .block()
     }
 
-    fn statistics_table(&self) -> Table {
-        let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), millimetres);
-        let rows = self.results.iter().map(|result| {
-            let statistics = &result.quantity.statistics;
-            let deviation = statistics.standard_deviation_mm();
-            vec![
-                result.shown(),
-                mm(statistics.mean_mm()),
-                deviation.map_or_else(|| "-".to_owned(), unsigned),
-                mm(statistics.min_mm()),
-                mm(statistics.quantile_mm(0.5)),
-                mm(statistics.quantile_mm(0.99865)),
-                mm(statistics.max_mm()),
-            ]
-        });
-        let columns = ["mean\n[mm]", "s\n[mm]", "min\n[mm]", "median\n[mm]", "99.865 %\n[mm]", "max\n[mm]"];
-        Table {
-            rows: rows.collect(),
-            columns: std::iter::once(Column::text("ΔCD")).chain(columns.map(Column::number)).collect(),
-        }
+    fn statistics_table(&self) -> Block {
+        let mm = |value: Option<f64>| value.map(millimetres);
+        Table::of(&self.results)
+            .text("ΔCD", |result| result.shown())
+            .number("mean\n[mm]", |result| mm(result.mean_mm))
+            .number("s\n[mm]", |result| result.standard_deviation_mm.map(unsigned))
+            .number("min\n[mm]", |result| mm(result.min_mm))
+            .number("median\n[mm]", |result| mm(result.quantile_mm(0.5)))
+            .number("99.865 %\n[mm]", |result| mm(result.quantile_mm(0.99865)))
+            .number("max\n[mm]", |result| mm(result.max_mm))
+            .block()
     }
 
     /// The indices of the results that have limits; `None` where there are none.
-    fn capability_table(&self) -> Option<Table> {
-        let mut rows = Vec::new();
-        for result in self.results.iter().filter(|result| result.quantity.is_limited()) {
-            for (name, index) in result.indices() {
-                let Some(index) = index else { continue };
-                let [value, lower, upper] = [index.value, index.lower, index.upper].map(|value| format!("{value:.2}"));
-                rows.push(vec![result.shown(), name.to_owned(), value, format!("{lower} … {upper}")]);
-            }
-        }
-        let columns = vec![
-            Column::text("capability"),
-            Column::text("index"),
-            Column::number("value"),
-            Column::number("95 % confidence"),
-        ];
-        (!rows.is_empty()).then_some(Table { columns, rows })
+    fn capability_table(&self) -> Option<Block> {
+        let limited = self.results.iter().filter(|result| result.is_limited());
+        let indices = limited.flat_map(|result| {
+            let known = |(name, index): (_, Option<Index>)| Some((result.shown(), name, index?));
+            result.indices().into_iter().filter_map(known)
+        });
+        Table::of(indices)
+            .text("capability", |(result, ..)| result.clone())
+            .text("index", |(_, name, _)| *name)
+            .number("value", |(.., index)| format!("{:.2}", index.value))
+            .number("95 % confidence", |(.., index)| format!("{:.2} … {:.2}", index.lower, index.upper))
+            .block_if_any()
     }
 
     /// What measuring does to the spread; `None` where no uncertainty is given.
-    fn gauge_table(&self) -> Option<Table> {
+    fn gauge_table(&self) -> Option<Block> {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let rows = self.results.iter().filter_map(|result| {
-            let gauge = result.capability.gauge?;
-            Some(vec![
-                result.shown(),
-                micrometres(gauge.uncertainty_mm),
-                percent(gauge.variance_share),
-                gauge.tolerance_share.map_or_else(|| "-".to_owned(), percent),
-                gauge.part_ppk.map_or_else(|| "-".to_owned(), |ppk| format!("{ppk:.2}")),
-            ])
-        });
-        let rows: Vec<_> = rows.collect();
-        let columns = vec![
-            Column::text("gauge share"),
-            Column::number("u\n[µm]"),
-            Column::number("of the variance\nu²/s²"),
-            Column::number("of the limits\n6 u/(U − L)"),
-            Column::number("Ppk of the\nparts alone"),
-        ];
-        (!rows.is_empty()).then_some(Table { columns, rows })
+        Table::of(self.results.iter().filter_map(|result| Some((result.shown(), result.capability.gauge?))))
+            .text("gauge share", |(name, _)| name.clone())
+            .number("u\n[µm]", |(_, gauge)| micrometres(gauge.uncertainty_mm))
+            .number("of the variance\nu²/s²", |(_, gauge)| percent(gauge.variance_share))
+            .number("of the limits\n6 u/(U − L)", |(_, gauge)| gauge.tolerance_share.map(percent))
+            .number("Ppk of the\nparts alone", |(_, gauge)| gauge.part_ppk.map(|ppk| format!("{ppk:.2}")))
+            .block_if_any()
     }
 
-    fn worst_table(&self) -> Table {
-        let rows = self.outcome.worst.iter().map(|part| {
-            vec![
-                part.id.clone(),
-                whereabouts(part),
-                part.on.map_or_else(|| "-".to_owned(), |on| on.to_string()),
-                ends(part.result_mm.0, part.result_mm.1),
-                if part.on.is_some() { millimetres(part.margin_mm) } else { "-".to_owned() },
-                part.verdict.map_or("-", Verdict::name).to_owned(),
-            ]
-        });
-        Table {
-            rows: rows.collect(),
-            columns: vec![
-                Column::text("worst parts"),
-                Column::text("where"),
-                Column::text("limit on ΔCD"),
-                Column::number("result\n[mm]"),
-                Column::number("margin\n[mm]"),
-                Column::text("verdict"),
-            ],
-        }
+    fn worst_table(&self) -> Block {
+        Table::of(&self.outcome.worst)
+            .text("worst parts", |part| part.id.clone())
+            .text("where", |part| whereabouts(part))
+            .text("limit on ΔCD", |part| part.on.map(|on| on.to_string()))
+            .number("result\n[mm]", |part| ends(part.result_mm.0, part.result_mm.1))
+            .number("margin\n[mm]", |part| part.on.map(|_| millimetres(part.margin_mm)))
+            .text("verdict", |part| part.verdict.map(Verdict::name))
+            .block()
     }
 
     fn capability_notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        let limited: Vec<_> = self.results.iter().filter(|result| result.quantity.is_limited()).collect();
+        let limited: Vec<_> = self.results.iter().filter(|result| result.is_limited()).collect();
         let Some(first) = limited.first() else { return notes };
-        let parts = first.quantity.statistics.count();
+        let parts = first.count;
         if parts < FEWEST_PARTS as u64 {
             let parts = if parts == 1 { "1 part is".to_owned() } else { format!("{parts} parts are") };
             notes.push(format!(
@@ -242,7 +212,7 @@ impl<'a> BatchReport<'a> {
             ));
         }
         for result in limited {
-            if result.capability.ppk.is_none() && result.quantity.statistics.standard_deviation_mm().is_some() {
+            if result.capability.ppk.is_none() && result.standard_deviation_mm.is_some() {
                 notes.push(format!("{}: no indices, because all values are the same.", result.shown()));
             }
             match result.capability.normality {
@@ -327,8 +297,8 @@ impl<'a> BatchReport<'a> {
         if self.results.iter().any(|result| result.capability.gauge.is_some_and(is_overstated)) {
             notes.push("The given uncertainty exceeds the spread of some values: it is overstated there.".to_owned());
         }
-        for Quantity { name, statistics, .. } in &self.outcome.quantities {
-            if statistics.count() > 1 && statistics.standard_deviation_mm().is_none() {
+        for ResultFact { name, count, standard_deviation_mm, .. } in &self.results {
+            if *count > 1 && standard_deviation_mm.is_none() {
                 notes.push(format!("{name}: no standard deviation, because the sum of the squares is too large"));
             }
         }
@@ -358,33 +328,12 @@ struct BatchFact<'a> {
     judged_by: &'static str,
     rule: String,
     counts: Map<String, Value>,
-    results: Vec<ResultFact<'a>>,
+    results: &'a [ResultFact<'a>],
     worst: Vec<PartFact<'a>>,
     unjudged_limits: Vec<&'static str>,
     interrupted: bool,
     complete: bool,
     notes: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct ResultFact<'a> {
-    name: &'a str,
-    count: u64,
-    mean_mm: Option<f64>,
-    standard_deviation_mm: Option<f64>,
-    min_mm: Option<f64>,
-    max_mm: Option<f64>,
-    quantiles: Vec<QuantileFact>,
-    limit_lower_mm: Option<f64>,
-    limit_upper_mm: Option<f64>,
-    #[serde(flatten)]
-    capability: Capability,
-}
-
-#[derive(Serialize)]
-struct QuantileFact {
-    share: f64,
-    value_mm: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -401,21 +350,20 @@ struct PartFact<'a> {
     verdict: Option<&'static str>,
 }
 
-impl<'a> From<&Capable<'a>> for ResultFact<'a> {
-    fn from(Capable { quantity, capability }: &Capable<'a>) -> Self {
-        let statistics = &quantity.statistics;
+impl<'a> From<&'a Quantity> for ResultFact<'a> {
+    fn from(Quantity { name, limits, statistics, .. }: &'a Quantity) -> Self {
         let quantile = |share| QuantileFact { share, value_mm: statistics.quantile_mm(share) };
         Self {
-            name: &quantity.name,
+            name,
             count: statistics.count(),
             mean_mm: statistics.mean_mm(),
             standard_deviation_mm: statistics.standard_deviation_mm(),
             min_mm: statistics.min_mm(),
             max_mm: statistics.max_mm(),
-            quantiles: QUANTILES.map(quantile).into(),
-            limit_lower_mm: quantity.limits.0,
-            limit_upper_mm: quantity.limits.1,
-            capability: *capability,
+            quantiles: QUANTILES.map(quantile),
+            limit_lower_mm: limits.0,
+            limit_upper_mm: limits.1,
+            capability: Capability::of(statistics, *limits),
         }
     }
 }
@@ -457,7 +405,7 @@ impl Report for BatchReport<'_> {
                 .into_iter()
                 .map(|(name, count)| (name.to_owned(), count.into()))
                 .collect(),
-            results: self.results.iter().map(ResultFact::from).collect(),
+            results: &self.results,
             worst: self.outcome.worst.iter().map(PartFact::from).collect(),
             unjudged_limits: self.basis.unjudged.iter().map(|on| on.key()).collect(),
             interrupted: self.outcome.interrupted,
@@ -468,28 +416,25 @@ impl Report for BatchReport<'_> {
 
     /// One row per result.
     fn rows(&self) -> Vec<Vec<String>> {
-        let fixed = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-        let quantile = |(place, share): (usize, f64)| format!("q{share}_mm=quantiles/{place}/value_mm");
-        let counts = self.outcome.counts.named().map(|(name, _)| format!("{name}=counts/{name}")).to_vec();
-        let names = [
-            fixed(&["name", "count", "mean_mm", "standard_deviation_mm", "min_mm", "max_mm"]),
-            QUANTILES.into_iter().enumerate().map(quantile).collect(),
-            fixed(&["limit_lower_mm", "limit_upper_mm", "pp=pp/value", "ppk=ppk/value"]),
-            counts,
-            fixed(&["cp=cp/value", "cpk=cpk/value"]),
-            fixed(&["normality_p=normality/p_value", "gauge_variance_share=gauge/variance_share"]),
-        ];
-        fact::rows(&self.json(), "results", &names.concat())
+        let quantile = |(place, share): (usize, f64)| format!(" q{share}_mm=quantiles/{place}/value_mm");
+        let quantiles: String = QUANTILES.into_iter().enumerate().map(quantile).collect();
+        let counts = self.outcome.counts.named().map(|(name, _)| format!("{name}=counts/{name} ")).concat();
+        let names = format!(
+            "name count mean_mm standard_deviation_mm min_mm max_mm {quantiles} limit_lower_mm limit_upper_mm \
+             pp=pp/value ppk=ppk/value {counts} cp=cp/value cpk=cpk/value normality_p=normality/p_value \
+             gauge_variance_share=gauge/variance_share"
+        );
+        fact::rows(&self.json(), "results", &names)
     }
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
-        blocks.push(Block::Table(self.counts_table()));
+        blocks.push(self.counts_table());
         if self.outcome.counts.rows > self.outcome.counts.rejected {
-            blocks.push(Block::Table(self.statistics_table()));
-            blocks.extend(self.capability_table().map(Block::Table));
-            blocks.extend(self.gauge_table().map(Block::Table));
-            blocks.push(Block::Table(self.worst_table()));
+            blocks.push(self.statistics_table());
+            blocks.extend(self.capability_table());
+            blocks.extend(self.gauge_table());
+            blocks.push(self.worst_table());
         }
         blocks.extend(self.notes().into_iter().map(Block::Note));
         blocks.push(self.verdict());

@@ -1,14 +1,15 @@
 //! The report of `budget`: tolerances, sensitivities, and the tornado plot.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::evaluation::{ClassFact, IntervalFact, ON_WORST_TEETH, interval_text};
+use super::evaluation::{ClassFact, ON_WORST_TEETH, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
-use super::{Block, Column, Report, Screen, Table, fact, titled};
+use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Rule};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
-use crate::formula::{Input, Model};
+use crate::formula::{Input, Model, Sensitivity};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
@@ -51,21 +52,35 @@ fn input_name(kind: DeviationKind, input: Input) -> (String, &'static str) {
     }
 }
 
+/// ∂ΔCD/∂input.
+#[derive(Serialize)]
+struct SensitivityFact {
+    input: String,
+    unit: &'static str,
+    value: Option<f64>,
+}
+
+impl SensitivityFact {
+    fn of(kind: DeviationKind, Sensitivity { input, value }: &Sensitivity) -> Self {
+        let (input, unit) = input_name(kind, *input);
+        Self { input, unit, value: *value }
+    }
+}
+
 /// The sum of ∂ΔCD/∂input over the errors, as the worst case adds them.
-fn sensitivities(budget: &Budget) -> Vec<(String, &'static str, f64)> {
-    let mut all: Vec<(String, &'static str, f64)> = Vec::new();
+fn sensitivities(budget: &Budget) -> Vec<SensitivityFact> {
+    let mut all: Vec<SensitivityFact> = Vec::new();
     for line in &budget.lines {
-        for sensitivity in &line.sensitivities {
-            let Some(value) = sensitivity.value else { continue };
-            let (name, unit) = input_name(line.error.kind(), sensitivity.input);
-            match all.iter_mut().find(|(known, _, _)| *known == name) {
-                Some((_, _, sum)) => *sum += value,
-                None => all.push((name, unit, value)),
+        let known = line.sensitivities.iter().filter(|sensitivity| sensitivity.value.is_some());
+        for one in known.map(|sensitivity| SensitivityFact::of(line.error.kind(), sensitivity)) {
+            match all.iter_mut().find(|sum| sum.input == one.input) {
+                Some(sum) => sum.value = sum.value.zip(one.value).map(|(sum, value)| sum + value),
+                None => all.push(one),
             }
         }
     }
     // where the errors' parts cancel, what is left is that of ΔCD kept to 1e-12 mm
-    all.retain(|(_, _, value)| value.abs() > 1e-9);
+    all.retain(|sum| sum.value.is_some_and(|value| value.abs() > 1e-9));
     all
 }
 
@@ -184,15 +199,15 @@ impl BudgetReport<'_> {
         });
         Some(lines.collect::<Vec<_>>().join("\n"))
     }
+}
 
-    fn tolerance_text(line: &Line) -> String {
-        // cut, not rounded: what is printed meets the limit
-        match line.error.value() {
-            DeviationValue::Length(length) => {
-                format!("±{} µm", truncated(length.abs().in_unit(LengthUnit::Micrometre), 3))
-            }
-            angle => format!("±{}°", truncated(angle.abs().base(), 6)),
+fn tolerance_text(line: &Line) -> String {
+    // cut, not rounded: what is printed meets the limit
+    match line.error.value() {
+        DeviationValue::Length(length) => {
+            format!("±{} µm", truncated(length.abs().in_unit(LengthUnit::Micrometre), 3))
         }
+        angle => format!("±{}°", truncated(angle.abs().base(), 6)),
     }
 }
 
@@ -216,17 +231,14 @@ impl Report for BudgetReport<'_> {
                 let class = self.classes.iter().find(|class| class.kind == kind);
                 let value = (feasible || line.is_fixed).then(|| line.error.value().abs().base());
                 let key = if kind == DeviationKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
-                let of_line = line.sensitivities.iter().map(|sensitivity| {
-                    let (input, unit) = input_name(kind, sensitivity.input);
-                    json!({ "input": input, "unit": unit, "value": sensitivity.value })
-                });
+                let of_line = line.sensitivities.iter().map(|sensitivity| SensitivityFact::of(kind, sensitivity));
                 json!({
                     "error": kind.key(),
                     "fixed": line.is_fixed,
                     key: value,
-                    "delta_cd_mm": value.map(|_| line.delta_cd.mm()),
+                    "delta_cd_mm": value.map(|_| line.delta_cd),
                     "extent": line.error.extent().name(),
-                    "range_mm": value.map(|_| IntervalFact::from(line.range)),
+                    "range_mm": value.map(|_| line.range),
                     "share": line.share,
                     "at_own_limit": line.at_own_limit,
                     "class": class.map(ClassFact::from),
@@ -244,97 +256,61 @@ impl Report for BudgetReport<'_> {
                 "seed": simulated.settings.seed,
             })
         });
-        let sensitivities: Vec<_> = sensitivities(budget)
-            .into_iter()
-            .map(|(input, unit, value)| json!({ "input": input, "unit": unit, "value": value }))
-            .collect();
         json!({
             "title": self.title,
             "stack": self.rule.name(),
             "model": self.model.name(),
-            "limit_lower_mm": self.limit.lower.map(Length::mm),
-            "limit_upper_mm": self.limit.upper.map(Length::mm),
+            "limit_lower_mm": self.limit.lower,
+            "limit_upper_mm": self.limit.upper,
             "feasible": feasible,
             "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
             "tolerances": tolerances,
-            "worst_case_mm": budget.combined.range.ok().map(IntervalFact::from),
-            "rss_mm": budget.combined.rss.ok().map(IntervalFact::from),
-            "reached_mm": self.reached.map(IntervalFact::from),
+            "worst_case_mm": budget.combined.range.ok(),
+            "rss_mm": budget.combined.rss.ok(),
+            "reached_mm": self.reached,
             "simulation": simulated,
-            "sensitivities": sensitivities,
+            "sensitivities": sensitivities(budget),
             "notes": self.notes,
         })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        const NAMES: [&str; 9] = [
-            "error",
-            "fixed",
-            "tolerance_mm",
-            "tolerance_deg",
-            "delta_cd_mm",
-            "share",
-            "sensitivity=sensitivities/0/value",
-            "feasible",
-            "extent",
-        ];
-        fact::rows(&self.json(), "tolerances", &NAMES)
+        const NAMES: &str = "error fixed tolerance_mm tolerance_deg delta_cd_mm share \
+                             sensitivity=sensitivities/0/value feasible extent";
+        fact::rows(&self.json(), "tolerances", NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
         let budget = self.budget;
         let feasible = budget.is_feasible();
         let share = if self.rule == Rule::WorstCase { "share" } else { "share of\nsquares" };
-        let mut columns = vec![
-            Column::text("error"),
-            Column::number("tolerance"),
-            Column::text(""),
-            Column::number("ΔCD alone\n[mm]"),
-            Column::number(share),
-        ];
         let has_extents = budget.lines.iter().any(|line| line.error.extent() != Extent::Each);
-        if has_extents {
-            columns.push(Column::text("on"));
-        }
-        if !self.grades.is_empty() {
-            columns.push(Column::number("grade\nwithin"));
-        }
-        let rows = budget.lines.iter().map(|line| {
-            let known = feasible || line.is_fixed;
-            let is = match (line.is_fixed, line.at_own_limit) {
+        let if_known = |line: &Line, text: String| (feasible || line.is_fixed).then_some(text);
+        let grade = |line: &Line| self.grades.iter().find(|grade| grade.kind == line.error.kind());
+        let tolerances = Table::of(&budget.lines)
+            .text("error", |line| line.error.kind().to_string())
+            .number("tolerance", |line| if_known(line, tolerance_text(line)).unwrap_or_else(|| "none left".to_owned()))
+            .text("", |line| match (line.is_fixed, line.at_own_limit) {
                 (true, _) => "fixed",
                 (false, true) => "free, at its own limit",
                 (false, false) => "free",
-            };
-            let mut row = vec![
-                line.error.kind().to_string(),
-                if known { Self::tolerance_text(line) } else { "none left".to_owned() },
-                is.to_owned(),
-                if known { interval_text(&line.range) } else { "-".to_owned() },
-                format!("{:.0} %", 100.0 * line.share),
-            ];
-            if has_extents {
-                row.push(line.error.extent().words(line.error.kind().unit(), None));
-            }
-            if !self.grades.is_empty() {
-                let grade = self.grades.iter().find(|grade| grade.kind == line.error.kind());
-                row.push(grade.map_or_else(|| "-".to_owned(), |grade| grade.permissible.grade.to_string()));
-            }
-            row
-        });
+            })
+            .number("ΔCD alone\n[mm]", |line| if_known(line, interval_text(&line.range)))
+            .number(share, |line| number::percent(line.share))
+            .column_if(has_extents, Column::text("on"), |line| {
+                line.error.extent().words(line.error.kind().unit(), None)
+            })
+            .column_if(!self.grades.is_empty(), Column::number("grade\nwithin"), |line| {
+                grade(line).map(|grade| grade.permissible.grade.to_string())
+            });
+        let sensitivities = Table::of(sensitivities(budget))
+            .text("input", |of| of.input.clone())
+            .number("∂ΔCD/∂input", |of| of.value.map(|value| signed(value, 5)))
+            .text("unit", |of| of.unit);
         let mut blocks = titled(self.title);
-        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
-        if let Some(tornado) = self.tornado() {
-            blocks.push(Block::Drawing(tornado));
-        }
-        let sensitivities = sensitivities(budget);
-        if !sensitivities.is_empty() {
-            let rows = sensitivities
-                .iter()
-                .map(|(name, unit, value)| vec![name.clone(), signed(*value, 5), (*unit).to_owned()]);
-            let columns = vec![Column::text("input"), Column::number("∂ΔCD/∂input"), Column::text("unit")];
-            blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
-        }
+        blocks.push(tolerances.block());
+        blocks.extend(self.tornado().map(Block::Drawing));
+        blocks.extend(sensitivities.block_if_any());
         blocks.extend(self.classes.iter().map(|class| Block::Note(format!("class: {}", class.in_words()))));
         blocks.extend(self.grades.iter().map(|class| Block::Note(format!("within: {}", class.in_words()))));
         if let Rule::Simulation(settings) = &self.rule

@@ -2,9 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::IntervalFact;
 use super::number::{plain_padded, truncated};
-use super::{Block, Column, Report, Table, fact};
+use super::{Block, Report, Table, fact};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{FormulaPage, Model};
 use crate::judge::Interval;
@@ -169,42 +168,32 @@ impl Report for Calculation {
         }
         if let Some(worst_case) = self.worst_case {
             json["extent"] = worst_case.extent.name().into();
-            json["range_mm"] = json!(worst_case.range.ok().map(IntervalFact::from));
+            json["range_mm"] = json!(worst_case.range.ok());
         }
         json["notes"] = self.notes.clone().into();
         json
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let mut names = vec!["formula", "model", base_value(self.result).0, "value", "unit"];
-        if self.worst_case.is_some() {
-            names.extend(["extent", "lower_mm=range_mm/lower", "upper_mm=range_mm/upper"]);
-        }
+        let value = base_value(self.result).0;
+        let range =
+            if self.worst_case.is_some() { "extent lower_mm=range_mm/lower upper_mm=range_mm/upper" } else { "" };
+        let names = format!("formula model {value} value unit {range}");
         fact::rows(&json!({ "calculations": [self.json()] }), "calculations", &names)
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut rows = vec![(self.model, self.result)];
-        if let (Some(model), Some(other)) = (self.model, self.other) {
-            rows.push((Some(model.other()), other));
-        }
-        let rows = rows.into_iter().map(|(model, value)| {
-            let equation = self.formula.equation(model.unwrap_or_default()).to_owned();
-            vec![equation, model.map_or("-", Model::name).to_owned(), self.value_text(value)]
-        });
-        let mut blocks = vec![Block::Table(Table {
-            rows: rows.collect(),
-            columns: vec![Column::text("formula"), Column::text("model"), Column::number("value")],
-        })];
-        blocks.extend(self.worst_case.map(|worst_case| {
-            let range = worst_case.range.map_or_else(|_| "open".to_owned(), |range| self.range_text(range));
-            Block::Table(Table {
-                rows: vec![vec![range, worst_case.on()]],
-                columns: vec![Column::number("worst case"), Column::text("on")],
-            })
-        }));
-        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
-        blocks
+        let other = self.model.zip(self.other).map(|(model, other)| (Some(model.other()), other));
+        let values = Table::of(std::iter::once((self.model, self.result)).chain(other))
+            .text("formula", |(model, _)| self.formula.equation(model.unwrap_or_default()))
+            .text("model", |(model, _)| model.map(Model::name))
+            .number("value", |(_, value)| self.value_text(*value));
+        let range = |range| self.range_text(range);
+        let worst_case = Table::of(self.worst_case)
+            .number("worst case", |worst_case| worst_case.range.map_or_else(|_| "open".to_owned(), range))
+            .text("on", WorstCase::on);
+        let notes = self.notes.iter().cloned().map(Block::Remark);
+        std::iter::once(values.block()).chain(worst_case.block_if_any()).chain(notes).collect()
     }
 }
 

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{IntervalFact, interval_text};
-use super::number::{plain, unsigned};
+use super::evaluation::interval_text;
+use super::number::{plain, tidy, unsigned};
 use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
 use crate::judge::class::{DiameterSource, NoEffect, effect};
@@ -12,9 +12,9 @@ use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
 
-/// What the values were taken for: standard, part and size.
+/// The permissible values of one grade.
 #[derive(Debug, Clone)]
-pub struct ClassHead {
+pub struct ClassReport {
     /// The spec's title.
     pub title: Option<String>,
     /// The standard asked for.
@@ -25,9 +25,17 @@ pub struct ClassHead {
     pub wheel: Wheel,
     /// Where the diameter comes from.
     pub diameter_source: Option<DiameterSource>,
+    /// The grade.
+    pub grade: u8,
+    /// One per deviation.
+    pub rows: Vec<ClassRow>,
+    /// Deviations without a value, and why.
+    pub not_given: Vec<(Standard, Deviation, String)>,
+    /// Remarks.
+    pub notes: Vec<String>,
 }
 
-impl ClassHead {
+impl ClassReport {
     /// The part and its size: `pinion: m_n = 1.9 mm, d = 14.675 mm (given), b = 30 mm, z = 7`.
     fn size(&self) -> String {
         let wheel = &self.wheel;
@@ -73,21 +81,6 @@ pub struct ClassRow {
     pub mesh: Option<(f64, &'static str)>,
 }
 
-/// The permissible values of one grade.
-#[derive(Debug, Clone)]
-pub struct ClassReport {
-    /// Standard, part and size.
-    pub head: ClassHead,
-    /// The grade.
-    pub grade: u8,
-    /// One per deviation.
-    pub rows: Vec<ClassRow>,
-    /// Deviations without a value, and why.
-    pub not_given: Vec<(Standard, Deviation, String)>,
-    /// Remarks.
-    pub notes: Vec<String>,
-}
-
 fn range_json(used: &RangeUse) -> Value {
     json!({
         "size": used.size.key(),
@@ -131,10 +124,10 @@ impl Report for ClassReport {
                     "clause": permissible.clause,
                     "formula": permissible.formula,
                     "ranges": permissible.ranges.iter().map(range_json).collect::<Vec<_>>(),
-                    "delta_cd_mm": delta_cd.as_ref().ok().copied().map(Length::mm),
+                    "delta_cd_mm": delta_cd.as_ref().ok(),
                     "delta_cd_by": delta_cd.as_ref().ok().and_then(|_| effect(permissible.deviation)),
                     "delta_cd_missing": delta_cd.as_ref().err().map(ToString::to_string),
-                    "mesh_delta_cd_mm": mesh.map(|(mm, _)| super::number::tidy(mm)),
+                    "mesh_delta_cd_mm": mesh.map(|(mm, _)| tidy(mm)),
                     "mesh_arrangement": mesh.map(|(_, arrangement)| arrangement),
                     "remarks": permissible.remarks.iter().map(ToString::to_string).collect::<Vec<_>>(),
                 })
@@ -145,74 +138,45 @@ impl Report for ClassReport {
             .iter()
             .map(|(standard, deviation, reason)| json!({ "symbol": standard.symbol(*deviation), "reason": reason }))
             .collect();
-        let ClassHead { title, standard, part, wheel, diameter_source } = &self.head;
+        let wheel = &self.wheel;
         json!({
-            "standard": standard.id(),
+            "standard": self.standard.id(),
             "grade": self.grade,
             "values": values,
             "not_given": not_given,
-            "title": title,
-            "standard_name": standards(*standard),
-            "part": part.name(),
-            "normal_module_mm": wheel.normal_module.map(Length::mm),
-            "diameter_mm": wheel.diameter.map(Length::mm),
-            "diameter_source": diameter_source.map(DiameterSource::in_words),
-            "face_width_mm": wheel.face_width.map(Length::mm),
+            "title": self.title,
+            "standard_name": standards(self.standard),
+            "part": self.part.name(),
+            "normal_module_mm": wheel.normal_module,
+            "diameter_mm": wheel.diameter,
+            "diameter_source": self.diameter_source.map(DiameterSource::in_words),
+            "face_width_mm": wheel.face_width,
             "teeth": wheel.teeth,
             "notes": self.notes,
         })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        const NAMES: [&str; 10] = [
-            "symbol",
-            "value_um",
-            "unrounded_um",
-            "standard",
-            "grade",
-            "diameter_mm",
-            "delta_cd_mm",
-            "delta_cd_by",
-            "mesh_delta_cd_mm",
-            "formula",
-        ];
-        fact::rows(&self.json(), "values", &NAMES)
+        const NAMES: &str = "symbol value_um unrounded_um standard grade diameter_mm delta_cd_mm delta_cd_by \
+                             mesh_delta_cd_mm formula";
+        fact::rows(&self.json(), "values", NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
         let with_mesh = self.rows.iter().any(|row| row.mesh.is_some());
-        let mut columns = vec![
-            Column::text("deviation"),
-            Column::text("symbol"),
-            Column::number("permissible\n[µm]"),
-            Column::number("unrounded\n[µm]"),
-            Column::text("ranges [mm]"),
-            Column::number("ΔCD\n[mm]"),
-            Column::text("by"),
-        ];
-        if with_mesh {
-            columns.push(Column::number("exact mesh\n[mm]"));
-        }
-        let rows = self.rows.iter().map(|row| {
-            let permissible = &row.permissible;
-            let mut cells = vec![
-                permissible.deviation.to_string(),
-                permissible.symbol().to_owned(),
-                shown_um(permissible),
-                format!("{:.3}", permissible.unrounded_um()),
-                ranges_text(&permissible.ranges),
-                row.delta_cd.as_ref().map_or_else(|_| "-".to_owned(), |delta_cd| unsigned(delta_cd.mm())),
-                row.delta_cd.as_ref().ok().and_then(|_| effect(permissible.deviation)).unwrap_or("-").to_owned(),
-            ];
-            if with_mesh {
-                cells.push(row.mesh.map_or_else(|| "-".to_owned(), |(mm, _)| unsigned(super::number::tidy(mm))));
-            }
-            cells
-        });
-        let mut blocks = titled(self.head.title.as_deref());
-        blocks.push(Block::Title(format!("{}, grade {}", standards(self.head.standard), self.grade)));
-        blocks.push(Block::Note(self.head.size()));
-        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
+        let values = Table::of(&self.rows)
+            .text("deviation", |row| row.permissible.deviation.to_string())
+            .text("symbol", |row| row.permissible.symbol())
+            .number("permissible\n[µm]", |row| shown_um(&row.permissible))
+            .number("unrounded\n[µm]", |row| format!("{:.3}", row.permissible.unrounded_um()))
+            .text("ranges [mm]", |row| ranges_text(&row.permissible.ranges))
+            .number("ΔCD\n[mm]", |row| row.delta_cd.as_ref().ok().map(|delta_cd| unsigned(delta_cd.mm())))
+            .text("by", |row| row.delta_cd.as_ref().ok().and_then(|_| effect(row.permissible.deviation)))
+            .column_if(with_mesh, Column::number("exact mesh\n[mm]"), |row| row.mesh.map(|(mm, _)| unsigned(tidy(mm))));
+        let mut blocks = titled(self.title.as_deref());
+        blocks.push(Block::Title(format!("{}, grade {}", standards(self.standard), self.grade)));
+        blocks.push(Block::Note(self.size()));
+        blocks.push(values.block());
         let not_given = self.not_given.iter().map(|(standard, deviation, reason)| {
             Block::Note(format!("not given: {}: {reason}", standard.symbol(*deviation)))
         });
@@ -251,13 +215,18 @@ pub struct ObtainedReport {
     pub not_graded: Vec<String>,
 }
 
+/// The permissible value that is shown beside a measured one.
+fn shown(one: &ObtainedGrade) -> &Permissible {
+    one.reached.as_ref().unwrap_or(&one.coarsest)
+}
+
 impl Report for ObtainedReport {
     fn json(&self) -> Value {
         let values: Vec<_> = self
             .obtained
             .iter()
             .map(|one| {
-                let shown = one.reached.as_ref().unwrap_or(&one.coarsest);
+                let shown = shown(one);
                 json!({
                     "part": one.part.name(),
                     "symbol": shown.symbol(),
@@ -281,44 +250,25 @@ impl Report for ObtainedReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        const NAMES: [&str; 7] = ["part", "symbol", "measured_um", "grade", "permissible_um", "standard", "origin"];
-        fact::rows(&self.json(), "values", &NAMES)
+        fact::rows(&self.json(), "values", "part symbol measured_um grade permissible_um standard origin")
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let rows = self.obtained.iter().map(|one| {
-            let shown = one.reached.as_ref().unwrap_or(&one.coarsest);
-            vec![
-                one.part.name().to_owned(),
-                one.deviation.to_string(),
-                shown.symbol().to_owned(),
-                format!("{:.1}", one.measured.in_unit(LengthUnit::Micrometre)),
-                one.reached.as_ref().map_or_else(
-                    || {
-                        let coarsest = one.coarsest.grade;
-                        if one.is_beyond_what_is_known() {
-                            format!("over {coarsest}, not known")
-                        } else {
-                            format!("beyond {coarsest}")
-                        }
-                    },
-                    |permissible| permissible.grade.to_string(),
-                ),
-                shown_um(shown),
-                one.origin.clone(),
-            ]
-        });
-        let columns = vec![
-            Column::text("part"),
-            Column::text("deviation"),
-            Column::text("symbol"),
-            Column::number("measured\n[µm]"),
-            Column::number("grade"),
-            Column::number("permissible\n[µm]"),
-            Column::text("measured as"),
-        ];
+        let grade = |one: &ObtainedGrade| match &one.reached {
+            Some(permissible) => permissible.grade.to_string(),
+            None if one.is_beyond_what_is_known() => format!("over {}, not known", one.coarsest.grade),
+            None => format!("beyond {}", one.coarsest.grade),
+        };
+        let obtained = Table::of(&self.obtained)
+            .text("part", |one| one.part.name())
+            .text("deviation", |one| one.deviation.to_string())
+            .text("symbol", |one| shown(one).symbol())
+            .number("measured\n[µm]", |one| format!("{:.1}", one.measured.in_unit(LengthUnit::Micrometre)))
+            .number("grade", |one| grade(one))
+            .number("permissible\n[µm]", |one| shown_um(shown(one)))
+            .text("measured as", |one| one.origin.clone());
         let mut blocks = titled(self.title.as_deref());
-        blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
+        blocks.push(obtained.block());
         blocks.push(Block::Note(match overall(&self.obtained) {
             Some(grade) => format!("Overall: grade {grade} of {}", standards(self.standard)),
             None if self.obtained.is_empty() => "Overall: nothing could be graded".to_owned(),
@@ -349,6 +299,11 @@ pub struct GradeSearchReport {
     pub left_out: Vec<String>,
 }
 
+/// The ends of a grade's combination, if it has them.
+fn ends(combined: &Result<Combined<Interval>, ToleranceError>, stack: Stack) -> Option<Interval> {
+    combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok())
+}
+
 /// Why a grade has no worst case.
 fn why_none(combined: &Result<Combined<Interval>, ToleranceError>) -> Option<String> {
     match combined {
@@ -359,10 +314,6 @@ fn why_none(combined: &Result<Combined<Interval>, ToleranceError>) -> Option<Str
 
 impl Report for GradeSearchReport {
     fn json(&self) -> Value {
-        let ends = |combined: &Result<Combined<Interval>, ToleranceError>, stack| {
-            let interval = combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
-            interval.map(IntervalFact::from)
-        };
         let grades: Vec<_> = self
             .search
             .steps
@@ -389,44 +340,24 @@ impl Report for GradeSearchReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        const NAMES: [&str; 6] = [
-            "grade",
-            "worst_case_lower_mm=worst_case_mm/lower",
-            "worst_case_upper_mm=worst_case_mm/upper",
-            "rss_lower_mm=rss_mm/lower",
-            "rss_upper_mm=rss_mm/upper",
-            "missing",
-        ];
-        fact::rows(&self.json(), "grades", &NAMES)
+        const NAMES: &str = "grade worst_case_lower_mm=worst_case_mm/lower worst_case_upper_mm=worst_case_mm/upper \
+                             rss_lower_mm=rss_mm/lower rss_upper_mm=rss_mm/upper missing";
+        fact::rows(&self.json(), "grades", NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
         let limit = self.search.limit;
-        let both_ways = Limit::symmetric(limit);
-        let rows = self.search.steps.iter().map(|step| {
-            let mut row = vec![step.grade.to_string()];
-            for stack in Stack::ALL {
-                let interval = step.combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok());
-                let is_within = |interval| both_ways.judge(interval) == Verdict::Pass;
-                row.extend(match interval {
-                    Some(interval) => {
-                        [interval_text(&interval), if is_within(interval) { "within" } else { "beyond" }.to_owned()]
-                    }
-                    None => ["-".to_owned(), "-".to_owned()],
-                });
-            }
-            row
-        });
-        let columns = vec![
-            Column::number("grade"),
-            Column::number("worst case\n[mm]"),
-            Column::text(""),
-            Column::number("RSS\n[mm]"),
-            Column::text(""),
-        ];
+        let is_within = |interval| Limit::symmetric(limit).judge(interval) == Verdict::Pass;
+        let within = |interval| if is_within(interval) { "within" } else { "beyond" };
+        let grades = Table::of(&self.search.steps)
+            .number("grade", |step| step.grade.to_string())
+            .number("worst case\n[mm]", |step| ends(&step.combined, Stack::Range).as_ref().map(interval_text))
+            .text("", |step| ends(&step.combined, Stack::Range).map(within))
+            .number("RSS\n[mm]", |step| ends(&step.combined, Stack::Rss).as_ref().map(interval_text))
+            .text("", |step| ends(&step.combined, Stack::Rss).map(within));
         let mut blocks = titled(self.title.as_deref());
         blocks.push(Block::Title(format!("ΔCD within {} mm by {}", plain(limit.mm()), standards(self.standard))));
-        blocks.push(Block::Table(Table { columns, rows: rows.collect() }));
+        blocks.push(grades.block());
         let grade = |grade: Option<u8>| grade.map_or_else(|| "none".to_owned(), |grade| format!("grade {grade}"));
         blocks.push(Block::Note(format!(
             "The coarsest grade within {} mm: {} by worst case, {} by RSS",

@@ -3,11 +3,11 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::number::{ends, millimetres, plain, signed, tidy, unsigned};
+use super::number::{ends, millimetres, percent, plain, signed, tidy, unsigned};
 use super::uncertainty::{self, DecisionFact, UncertaintyPart, indeterminate_sentence, rule_words, subject};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
-use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, Unjudged};
+use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged};
 use crate::formula::law::equation;
 use crate::judge::bound::Note;
 use crate::judge::class::ErrorClass;
@@ -57,10 +57,10 @@ struct ContributionRow {
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_deg: Option<f64>,
     extent: &'static str,
-    range_mm: Option<IntervalFact>,
-    delta_cd_mm: f64,
-    delta_cd_exact_mm: f64,
-    delta_cd_paper_mm: f64,
+    range_mm: Option<Interval>,
+    delta_cd_mm: Length,
+    delta_cd_exact_mm: Length,
+    delta_cd_paper_mm: Length,
     model: &'static str,
     formula: &'static str,
     share: Option<f64>,
@@ -94,10 +94,10 @@ impl EvaluationReport<'_> {
                 deviation_mm,
                 deviation_deg,
                 extent: contribution.extent.name(),
-                range_mm: contribution.range.ok().map(IntervalFact::from),
-                delta_cd_mm: contribution.delta_cd(model).mm(),
-                delta_cd_exact_mm: contribution.exact.mm(),
-                delta_cd_paper_mm: contribution.paper.mm(),
+                range_mm: contribution.range.ok(),
+                delta_cd_mm: contribution.delta_cd(model),
+                delta_cd_exact_mm: contribution.exact,
+                delta_cd_paper_mm: contribution.paper,
                 model: model.name(),
                 formula: equation(contribution.kind, model),
                 share: contribution.share,
@@ -106,115 +106,73 @@ impl EvaluationReport<'_> {
         })
     }
 
-    fn contribution_table(&self) -> Table {
+    fn contribution_table(&self) -> Option<Block> {
         let evaluation = self.evaluation;
-        let model = evaluation.model;
-        let other = model.other();
-        let both = evaluation.models_differ();
-        let mut columns =
-            vec![Column::text("error"), Column::number("deviation"), Column::number(format!("ΔCD {model}\n[mm]"))];
-        if both {
-            columns.push(Column::number(format!("ΔCD {other}\n[mm]")));
-        }
-        columns.extend([
-            Column::number("worst case\n[mm]"),
-            Column::text("on"),
-            Column::number("share"),
-            Column::text(format!("formula ({model})")),
-        ]);
-        let rows = evaluation.contributions.iter().map(|contribution| {
-            let deviation = match &contribution.value {
-                DeviationValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
-                angle => format!("{}°", signed(angle.base(), 4)),
-            };
-            // a permissible deviation has no sign, and ΔCD has one only where it can push one way
-            let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
-            let unsigned = contribution.is_tolerance || matches!(contribution.extent, Extent::Each | Extent::Total);
-            let both_ways = unsigned && contribution.kind.always_acts();
-            let delta_cd = |model| either_way(millimetres(contribution.delta_cd(model).mm()), both_ways);
-            let mut row = vec![contribution.kind.to_string(), either_way(deviation, unsigned), delta_cd(model)];
-            if both {
-                row.push(delta_cd(other));
-            }
-            row.push(contribution.range.map_or_else(|_| "open".to_owned(), |range| interval_text(&range)));
-            row.push(contribution.extent_in_words());
-            row.push(contribution.share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share)));
-            row.push(equation(contribution.kind, model).to_owned());
-            row
-        });
-        Table { rows: rows.collect(), columns }
+        let (model, other) = (evaluation.model, evaluation.model.other());
+        // a permissible deviation has no sign, and ΔCD has one only where it can push one way
+        let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
+        let is_unsigned = |c: &Contribution| c.is_tolerance || matches!(c.extent, Extent::Each | Extent::Total);
+        let deviation = |c: &Contribution| match &c.value {
+            DeviationValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
+            angle => format!("{}°", signed(angle.base(), 4)),
+        };
+        let delta_cd = |c: &Contribution, model| {
+            either_way(millimetres(c.delta_cd(model).mm()), is_unsigned(c) && c.kind.always_acts())
+        };
+        Table::of(&evaluation.contributions)
+            .text("error", |c| c.kind.to_string())
+            .number("deviation", |c| either_way(deviation(c), is_unsigned(c)))
+            .number(format!("ΔCD {model}\n[mm]"), |c| delta_cd(c, model))
+            .column_if(evaluation.models_differ(), Column::number(format!("ΔCD {other}\n[mm]")), |c| {
+                delta_cd(c, other)
+            })
+            .number("worst case\n[mm]", |c| c.range.map_or_else(|_| "open".to_owned(), |range| interval_text(&range)))
+            .text("on", |c| c.extent_in_words())
+            .number("share", |c| c.share.map(percent))
+            .text(format!("formula ({model})"), |c| equation(c.kind, model))
+            .block_if_any()
     }
 
-    fn combination_table(&self) -> Table {
+    fn combination_table(&self) -> Block {
         let combined = &self.evaluation.combined;
         let by_mesh = self.evaluation.judged_by == JudgedBy::Mesh;
+        let ends = |interval: &Interval| [interval.lower, interval.upper].map(|end| millimetres(end.mm()));
+        let open = || ["open", "open"].map(str::to_owned);
         // known teeth leave nothing to statistics
         let shown = Stack::ALL.into_iter().filter(|stack| !by_mesh || *stack == Stack::Range);
-        let rows = shown.map(|stack| {
-            let end = |end: fn(&Interval) -> Length| match combined.interval(stack) {
-                Ok(interval) => millimetres(end(&interval).mm()),
-                Err(_) => "open".to_owned(),
+        let combinations = shown.map(|stack| {
+            let assumes = match stack {
+                Stack::Range if by_mesh => "the exact mesh of the known teeth, all strokes at which they can carry",
+                Stack::Range => "wherever on the teeth the errors are",
+                Stack::Rss => "mean ± 3 standard deviations; independent, tolerances normal, 3σ",
             };
-            vec![
-                stack.to_string(),
-                end(|interval| interval.lower),
-                end(|interval| interval.upper),
-                match stack {
-                    Stack::Range if by_mesh => "the exact mesh of the known teeth, all strokes at which they can carry",
-                    Stack::Range => "wherever on the teeth the errors are",
-                    Stack::Rss => "mean ± 3 standard deviations; independent, tolerances normal, 3σ",
-                }
-                .to_owned(),
-            ]
+            let interval = combined.interval(stack);
+            (stack.to_string(), interval.as_ref().map_or_else(|_| open(), ends), assumes.to_owned())
         });
-        let mesh = self.mesh.iter().map(|mesh| {
-            vec![
-                "exact mesh".to_owned(),
-                millimetres(tidy(mesh.summary.min_mm)),
-                millimetres(tidy(mesh.summary.max_mm)),
-                format!("stroke {} … {} mm", plain(mesh.stroke_mm.0), plain(mesh.stroke_mm.1)),
-            ]
+        let reached = self.evaluation.reached.iter();
+        let reached = reached.map(|reached| ("reached".to_owned(), ends(reached), ON_WORST_TEETH.to_owned()));
+        let mesh = self.mesh.iter().map(|MeshPart { stroke_mm: (from, to), summary, .. }| {
+            let ends = [summary.min_mm, summary.max_mm].map(|end| millimetres(tidy(end)));
+            ("exact mesh".to_owned(), ends, format!("stroke {} … {} mm", plain(*from), plain(*to)))
         });
-        let reached = self.evaluation.reached.iter().map(|reached| {
-            vec![
-                "reached".to_owned(),
-                millimetres(reached.lower.mm()),
-                millimetres(reached.upper.mm()),
-                ON_WORST_TEETH.to_owned(),
-            ]
-        });
-        Table {
-            rows: rows.chain(reached).chain(mesh).collect(),
-            columns: vec![
-                Column::text("combination"),
-                Column::number("from\n[mm]"),
-                Column::number("to\n[mm]"),
-                Column::text("assumes"),
-            ],
-        }
+        Table::of(combinations.chain(reached).chain(mesh))
+            .text("combination", |(name, ..)| name.clone())
+            .number("from\n[mm]", |(_, [from, _], _)| from.clone())
+            .number("to\n[mm]", |(_, [_, to], _)| to.clone())
+            .text("assumes", |(.., assumes)| assumes.clone())
+            .block()
     }
 
-    fn limit_table(&self) -> Table {
-        let rows = self.evaluation.limits.iter().map(|check| {
-            let end = |end: &Option<Length>| end.as_ref().map_or_else(|| "-".to_owned(), |end| millimetres(end.mm()));
-            vec![
-                check.on.to_string(),
-                end(&check.limit.lower),
-                end(&check.limit.upper),
-                check.result.as_ref().map_or_else(|unjudged| unjudged_text(*unjudged).to_owned(), interval_text),
-                verdict_name(check.verdict).unwrap_or("open").to_owned(),
-            ]
-        });
-        Table {
-            rows: rows.collect(),
-            columns: vec![
-                Column::text("limit on ΔCD"),
-                Column::number("lower\n[mm]"),
-                Column::number("upper\n[mm]"),
-                Column::number("result\n[mm]"),
-                Column::text("verdict"),
-            ],
-        }
+    fn limit_table(&self) -> Option<Block> {
+        let end = |end: Option<Length>| end.map(|end| millimetres(end.mm()));
+        let result = |check: &LimitCheck| check.result.map(|result| interval_text(&result));
+        Table::of(&self.evaluation.limits)
+            .text("limit on ΔCD", |check| check.on.to_string())
+            .number("lower\n[mm]", |check| end(check.limit.lower))
+            .number("upper\n[mm]", |check| end(check.limit.upper))
+            .number("result\n[mm]", |check| result(check).unwrap_or_else(|unjudged| unjudged_text(unjudged).to_owned()))
+            .text("verdict", |check| check.verdict.map_or("open", Verdict::name))
+            .block_if_any()
     }
 
     /// Of a failed limit on the combination that no placement found reaches: how far they come.
@@ -354,19 +312,6 @@ fn unjudged_text(unjudged: Unjudged) -> &'static str {
     }
 }
 
-/// Both ends in mm, for programs.
-#[derive(Serialize)]
-pub(super) struct IntervalFact {
-    lower: f64,
-    upper: f64,
-}
-
-impl From<Interval> for IntervalFact {
-    fn from(Interval { lower, upper }: Interval) -> Self {
-        Self { lower: lower.mm(), upper: upper.mm() }
-    }
-}
-
 pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
     ends(lower.mm(), upper.mm())
 }
@@ -402,7 +347,7 @@ struct EvaluationFact<'a> {
     combined: CombinedFact,
     stack: &'static str,
     judged_by: &'static str,
-    reached_mm: Option<IntervalFact>,
+    reached_mm: Option<Interval>,
     rule: String,
     limits: Vec<LimitFact>,
     verdict: Option<&'static str>,
@@ -414,20 +359,20 @@ struct EvaluationFact<'a> {
 #[derive(Serialize)]
 struct CombinedFact {
     #[serde(rename = "range_mm")]
-    range: Option<IntervalFact>,
+    range: Option<Interval>,
     #[serde(rename = "worst_case_mm")]
-    worst_case: Option<IntervalFact>,
+    worst_case: Option<Interval>,
     #[serde(rename = "rss_mm")]
-    rss: Option<IntervalFact>,
+    rss: Option<Interval>,
 }
 
 #[derive(Serialize)]
 struct LimitFact {
     on: &'static str,
-    lower_mm: Option<f64>,
-    upper_mm: Option<f64>,
-    result_lower_mm: Option<f64>,
-    result_upper_mm: Option<f64>,
+    lower_mm: Option<Length>,
+    upper_mm: Option<Length>,
+    result_lower_mm: Option<Length>,
+    result_upper_mm: Option<Length>,
     verdict: Option<&'static str>,
     decision: Option<DecisionFact>,
 }
@@ -437,10 +382,10 @@ impl From<&LimitCheck> for LimitFact {
         let result = check.result.ok();
         Self {
             on: check.on.key(),
-            lower_mm: check.limit.lower.map(Length::mm),
-            upper_mm: check.limit.upper.map(Length::mm),
-            result_lower_mm: result.map(|result| result.lower.mm()),
-            result_upper_mm: result.map(|result| result.upper.mm()),
+            lower_mm: check.limit.lower,
+            upper_mm: check.limit.upper,
+            result_lower_mm: result.map(|result| result.lower),
+            result_upper_mm: result.map(|result| result.upper),
             verdict: verdict_name(check.verdict),
             decision: check.decision.as_ref().map(DecisionFact::from),
         }
@@ -471,27 +416,10 @@ impl<'a> From<&'a MeshPart> for MeshFact<'a> {
 }
 
 /// The columns of CSV, of an error, a combination, a limit or an uncertainty.
-const COLUMNS: [&str; 19] = [
-    "kind",
-    "name",
-    "extent",
-    "deviation_mm",
-    "deviation_deg",
-    "delta_cd_mm",
-    "delta_cd_exact_mm",
-    "delta_cd_paper_mm",
-    "model",
-    "formula",
-    "share",
-    "lower_mm=range_mm/lower",
-    "upper_mm=range_mm/upper",
-    "limit_lower_mm=limit/lower_mm",
-    "limit_upper_mm=limit/upper_mm",
-    "verdict=limit/verdict",
-    "standard=class/standard",
-    "grade=class/grade",
-    "diameter_mm=class/diameter_mm",
-];
+const COLUMNS: &str = "kind name extent deviation_mm deviation_deg delta_cd_mm delta_cd_exact_mm delta_cd_paper_mm \
+                       model formula share lower_mm=range_mm/lower upper_mm=range_mm/upper \
+                       limit_lower_mm=limit/lower_mm limit_upper_mm=limit/upper_mm verdict=limit/verdict \
+                       standard=class/standard grade=class/grade diameter_mm=class/diameter_mm";
 
 /// What a row of CSV is made of, with what it is of.
 fn record(kind: &str, name: impl Into<Value>, mut fact: Value) -> Value {
@@ -509,13 +437,13 @@ impl Report for EvaluationReport<'_> {
             model: evaluation.model.name(),
             contributions: self.contributions().collect(),
             combined: CombinedFact {
-                range: combined.range.ok().map(IntervalFact::from),
-                worst_case: combined.range.ok().map(IntervalFact::from),
-                rss: combined.rss.ok().map(IntervalFact::from),
+                range: combined.range.ok(),
+                worst_case: combined.range.ok(),
+                rss: combined.rss.ok(),
             },
             stack: evaluation.stack.name(),
             judged_by: evaluation.judged_by.name(),
-            reached_mm: evaluation.reached.map(IntervalFact::from),
+            reached_mm: evaluation.reached,
             rule: self.rule.to_string(),
             limits: evaluation.limits.iter().map(LimitFact::from).collect(),
             verdict: verdict_name(evaluation.verdict),
@@ -528,25 +456,25 @@ impl Report for EvaluationReport<'_> {
     /// One row per error, then one per combination, then one per limit, then one per uncertainty.
     fn rows(&self) -> Vec<Vec<String>> {
         let evaluation = self.evaluation;
-        let ends = |kind, name, range: Option<IntervalFact>| {
+        let ends = |kind, name, range: Value| {
             record(kind, name, json!({ "model": evaluation.model.name(), "range_mm": range }))
         };
         let mut records: Vec<_> = self.contributions().map(|row| record("error", row.error, json!(row))).collect();
-        let combined = |stack| evaluation.combined.interval(stack).ok().map(IntervalFact::from);
+        let combined = |stack| json!(evaluation.combined.interval(stack).ok());
         records.extend(Stack::ALL.map(|stack| ends("combined", stack.name(), combined(stack))));
-        records.extend(evaluation.reached.map(|reached| ends("combined", "reached", Some(reached.into()))));
+        records.extend(evaluation.reached.map(|reached| ends("combined", "reached", json!(reached))));
         records.extend(self.mesh.as_ref().map(|MeshPart { summary, .. }| {
-            let range = IntervalFact { lower: tidy(summary.min_mm), upper: tidy(summary.max_mm) };
-            ends("mesh", "mesh", Some(range))
+            let range = json!({ "lower": tidy(summary.min_mm), "upper": tidy(summary.max_mm) });
+            ends("mesh", "mesh", range)
         }));
         records.extend(evaluation.limits.iter().map(|check| {
-            let mut row = ends("limit", check.on.key(), check.result.ok().map(IntervalFact::from));
+            let mut row = ends("limit", check.on.key(), json!(check.result.ok()));
             row["limit"] = json!(LimitFact::from(check));
             row
         }));
-        let mut names = COLUMNS.to_vec();
+        let mut names = COLUMNS.to_owned();
         if let Some(part) = &self.uncertainty {
-            names.extend(uncertainty::COLUMNS);
+            names = format!("{names} {}", uncertainty::COLUMNS);
             records.extend(part.facts().map(|fact| record("uncertainty", fact["of"].clone(), fact)));
         }
         fact::rows(&json!({ "records": records }), "records", &names)
@@ -554,13 +482,9 @@ impl Report for EvaluationReport<'_> {
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
-        if !self.evaluation.contributions.is_empty() {
-            blocks.push(Block::Table(self.contribution_table()));
-        }
-        blocks.push(Block::Table(self.combination_table()));
-        if !self.evaluation.limits.is_empty() {
-            blocks.push(Block::Table(self.limit_table()));
-        }
+        blocks.extend(self.contribution_table());
+        blocks.push(self.combination_table());
+        blocks.extend(self.limit_table());
         blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
         blocks.extend(UncertaintyPart::decision_blocks(&self.rule, &self.evaluation.limits));
         blocks.extend(self.rests_on.iter().cloned().map(Block::Remark));

@@ -17,10 +17,11 @@ pub(crate) fn document(result: Value) -> Value {
     Value::Object(document)
 }
 
-/// The cells of CSV, header first: a row for each record below the key `records`, with what it has below each name, or
-/// else the whole result has. Where a value stands at another place than its name says, that place follows: `pp=pp/value`.
-pub(super) fn rows(result: &Value, records: &str, names: &[impl AsRef<str>]) -> Vec<Vec<String>> {
-    let columns = names.iter().map(AsRef::as_ref).map(|name| name.split_once('=').unwrap_or((name, name)));
+/// The cells of CSV, header first: a row for each record below the key `records`, with what it has below each of the
+/// `names`, which blanks part, or else the whole result has. Where a value stands at another place than its name says,
+/// that place follows: `pp=pp/value`.
+pub(super) fn rows(result: &Value, records: &str, names: &str) -> Vec<Vec<String>> {
+    let columns = names.split_whitespace().map(|name| name.split_once('=').unwrap_or((name, name)));
     let (header, places): (Vec<_>, Vec<_>) =
         columns.map(|(name, place)| (name.to_owned(), format!("/{place}"))).unzip();
     let records = result.get(records).and_then(Value::as_array).into_iter().flatten();

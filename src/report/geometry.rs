@@ -5,23 +5,26 @@ use serde_json::{Value, json};
 
 use super::mesh_points::DEGREES_PER_RADIAN;
 use super::number::tidy;
-use super::{Column, Table};
+use super::{Block, Table};
 use crate::gear::{Hand, Pair};
 use crate::quantity::{Degrees, Length};
 
 /// For people; the measure M over the pin is nominal, if the spec has what it takes.
-pub(super) fn table(pair: &Pair, over_pin: Option<Length>) -> Table {
+pub(super) fn table(pair: &Pair, over_pin: Option<Length>) -> Block {
     let ratio = pair.contact_ratio();
-    let mut rows = vec![
-        row("hand of the rack", hand(pair.rack().helix_angle_rad)),
-        row("hand of the pinion", hand(pair.pinion().helix_angle_rad)),
-        row("shaft angle Σ", Degrees(pair.shaft_angle_rad().abs()).to_string()),
-        row("contact ratio ε", format!("{:.3}", ratio.total)),
-        row("offset of the contact c", format!("{:.3}", ratio.offset)),
-        row("centre distance a_0", millimetres(pair.nominal_center_distance_mm())),
+    let rows = [
+        ("hand of the rack", hand(pair.rack().helix_angle_rad)),
+        ("hand of the pinion", hand(pair.pinion().helix_angle_rad)),
+        ("shaft angle Σ", Degrees(pair.shaft_angle_rad().abs()).to_string()),
+        ("contact ratio ε", format!("{:.3}", ratio.total)),
+        ("offset of the contact c", format!("{:.3}", ratio.offset)),
+        ("centre distance a_0", millimetres(pair.nominal_center_distance_mm())),
     ];
-    rows.extend(over_pin.map(|measure| row("measure M over the pin", millimetres(measure.mm()))));
-    Table { columns: vec![Column::text("nominal pair"), Column::number("value")], rows }
+    let over_pin = over_pin.map(|measure| ("measure M over the pin", millimetres(measure.mm())));
+    Table::of(rows.into_iter().chain(over_pin))
+        .text("nominal pair", |(name, _)| *name)
+        .number("value", |(_, value)| value.clone())
+        .block()
 }
 
 /// For programs.
@@ -34,12 +37,8 @@ pub(super) fn json(pair: &Pair, over_pin: Option<Length>) -> Value {
         "contact_ratio": tidy(ratio.total),
         "contact_offset": tidy(ratio.offset),
         "nominal_center_distance_mm": pair.nominal_center_distance_mm(),
-        "nominal_over_pin_mm": over_pin.map(Length::mm),
+        "nominal_over_pin_mm": over_pin,
     })
-}
-
-fn row(name: &str, value: String) -> Vec<String> {
-    vec![name.to_owned(), value]
 }
 
 /// Hand and helix angle, as drawings give them: without a sign.
@@ -68,7 +67,8 @@ mod tests {
             (0.0, -21.0, ["spur", "left 21°"], "21°"),
         ] {
             let pair = Pair::new(&example(20, degrees(rack), degrees(pinion))).unwrap();
-            let values: Vec<_> = table(&pair, None).rows.into_iter().map(|row| row[1].clone()).collect();
+            let Block::Table(table) = table(&pair, None) else { panic!("no table") };
+            let values: Vec<_> = table.rows.into_iter().map(|row| row[1].clone()).collect();
             assert_eq!(values[..3], [hands[0], hands[1], shaft_angle]);
             assert_eq!(values.len(), 6);
         }

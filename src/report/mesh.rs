@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
-use super::evaluation::{IntervalFact, interval_text};
+use super::evaluation::interval_text;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
@@ -136,38 +136,36 @@ fn millimetres(mm: f64) -> String {
 }
 
 /// Why one number of the summary stands where it stands.
-fn summary_table(summary: &Summary) -> Table {
-    let row = |name: &str, value: String, at: Option<f64>| {
-        vec![name.to_owned(), value, at.map_or_else(String::new, |stroke| format!("{stroke:.4}"))]
-    };
+fn summary_table(summary: &Summary) -> Block {
     let mm = |value: f64| format!("{} mm", millimetres(value));
     let plain_mm = |value: f64| format!("{} mm", unsigned(tidy(value)));
-    Table {
-        columns: vec![Column::text("exact mesh"), Column::number("value"), Column::number("at stroke [mm]")],
-        rows: vec![
-            row("mean ΔCD", mm(summary.mean_mm), None),
-            row("smallest ΔCD", mm(summary.min_mm), Some(summary.min_stroke_mm)),
-            row("largest ΔCD", mm(summary.max_mm), Some(summary.max_stroke_mm)),
-            row("peak to peak, the pair's own variation", plain_mm(summary.peak_to_peak_mm), None),
-            row("tooth to tooth, the pair's own", plain_mm(summary.tooth_to_tooth_mm), None),
-            row(
-                "largest rate",
-                format!("{} µm/mm", signed(1000.0 * summary.largest_rate, 2).trim_start_matches('+')),
-                None,
-            ),
-            row("transmission error, rack travel", plain_mm(summary.transmission_error_mm), None),
-        ],
-    }
+    let rate = signed(1000.0 * summary.largest_rate, 2);
+    let rows = [
+        ("mean ΔCD", mm(summary.mean_mm), None),
+        ("smallest ΔCD", mm(summary.min_mm), Some(summary.min_stroke_mm)),
+        ("largest ΔCD", mm(summary.max_mm), Some(summary.max_stroke_mm)),
+        ("peak to peak, the pair's own variation", plain_mm(summary.peak_to_peak_mm), None),
+        ("tooth to tooth, the pair's own", plain_mm(summary.tooth_to_tooth_mm), None),
+        ("largest rate", format!("{} µm/mm", rate.trim_start_matches('+')), None),
+        ("transmission error, rack travel", plain_mm(summary.transmission_error_mm), None),
+    ];
+    Table::of(rows)
+        .text("exact mesh", |(name, ..)| *name)
+        .number("value", |(_, value, _)| value.clone())
+        .number("at stroke [mm]", |(.., at)| at.map(|stroke| format!("{stroke:.4}")).unwrap_or_default())
+        .block()
 }
 
 /// What the formulas say, and the mesh beside it.
-fn comparison_table(summary: &Summary, prediction: &Prediction) -> Table {
-    let row = |name: &str, lower: f64, upper: f64| vec![name.to_owned(), millimetres(lower), millimetres(upper)];
-    let mut rows: Vec<_> = prediction.terms.iter().map(|term| row(&term.what, term.lower_mm, term.upper_mm)).collect();
+fn comparison_table(summary: &Summary, prediction: &Prediction) -> Block {
     let (lower, upper) = prediction.range_mm();
-    rows.push(row("formulas, together", lower, upper));
-    rows.push(row("exact mesh", summary.min_mm, summary.max_mm));
-    Table { columns: vec![Column::text("by formula"), Column::number("from\n[mm]"), Column::number("to\n[mm]")], rows }
+    let together = [("formulas, together", lower, upper), ("exact mesh", summary.min_mm, summary.max_mm)];
+    let terms = prediction.terms.iter().map(|term| (term.what.as_str(), term.lower_mm, term.upper_mm));
+    Table::of(terms.chain(together))
+        .text("by formula", |(what, ..)| *what)
+        .number("from\n[mm]", |(_, lower, _)| millimetres(*lower))
+        .number("to\n[mm]", |(.., upper)| millimetres(*upper))
+        .block()
 }
 
 impl MeshReport<'_> {
@@ -195,7 +193,7 @@ impl MeshReport<'_> {
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
-            "judged_mm": self.judged.range.ok().map(IntervalFact::from),
+            "judged_mm": self.judged.range.ok(),
             "judged_by": self.judged.by.name(),
             "verdict": self.judged.verdict.map(Verdict::name),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
@@ -221,23 +219,21 @@ impl Report for MeshReport<'_> {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        fact::rows(&self.json(), "points", &mesh_points::HEADER)
+        fact::rows(&self.json(), "points", mesh_points::COLUMNS)
     }
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
-        blocks.push(Block::Table(geometry::table(self.mesh.pair(), self.over_pin)));
+        blocks.push(geometry::table(self.mesh.pair(), self.over_pin));
         let Some(summary) = self.summary() else { return blocks };
-        blocks.push(Block::Table(summary_table(&summary)));
+        blocks.push(summary_table(&summary));
         if let Some(width) = self.screen.drawing_width() {
             let points: Vec<_> =
                 self.curve.points.iter().map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
             blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
         }
-        blocks.push(Block::Table(comparison_table(&summary, self.prediction)));
-        if !self.listed.is_empty() {
-            blocks.push(Block::Table(mesh_points::table(self.listed)));
-        }
+        blocks.push(comparison_table(&summary, self.prediction));
+        blocks.extend(mesh_points::table(self.listed));
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         let doubts = self.trust().and(Trust::of(self.listed)).notes();
         blocks.extend(doubts.iter().map(|doubt| Block::Note(noted(doubt))));
@@ -343,11 +339,8 @@ impl Report for MeasureReport {
         let rows: Vec<Value> = rows
             .iter()
             .map(|row| {
-                let cells = header.iter().zip(row).map(|(name, cell)| {
-                    let number = cell.parse::<i64>().map(Value::from).or_else(|_| cell.parse::<f64>().map(Value::from));
-                    ((*name).to_owned(), number.unwrap_or(Value::Null))
-                });
-                Value::Object(cells.collect())
+                let number = |cell: &String| -> Value { serde_json::from_str(cell).unwrap_or_default() };
+                header.iter().zip(row).map(|(name, cell)| ((*name).to_owned(), number(cell))).collect()
             })
             .collect();
         match self {

@@ -5,23 +5,15 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use super::number::{plain, tidy};
-use super::{Column, Table};
-use crate::mesh::{Ending, LARGEST_ROLL_RAD, MeshError, MeshPoint};
+use super::number::{millimetres, plain, tidy};
+use super::{Block, Table};
+use crate::mesh::{Carrier, Ending, LARGEST_ROLL_RAD, MeshError, MeshPoint};
 
 /// A stroke with its solution, or why there is none.
 pub type ListedPoint = (f64, Result<MeshPoint, MeshError>);
 
-pub(super) const HEADER: [&str; 8] = [
-    "stroke_mm",
-    "delta_cd_mm",
-    "center_distance_mm",
-    "pinion_angle_deg",
-    "right_tooth",
-    "left_tooth",
-    "right_contact",
-    "left_contact",
-];
+pub(super) const COLUMNS: &str =
+    "stroke_mm delta_cd_mm center_distance_mm pinion_angle_deg right_tooth left_tooth right_contact left_contact";
 
 pub(super) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
@@ -102,7 +94,7 @@ impl Trust {
 /// The header line of the CSV.
 #[must_use]
 pub fn csv_header() -> String {
-    HEADER.join(",") + "\n"
+    COLUMNS.replace(' ', ",") + "\n"
 }
 
 /// A line of CSV for each point; fields are empty where there is no solution.
@@ -110,51 +102,45 @@ pub fn csv_header() -> String {
 pub fn csv_lines(points: &[ListedPoint]) -> String {
     let mut text = String::with_capacity(96 * points.len());
     for (stroke, point) in points {
-        push_csv_line(&mut text, *stroke, point.as_ref().ok());
+        // writing to a String cannot fail
+        let _ = match point {
+            Ok(point) => {
+                let [delta, center, angle] = numbers(point).map(plain);
+                let (right, left) = (&point.right, &point.left);
+                writeln!(
+                    text,
+                    "{},{delta},{center},{angle},{},{},{},{}",
+                    plain(*stroke),
+                    right.rack_tooth,
+                    left.rack_tooth,
+                    right.contact,
+                    left.contact
+                )
+            }
+            Err(_) => writeln!(text, "{},,,,,,,", plain(*stroke)),
+        };
     }
     text
 }
 
-fn push_csv_line(text: &mut String, stroke: f64, point: Option<&MeshPoint>) {
-    let line = match point {
-        Some(MeshPoint { right, left, .. }) => {
-            let [delta, center, angle] = numbers(point).map(plain);
-            let stroke = plain(stroke);
-            let (right_at, left_at) = (right.contact, left.contact);
-            writeln!(
-                text,
-                "{stroke},{delta},{center},{angle},{},{},{right_at},{left_at}",
-                right.rack_tooth, left.rack_tooth
-            )
-        }
-        None => writeln!(text, "{}{}", plain(stroke), ",".repeat(HEADER.len() - 1)),
-    };
-    // writing to a String cannot fail
-    debug_assert!(line.is_ok());
-}
-
-/// ΔCD, centre distance and angle as they are printed; NaN stands for none and is never printed.
-fn numbers(point: Option<&MeshPoint>) -> [f64; 3] {
-    point.map_or([f64::NAN; 3], |point| {
-        [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad * DEGREES_PER_RADIAN].map(tidy)
-    })
+/// ΔCD, centre distance and angle as they are printed.
+fn numbers(point: &MeshPoint) -> [f64; 3] {
+    [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad * DEGREES_PER_RADIAN].map(tidy)
 }
 
 pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>) -> Value {
+    let Some(point) = point else { return json!({ "stroke_mm": stroke, "delta_cd_mm": null }) };
     let [delta, center, angle] = numbers(point);
-    match point {
-        Some(point) => json!({
-            "stroke_mm": stroke,
-            "delta_cd_mm": delta,
-            "center_distance_mm": center,
-            "pinion_angle_deg": angle,
-            "right_tooth": point.right.rack_tooth,
-            "left_tooth": point.left.rack_tooth,
-            "right_contact": point.right.contact.name(),
-            "left_contact": point.left.contact.name(),
-        }),
-        None => json!({ "stroke_mm": stroke, "delta_cd_mm": null }),
-    }
+    json!({
+        "stroke_mm": stroke,
+        "delta_cd_mm": delta,
+        "center_distance_mm": center,
+        "pinion_angle_deg": angle,
+        "right_tooth": point.right.rack_tooth,
+        "left_tooth": point.left.rack_tooth,
+        "right_contact": point.right.contact.name(),
+        "left_contact": point.left.contact.name(),
+    })
 }
 
 /// The points as elements of the array in [`MeshReport::json_around`](super::MeshReport::json_around), a comma before
@@ -170,33 +156,25 @@ pub fn json_elements(points: &[ListedPoint]) -> String {
     text
 }
 
-/// The points as a table for people.
-pub(super) fn table(points: &[ListedPoint]) -> Table {
-    let row = |(stroke, point): &ListedPoint| {
-        let mut row = vec![plain(tidy(*stroke))];
-        match point {
-            Ok(point) => row.extend([
-                super::number::millimetres(tidy(point.delta_cd_mm)),
-                format!("{:.4}", point.center_distance_mm),
-                format!("{:.4}", point.pinion_angle_rad * DEGREES_PER_RADIAN),
-                format!("{}, {}", point.right.rack_tooth, point.right.contact),
-                format!("{}, {}", point.left.rack_tooth, point.left.contact),
-            ]),
-            Err(_) => row.extend(["–"; 5].map(str::to_owned)),
+/// The points as a table for people; `None` without one.
+pub(super) fn table(points: &[ListedPoint]) -> Option<Block> {
+    let cell =
+        |point: &ListedPoint, text: fn(&MeshPoint) -> String| point.1.as_ref().map_or_else(|_| "–".to_owned(), text);
+    let degrees = |point: &MeshPoint| format!("{:.4}", point.pinion_angle_rad * DEGREES_PER_RADIAN);
+    let flank = |of: fn(&MeshPoint) -> Carrier| {
+        move |(_, point): &&ListedPoint| match point {
+            Ok(point) => format!("{}, {}", of(point).rack_tooth, of(point).contact),
+            Err(_) => "–".to_owned(),
         }
-        row
     };
-    Table {
-        columns: vec![
-            Column::number("stroke\n[mm]"),
-            Column::number("ΔCD\n[mm]"),
-            Column::number("centre distance\n[mm]"),
-            Column::number("pinion angle\n[°]"),
-            Column::text("right flank\nof rack tooth"),
-            Column::text("left flank\nof rack tooth"),
-        ],
-        rows: points.iter().map(row).collect(),
-    }
+    Table::of(points)
+        .number("stroke\n[mm]", |(stroke, _)| plain(tidy(*stroke)))
+        .number("ΔCD\n[mm]", |point| cell(point, |point| millimetres(tidy(point.delta_cd_mm))))
+        .number("centre distance\n[mm]", |point| cell(point, |point| format!("{:.4}", point.center_distance_mm)))
+        .number("pinion angle\n[°]", |point| cell(point, degrees))
+        .text("right flank\nof rack tooth", flank(|point| point.right))
+        .text("left flank\nof rack tooth", flank(|point| point.left))
+        .block_if_any()
 }
 
 #[cfg(test)]

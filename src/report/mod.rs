@@ -47,7 +47,7 @@ pub use budget::BudgetReport;
 pub use calculation::{Calculation, ResultUnit, WorstCase};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
-pub use class::{ClassHead, ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
+pub use class::{ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 
 pub use fact::FORMAT_VERSION;

@@ -27,6 +27,11 @@ pub(crate) fn grouped(count: u64) -> String {
     text
 }
 
+/// A share in whole percent.
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
 /// From one length to another, in mm for people; one where they are the same.
 pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
     let (lower, upper) = (millimetres(lower_mm), millimetres(upper_mm));

@@ -10,6 +10,7 @@ use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
 use crate::judge::{Interval, MeasuredPart, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
+use crate::uncertainty::{Linear, Propagation};
 
 /// One part of several.
 #[derive(Debug)]
@@ -80,11 +81,11 @@ impl Report for PartsReport<'_> {
                 part.insert("line".to_owned(), row.line.into());
                 let evaluation = row.evaluation.as_ref();
                 for kind in &kinds {
-                    let value = evaluation.and_then(|evaluation| delta_cd(evaluation, *kind)).map(Length::mm);
-                    part.insert(format!("delta_cd_{}_mm", kind.key()), value.into());
+                    let value = evaluation.and_then(|evaluation| delta_cd(evaluation, *kind));
+                    part.insert(format!("delta_cd_{}_mm", kind.key()), json!(value));
                 }
                 for (name, end) in ENDS.into_iter().zip(ends(evaluation)) {
-                    part.insert(name.to_owned(), end.map(Length::mm).into());
+                    part.insert(name.to_owned(), json!(end));
                 }
                 let verdict = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name);
                 part.insert("verdict".to_owned(), verdict.into());
@@ -119,49 +120,38 @@ impl Report for PartsReport<'_> {
                 part[result["of"].as_str().unwrap_or_default()] = result.clone();
             }
         }
-        fact::rows(&json, "parts", &names)
+        fact::rows(&json, "parts", &names.join(" "))
     }
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
         let kinds = self.kinds();
         let judged = self.rows.iter().filter_map(|row| row.evaluation.as_ref()).any(|e| !e.limits.is_empty());
-        let mut columns = vec![Column::text("part")];
-        columns.extend(kinds.iter().map(|kind| Column::number(format!("{}\n[mm]", kind.name()))));
-        columns.push(Column::number("ΔCD from\n[mm]"));
-        columns.extend(self.is_uncertain().then(|| Column::number("± U\n[µm]")));
-        columns.push(Column::number("to\n[mm]"));
-        columns.extend(self.is_uncertain().then(|| Column::number("± U\n[µm]")));
-        if judged {
-            columns.push(Column::text("verdict"));
-        }
-        let width = columns.len();
-        let rows = self.rows.iter().map(|part| {
-            let mut row = vec![part.name.clone()];
-            if let Some(evaluation) = &part.evaluation {
-                let mm = |length: Length| millimetres(length.mm());
-                row.extend(kinds.iter().map(|kind| delta_cd(evaluation, *kind).map_or_else(|| "-".to_owned(), mm)));
-                let interval = evaluation.combined.interval(evaluation.stack).ok();
-                let (from, to) = (interval.map(|ends| ends.lower), interval.map(|ends| ends.upper));
-                let propagation = part.uncertainty.as_ref().map(|part| &part.propagation);
-                for (end, linear) in [(from, propagation.map(|p| &p.lower)), (to, propagation.map(|p| &p.upper))] {
-                    row.push(end.map_or_else(|| "open".to_owned(), mm));
-                    if self.is_uncertain() {
-                        row.push(linear.map_or_else(|| "-".to_owned(), |linear| micrometres(linear.expanded_mm())));
-                    }
-                }
-                if judged {
-                    row.push(evaluation.verdict.map_or("open", Verdict::name).to_owned());
-                }
-            } else {
-                row.resize(width - usize::from(judged), "-".to_owned());
-                if judged {
-                    row.push("not judged".to_owned());
-                }
-            }
-            row
+        let end = |part: &PartRow, end: fn(Interval) -> Length| {
+            let evaluation = part.evaluation.as_ref()?;
+            let interval = evaluation.combined.interval(evaluation.stack);
+            Some(interval.map_or_else(|_| "open".to_owned(), |interval| millimetres(end(interval).mm())))
+        };
+        let uncertainty = |part: &PartRow, end: fn(&Propagation) -> &Linear| {
+            part.uncertainty.as_ref().map(|part| micrometres(end(&part.propagation).expanded_mm()))
+        };
+        let of_kind = |part: &PartRow, kind| {
+            let delta_cd = part.evaluation.as_ref().and_then(|evaluation| delta_cd(evaluation, kind));
+            delta_cd.map(|length| millimetres(length.mm()))
+        };
+        let table = kinds.iter().fold(Table::of(self.rows).text("part", |part| part.name.clone()), |table, kind| {
+            table.number(format!("{}\n[mm]", kind.name()), |part| of_kind(part, *kind))
         });
-        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
+        let table = table
+            .number("ΔCD from\n[mm]", |part| end(part, |ends| ends.lower))
+            .column_if(self.is_uncertain(), Column::number("± U\n[µm]"), |part| uncertainty(part, |of| &of.lower))
+            .number("to\n[mm]", |part| end(part, |ends| ends.upper))
+            .column_if(self.is_uncertain(), Column::number("± U\n[µm]"), |part| uncertainty(part, |of| &of.upper))
+            .column_if(judged, Column::text("verdict"), |part| match &part.evaluation {
+                Some(evaluation) => evaluation.verdict.map_or("open", Verdict::name),
+                None => "not judged",
+            });
+        blocks.push(table.block());
         if let Some(evaluation) = self.rows.iter().find_map(|row| row.evaluation.as_ref()) {
             let stack = match evaluation.stack {
                 Stack::Range => "from … to: the worst case, wherever on the teeth the errors are",
@@ -253,11 +243,10 @@ impl Report for SpacesReport<'_> {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let mut header = vec![self.place().to_owned()];
+        let mut header = self.place().to_owned();
         for feature in &self.measured.features {
             let unit = if feature.error() == DeviationKind::RackLead { "deg" } else { "mm" };
-            header.push(format!("{}_deviation_{unit}", feature.key()));
-            header.push(format!("delta_cd_{}_mm", feature.key()));
+            header.push_str(&format!(" {key}_deviation_{unit} delta_cd_{key}_mm", key = feature.key()));
         }
         fact::rows(&self.json(), "rows", &header)
     }
@@ -265,58 +254,32 @@ impl Report for SpacesReport<'_> {
     fn blocks(&self) -> Vec<Block> {
         let measured = self.measured;
         let mut blocks = titled(self.title);
-        let mut columns = vec![Column::number(self.place())];
-        for feature in &measured.features {
-            let unit = if feature.error() == DeviationKind::RackLead { "°" } else { "µm" };
-            columns.push(Column::number(format!("{}\n[{unit}]", feature.name())));
-            columns.push(Column::number("ΔCD\n[mm]"));
-        }
-        let rows = measured.rows.iter().map(|row| {
-            let mut cells = vec![row.number.to_string()];
-            for effect in &row.effects {
-                match effect {
-                    Some(effect) => {
-                        cells.extend([deviation_text(effect.deviation), millimetres(effect.delta_cd.mm())]);
-                    }
-                    None => cells.extend(["-".to_owned(), "-".to_owned()]),
-                }
-            }
-            cells
-        });
-        blocks.push(Block::Table(Table { rows: rows.collect(), columns }));
-        let mut rows: Vec<Vec<String>> = Vec::new();
+        let mut table = Table::of(&measured.rows).number(self.place(), |row| row.number.to_string());
         for (index, feature) in measured.features.iter().enumerate() {
-            let (Some((number, largest)), Some((low, high))) = (measured.largest(index), measured.range_of(index))
-            else {
-                continue;
-            };
-            let unit = if feature.error() == DeviationKind::RackLead { "°" } else { " µm" };
-            rows.push(vec![
-                feature.name().to_owned(),
-                format!("{}{unit}, {} {number}", deviation_text(largest.deviation), self.place()),
-                millimetres(low.mm()),
-                millimetres(high.mm()),
-                equation(feature.error(), measured.model).to_owned(),
-            ]);
+            let unit = if feature.error() == DeviationKind::RackLead { "°" } else { "µm" };
+            table = table
+                .number(format!("{}\n[{unit}]", feature.name()), |row| {
+                    row.effects[index].as_ref().map(|effect| deviation_text(effect.deviation))
+                })
+                .number("ΔCD\n[mm]", |row| {
+                    row.effects[index].as_ref().map(|effect| millimetres(effect.delta_cd.mm()))
+                });
         }
-        let (low, high) = measured.range();
-        rows.push(vec![
-            "together".to_owned(),
-            String::new(),
-            millimetres(low.mm()),
-            millimetres(high.mm()),
-            String::new(),
-        ]);
-        blocks.push(Block::Table(Table {
-            columns: vec![
-                Column::text("by formula"),
-                Column::text("largest"),
-                Column::number("ΔCD from\n[mm]"),
-                Column::number("to\n[mm]"),
-                Column::text(format!("formula ({})", measured.model)),
-            ],
-            rows,
-        }));
+        blocks.push(table.block());
+        let of_features = measured.features.iter().enumerate().filter_map(|(index, feature)| {
+            let (number, largest) = measured.largest(index)?;
+            let unit = if feature.error() == DeviationKind::RackLead { "°" } else { " µm" };
+            let largest = format!("{}{unit}, {} {number}", deviation_text(largest.deviation), self.place());
+            Some((feature.name(), largest, measured.range_of(index)?, equation(feature.error(), measured.model)))
+        });
+        let together = ("together", String::new(), measured.range(), "");
+        let by_formula = Table::of(of_features.chain([together]))
+            .text("by formula", |(name, ..)| *name)
+            .text("largest", |(_, largest, ..)| largest.clone())
+            .number("ΔCD from\n[mm]", |(_, _, (low, _), _)| millimetres(low.mm()))
+            .number("to\n[mm]", |(_, _, (_, high), _)| millimetres(high.mm()))
+            .text(format!("formula ({})", measured.model), |(.., equation)| *equation);
+        blocks.push(by_formula.block());
         blocks
     }
 }

@@ -3,12 +3,12 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::chart::{Axis, Chart, Layer, Scale, Shape};
 use super::fact::FORMAT_VERSION;
-use super::number::{millimetres, plain, tidy};
-use super::{Block, Column, Report, Table, titled};
+use super::number::{millimetres, percent, plain, tidy};
+use super::{Block, Report, Table, fact, titled};
 use crate::chance::racks::{
     Bin, CONFIDENCE, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
     STEPS_PER_PITCH, Scatter, StudyError,
@@ -49,7 +49,7 @@ struct RacksFact<'a> {
     to_mm: f64,
     confidence: f64,
     scatter: Vec<SpreadFact>,
-    delta_cd: DeltaCdFact<'a>,
+    delta_cd: Map<String, Value>,
     inside_limits: Option<Inside>,
     verdict: Option<&'static str>,
     notes: Vec<String>,
@@ -66,93 +66,70 @@ struct SpreadFact {
     standard_deviation_rad: Option<f64>,
 }
 
-#[derive(Serialize)]
-struct DeltaCdFact<'a> {
-    mean: &'a RackStatistics,
-    peak_to_peak: &'a RackStatistics,
-    smallest: &'a RackStatistics,
-    largest: &'a RackStatistics,
-}
-
-/// What is drawn of one kind of deviation.
-struct Spread {
-    of: &'static str,
-    drawn: Uncertainty,
-    is_angle: bool,
-}
-
 impl RacksReport<'_> {
-    fn spreads(&self) -> Vec<Spread> {
+    /// What is drawn, and how.
+    fn spreads(&self) -> impl Iterator<Item = (&'static str, Uncertainty)> {
         let scatter = self.scatter;
-        let spread = |of, drawn: Option<Uncertainty>| Some(Spread { of, drawn: drawn?, is_angle: of == "rack_lead" });
         let all = [
-            spread("rack_pitch", scatter.rack_pitch),
-            spread("rack_thickness", scatter.rack_thickness),
-            spread("rack_lead", scatter.rack_lead),
-            spread("rack_over_roller", scatter.rack_over_roller),
-            spread("pinion_pitch", scatter.pinion_pitch),
-            spread("pinion_thickness", scatter.pinion_thickness),
-            spread("pinion_lead", scatter.pinion_lead),
-            spread("pinion_runout", scatter.pinion_runout),
+            ("rack_pitch", scatter.rack_pitch),
+            ("rack_thickness", scatter.rack_thickness),
+            ("rack_lead", scatter.rack_lead),
+            ("rack_over_roller", scatter.rack_over_roller),
+            ("pinion_pitch", scatter.pinion_pitch),
+            ("pinion_thickness", scatter.pinion_thickness),
+            ("pinion_lead", scatter.pinion_lead),
+            ("pinion_runout", scatter.pinion_runout),
         ];
-        all.into_iter().flatten().collect()
+        all.into_iter().filter_map(|(of, drawn)| Some((of, drawn?)))
     }
 
-    fn scatter_table(&self) -> Table {
-        let rows = self.spreads().into_iter().map(|Spread { of, drawn, is_angle }| {
+    fn scatter_table(&self) -> Block {
+        let drawn = |(of, drawn): &(&str, Uncertainty)| {
             let amount = |value: f64| {
-                if is_angle {
+                if is_angle(of) {
                     format!("{:.3}′", value * 180.0 * 60.0 / std::f64::consts::PI)
                 } else {
                     format!("{:.2} µm", 1000.0 * value)
                 }
             };
-            let text = match drawn.distribution {
+            match drawn.distribution {
                 Distribution::Normal => format!("normal, σ = {}", amount(drawn.standard)),
                 other if is_difference(of) => {
                     let half = drawn.standard * other.half_width();
                     format!("places {}, ± {}: no pitch beyond ± {}", other.name(), amount(0.5 * half), amount(half))
                 }
                 other => format!("{}, ± {}", other.name(), amount(drawn.standard * other.half_width())),
-            };
-            vec![of.replace('_', " "), text]
-        });
-        Table { rows: rows.collect(), columns: vec![Column::text("scatter per tooth"), Column::text("drawn")] }
+            }
+        };
+        Table::of(self.spreads()).text("scatter per tooth", |(of, _)| of.replace('_', " ")).text("drawn", drawn).block()
     }
 
-    fn quantile_table(&self) -> Table {
+    fn quantile_table(&self) -> Block {
         const FEW: [f64; 3] = [0.01, 0.5, 0.99];
-        let summary = self.summary;
-        let quantities = [
-            ("mean", &summary.mean, false),
-            ("peak to peak", &summary.peak_to_peak, false),
-            ("smallest", &summary.smallest, true),
-            ("largest", &summary.largest, true),
-        ];
-        let rows = quantities.into_iter().flat_map(|(name, of, is_short)| {
-            let deviation = of.standard_deviation_mm.map_or_else(|| "?".to_owned(), |mm| format!("{mm:.4}"));
-            let mut rows = vec![vec![format!("{name}: mean, σ"), millimetres(of.mean_mm), deviation, String::new()]];
-            let shown = of.quantiles.iter().filter(|quantile| !is_short || FEW.contains(&quantile.share));
-            rows.extend(shown.map(|quantile| {
-                let end = |end: Option<f64>| end.map_or_else(|| "?".to_owned(), millimetres);
-                vec![
-                    format!("  {:.0} %", 100.0 * quantile.share),
-                    millimetres(quantile.value_mm),
-                    end(quantile.lower_mm),
-                    end(quantile.upper_mm),
-                ]
-            }));
-            rows
+        let or_unknown = |text: Option<String>| text.unwrap_or_else(|| "?".to_owned());
+        let rows = self.quantities().into_iter().flat_map(|(name, of)| {
+            let is_short = matches!(name, "smallest" | "largest");
+            let deviation = or_unknown(of.standard_deviation_mm.map(|mm| format!("{mm:.4}")));
+            let moments = (format!("{}: mean, σ", name.replace('_', " ")), of.mean_mm, [deviation, String::new()]);
+            let shown = of.quantiles.iter().filter(move |quantile| !is_short || FEW.contains(&quantile.share));
+            let quantiles = shown.map(move |quantile| {
+                let ends = [quantile.lower_mm, quantile.upper_mm].map(|end| or_unknown(end.map(millimetres)));
+                (format!("  {}", percent(quantile.share)), quantile.value_mm, ends)
+            });
+            std::iter::once(moments).chain(quantiles)
         });
-        Table {
-            rows: rows.collect(),
-            columns: vec![
-                Column::text("ΔCD along the stroke"),
-                Column::number("value\n[mm]"),
-                Column::number("95 % from\n[mm]"),
-                Column::number("to\n[mm]"),
-            ],
-        }
+        Table::of(rows)
+            .text("ΔCD along the stroke", |(name, ..)| name.clone())
+            .number("value\n[mm]", |(_, value, _)| millimetres(*value))
+            .number("95 % from\n[mm]", |(.., [from, _])| from.clone())
+            .number("to\n[mm]", |(.., [_, to])| to.clone())
+            .block()
+    }
+
+    /// What is counted of the racks, in the order of the reports.
+    fn quantities(&self) -> [(&'static str, &RackStatistics); 4] {
+        let RacksSummary { mean, peak_to_peak, smallest, largest, .. } = self.summary;
+        [("mean", mean), ("peak_to_peak", peak_to_peak), ("smallest", smallest), ("largest", largest)]
     }
 
     fn histograms(&self) -> Vec<Block> {
@@ -200,9 +177,8 @@ impl RacksReport<'_> {
             plain(of.to_mm),
             of.seed
         )];
-        let RacksSummary { mean, peak_to_peak, smallest, largest, missing, .. } = self.summary;
-        let errors = [mean, peak_to_peak, smallest, largest].map(|of| of.quantile_error_mm);
-        let error = errors.into_iter().fold(0.0, f64::max);
+        let missing = &self.summary.missing;
+        let error = self.quantities().into_iter().map(|(_, of)| of.quantile_error_mm).fold(0.0, f64::max);
         if error > 0.0 {
             notes.push(format!(
                 "quantiles are exact to ± {} mm, and their intervals hold: lengths are counted in {MOST_BINS} bins at most",
@@ -229,6 +205,11 @@ impl RacksReport<'_> {
         notes.extend(self.notes.iter().cloned());
         notes
     }
+}
+
+/// Whether it is an angle, and no length.
+fn is_angle(of: &str) -> bool {
+    of == "rack_lead"
 }
 
 /// Whether it is the difference of the places of two teeth, which are what is drawn.
@@ -327,9 +308,9 @@ pub enum StudyFileError {
 
 impl Report for RacksReport<'_> {
     fn json(&self) -> Value {
-        let RacksSummary { mean, peak_to_peak, smallest, largest, inside, verdict, missing } = self.summary;
+        let RacksSummary { inside, verdict, missing, .. } = self.summary;
         let of = self.study.study_of();
-        let scatter = self.spreads().into_iter().map(|Spread { of, drawn, is_angle }| {
+        let scatter = self.spreads().map(|(of, drawn)| {
             let is_normal = drawn.distribution == Distribution::Normal;
             // the difference of two places, each within half as much
             let standard = if is_difference(of) && !is_normal { FRAC_1_SQRT_2 } else { 1.0 } * drawn.standard;
@@ -337,8 +318,8 @@ impl Report for RacksReport<'_> {
                 of,
                 distribution: drawn.distribution.name(),
                 of_places: is_difference(of),
-                standard_deviation_mm: (!is_angle).then_some(standard),
-                standard_deviation_rad: is_angle.then_some(standard),
+                standard_deviation_mm: (!is_angle(of)).then_some(standard),
+                standard_deviation_rad: is_angle(of).then_some(standard),
             }
         });
         json!(RacksFact {
@@ -352,7 +333,7 @@ impl Report for RacksReport<'_> {
             to_mm: of.to_mm,
             confidence: CONFIDENCE,
             scatter: scatter.collect(),
-            delta_cd: DeltaCdFact { mean, peak_to_peak, smallest, largest },
+            delta_cd: self.quantities().into_iter().map(|(name, of)| (name.to_owned(), json!(of))).collect(),
             inside_limits: *inside,
             verdict: verdict.map(Verdict::name),
             notes: self.all_notes(),
@@ -361,28 +342,25 @@ impl Report for RacksReport<'_> {
 
     /// Moments and quantiles: results of racks are not kept, [`RACK_COLUMNS`] are written while they are there.
     fn rows(&self) -> Vec<Vec<String>> {
-        let RacksSummary { mean, peak_to_peak, smallest, largest, .. } = self.summary;
-        let quantities = [("mean", mean), ("peak_to_peak", peak_to_peak), ("smallest", smallest), ("largest", largest)];
-        let header = ["delta_cd", "statistic", "value_mm", "lower_mm", "upper_mm"].map(str::to_owned).to_vec();
-        let rows = quantities.into_iter().flat_map(|(name, of)| {
-            let cell = |value: Option<f64>| value.map(plain).unwrap_or_default();
-            let row = |statistic: String, value: Option<f64>, lower: Option<f64>, upper: Option<f64>| {
-                vec![name.to_owned(), statistic, cell(value), cell(lower), cell(upper)]
-            };
-            let moments = [("mean", Some(of.mean_mm)), ("standard_deviation", of.standard_deviation_mm)]
-                .map(|(statistic, value)| row(statistic.to_owned(), value, None, None));
-            let quantiles = of.quantiles.iter();
-            let quantiles =
-                quantiles.map(|q| row(format!("quantile_{}", q.share), Some(q.value_mm), q.lower_mm, q.upper_mm));
-            moments.into_iter().chain(quantiles).collect::<Vec<_>>()
+        let records = self.quantities().into_iter().flat_map(|(name, of)| {
+            let moments = [("mean", Some(of.mean_mm)), ("standard_deviation", of.standard_deviation_mm)];
+            let moments = moments.map(|(of, value)| json!({ "delta_cd": name, "statistic": of, "value_mm": value }));
+            let quantiles = of.quantiles.iter().map(move |quantile| {
+                let mut record = json!(quantile);
+                record["delta_cd"] = name.into();
+                record["statistic"] = format!("quantile_{}", quantile.share).into();
+                record
+            });
+            moments.into_iter().chain(quantiles)
         });
-        std::iter::once(header).chain(rows).collect()
+        let records = json!({ "records": records.collect::<Vec<_>>() });
+        fact::rows(&records, "records", "delta_cd statistic value_mm lower_mm upper_mm")
     }
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
-        blocks.push(Block::Table(self.scatter_table()));
-        blocks.push(Block::Table(self.quantile_table()));
+        blocks.push(self.scatter_table());
+        blocks.push(self.quantile_table());
         blocks.extend(self.histograms());
         blocks.extend(self.all_notes().into_iter().map(Block::Remark));
         if let Some(Inside { racks, share, lower, upper }) = self.summary.inside {

@@ -33,51 +33,47 @@ pub fn remarks(readings: &[Reading], notes: &[String]) -> Vec<String> {
 pub fn reading_blocks(readings: &[Reading], notes: &[String]) -> Vec<Block> {
     let mut blocks = Vec::new();
     for reading in readings {
-        blocks.push(Block::Table(form(reading)));
-        blocks.push(Block::Table(columns(reading)));
+        blocks.extend([form(reading), columns(reading)]);
     }
     blocks.extend(remarks(readings, notes).into_iter().map(Block::Remark));
     blocks
 }
 
 /// What stands between cells and before decimals, and where the names stand.
-fn form(reading: &Reading) -> Table {
-    let row = |what: &str, how: String| vec![what.to_owned(), how];
+fn form(reading: &Reading) -> Block {
     let format = [Some(reading.format), reading.separator.as_deref(), reading.encoding.as_deref()];
-    let mut rows = vec![row("read as", format.into_iter().flatten().collect::<Vec<_>>().join(", "))];
-    if let Some(mark) = reading.decimal_mark {
+    let mark = reading.decimal_mark.map(|mark| {
         let by = reading.settled_by.as_ref().map_or_else(String::new, |by| format!(" ({by})"));
-        rows.push(row("decimal mark", format!("{mark}{by}")));
-    }
-    rows.extend(reading.header_line.map(|line| row("names", format!("line {line}"))));
-    let is_across = reading.parts_in == "columns";
-    rows.push(row(&format!("each {}", reading.unit_counted), if is_across { "a column" } else { "a row" }.to_owned()));
-    let asides =
-        reading.asides.iter().map(|aside| row("no part of it", format!("line {}: {}", aside.line, aside.text)));
-    rows.extend(asides);
-    Table { columns: vec![Column::text("table"), Column::text(&reading.file)], rows }
+        ("decimal mark".to_owned(), format!("{mark}{by}"))
+    });
+    let each = if reading.parts_in == "columns" { "a column" } else { "a row" };
+    let asides = reading.asides.iter().map(|aside| format!("line {}: {}", aside.line, aside.text));
+    let read_as = format.into_iter().flatten().collect::<Vec<_>>().join(", ");
+    let rows = std::iter::once(("read as".to_owned(), read_as))
+        .chain(mark)
+        .chain(reading.header_line.map(|line| ("names".to_owned(), format!("line {line}"))))
+        .chain([(format!("each {}", reading.unit_counted), each.to_owned())])
+        .chain(asides.map(|aside| ("no part of it".to_owned(), aside)));
+    Table::of(rows).text("table", |(what, _)| what.clone()).text(&reading.file, |(_, how)| how.clone()).block()
 }
 
 /// Every column, and what was not used.
-fn columns(reading: &Reading) -> Table {
+fn columns(reading: &Reading) -> Block {
     let used = reading.columns.iter().map(|column| {
         let unit = column.unit.clone().unwrap_or_default();
         let assumed = if column.unit_is_assumed && !unit.is_empty() { " (assumed)" } else { "" };
-        vec![
-            column.title.clone(),
-            column.role.clone(),
-            format!("{unit}{assumed}"),
-            column.holds.unwrap_or_default().to_owned(),
-            column.nominal.clone().unwrap_or_default(),
-        ]
+        let nominal = column.nominal.clone().unwrap_or_default();
+        [&column.title, &column.role, &format!("{unit}{assumed}"), column.holds.unwrap_or_default(), &nominal]
+            .map(str::to_owned)
     });
-    let unused = reading.not_used.iter().map(|unused| {
-        vec![unused.title.clone(), format!("not used: {}", unused.why), String::new(), String::new(), String::new()]
-    });
-    Table {
-        rows: used.chain(unused).collect(),
+    let unused = reading
+        .not_used
+        .iter()
+        .map(|unused| [&unused.title, &format!("not used: {}", unused.why), "", "", ""].map(str::to_owned));
+    Block::Table(Table {
+        rows: used.chain(unused).map(Vec::from).collect(),
         columns: ["column", "is", "unit", "holds", "nominal"].map(Column::text).into(),
-    }
+    })
 }
 
 impl Report for WithReading<'_> {

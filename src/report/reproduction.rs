@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::number::{plain, signed, tidy};
-use super::{Block, Column, Report, Table};
+use super::number::{signed, tidy};
+use super::{Block, Report, Table, fact};
 use crate::formula::Model;
 use crate::reproduction::{
     FACE_WIDTH, FIRST_ODD_TOOTH, PRESSURE_ANGLE, PRINTED, PaperTable, Printed, ROLL_AXIS_DEPTH_MM, ReproductionError,
@@ -195,76 +195,37 @@ impl Report for Reproduction {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header = [
-            "table",
-            "deviation",
-            "unit",
-            "printed_delta_cd_mm",
-            "delta_cd_paper_mm",
-            "delta_cd_exact_mm",
-            "agrees",
-            "printed_multibody_mm",
-            "multibody_mm",
-            "exact_mesh_mm",
-            "why",
-            "pair",
-        ];
-        let optional = |value: Option<f64>| value.map(plain).unwrap_or_default();
-        let mut rows = vec![header.iter().map(|name| (*name).to_owned()).collect()];
-        rows.extend(self.rows.iter().map(|row| {
-            let (number, _, unit, _) = of_table(row.printed.table);
-            vec![
-                number.to_string(),
-                row.printed.error.to_owned(),
-                unit.to_owned(),
-                row.printed.analytic.to_owned(),
-                plain(row.paper_mm),
-                plain(row.exact_mm),
-                row.agrees().to_string(),
-                row.printed.multibody.to_owned(),
-                optional(row.multibody_mm()),
-                optional(row.mesh_mm()),
-                row.why().unwrap_or_default(),
-                FITTED.to_owned(),
-            ]
-        }));
-        rows
+        const NAMES: &str = "table deviation unit printed_delta_cd_mm delta_cd_paper_mm delta_cd_exact_mm agrees \
+                             printed_multibody_mm multibody_mm exact_mesh_mm why pair";
+        let mut json = self.json();
+        // what the paper prints, to its last digit
+        for (record, Row { printed, .. }) in json["rows"].as_array_mut().into_iter().flatten().zip(&self.rows) {
+            record["deviation"] = printed.error.into();
+            record["unit"] = of_table(printed.table).2.into();
+            record["printed_delta_cd_mm"] = printed.analytic.into();
+            record["printed_multibody_mm"] = printed.multibody.into();
+        }
+        fact::rows(&json, "rows", NAMES)
     }
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks =
             vec![Block::Title("Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing".to_owned())];
         blocks.push(Block::Note("ΔCD in mm, as the paper prints it and as it is computed here".to_owned()));
-        let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| signed(value, 5));
+        let mm = |value| signed(value, 5);
         for table in TABLES {
             let (_, heading, _, why) = of_table(table);
-            let rows = self.rows.iter().filter(|row| row.printed.table == table).map(|row| {
-                vec![
-                    row.printed.error.to_owned(),
-                    row.printed.analytic.to_owned(),
-                    row.rounded.clone(),
-                    format!("{:.6}", row.exact_mm),
-                    if row.agrees() { "yes" } else { "NO" }.to_owned(),
-                    row.printed.multibody.to_owned(),
-                    mm(row.multibody_mm()),
-                    mm(row.mesh_mm()),
-                ]
-            });
-            blocks.push(Block::Table(Table {
-                rows: rows.collect(),
-                columns: vec![
-                    Column::number(heading),
-                    Column::number("analytic,\nprinted"),
-                    Column::number("\nours"),
-                    Column::number("exact\nmodel"),
-                    Column::text("\nagrees"),
-                    Column::number("multibody,\nprinted"),
-                    Column::number("\nours"),
-                    Column::number("exact\nmesh"),
-                ],
-            }));
-            blocks.push(Block::Note(why.to_owned()));
             let rows = self.rows.iter().filter(|row| row.printed.table == table);
+            let listed = Table::of(rows.clone())
+                .number(heading, |row| row.printed.error)
+                .number("analytic,\nprinted", |row| row.printed.analytic)
+                .number("\nours", |row| row.rounded.clone())
+                .number("exact\nmodel", |row| format!("{:.6}", row.exact_mm))
+                .text("\nagrees", |row| if row.agrees() { "yes" } else { "NO" })
+                .number("multibody,\nprinted", |row| row.printed.multibody)
+                .number("\nours", |row| row.multibody_mm().map(mm))
+                .number("exact\nmesh", |row| row.mesh_mm().map(mm));
+            blocks.extend([listed.block(), Block::Note(why.to_owned())]);
             blocks.extend(rows.filter_map(|row| Some(Block::Note(format!("{}: {}", row.printed.error, row.why()?)))));
         }
         let problems = self.rows.iter().filter_map(|row| {

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::number::{plain, signed, tidy};
-use super::{Block, Column, Report, Screen, Table, fact, sketch, titled};
+use super::{Block, Report, Screen, Table, fact, sketch, titled};
 use crate::multibody::{
     ContactModel, Energy, Integrator, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support,
 };
@@ -105,49 +105,30 @@ impl SimulationReport<'_> {
         Some(self.exact_mm[1]? - self.exact_mm[0]?)
     }
 
-    fn steady_table(&self) -> Table {
-        let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| signed(tidy(value), 5));
-        let micrometres = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| signed(1000.0 * v, 3));
-        let mut rows: Vec<Vec<String>> = self
-            .parts()
-            .into_iter()
-            .filter_map(|(name, steady, exact)| {
-                let steady = steady?;
-                Some(vec![
-                    name.to_owned(),
-                    format!("{:.2} … {:.2}", steady.from_mm, steady.to_mm),
-                    mm(Some(steady.delta_cd_mm)),
-                    mm(exact),
-                    micrometres(Some(-steady.indentation_mm)),
-                    micrometres(exact.map(|exact| steady.delta_cd_mm + steady.indentation_mm - exact)),
-                    format!("{:.4}", 1000.0 * steady.ripple_mm),
-                ])
+    fn steady_table(&self) -> Option<Block> {
+        let mm = |value: f64| signed(tidy(value), 5);
+        let micrometres = |mm: f64| signed(1000.0 * mm, 3);
+        // what was simulated, the same with the indentation added back, and the exact mesh
+        let parts = self.parts().into_iter().filter_map(|(name, steady, exact)| {
+            let of = steady?;
+            Some((name, steady, of.delta_cd_mm, Some(of.delta_cd_mm + of.indentation_mm), exact))
+        });
+        let difference = self.outcome.difference_mm().map(|difference| {
+            ("difference", None, difference, self.outcome.rigid_difference_mm(), self.exact_difference_mm())
+        });
+        let of_part =
+            |steady: &Option<Steady>, text: fn(&Steady) -> String| steady.as_ref().map(text).unwrap_or_default();
+        Table::of(parts.chain(difference))
+            .text("mean ΔCD", |(name, ..)| *name)
+            .number("stroke\n[mm]", |(_, steady, ..)| of_part(steady, |s| format!("{:.2} … {:.2}", s.from_mm, s.to_mm)))
+            .number("simulated\n[mm]", |(_, _, simulated, ..)| mm(*simulated))
+            .number("exact mesh\n[mm]", |(.., exact)| exact.map(mm))
+            .number("elastic part\n[µm]", |(_, steady, ..)| of_part(steady, |s| signed(-1000.0 * s.indentation_mm, 3)))
+            .number("what is left\n[µm]", |(.., rigid, exact)| {
+                rigid.zip(*exact).map(|(rigid, exact)| micrometres(rigid - exact))
             })
-            .collect();
-        if let Some(difference) = self.outcome.difference_mm() {
-            let exact = self.exact_difference_mm();
-            rows.push(vec![
-                "difference".to_owned(),
-                String::new(),
-                mm(Some(difference)),
-                mm(exact),
-                String::new(),
-                micrometres(self.outcome.rigid_difference_mm().zip(exact).map(|(rigid, exact)| rigid - exact)),
-                String::new(),
-            ]);
-        }
-        Table {
-            columns: vec![
-                Column::text("mean ΔCD"),
-                Column::number("stroke\n[mm]"),
-                Column::number("simulated\n[mm]"),
-                Column::number("exact mesh\n[mm]"),
-                Column::number("elastic part\n[µm]"),
-                Column::number("what is left\n[µm]"),
-                Column::number("ripple, rms\n[µm]"),
-            ],
-            rows,
-        }
+            .number("ripple, rms\n[µm]", |(_, steady, ..)| of_part(steady, |s| format!("{:.4}", 1000.0 * s.ripple_mm)))
+            .block_if_any()
     }
 
     fn how(&self) -> String {
@@ -293,7 +274,6 @@ impl Report for SimulationReport<'_> {
             .into_iter()
             .map(|(name, value)| (name.name().to_owned(), json!({ "value": value, "unit": name.unit() })))
             .collect();
-        let counters = &self.outcome.counters;
         let [(_, nominal, exact_nominal), (_, deviating, exact_deviating)] = self.parts();
         json!({
             "title": self.title,
@@ -317,15 +297,7 @@ impl Report for SimulationReport<'_> {
                 "drift_share": energy.drift_share(),
             })),
             "parameters": parameters,
-            "work": {
-                "coordinates": counters.coordinates,
-                "evaluations": counters.evaluations,
-                "elements_tested": counters.spheres_tested,
-                "friction_evaluations": counters.friction_evaluations,
-                "newton_iterations": counters.iterations,
-                "steps": counters.steps,
-                "rejected_steps": counters.rejected,
-            },
+            "work": self.outcome.counters,
             "points": points,
             "notes": self.notes,
         })
@@ -335,15 +307,13 @@ impl Report for SimulationReport<'_> {
         let has_yoke = self.outcome.samples.iter().any(|sample| sample.yoke.is_some());
         let yoke_header = has_yoke.then_some(YOKE_COLUMNS).into_iter().flatten();
         let names: Vec<_> = COLUMNS.iter().map(|(name, _)| *name).chain(yoke_header).collect();
-        fact::rows(&self.json(), "points", &names)
+        fact::rows(&self.json(), "points", &names.join(" "))
     }
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
-        let table = self.steady_table();
-        if !table.rows.is_empty() {
-            blocks.push(Block::Table(table));
-            blocks.push(Block::Note(format!("elastic part: {}", self.elastic_part())));
+        if let Some(table) = self.steady_table() {
+            blocks.extend([table, Block::Note(format!("elastic part: {}", self.elastic_part()))]);
         }
         if let Some(width) = self.screen.drawing_width() {
             let points: Vec<_> = self.outcome.samples.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();

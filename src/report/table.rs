@@ -67,6 +67,79 @@ impl Column {
     }
 }
 
+impl Table {
+    /// A row for each item; the columns follow one by one.
+    pub(crate) fn of<T>(items: impl IntoIterator<Item = T>) -> Rows<T> {
+        let items: Vec<T> = items.into_iter().collect();
+        let rows = items.iter().map(|_| Vec::new()).collect();
+        Rows { items, table: Self { columns: Vec::new(), rows } }
+    }
+}
+
+/// A table that is being made: a column is a heading and what stands below it for an item.
+pub(crate) struct Rows<T> {
+    items: Vec<T>,
+    table: Table,
+}
+
+impl<T> Rows<T> {
+    /// Adds a column of text.
+    pub(crate) fn text<C: Cell>(self, heading: impl Into<String>, cell: impl Fn(&T) -> C) -> Self {
+        self.column_if(true, Column::text(heading), cell)
+    }
+
+    /// Adds a column of numbers.
+    pub(crate) fn number<C: Cell>(self, heading: impl Into<String>, cell: impl Fn(&T) -> C) -> Self {
+        self.column_if(true, Column::number(heading), cell)
+    }
+
+    /// Adds a column that only some tables have.
+    pub(crate) fn column_if<C: Cell>(mut self, is_there: bool, column: Column, cell: impl Fn(&T) -> C) -> Self {
+        if is_there {
+            self.table.columns.push(column);
+            for (row, item) in self.table.rows.iter_mut().zip(&self.items) {
+                row.push(cell(item).text());
+            }
+        }
+        self
+    }
+
+    /// The table as a piece of a report.
+    pub(crate) fn block(self) -> Block {
+        Block::Table(self.table)
+    }
+
+    /// The same; `None` without a row.
+    pub(crate) fn block_if_any(self) -> Option<Block> {
+        (!self.items.is_empty()).then(|| self.block())
+    }
+}
+
+/// What stands in a cell for people.
+pub(crate) trait Cell {
+    /// Its text.
+    fn text(self) -> String;
+}
+
+impl Cell for String {
+    fn text(self) -> String {
+        self
+    }
+}
+
+impl Cell for &str {
+    fn text(self) -> String {
+        self.to_owned()
+    }
+}
+
+/// Where there is nothing, a line says so.
+impl<C: Cell> Cell for Option<C> {
+    fn text(self) -> String {
+        self.map_or_else(|| "-".to_owned(), C::text)
+    }
+}
+
 /// What stands before a verdict's sentence.
 pub(super) fn verdict_word(verdict: Option<Verdict>) -> String {
     verdict.map_or_else(|| "No verdict".to_owned(), |verdict| verdict.name().to_uppercase())

@@ -3,13 +3,14 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::number::{millimetres, plain, tidy};
+use super::number::{millimetres, percent, plain, tidy};
 use super::{Block, Column, Table};
 use crate::chance::{PartSimulation, Simulation, Validation, validate};
 use crate::deviation::DeviationKind;
 use crate::evaluation::LimitCheck;
-use crate::judge::rule::{Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
+use crate::judge::rule::{Conformance, Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
 use crate::judge::{LimitTarget, Rule, Stack, Verdict};
+use crate::quantity::{Length, LengthUnit};
 use crate::uncertainty::{FOLD, Linear, Propagation};
 
 /// The uncertainty of an evaluation's results.
@@ -25,6 +26,16 @@ pub struct UncertaintyPart {
     pub through_mesh: bool,
 }
 
+/// One result of a part, with its uncertainty.
+struct UncertainResult<'a> {
+    /// What programs call it.
+    key: &'static str,
+    /// What people call it.
+    name: String,
+    linear: &'a Linear,
+    simulated: Option<&'a Simulation>,
+}
+
 /// A length of an uncertainty in µm for people: two decimals, more for small ones.
 pub(super) fn micrometres(mm: f64) -> String {
     let um = 1000.0 * mm;
@@ -37,10 +48,6 @@ pub(super) fn micrometres(mm: f64) -> String {
     } else {
         format!("{um:.2}")
     }
-}
-
-fn percent(share: Option<f64>) -> String {
-    share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share))
 }
 
 /// A probability for people; one that is neither 0 nor 1 is not printed as such.
@@ -59,21 +66,20 @@ impl UncertaintyPart {
         [format!("{stack}, lower end"), format!("{stack}, upper end")]
     }
 
-    /// Every result with its key and its name, linear and simulated.
-    fn results(&self) -> Vec<(&'static str, String, &Linear, Option<&Simulation>)> {
+    /// Every result: the errors, then both ends.
+    fn results(&self) -> Vec<UncertainResult<'_>> {
         let [lower, upper] = self.end_names();
         let simulation = self.simulation.as_ref();
-        let simulated = |kind: DeviationKind| {
-            simulation.and_then(|s| s.errors().find(|(other, _)| *other == kind).map(|(_, result)| result))
-        };
-        let errors = self.propagation.errors.iter();
-        errors
-            .map(|(kind, linear)| (kind.key(), kind.to_string(), linear, simulated(*kind)))
-            .chain([
-                ("lower", lower, &self.propagation.lower, simulation.map(PartSimulation::lower)),
-                ("upper", upper, &self.propagation.upper, simulation.map(PartSimulation::upper)),
-            ])
-            .collect()
+        let result = |key, name, linear, simulated| UncertainResult { key, name, linear, simulated };
+        let errors = self.propagation.errors.iter().map(|(kind, linear)| {
+            let simulated = simulation.and_then(|s| s.errors().find(|(other, _)| other == kind));
+            result(kind.key(), kind.to_string(), linear, simulated.map(|(_, simulated)| simulated))
+        });
+        let ends = [
+            result("lower", lower, &self.propagation.lower, simulation.map(PartSimulation::lower)),
+            result("upper", upper, &self.propagation.upper, simulation.map(PartSimulation::upper)),
+        ];
+        errors.chain(ends).collect()
     }
 
     fn digits(&self) -> u32 {
@@ -81,104 +87,71 @@ impl UncertaintyPart {
     }
 
     pub(super) fn blocks(&self) -> Vec<Block> {
-        let mut blocks = vec![Block::Table(self.result_table()), Block::Table(self.budget_table())];
-        if self.simulation.is_some() {
-            blocks.push(Block::Table(self.simulation_table()));
-        }
+        let mut blocks = vec![self.result_table(), self.budget_table()];
+        blocks.extend(self.simulation.as_ref().map(|_| self.simulation_table()));
         blocks.extend(self.notes().into_iter().map(Block::Remark));
         blocks
     }
 
-    fn result_table(&self) -> Table {
-        let with_dof = self.results().iter().any(|(_, _, linear, _)| linear.dof.is_none_or(f64::is_finite));
-        let mut columns = vec![
-            Column::text("uncertainty of"),
-            Column::number("ΔCD\n[mm]"),
-            Column::number("u\n[µm]"),
-            Column::number("k"),
-            Column::number("U = k u\n[µm]"),
-        ];
-        if with_dof {
-            columns.push(Column::number("ν_eff"));
-        }
-        columns.push(Column::text("linear"));
-        let rows = self.results().into_iter().map(|(_, name, linear, _)| {
-            let mut row = vec![name, millimetres(linear.value_mm), micrometres(linear.standard_mm)];
-            if linear.standard_mm > 0.0 {
-                row.extend([format!("{:.2}", linear.coverage_factor), micrometres(linear.expanded_mm())]);
-            } else {
-                row.extend(["-".to_owned(), "-".to_owned()]);
-            }
-            if with_dof {
-                row.push(match linear.dof {
-                    Some(dof) if dof.is_finite() => format!("{dof:.1}"),
-                    Some(_) => "∞".to_owned(),
-                    None => "unknown".to_owned(),
-                });
-            }
-            row.push(if linear.folded.is_empty() { "yes" } else { "no: near 0" }.to_owned());
-            row
-        });
-        Table { rows: rows.collect(), columns }
+    fn result_table(&self) -> Block {
+        let results = self.results();
+        let with_dof = results.iter().any(|result| result.linear.dof.is_none_or(f64::is_finite));
+        let if_uncertain = |linear: &Linear, text: String| (linear.standard_mm > 0.0).then_some(text);
+        Table::of(results)
+            .text("uncertainty of", |of| of.name.clone())
+            .number("ΔCD\n[mm]", |of| millimetres(of.linear.value_mm))
+            .number("u\n[µm]", |of| micrometres(of.linear.standard_mm))
+            .number("k", |of| if_uncertain(of.linear, format!("{:.2}", of.linear.coverage_factor)))
+            .number("U = k u\n[µm]", |of| if_uncertain(of.linear, micrometres(of.linear.expanded_mm())))
+            .column_if(with_dof, Column::number("ν_eff"), |of| match of.linear.dof {
+                Some(dof) if dof.is_finite() => format!("{dof:.1}"),
+                Some(_) => "∞".to_owned(),
+                None => "unknown".to_owned(),
+            })
+            .text("linear", |of| if of.linear.folded.is_empty() { "yes" } else { "no: near 0" })
+            .block()
     }
 
-    fn budget_table(&self) -> Table {
+    fn budget_table(&self) -> Block {
         let [_, upper] = self.end_names();
-        let rows = self.propagation.upper.contributions.iter().map(|c| {
-            let (u, per) = if c.source.is_angle() {
-                (format!("{:.3}′", 60.0 * c.standard), format!("{:+.4} µm/′", 1000.0 * c.sensitivity / 60.0))
-            } else {
-                (format!("{} µm", micrometres(c.standard)), format!("{:+.4} µm/µm", c.sensitivity))
-            };
-            vec![c.source.to_string(), u, per, micrometres(c.contribution_mm.abs()), percent(c.share)]
-        });
-        let mut rows: Vec<_> = rows.collect();
-        let shares: f64 = self.propagation.upper.contributions.iter().filter_map(|c| c.share).sum();
-        // what independent contributions do not account for
-        if self.propagation.upper.standard_mm > 0.0 && (shares - 1.0).abs() > 1e-9 {
-            let blank = String::new;
-            rows.push(vec!["correlations".to_owned(), blank(), blank(), blank(), percent(Some(1.0 - shares))]);
-        }
-        Table {
-            rows,
-            columns: vec![
-                Column::text(format!("budget of {upper}")),
-                Column::number("u(x)"),
-                Column::number("∂ΔCD/∂x"),
-                Column::number("contribution\n[µm]"),
-                Column::number("share"),
-            ],
-        }
+        let Linear { contributions, standard_mm, .. } = &self.propagation.upper;
+        let shares: f64 = contributions.iter().filter_map(|c| c.share).sum();
+        // what independent contributions do not account for has no source
+        let is_correlated = *standard_mm > 0.0 && (shares - 1.0).abs() > 1e-9;
+        let rows = contributions.iter().map(Some).chain(is_correlated.then_some(None));
+        Table::of(rows)
+            .text(format!("budget of {upper}"), |c| {
+                c.map_or_else(|| "correlations".to_owned(), |c| c.source.to_string())
+            })
+            .number("u(x)", |c| match c {
+                Some(c) if c.source.is_angle() => format!("{:.3}′", 60.0 * c.standard),
+                Some(c) => format!("{} µm", micrometres(c.standard)),
+                None => String::new(),
+            })
+            .number("∂ΔCD/∂x", |c| match c {
+                Some(c) if c.source.is_angle() => format!("{:+.4} µm/′", 1000.0 * c.sensitivity / 60.0),
+                Some(c) => format!("{:+.4} µm/µm", c.sensitivity),
+                None => String::new(),
+            })
+            .number("contribution\n[µm]", |c| c.map(|c| micrometres(c.contribution_mm.abs())).unwrap_or_default())
+            .number("share", |c| c.map_or(Some(1.0 - shares), |c| c.share).map(percent))
+            .block()
     }
 
-    fn simulation_table(&self) -> Table {
+    fn simulation_table(&self) -> Block {
         let interval = |(low, high): (f64, f64)| format!("{} … {}", millimetres(low), millimetres(high));
-        let rows = self.results().into_iter().filter_map(|(_, name, linear, simulated)| {
-            let simulated = simulated?;
-            if simulated.standard == 0.0 {
-                return None;
-            }
-            let validation = validate(linear, simulated, self.digits());
-            Some(vec![
-                name,
-                millimetres(simulated.mean),
-                micrometres(simulated.standard),
-                interval(simulated.symmetric),
-                interval(simulated.shortest),
-                if validation.validated { "validated" } else { "not validated" }.to_owned(),
-            ])
+        let simulated = self.results().into_iter().filter_map(|UncertainResult { name, linear, simulated, .. }| {
+            let simulated = simulated.filter(|simulated| simulated.standard != 0.0)?;
+            Some((name, simulated, validate(linear, simulated, self.digits()).validated))
         });
-        Table {
-            rows: rows.collect(),
-            columns: vec![
-                Column::text("Monte Carlo"),
-                Column::number("mean\n[mm]"),
-                Column::number("u\n[µm]"),
-                Column::number("95 %, symmetric\n[mm]"),
-                Column::number("95 %, shortest\n[mm]"),
-                Column::text("linear result"),
-            ],
-        }
+        Table::of(simulated)
+            .text("Monte Carlo", |(name, ..)| name.clone())
+            .number("mean\n[mm]", |(_, simulated, _)| millimetres(simulated.mean))
+            .number("u\n[µm]", |(_, simulated, _)| micrometres(simulated.standard))
+            .number("95 %, symmetric\n[mm]", |(_, simulated, _)| interval(simulated.symmetric))
+            .number("95 %, shortest\n[mm]", |(_, simulated, _)| interval(simulated.shortest))
+            .text("linear result", |(.., validated)| if *validated { "validated" } else { "not validated" })
+            .block()
     }
 
     pub(super) fn notes(&self) -> Vec<String> {
@@ -234,37 +207,28 @@ impl UncertaintyPart {
         if decided.is_empty() {
             return Vec::new();
         }
-        let with_probability = decided.iter().any(|(_, decision)| decision.conformance.is_some());
-        let rows = decided.iter().map(|(check, decision)| {
-            let mut row = vec![check.on.to_string(), guard_text(decision)];
-            if with_probability {
-                let conformance = decision.conformance;
-                let of = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), probability);
-                row.push(of(conformance.map(|c| c.probability)));
-                row.push(of(conformance.map(|c| c.consumer_risk())));
-                row.push(of(conformance.map(|c| c.producer_risk())));
-            }
-            row.push(decision.verdict.name().to_owned());
-            row
-        });
-        let rows: Vec<_> = rows.collect();
-        let mut columns = vec![Column::text("decision on"), Column::number("guard band\n[µm]")];
-        if with_probability {
-            columns.extend([
-                Column::number("conforms"),
-                Column::number("consumer's risk\nif accepted"),
-                Column::number("producer's risk\nif rejected"),
-            ]);
-        }
-        columns.push(Column::text(format!("by {}", rule_name(rule))));
-        let mut blocks = vec![Block::Table(Table { columns, rows })];
+        let known = decided.iter().any(|(_, decision)| decision.conformance.is_some());
+        let risk =
+            |decision: &Decision, of: fn(&Conformance) -> f64| decision.conformance.as_ref().map(of).map(probability);
+        let table = Table::of(&decided)
+            .text("decision on", |(check, _)| check.on.to_string())
+            .number("guard band\n[µm]", |(_, decision)| guard_text(decision))
+            .column_if(known, Column::number("conforms"), |(_, decision)| risk(decision, |c| c.probability))
+            .column_if(known, Column::number("consumer's risk\nif accepted"), |(_, decision)| {
+                risk(decision, Conformance::consumer_risk)
+            })
+            .column_if(known, Column::number("producer's risk\nif rejected"), |(_, decision)| {
+                risk(decision, Conformance::producer_risk)
+            })
+            .text(format!("by {}", rule_name(rule)), |(_, decision)| decision.verdict.name());
+        let mut blocks = vec![table.block()];
         blocks.extend(rule_notes(rule, &decided).into_iter().map(Block::Remark));
         blocks
     }
 
     /// Each result, for programs.
     pub(super) fn facts(&self) -> impl Iterator<Item = Value> + '_ {
-        self.results().into_iter().map(|(key, _, linear, simulated)| {
+        self.results().into_iter().map(|UncertainResult { key, linear, simulated, .. }| {
             let contributions: Vec<_> = linear
                 .contributions
                 .iter()
@@ -321,16 +285,12 @@ impl UncertaintyPart {
 }
 
 /// The columns of CSV that a result's uncertainty has.
-pub(super) const COLUMNS: [&str; 8] = [
-    "standard_uncertainty_mm",
-    "expanded_uncertainty_mm",
-    "coverage_factor",
-    "monte_carlo_mean_mm=monte_carlo/mean_mm",
-    "monte_carlo_standard_mm=monte_carlo/standard_uncertainty_mm",
-    "monte_carlo_lower_mm=monte_carlo/symmetric_95_mm/lower",
-    "monte_carlo_upper_mm=monte_carlo/symmetric_95_mm/upper",
-    "linear_validated=monte_carlo/linear_validated",
-];
+pub(super) const COLUMNS: &str = "standard_uncertainty_mm expanded_uncertainty_mm coverage_factor \
+                                  monte_carlo_mean_mm=monte_carlo/mean_mm \
+                                  monte_carlo_standard_mm=monte_carlo/standard_uncertainty_mm \
+                                  monte_carlo_lower_mm=monte_carlo/symmetric_95_mm/lower \
+                                  monte_carlo_upper_mm=monte_carlo/symmetric_95_mm/upper \
+                                  linear_validated=monte_carlo/linear_validated";
 
 fn upper_error(simulation: &PartSimulation) -> f64 {
     let (low, high) = simulation.upper().end_errors;
@@ -355,8 +315,8 @@ fn simulation_json(simulated: &Simulation, validation: &Validation) -> Value {
 /// A decision, for programs.
 #[derive(Serialize)]
 pub(super) struct DecisionFact {
-    guard_lower_mm: Option<f64>,
-    guard_upper_mm: Option<f64>,
+    guard_lower_mm: Option<Length>,
+    guard_upper_mm: Option<Length>,
     conformance_probability: Option<f64>,
     consumer_risk_if_accepted: Option<f64>,
     producer_risk_if_rejected: Option<f64>,
@@ -367,8 +327,8 @@ impl From<&Decision> for DecisionFact {
     fn from(decision: &Decision) -> Self {
         let conformance = decision.conformance;
         Self {
-            guard_lower_mm: decision.guard.map(|(lower, _)| lower.mm()),
-            guard_upper_mm: decision.guard.map(|(_, upper)| upper.mm()),
+            guard_lower_mm: decision.guard.map(|(lower, _)| lower),
+            guard_upper_mm: decision.guard.map(|(_, upper)| upper),
             conformance_probability: conformance.map(|c| c.probability),
             consumer_risk_if_accepted: conformance.map(|c| c.consumer_risk()),
             producer_risk_if_rejected: conformance.map(|c| c.producer_risk()),
@@ -381,7 +341,7 @@ fn rule_name(rule: &Rule) -> String {
     match rule {
         Rule::Simple => "simple".to_owned(),
         Rule::Iso14253 => "ISO 14253-1".to_owned(),
-        Rule::Guard(guard) => format!("guard {} µm", plain(guard.in_unit(crate::quantity::LengthUnit::Micrometre))),
+        Rule::Guard(guard) => format!("guard {} µm", plain(guard.in_unit(LengthUnit::Micrometre))),
     }
 }
 
