@@ -138,6 +138,15 @@ struct Signed {
 struct Pitch {
     #[command(flatten)]
     given: GivenValue,
+    #[command(flatten)]
+    gear: Gear,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// The angles of a part, and how its formula is read.
+#[derive(Debug, clap::Args)]
+struct Gear {
     /// Normal pressure angle α_n.
     #[arg(long, allow_hyphen_values = true)]
     pressure_angle: Angle,
@@ -147,8 +156,20 @@ struct Pitch {
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
     model: Model,
-    #[command(flatten)]
-    common: Common,
+}
+
+/// What may be doubted of an option.
+type OptionDoubt = (&'static str, Option<Doubt>);
+
+fn pressure_angle_doubt(angle: Angle) -> OptionDoubt {
+    ("--pressure-angle", plausible::pressure_angle(angle))
+}
+
+impl Gear {
+    fn doubts(&self) -> [OptionDoubt; 2] {
+        let helix_angle = plausible::helix_angle(self.helix_angle);
+        [pressure_angle_doubt(self.pressure_angle), ("--helix-angle", helix_angle)]
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -166,15 +187,8 @@ struct Lead {
     /// Face width.
     #[arg(long, allow_hyphen_values = true)]
     face_width: Length,
-    /// Normal pressure angle α_n.
-    #[arg(long, allow_hyphen_values = true)]
-    pressure_angle: Angle,
-    /// Helix angle β, right hand positive.
-    #[arg(long, default_value = "0", allow_hyphen_values = true)]
-    helix_angle: Angle,
-    /// Formulas exact for rigid teeth, or as the paper prints them.
-    #[arg(long, value_enum, default_value_t)]
-    model: Model,
+    #[command(flatten)]
+    gear: Gear,
     #[command(flatten)]
     common: Common,
 }
@@ -338,16 +352,23 @@ impl Common {
         Ok(calculation)
     }
 
-    /// Prints ΔCD of an error, or the error, and what the error can do if it is asked on which teeth it is.
-    fn print_error(
+    /// Prints the result of a formula that is no law.
+    fn print_value(
         &self,
         output: &mut Output,
-        given: &GivenValue,
-        law: Law,
-        asked: &Question,
-        calculation: Calculation,
+        formula: &str,
+        result: Length,
+        doubts: &[OptionDoubt],
     ) -> Result<Status, Failure> {
-        let printed = self.print(output, with_worst_case(calculation, law, given, asked)?)?;
+        let notes = sensible(output, doubts)?;
+        let page = CATALOGUE.iter().find(|page| page.name == formula).unwrap_or(&CATALOGUE[0]);
+        self.print(output, Calculation { notes, ..calculation(page, result.into()) })?;
+        Ok(Status::Pass)
+    }
+
+    /// Prints ΔCD of an error, or the error, and what the error can do if it is asked on which teeth it is.
+    fn print_error(&self, output: &mut Output, given: &GivenValue, result: Calculation) -> Result<Status, Failure> {
+        let printed = self.print(output, result)?;
         if given.extent.is_none() {
             return Ok(Status::Pass);
         }
@@ -367,67 +388,63 @@ impl Args {
         match self.formula {
             Formula::OverRoller(args) => signed(&args, output, Law::rack_over_roller()),
             Formula::Radial(args) => signed(&args, output, Law::pinion_radial()),
-            Formula::Pitch(args) => pitch(&args, output, Law::rack_pitch(args.pressure_angle, args.helix_angle)),
-            Formula::PinionPitch(args) => {
-                pitch(&args, output, Law::pinion_pitch(args.pressure_angle, args.helix_angle))
-            }
-            Formula::PinionLead(args) => pitch(&args, output, Law::pinion_lead(args.pressure_angle, args.helix_angle)),
+            Formula::Pitch(args) => pitch(&args, output, Law::rack_pitch),
+            Formula::PinionPitch(args) => pitch(&args, output, Law::pinion_pitch),
+            Formula::PinionLead(args) => pitch(&args, output, Law::pinion_lead),
             Formula::Lead(args) => lead(&args, output),
-            Formula::Pin(args) => pin(&args, output),
-            Formula::OverPin(args) => over_pin(&args, output),
-            Formula::RollerChange(args) => roller_change_line(&args, output),
+            Formula::Pin(Pin { normal_module, pressure_angle, tooth_thickness, common }) => {
+                let diameter = ideal_pin::diameter(normal_module, pressure_angle, tooth_thickness)?;
+                common.print_value(output, "ideal-pin", diameter, &rack_doubts(pressure_angle, normal_module))
+            }
+            Formula::OverPin(OverPinArgs { normal_module, pressure_angle, pin, datum, tooth_thickness, common }) => {
+                let (pin_diameter, normal_pressure_angle) = (pin, pressure_angle);
+                let over_pin = OverPin { normal_module, normal_pressure_angle, tooth_thickness, pin_diameter, datum };
+                common.print_value(output, "over-pin", over_pin.measure()?, &rack_doubts(pressure_angle, normal_module))
+            }
+            Formula::RollerChange(RollerChange { old_roller, new_roller, pressure_angle, common }) => {
+                let difference = roller_change::difference(old_roller, new_roller, pressure_angle)?;
+                common.print_value(output, "roller-change", difference, &[pressure_angle_doubt(pressure_angle)])
+            }
         }
     }
 }
 
-/// Says what is suspicious about an argument, and refuses what is impossible. What was said goes with the result.
-fn sensible(output: &mut Output, name: &str, doubt: Option<Doubt>) -> Result<Option<String>, Failure> {
-    let Some(doubt) = doubt else { return Ok(None) };
-    let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(WrittenIn::Argument));
-    if doubt.is_impossible {
-        return Err(Diagnostic::error(Code::Implausible, message).help(help).into());
+fn rack_doubts(pressure_angle: Angle, normal_module: Length) -> [OptionDoubt; 2] {
+    [pressure_angle_doubt(pressure_angle), ("--normal-module", plausible::normal_module(normal_module))]
+}
+
+/// Says what is suspicious about arguments, and refuses what is impossible. What was said goes with the result.
+fn sensible(output: &mut Output, doubts: &[OptionDoubt]) -> Result<Vec<String>, Failure> {
+    let mut said = Vec::new();
+    for (name, doubt) in doubts.iter().filter_map(|(name, doubt)| Some((name, doubt.as_ref()?))) {
+        let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(WrittenIn::Argument));
+        if doubt.is_impossible {
+            return Err(Diagnostic::error(Code::Implausible, message).help(help).into());
+        }
+        let warning = Diagnostic::warning(Code::Implausible, message).help(help);
+        output.diagnostic(&warning);
+        said.push(warning.sentence());
     }
-    let warning = Diagnostic::warning(Code::Implausible, message).help(help);
-    output.diagnostic(&warning);
-    Ok(Some(warning.sentence()))
-}
-
-fn sensible_angles(output: &mut Output, pressure_angle: Angle, helix_angle: Angle) -> Result<Vec<String>, Failure> {
-    let pressure_angle = sensible(output, "--pressure-angle", plausible::pressure_angle(pressure_angle))?;
-    let helix_angle = sensible(output, "--helix-angle", plausible::helix_angle(helix_angle))?;
-    Ok(pressure_angle.into_iter().chain(helix_angle).collect())
-}
-
-fn sensible_pair(output: &mut Output, pressure_angle: Angle, normal_module: Length) -> Result<Vec<String>, Failure> {
-    let pressure_angle = sensible(output, "--pressure-angle", plausible::pressure_angle(pressure_angle))?;
-    let normal_module = sensible(output, "--normal-module", plausible::normal_module(normal_module))?;
-    Ok(pressure_angle.into_iter().chain(normal_module).collect())
+    Ok(said)
 }
 
 /// Says what is suspicious about the error that is asked about; what the law has no value for, the law refuses.
-fn sensible_error(
-    output: &mut Output,
-    law: Law,
-    given: &GivenValue,
-    asked: &Question,
-) -> Result<Option<String>, Failure> {
-    let Question::DeltaCd(error) = asked else { return Ok(None) };
+fn sensible_error(output: &mut Output, law: Law, given: &GivenValue, asked: &Question) -> Result<Vec<String>, Failure> {
+    let Question::DeltaCd(error) = asked else { return Ok(Vec::new()) };
     by_law(law, asked, Model::Exact)?;
     let doubt = plausible::deviation(*error, None);
     let doubt = if given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
-    sensible(output, "the error", doubt)
+    sensible(output, &[("the error", doubt)])
 }
 
 /// A result of a formula in its base unit.
-fn calculation(formula: &'static FormulaPage, result: impl Into<DeviationValue>) -> Calculation {
-    let result = result.into();
-    let unit = base_unit(result);
+fn calculation(formula: &'static FormulaPage, result: DeviationValue) -> Calculation {
     Calculation {
         formula,
         result,
         model: None,
         other: None,
-        unit,
+        unit: base_unit(result),
         decimals: None,
         is_bound: false,
         worst_case: None,
@@ -477,77 +494,57 @@ fn by_law(law: Law, asked: &Question, model: Model) -> Result<DeviationValue, Do
 }
 
 /// The laws whose ΔCD is the error itself.
-fn signed(args: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
-    let asked = args.given.asked::<Length>()?;
-    let notes = sensible_error(output, law, &args.given, &asked)?.into_iter().collect();
-    let calculation = Calculation { model: None, other: None, notes, ..by_models(law, &asked, Model::Exact)? };
-    args.common.print_error(output, &args.given, law, &asked, calculation)
+fn signed(Signed { given, common }: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
+    let answer = answer(output, law, given, &given.asked::<Length>()?, None, &[])?;
+    common.print_error(output, given, answer)
 }
 
-fn pitch(args: &Pitch, output: &mut Output, law: Result<Law, DomainError>) -> Result<Status, Failure> {
-    let (law, asked) = (law?, args.given.asked::<Length>()?);
-    let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
-    notes.extend(sensible_error(output, law, &args.given, &asked)?);
-    let calculation = Calculation { notes, ..by_models(law, &asked, args.model)? };
-    args.common.print_error(output, &args.given, law, &asked, calculation)
+fn pitch(
+    Pitch { given, gear, common }: &Pitch,
+    output: &mut Output,
+    law: fn(Angle, Angle) -> Result<Law, DomainError>,
+) -> Result<Status, Failure> {
+    let law = law(gear.pressure_angle, gear.helix_angle)?;
+    let answer = answer(output, law, given, &given.asked::<Length>()?, Some(gear.model), &gear.doubts())?;
+    common.print_error(output, given, answer)
 }
 
-/// The chosen model's value and the other's.
-fn by_models(law: Law, asked: &Question, model: Model) -> Result<Calculation, Failure> {
-    let result = by_law(law, asked, model)?;
+/// What a law gives for what is asked, with all that there is to say of it; without a model, both are the same.
+fn answer(
+    output: &mut Output,
+    law: Law,
+    given: &GivenValue,
+    asked: &Question,
+    model: Option<Model>,
+    doubts: &[OptionDoubt],
+) -> Result<Calculation, Failure> {
+    let mut notes = sensible(output, doubts)?;
+    notes.extend(sensible_error(output, law, given, asked)?);
+    with_worst_case(Calculation { notes, ..by_models(law, asked, model)? }, law, given, asked)
+}
+
+/// The chosen model's value, and the other's where there is a choice.
+fn by_models(law: Law, asked: &Question, model: Option<Model>) -> Result<Calculation, Failure> {
+    let result = by_law(law, asked, model.unwrap_or_default())?;
     // the other model may have no value where the chosen one has
-    let other = Some(by_law(law, asked, model.other()).unwrap_or(result));
+    let other = model.map(|model| by_law(law, asked, model.other()).unwrap_or(result));
     let (is_bound, unit) = (asked.is_bound(), asked.unit(result));
-    Ok(Calculation { model: Some(model), other, is_bound, unit, ..calculation(law.page(), result) })
+    Ok(Calculation { model, other, unit, is_bound, ..calculation(law.page(), result) })
 }
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
-    sensible(output, "--length", args.length.and_then(plausible::evaluation_length))?;
-    let asked = match (args.f_h_beta, args.length) {
+    let Lead { given, gear, face_width, length, .. } = args;
+    sensible(output, &[("--length", length.and_then(plausible::evaluation_length))])?;
+    let asked = match (args.f_h_beta, *length) {
         (Some(slope), Some(length)) => Question::DeltaCd(lead_slope(slope, length)?),
-        (_, length) => match (args.given.asked::<Angle>()?, length) {
+        (_, length) => match (given.asked::<Angle>()?, length) {
             (Question::Error(delta_cd), Some(length)) => Question::SlopeDeviation { delta_cd, length },
             (asked, _) => asked,
         },
     };
-    let law = Law::rack_lead(args.pressure_angle, args.helix_angle, args.face_width)?;
-    let mut notes = sensible_angles(output, args.pressure_angle, args.helix_angle)?;
-    notes.extend(sensible(output, "--face-width", plausible::face_width(args.face_width, None))?);
-    notes.extend(sensible_error(output, law, &args.given, &asked)?);
-    let calculation = Calculation { notes, ..by_models(law, &asked, args.model)? };
-    args.common.print_error(output, &args.given, law, &asked, calculation)
-}
-
-/// The page of a formula that is no law.
-fn page(name: &str) -> &'static FormulaPage {
-    CATALOGUE.iter().find(|page| page.name == name).unwrap_or(&CATALOGUE[0])
-}
-
-fn pin(args: &Pin, output: &mut Output) -> Result<Status, Failure> {
-    let diameter = ideal_pin::diameter(args.normal_module, args.pressure_angle, args.tooth_thickness)?;
-    let notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
-    args.common.print(output, Calculation { notes, ..calculation(page("ideal-pin"), diameter) })?;
-    Ok(Status::Pass)
-}
-
-fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> {
-    let over_pin = OverPin {
-        normal_module: args.normal_module,
-        normal_pressure_angle: args.pressure_angle,
-        tooth_thickness: args.tooth_thickness,
-        pin_diameter: args.pin,
-        datum: args.datum,
-    };
-    let measure = over_pin.measure()?;
-    let notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
-    args.common.print(output, Calculation { notes, ..calculation(page("over-pin"), measure) })?;
-    Ok(Status::Pass)
-}
-
-fn roller_change_line(args: &RollerChange, output: &mut Output) -> Result<Status, Failure> {
-    let difference = roller_change::difference(args.old_roller, args.new_roller, args.pressure_angle)?;
-    let doubt = sensible(output, "--pressure-angle", plausible::pressure_angle(args.pressure_angle))?;
-    let notes = doubt.into_iter().collect();
-    args.common.print(output, Calculation { notes, ..calculation(page("roller-change"), difference) })?;
-    Ok(Status::Pass)
+    let law = Law::rack_lead(gear.pressure_angle, gear.helix_angle, *face_width)?;
+    let [pressure_angle, helix_angle] = gear.doubts();
+    let doubts = [pressure_angle, helix_angle, ("--face-width", plausible::face_width(*face_width, None))];
+    let answer = answer(output, law, given, &asked, Some(gear.model), &doubts)?;
+    args.common.print_error(output, given, answer)
 }
