@@ -2,7 +2,7 @@
 //! name of its own, and a run that fails or is interrupted leaves the old file as it was, or none. A file that is read
 //! is never written, whatever it is called. Pipes and devices are written as they are.
 
-use std::fs::{self, File, Metadata, OpenOptions, Permissions};
+use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -19,24 +19,25 @@ pub(super) struct Target {
     /// Files that are read.
     inputs: Vec<String>,
     sink: Sink,
+    /// Where a file stands until it is complete; `None` for what is no file.
+    beside: Option<Beside>,
 }
 
 /// Where the bytes go.
 enum Sink {
     Stdout,
     Stderr,
-    /// A pipe or a device.
-    Stream(File),
-    /// A file beside its name.
-    Beside(Beside),
+    File(File),
+    Closed,
 }
 
 impl Target {
     /// Begins the file `path` (`-` is standard output) in a run that reads `inputs` (`-` is standard input).
     pub(super) fn create(path: &str, inputs: &[&str]) -> Result<Self, Failure> {
         refuse_inputs(path, inputs)?;
-        let sink = Sink::open(path).map_err(|error| unwritable(path, error))?;
-        Ok(Self { path: path.to_owned(), inputs: inputs.iter().map(|&input| input.to_owned()).collect(), sink })
+        let (sink, beside) = Sink::open(path).map_err(|error| unwritable(path, error))?;
+        let inputs = inputs.iter().map(|&input| input.to_owned()).collect();
+        Ok(Self { path: path.to_owned(), inputs, sink, beside })
     }
 
     /// What writes to the same place, for a writer that keeps it to its end.
@@ -44,18 +45,28 @@ impl Target {
         Ok(match &self.sink {
             Sink::Stdout => Box::new(stream::Stdout),
             Sink::Stderr => Box::new(io::stderr()),
-            Sink::Stream(file) => Box::new(file.try_clone()?),
-            Sink::Beside(beside) => Box::new(beside.file.as_ref().ok_or_else(closed)?.try_clone()?),
+            Sink::File(file) => Box::new(file.try_clone()?),
+            Sink::Closed => return Err(closed()),
         })
     }
 
     /// Puts the file in its place, now that it is complete.
-    pub(super) fn finish(mut self) -> Result<(), Failure> {
-        let finished = match &mut self.sink {
-            Sink::Beside(beside) => beside.put(None),
-            stream => stream.flush(),
+    pub(super) fn finish(self) -> Result<(), Failure> {
+        let place = self.beside.as_ref().map(|beside| beside.place.clone());
+        self.put(place).map(|_| ())
+    }
+
+    /// Ends what is written, and gives a file that stands beside its name this one.
+    fn put(mut self, place: Option<PathBuf>) -> Result<Option<String>, Failure> {
+        let put = || {
+            self.sink.flush()?;
+            // some systems do not rename a file that is open
+            self.sink = Sink::Closed;
+            let Some((beside, place)) = self.beside.as_ref().zip(place) else { return Ok(None) };
+            fs::rename(&beside.temporary, &place)?;
+            Ok(Some(place.display().to_string()))
         };
-        finished.map_err(|error| unwritable(&self.path, error))
+        put().map_err(|error| unwritable(&self.path, error))
     }
 
     /// Puts the file in its place if the run is complete; otherwise keeps what there is beside it, and says so.
@@ -71,16 +82,11 @@ impl Target {
 
     /// Keeps what there is of an incomplete file as `NAME.partial`, and gives that name. `None` if there is nothing to
     /// keep: no byte was written, or they are in a pipe already.
-    pub(super) fn keep_partial(mut self) -> Result<Option<String>, Failure> {
-        let place = match &mut self.sink {
-            Sink::Beside(beside) if beside.has_bytes() => {
-                let place = partial_place(&beside.place, &self.inputs);
-                beside.put(Some(&place)).map(|()| Some(place.display().to_string()))
-            }
-            Sink::Beside(_) => Ok(None),
-            stream => stream.flush().map(|()| None),
-        };
-        place.map_err(|error| unwritable(&self.path, error))
+    pub(super) fn keep_partial(self) -> Result<Option<String>, Failure> {
+        let has_bytes = |beside: &&Beside| fs::metadata(&beside.temporary).is_ok_and(|metadata| metadata.len() > 0);
+        let written = self.beside.as_ref().filter(has_bytes);
+        let place = written.map(|beside| partial_place(&beside.place, &self.inputs));
+        self.put(place)
     }
 }
 
@@ -104,16 +110,17 @@ impl Sink {
         }
     }
 
-    fn open(path: &str) -> io::Result<Self> {
+    fn open(path: &str) -> io::Result<(Self, Option<Beside>)> {
         if let Some(own) = Self::own(path) {
-            return Ok(own);
+            return Ok((own, None));
         }
         let (place, found) = (Path::new(path), metadata(path)?);
         if is_stream(place, found.as_ref()) {
             // what is behind another descriptor of the process may be a file, of which nothing may be lost
-            return Ok(Self::Stream(OpenOptions::new().append(true).open(place)?));
+            return Ok((Self::File(OpenOptions::new().append(true).open(place)?), None));
         }
-        Beside::create(behind_links(place)?, found).map(Self::Beside)
+        let (beside, file) = Beside::create(behind_links(place)?, found)?;
+        Ok((Self::File(file), Some(beside)))
     }
 }
 
@@ -122,8 +129,8 @@ impl Write for Sink {
         match self {
             Self::Stdout => stream::Stdout.write(bytes),
             Self::Stderr => io::stderr().lock().write(bytes),
-            Self::Stream(file) => file.write(bytes),
-            Self::Beside(beside) => beside.file()?.write(bytes),
+            Self::File(file) => file.write(bytes),
+            Self::Closed => Err(closed()),
         }
     }
 
@@ -131,72 +138,40 @@ impl Write for Sink {
         match self {
             Self::Stdout => stream::Stdout.flush(),
             Self::Stderr => io::stderr().lock().flush(),
-            Self::Stream(file) => file.flush(),
-            Self::Beside(beside) => beside.file()?.flush(),
+            Self::File(file) => file.flush(),
+            Self::Closed => Err(closed()),
         }
     }
 }
 
-/// A file that stands beside the name it is to have.
+/// A file that stands beside the name it is to have; what is still there at the end is removed.
 struct Beside {
     /// The name it is to have, links resolved.
     place: PathBuf,
     /// The name it has.
     temporary: PathBuf,
-    /// `None` once it is closed.
-    file: Option<File>,
 }
 
 impl Beside {
     /// Begins a file that is to stand at `place`, where `old` was found.
-    fn create(place: PathBuf, old: Option<Metadata>) -> io::Result<Self> {
+    fn create(place: PathBuf, old: Option<Metadata>) -> io::Result<(Self, File)> {
         if old.is_some() {
             // a file that must not be written must not be replaced
             OpenOptions::new().write(true).open(&place)?;
         }
         let (temporary, file) = exclusive(&place)?;
-        let beside = Self { place, temporary, file: Some(file) };
+        let beside = Self { place, temporary };
         if let Some(old) = old {
-            beside.permit(old.permissions())?;
+            fs::set_permissions(&beside.temporary, old.permissions())?;
         }
-        Ok(beside)
-    }
-
-    fn permit(&self, permissions: Permissions) -> io::Result<()> {
-        fs::set_permissions(&self.temporary, permissions)
-    }
-
-    fn file(&mut self) -> io::Result<&mut File> {
-        self.file.as_mut().ok_or_else(closed)
-    }
-
-    fn has_bytes(&self) -> bool {
-        self.file.as_ref().is_some_and(|file| file.metadata().is_ok_and(|metadata| metadata.len() > 0))
-    }
-
-    /// Closes the file and gives it its name, or another one.
-    fn put(&mut self, other: Option<&Path>) -> io::Result<()> {
-        // some systems do not rename a file that is open
-        self.file()?.flush()?;
-        self.file = None;
-        let renamed = fs::rename(&self.temporary, other.unwrap_or(&self.place));
-        if renamed.is_err() {
-            self.remove();
-        }
-        renamed
-    }
-
-    fn remove(&self) {
-        // a file that cannot be removed is in nobody's way
-        let _ = fs::remove_file(&self.temporary);
+        Ok((beside, file))
     }
 }
 
 impl Drop for Beside {
     fn drop(&mut self) {
-        if self.file.take().is_some() {
-            self.remove();
-        }
+        // one that has its name is no more there, and one that cannot be removed is in nobody's way
+        let _ = fs::remove_file(&self.temporary);
     }
 }
 
@@ -530,7 +505,7 @@ mod tests {
         use std::os::unix::fs::PermissionsExt as _;
         let folder = Folder::new("permissions");
         let (path, link, dangling) = (folder.with("results.csv"), folder.path("link.csv"), folder.path("dangling.csv"));
-        fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         std::os::unix::fs::symlink("results.csv", &link).unwrap();
         std::os::unix::fs::symlink("later.csv", &dangling).unwrap();
         write(&link, &[], b"through the link").unwrap();
