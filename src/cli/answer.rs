@@ -5,31 +5,12 @@ use std::ffi::OsString;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use serde_json::Value;
-
-use super::held::{Held, HeldSpec};
-use super::output::{Failure, Output, Status};
+use super::held::{Answer, HeldSpec};
+use super::output::{Failure, Output};
 use super::tables;
 use super::teeth::with_known_teeth;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Spec;
-
-/// What a command says of a spec.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
-    /// The result, as `--format json` writes it.
-    pub json: Value,
-    /// The result for people, in Markdown.
-    pub markdown: String,
-    /// A picture of the result in SVG: what `--plot` draws, if there are two values to draw between.
-    pub svg: Option<String>,
-    /// Warnings.
-    pub warnings: Vec<Diagnostic>,
-    /// Remarks on the result.
-    pub remarks: Vec<String>,
-    /// The exit status: 0 to 3 as the command documents, or what belongs to the signal that ended it.
-    pub status: u8,
-}
 
 /// Asks a command about a spec: `eval`, `mesh`, `simulate`, `monte-carlo` or `budget`, with its options behind. Once
 /// `stop` is set, a long run ends with what it has so far; no signal is taken over.
@@ -59,8 +40,7 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<Atomic
         return Err(usage("there is no such command".to_owned()));
     };
     let status = called.map_err(diagnostics)?;
-    let Held { json, markdown, svg, warnings, remarks, .. } = output.into_held();
-    Ok(Answer { json, markdown, svg, warnings, remarks, status: Status::code(status) })
+    Ok(Answer { status: status.code(), ..output.into_answer() })
 }
 
 /// The spec with these settings (`errors.rack_pitch=12um`), and what its teeth do if it knows them one by one, as `batch`

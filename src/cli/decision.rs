@@ -1,21 +1,25 @@
 //! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
 
 use super::output::Failure;
-use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, PartSimulation, Settings};
+use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Settings};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::Evaluation;
-use crate::evaluation::evaluate;
-use crate::formula::Model;
-use crate::formula::PartDeviation;
-use crate::judge::Stack;
+use crate::evaluation::{Evaluation, evaluate};
+use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::Basis;
-use crate::judge::{Limits, Rule};
+use crate::judge::{Rule, Stack};
 use crate::report::UncertaintyPart;
 use crate::spec::{Spec, keys};
-use crate::uncertainty::{self, Part, Uncertainties, UncertaintyError};
+use crate::uncertainty::{self, Part};
 
+/// How the errors of a part are judged, and how a verdict is reached under uncertainty.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct DecisionArgs {
+pub(super) struct JudgeArgs {
+    /// How errors add up.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) stack: Stack,
+    /// Formulas exact for rigid teeth, or as the paper prints them.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) model: Model,
     /// Decision rule: simple, iso14253 or guard=VALUE; else the spec's.
     #[arg(long, value_name = "RULE")]
     rule: Option<Rule>,
@@ -31,40 +35,6 @@ pub(super) struct DecisionArgs {
     digits: u32,
 }
 
-/// How the errors of a part are judged.
-#[derive(Debug, Clone, clap::Args)]
-pub(super) struct JudgeArgs {
-    /// How errors add up.
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) stack: Stack,
-    /// Formulas exact for rigid teeth, or as the paper prints them.
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) model: Model,
-    #[command(flatten)]
-    pub(super) decision: DecisionArgs,
-}
-
-impl JudgeArgs {
-    /// As the spec says: the worst case by its own rule, and no simulation.
-    pub(super) fn of_spec() -> Self {
-        Self { stack: Stack::Range, model: Model::Exact, decision: DecisionArgs::of_spec() }
-    }
-
-    /// Evaluates a part's errors by what is known of the pair and decides by its rule, with what is known of their
-    /// uncertainty.
-    pub(super) fn judged(
-        &self,
-        spec: &Spec,
-        errors: &[PartDeviation],
-        basis: &Basis,
-    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
-            .map_err(|failure| spec.explain_failure(&failure))?;
-        let uncertainty = self.decision.judge(spec, errors, basis, &mut evaluation)?;
-        Ok((evaluation, uncertainty))
-    }
-}
-
 /// A number of draws as people write it: `1000000`, `1_000_000`, `1e6`.
 fn draws(text: &str) -> Option<u64> {
     let plain = text.replace('_', "");
@@ -76,10 +46,11 @@ fn draws(text: &str) -> Option<u64> {
     mantissa.checked_mul(10_u64.checked_pow(exponent)?)
 }
 
-impl DecisionArgs {
-    /// As the spec says: its own rule, and no simulation.
+impl JudgeArgs {
+    /// As the spec says: the worst case by its own rule, and no simulation.
     pub(super) fn of_spec() -> Self {
-        Self { rule: None, monte_carlo: None, seed: DEFAULT_SEED, digits: DEFAULT_DIGITS }
+        let (stack, model) = (Stack::Range, Model::Exact);
+        Self { stack, model, rule: None, monte_carlo: None, seed: DEFAULT_SEED, digits: DEFAULT_DIGITS }
     }
 
     /// Takes back a word that was taken for the number of draws: `--monte-carlo rack.toml` means the spec.
@@ -107,44 +78,43 @@ impl DecisionArgs {
         Ok(Some(Settings { seed: self.seed, draws, digits: self.digits, threads: None }))
     }
 
-    /// Judges an evaluation again by the rule, with what is known of its uncertainty; `None` if nothing is.
-    pub(super) fn judge(
+    /// Evaluates a part's errors by what is known of the pair and decides by the rule, with what is known of their
+    /// uncertainty; `None` if nothing is.
+    pub(super) fn judged(
         &self,
         spec: &Spec,
         errors: &[PartDeviation],
         basis: &Basis,
-        evaluation: &mut Evaluation,
-    ) -> Result<Option<UncertaintyPart>, Failure> {
-        if evaluation.combined.interval(evaluation.stack).is_err() {
+    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
+        let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
+            .map_err(|failure| spec.explain_failure(&failure))?;
+        if evaluation.combined.interval(self.stack).is_err() {
             // what is open has no uncertainty
-            return Ok(None);
+            return Ok((evaluation, None));
         }
         let over_pin = spec.over_pin();
         let part = Part {
             errors,
             over_pin: over_pin.as_ref(),
-            model: evaluation.model,
-            stack: evaluation.stack,
+            model: self.model,
+            stack: self.stack,
             basis,
             teeth: &spec.teeth_sensitivities,
         };
-        let known = self.known(&part, spec, &spec.limits())?;
+        let known = self.known(&part, spec)?;
         let rule = self.rule(spec);
         if known.is_some() || rule != Rule::Simple {
             let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
+            let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());
             evaluation
-                .decide_by(
-                    &rule,
-                    known.as_ref().map(|known| &known.propagation),
-                    simulated.map(|simulation| simulation.outcome.inside.as_slice()),
-                )
+                .decide_by(&rule, known.as_ref().map(|known| &known.propagation), inside)
                 .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
         }
-        Ok(known)
+        Ok((evaluation, known))
     }
 
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    fn known(&self, part: &Part<'_>, spec: &Spec, limits: &Limits) -> Result<Option<UncertaintyPart>, Failure> {
+    fn known(&self, part: &Part<'_>, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
         let settings = self.settings()?;
         let uncertainties = spec.uncertainties()?;
         if uncertainties.is_empty() {
@@ -158,8 +128,10 @@ impl DecisionArgs {
             }
             return Ok(None);
         }
-        let propagation = uncertainty::propagate(part, &uncertainties).map_err(|error| no_uncertainty(&error))?;
-        let simulation = settings.map(|settings| simulate(part, &uncertainties, limits, &settings)).transpose()?;
+        let propagation = uncertainty::propagate(part, &uncertainties)
+            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        let simulated = |settings| chance::simulate_part(part, &uncertainties, &spec.limits(), &settings);
+        let simulation = settings.map(simulated).transpose().map_err(|error| unsimulated(&error))?;
         Ok(Some(UncertaintyPart {
             propagation,
             simulation,
@@ -171,22 +143,9 @@ impl DecisionArgs {
 
 const EXAMPLE: &str = "give the errors one, such as `rack_pitch = { value = \"12 um\", u = \"0.8 um\" }`; see `rackmesh explain bad-uncertainty`";
 
-fn simulate(
-    part: &Part<'_>,
-    uncertainties: &Uncertainties,
-    limits: &Limits,
-    settings: &Settings,
-) -> Result<PartSimulation, Failure> {
-    chance::simulate_part(part, uncertainties, limits, settings).map_err(|error| unsimulated(&error).into())
-}
-
 fn unsimulated(error: &MonteCarloError) -> Diagnostic {
     let diagnostic = Diagnostic::error(Code::NoMonteCarlo, error.to_string());
     if *error == MonteCarloError::NothingUncertain { diagnostic.help(EXAMPLE) } else { diagnostic }
-}
-
-fn no_uncertainty(error: &UncertaintyError) -> Diagnostic {
-    Diagnostic::error(Code::NoResult, error.to_string())
 }
 
 #[cfg(test)]

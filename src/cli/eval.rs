@@ -1,11 +1,10 @@
 //! `rackmesh eval`: ΔCD of the errors in a spec, combined and judged.
 
 use super::decision::JudgeArgs;
-use super::mesh;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::spec_files;
 use super::teeth::{WorstTeeth, with_known_teeth};
+use super::{mesh, spec_files};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
@@ -46,7 +45,7 @@ impl Args {
     pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
         let path = match self.spec.take() {
             Some(path) => path,
-            None => self.judge.decision.spec_behind_monte_carlo().ok_or_else(|| {
+            None => self.judge.spec_behind_monte_carlo().ok_or_else(|| {
                 Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
@@ -95,7 +94,7 @@ impl<'a> EvaluatedPart<'a> {
         let mut report = EvaluationReport::new(title, &self.evaluation, &self.spec.missing_geometry());
         report.classes = self.spec.classes()?;
         report.notes.extend(self.spec.suspicions_in_words());
-        report.rule = self.judge.decision.rule(self.spec);
+        report.rule = self.judge.rule(self.spec);
         report.uncertainty = self.uncertainty.take();
         Ok(report)
     }

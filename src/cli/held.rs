@@ -16,15 +16,28 @@ pub struct HeldSpec {
     pub text: String,
 }
 
+/// What a command says of a spec.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Answer {
+    /// The result, as `--format json` writes it.
+    pub json: Value,
+    /// The result for people, in Markdown.
+    pub markdown: String,
+    /// A picture of the result in SVG: what `--plot` draws, if there are two values to draw between.
+    pub svg: Option<String>,
+    /// Warnings.
+    pub warnings: Vec<Diagnostic>,
+    /// Remarks on the result.
+    pub remarks: Vec<String>,
+    /// The exit status: 0 to 3 as the command documents, or what belongs to the signal that ended it.
+    pub status: u8,
+}
+
 /// What a command is asked, and what it said so far.
 #[derive(Debug, Default)]
 pub(super) struct Held {
     pub(super) spec: Option<HeldSpec>,
     /// Ends the run early.
     pub(super) stop: Arc<AtomicBool>,
-    pub(super) json: Value,
-    pub(super) markdown: String,
-    pub(super) svg: Option<String>,
-    pub(super) warnings: Vec<Diagnostic>,
-    pub(super) remarks: Vec<String>,
+    pub(super) answer: Answer,
 }

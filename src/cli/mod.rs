@@ -41,8 +41,8 @@ use std::process::ExitCode;
 
 use clap::{Arg, ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
-pub use answer::{Answer, answer, judged_spec};
-pub use held::HeldSpec;
+pub use answer::{answer, judged_spec};
+pub use held::{Answer, HeldSpec};
 use output::{Failure, Output, Status};
 
 const EXAMPLES: &str = "Examples:

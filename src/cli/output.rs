@@ -8,40 +8,29 @@ use std::sync::atomic::AtomicBool;
 use anstream::AutoStream;
 use clap::ColorChoice;
 
-use super::held::{Held, HeldSpec};
+use super::held::{Answer, Held, HeldSpec};
 use crate::diagnostic::{Diagnostic, Diagnostics, render};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
 use crate::report::{self, Format, Report, Screen};
 
-/// How a command ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How a command ended. Of several, the greatest counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Status {
     /// Inside the limits, or there was nothing to judge.
     Pass,
+    /// It was judged, and the decision rule proves neither conformity nor non-conformity.
+    Indeterminate,
     /// Outside the limits.
     Fail,
     /// There is a result, but it could not be judged.
     Undecided,
-    /// It was judged, and the decision rule proves neither conformity nor non-conformity.
-    Indeterminate,
     /// A signal ended it early, with the exit code that belongs to the signal: what is shown is incomplete.
     Interrupted(u8),
 }
 
 impl Status {
-    /// Of several, the one that counts most: what was ended early, then what could not be judged, then what failed.
-    pub(super) fn severity(self) -> u8 {
-        match self {
-            Self::Pass => 0,
-            Self::Indeterminate => 1,
-            Self::Fail => 2,
-            Self::Undecided => 3,
-            Self::Interrupted(_) => 4,
-        }
-    }
-
     /// How a command ends that judged one part by these limits.
     pub(super) fn of(verdict: Option<Verdict>, limits: &[LimitCheck]) -> Self {
         match verdict {
@@ -169,8 +158,8 @@ impl Output {
     }
 
     /// What was kept.
-    pub(super) fn into_held(self) -> Held {
-        self.held.unwrap_or_default()
+    pub(super) fn into_answer(self) -> Answer {
+        self.held.unwrap_or_default().answer
     }
 
     /// What ends a long run from outside, where a program holds the answer.
@@ -180,8 +169,8 @@ impl Output {
 
     /// Takes the picture of a result, where a program holds it.
     pub(super) fn picture(&mut self, chart: impl FnOnce() -> Chart) {
-        if let Some(held) = &mut self.held {
-            held.svg = chart().svg();
+        if let Some(Held { answer, .. }) = &mut self.held {
+            answer.svg = chart().svg();
         }
     }
 
@@ -197,9 +186,9 @@ impl Output {
 
     /// Writes a report to standard output.
     pub(super) fn report(&mut self, report: &dyn Report, format: Format) -> Result<(), Failure> {
-        if let Some(held) = &mut self.held {
-            held.json = report::document(report.json());
-            held.markdown = report::write(report, Format::Markdown, self.screen)?;
+        if let Some(Held { answer, .. }) = &mut self.held {
+            answer.json = report::document(report.json());
+            answer.markdown = report::write(report, Format::Markdown, self.screen)?;
             return Ok(());
         }
         self.text(&report::write(report, format, self.screen)?)
@@ -212,8 +201,8 @@ impl Output {
 
     /// Writes a piece of a long text to standard output; fails where nobody reads the next one.
     pub(super) fn piece(&mut self, text: &str) -> Result<(), Failure> {
-        if let Some(held) = &mut self.held {
-            text.clone_into(&mut held.markdown);
+        if let Some(Held { answer, .. }) = &mut self.held {
+            text.clone_into(&mut answer.markdown);
             return Ok(());
         }
         let mut stdout = self.stdout.lock();
@@ -236,8 +225,8 @@ impl Output {
 
     /// Writes what is to be known even by who wants no remarks to standard error.
     pub(super) fn message(&mut self, text: &str) {
-        if let Some(held) = &mut self.held {
-            return held.remarks.push(text.to_owned());
+        if let Some(Held { answer, .. }) = &mut self.held {
+            return answer.remarks.push(text.to_owned());
         }
         // there is nowhere left to report a failure of standard error itself
         let _ = writeln!(self.stderr.lock(), "{text}");
@@ -245,8 +234,8 @@ impl Output {
 
     /// Shows a diagnostic on standard error.
     pub(super) fn diagnostic(&mut self, diagnostic: &Diagnostic) {
-        if let Some(held) = &mut self.held {
-            return held.warnings.push(diagnostic.clone());
+        if let Some(Held { answer, .. }) = &mut self.held {
+            return answer.warnings.push(diagnostic.clone());
         }
         self.message(&render(diagnostic, self.color_messages));
     }

@@ -1,18 +1,15 @@
 //! `rackmesh paste`: measured values from the clipboard, a mail, a terminal.
 
-use super::spec_files;
 use std::path::Path;
 use std::sync::Arc;
 
 use super::decision::JudgeArgs;
-use super::eval;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opened, Opener, ReadArgs};
-use super::{batch, mesh, office, page, target, teeth, terminal};
-use crate::batch::Duplicates;
-use crate::batch::TeethJudge;
+use super::{batch, eval, mesh, office, page, spec_files, target, teeth, terminal};
+use crate::batch::{Duplicates, TeethJudge};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic};
@@ -177,8 +174,7 @@ impl Args {
         }
         let is_certain =
             |kind: &DeviationKind| read.spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(*kind));
-        if !self.partial && self.judge.decision.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain)
-        {
+        if !self.partial && self.judge.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
             for on in read.spec.limits().into_iter().map(|(on, _)| on) {
                 evaluation.leave_open(on);
             }
@@ -220,7 +216,7 @@ impl Args {
         for target in unjudged(&rows).into_iter().filter(|target| lacks(*target)) {
             output.diagnostic(&eval::unjudged(&read.spec, target));
         }
-        let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max_by_key(|status| status.severity());
+        let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max();
         let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
         let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
         let cells = of_all.rows();
@@ -230,7 +226,7 @@ impl Args {
                     read.reading.columns.iter().any(|column| column.role == "part_id").then(|| format!("part {name}"));
                 let title = title.unwrap_or_else(|| self.block_name());
                 let mut report = EvaluationReport::new(Some(&title), evaluation, &missing);
-                report.rule = self.judge.decision.rule(&read.spec);
+                report.rule = self.judge.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
                 report.without.clone_from(&without);
                 self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
@@ -372,7 +368,7 @@ impl Args {
             output.diagnostic(&unjudged_teeth(&missing));
             return Ok(Status::Undecided);
         }
-        let judge = TeethJudge::new(spec, is_rack, self.judge.decision.rule(spec), self.partial)?;
+        let judge = TeethJudge::new(spec, is_rack, self.judge.rule(spec), self.partial)?;
         let only = judge.measured_only();
         let mut all = spec_files::measured_tables(only, &self.spec)?;
         if is_rack {
@@ -397,7 +393,7 @@ impl Args {
             range: judged.range,
             by: judged.by,
             checks: judged.limits,
-            rule: self.judge.decision.rule(spec),
+            rule: self.judge.rule(spec),
             verdict: judged.verdict,
         };
         let solved = MeshReport {

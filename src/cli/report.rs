@@ -100,7 +100,7 @@ impl Args {
         page.sections.push(self.assumptions());
         page.sections.extend(spec_sections(&spec));
         let html = page.html();
-        let status = statuses.into_iter().max_by_key(|status| status.severity()).unwrap_or(Status::Pass);
+        let status = statuses.into_iter().max().unwrap_or(Status::Pass);
         let Some(path) = &self.output else {
             output.text(&html)?;
             return Ok(status);
@@ -139,19 +139,16 @@ impl Args {
     ) -> Result<(), Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
         const HEADING: &str = "Exact mesh along the stroke";
+        let unsolved = |why: String| Section::new(HEADING, vec![Block::Note(why)]);
         let tables = spec_files::measured_tables(spec, &self.spec)?;
         let mut input = match spec.mesh(&tables) {
             Ok(input) => input,
-            Err(Diagnostics(problems)) => {
-                let incomplete = problems.iter().all(|problem| problem.code == Code::MissingKey);
-                if !incomplete {
-                    return Err(Diagnostics(problems).into());
-                }
+            Err(Diagnostics(problems)) if problems.iter().all(|problem| problem.code == Code::MissingKey) => {
                 let missing: Vec<_> = problems.iter().map(|problem| problem.message.clone()).collect();
-                let note = format!("The mesh is not solved: {}.", missing.join("; "));
-                page.sections.push(Section::new(HEADING, vec![Block::Note(note)]));
+                page.sections.push(unsolved(format!("The mesh is not solved: {}.", missing.join("; "))));
                 return Ok(());
             }
+            Err(problems) => return Err(problems.into()),
         };
         if let Some(worst) = worst {
             worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
@@ -160,8 +157,7 @@ impl Args {
             Ok(curve) => curve,
             Err(error) => {
                 output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
-                let note = format!("The mesh has no solution: {error}.");
-                page.sections.push(Section::new(HEADING, vec![Block::Note(note)]));
+                page.sections.push(unsolved(format!("The mesh has no solution: {error}.")));
                 return Ok(());
             }
         };
@@ -218,8 +214,8 @@ impl Args {
         let request = Request {
             model: self.judge.model,
             stack: self.judge.stack,
-            rule: self.judge.decision.rule(&spec),
-            monte_carlo: self.judge.decision.settings()?,
+            rule: self.judge.rule(&spec),
+            monte_carlo: self.judge.settings()?,
             rows: Rows::All,
             format: RowFormat::Columns,
             statistics: true,
@@ -256,7 +252,7 @@ impl Args {
             stroke_mm: self.stroke.ends()?,
             tolerance_mm: TOLERANCE_MM,
             rows: Request {
-                rule: self.judge.decision.rule(spec),
+                rule: self.judge.rule(spec),
                 statistics: true,
                 problems_kept: 10,
                 partial: self.partial,

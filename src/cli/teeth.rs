@@ -43,7 +43,7 @@ pub(super) fn judged(spec: &Spec, judge: &JudgeArgs) -> Result<JudgedMesh, Failu
     let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
     let (evaluation, _) = judge.judged(spec, &errors, &basis)?;
     let Evaluation { combined, judged_by, limits, verdict, .. } = evaluation;
-    Ok(JudgedMesh { range: combined.range, by: judged_by, checks: limits, rule: judge.decision.rule(spec), verdict })
+    Ok(JudgedMesh { range: combined.range, by: judged_by, checks: limits, rule: judge.rule(spec), verdict })
 }
 
 /// Errors on the worst teeth that a search finds.

@@ -4,11 +4,12 @@ mod bar;
 mod targets;
 mod teeth;
 
-use super::spec_files;
 use std::io;
 use std::sync::Arc;
 
+use bar::Bar;
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 
 use super::decision::JudgeArgs;
 use super::long::{self, Interruption};
@@ -16,7 +17,7 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opener, ReadArgs};
 use super::teeth::with_known_teeth;
-use super::{stream, target};
+use super::{spec_files, stream, target};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -24,7 +25,6 @@ use crate::judge::{LimitTarget, Rule};
 use crate::report::{self, Basis, BatchReport, Format, Report, WithReading};
 use crate::spec::{Spec, WrittenError};
 use crate::table::Contradiction;
-use bar::Bar;
 
 pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdict for every part";
 
@@ -88,8 +88,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     junit: Option<String>,
     /// Annotate parts that do not pass, on standard error, for github.
-    #[arg(long, value_enum, value_name = "FOR", hide_possible_values = true)]
-    annotations: Option<Annotations>,
+    #[arg(long, value_parser = [
+        PossibleValue::new("github").help("Workflow commands of GitHub Actions"),
+    ], value_name = "FOR", hide_possible_values = true)]
+    annotations: Option<String>,
     /// Threads; one per core unless given.
     #[arg(long, short = 'j', alias = "jobs", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -138,12 +140,6 @@ impl BatchFormat {
     fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Annotations {
-    /// Workflow commands of GitHub Actions.
-    Github,
 }
 
 fn with_teeth(arg: clap::Arg) -> clap::Arg {
@@ -361,8 +357,8 @@ impl Args {
         Ok(Request {
             model: self.judge.model,
             stack: self.judge.stack,
-            rule: self.judge.decision.rule(spec),
-            monte_carlo: self.judge.decision.settings()?,
+            rule: self.judge.rule(spec),
+            monte_carlo: self.judge.settings()?,
             decimals: self.decimals,
             format,
             columns: self.columns.clone(),
@@ -435,7 +431,7 @@ impl Args {
         if more > 0 {
             output.message(&format!("… and {} more rejected", report::grouped(more)));
         }
-        if self.annotations == Some(Annotations::Github) {
+        if self.annotations.is_some() {
             output.message(report::github_annotations(basis, outcome).trim_end());
         }
         if outcome.interrupted {
