@@ -1,14 +1,13 @@
 //! `rackmesh mesh`: ΔCD along the stroke, by the exact zero-backlash mesh.
 
-use super::long;
-use super::spec_files::{files_read, measured_tables, unsolved};
 use std::sync::atomic::Ordering;
 
 use super::decision::JudgeArgs;
-use super::long::Interruption;
+use super::long;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
+use super::spec_files::{files_read, measured_tables, unsolved};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
@@ -268,7 +267,10 @@ impl Args {
         output.picture(|| report.chart());
         let listed = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output),
-            (Some(strokes), Format::Json) => list_json(strokes, &report, output),
+            (Some(strokes), Format::Json) => {
+                let (before, after) = (report.json_around(Trust::default()).0, |trust| report.json_around(trust).1);
+                list(strokes, &input.mesh, output, &before, mesh_points::json_elements, after)
+            }
             _ => output.report(&report, self.format).map(|()| None),
         };
         let status = Status::of(judged.verdict, &judged.checks);
@@ -335,28 +337,8 @@ fn unsolved_stroke(error: &MeshError) -> Diagnostic {
     Diagnostic::warning(Code::NoMesh, error.to_string())
 }
 
-/// Writes CSV as it is solved; the status is that of an interruption, if one came.
 fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
-    let interruption = long::interrupted(output);
-    output.piece(&mesh_points::csv_header())?;
-    let listed = list(strokes, mesh, &interruption, mesh_points::csv_lines, |text| output.piece(text))?;
-    remark_on(listed.trust, output);
-    Ok(listed.interrupted)
-}
-
-/// Writes JSON as it is solved; the status is that of an interruption, if one came.
-fn list_json(strokes: &Strokes, report: &MeshReport<'_>, output: &mut Output) -> Result<Option<Status>, Failure> {
-    // from the first byte on a signal has to leave whole JSON
-    let interruption = long::interrupted(output);
-    output.piece(&report.json_around(Trust::default()).0)?;
-    let mut first = true;
-    let listed = list(strokes, report.mesh, &interruption, mesh_points::json_elements, |text| {
-        let text = if std::mem::take(&mut first) { text.trim_start_matches(',') } else { text };
-        output.piece(text)
-    })?;
-    output.text(&report.json_around(listed.trust).1)?;
-    remark_on(listed.trust, output);
-    Ok(listed.interrupted)
+    list(strokes, mesh, output, &mesh_points::csv_header(), mesh_points::csv_lines, |_| String::new())
 }
 
 fn remark_on(trust: Trust, output: &mut Output) {
@@ -366,26 +348,19 @@ fn remark_on(trust: Trust, output: &mut Output) {
     trust.notes().iter().for_each(|note| output.remark(&noted(note)));
 }
 
-/// What came of a list of strokes.
-struct Listed {
-    trust: Trust,
-    interrupted: Option<Status>,
-}
-
-/// Why a list ends before its last stroke.
-enum EndedEarly {
-    Unwritten(Failure),
-    Interrupted,
-}
-
-/// Solves strokes on all cores and writes them in order, until the last one or a signal.
+/// Solves strokes on all cores and writes them in order as they are solved, until the last one or a signal; `before` and
+/// `after` stand around them. The status is that of an interruption, if one came.
 fn list(
     strokes: &Strokes,
     mesh: &Mesh,
-    interruption: &Interruption,
+    output: &mut Output,
+    before: &str,
     text: impl Fn(&[ListedPoint]) -> String + Sync,
-    mut write: impl FnMut(&str) -> Result<(), Failure>,
-) -> Result<Listed, Failure> {
+    after: impl Fn(Trust) -> String,
+) -> Result<Option<Status>, Failure> {
+    // from the first byte on a signal has to leave whole JSON
+    let interruption = long::interrupted(output);
+    output.piece(before)?;
     let mut trust = Trust::default();
     let mut written = 0;
     let solved = mesh.sample_blocks(
@@ -394,17 +369,19 @@ fn list(
         |points| (text(points), Trust::of(points), points.len() as u64),
         |(text, of_block, points)| {
             trust = trust.and(of_block);
+            // a comma stands between elements
+            output.piece(if written == 0 { text.trim_start_matches(',') } else { &text }).map_err(Some)?;
             written += points;
-            write(&text).map_err(EndedEarly::Unwritten)?;
             let is_last = written == strokes.count;
-            if !is_last && interruption.stop().load(Ordering::Relaxed) { Err(EndedEarly::Interrupted) } else { Ok(()) }
+            if !is_last && interruption.stop().load(Ordering::Relaxed) { Err(None) } else { Ok(()) }
         },
     );
     match solved {
-        Ok(()) => Ok(Listed { trust, interrupted: None }),
-        Err(EndedEarly::Unwritten(failure)) => Err(failure),
-        Err(EndedEarly::Interrupted) => {
-            Ok(Listed { trust: Trust { interrupted: true, ..trust }, interrupted: interruption.status() })
-        }
+        Err(Some(failure)) => return Err(failure),
+        Err(None) => trust.interrupted = true,
+        Ok(()) => {}
     }
+    output.text(&after(trust))?;
+    remark_on(trust, output);
+    Ok(interruption.status().filter(|_| trust.interrupted))
 }
