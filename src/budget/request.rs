@@ -186,6 +186,12 @@ pub enum Spread {
 }
 
 impl Spread {
+    /// The one that is called so, or the usual one.
+    #[must_use]
+    pub fn of_name(name: &str) -> Self {
+        [Self::Normal, Self::Triangular].into_iter().find(|spread| spread.name() == name).unwrap_or_default()
+    }
+
     /// `uniform`, `normal` or `triangular`.
     #[must_use]
     pub const fn name(self) -> &'static str {

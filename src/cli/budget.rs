@@ -1,12 +1,13 @@
 //! `rackmesh budget`: from a ΔCD tolerance to a tolerance for each error.
 
+use clap::builder::PossibleValue;
+
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
 use super::spec_files::files_read;
 use super::teeth::WorstTeeth;
-use crate::budget::{self, Budget, BudgetError, Request, Rule};
-use crate::budget::{Simulation, Spread};
+use crate::budget::{self, Budget, BudgetError, Request, Rule, Simulation, Spread};
 use crate::deviation::Extent;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
@@ -44,14 +45,18 @@ pub(super) struct Args {
     #[arg(long, value_name = "ΔCD", allow_hyphen_values = true)]
     delta_cd: Option<Length>,
     /// How errors add up.
-    #[arg(long, value_enum)]
-    stack: Option<StackArg>,
+    #[arg(long, value_parser = [
+        PossibleValue::new("worst").help("The bound of all tolerances"),
+        PossibleValue::new("rss").help("Mean ± 3 standard deviations; no bound"),
+        PossibleValue::new("simulation").help("A fraction of random assemblies"),
+    ])]
+    stack: Option<String>,
     /// The fraction of random assemblies that must conform; 0.9973 unless given.
     #[arg(long, value_name = "FRACTION", value_parser = fraction)]
     conforming: Option<f64>,
     /// How errors spread within their tolerances; uniform unless given.
-    #[arg(long, value_enum)]
-    distribution: Option<SpreadArg>,
+    #[arg(long, value_parser = ["uniform", "normal", "triangular"])]
+    distribution: Option<String>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
@@ -69,23 +74,6 @@ pub(super) struct Args {
     /// Output format.
     #[arg(long, short, value_enum, default_value_t)]
     format: Format,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum StackArg {
-    /// The bound of all tolerances.
-    Worst,
-    /// Mean ± 3 standard deviations; no bound.
-    Rss,
-    /// A fraction of random assemblies.
-    Simulation,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum SpreadArg {
-    Uniform,
-    Normal,
-    Triangular,
 }
 
 fn fraction(text: &str) -> Result<f64, String> {
@@ -145,35 +133,26 @@ impl Args {
     }
 
     fn rule(&self, spec: &Spec) -> Result<Rule, Failure> {
-        let stack = self.stack.unwrap_or(match spec.get(keys::BUDGET_STACK) {
-            Some("rss") => StackArg::Rss,
-            Some("simulation") => StackArg::Simulation,
-            _ => StackArg::Worst,
-        });
+        let stack = self.stack.as_deref().or(spec.get(keys::BUDGET_STACK));
         let only_simulated =
             [("--conforming", self.conforming.is_some()), ("--distribution", self.distribution.is_some())];
-        if let Some((flag, _)) = only_simulated.iter().find(|(_, is_given)| *is_given && stack != StackArg::Simulation)
-        {
+        if let Some((flag, _)) = only_simulated.iter().find(|(_, is_given)| *is_given && stack != Some("simulation")) {
             let message = format!("{flag} counts for random assemblies, and none are drawn");
             return Err(Diagnostic::error(Code::Usage, message).help("add --stack simulation").into());
         }
         Ok(match stack {
-            StackArg::Worst => Rule::WorstCase,
-            StackArg::Rss => Rule::Rss,
-            StackArg::Simulation => {
-                let spread = self.distribution.map(|spread| match spread {
-                    SpreadArg::Uniform => Spread::Uniform,
-                    SpreadArg::Normal => Spread::Normal,
-                    SpreadArg::Triangular => Spread::Triangular,
-                });
+            Some("rss") => Rule::Rss,
+            Some("simulation") => {
+                let spread = self.distribution.as_deref().or(spec.get(keys::BUDGET_DISTRIBUTION));
                 let conforming = self.conforming.or(spec.get(keys::BUDGET_CONFORMING));
                 Rule::Simulation(Simulation {
                     conforming: conforming.unwrap_or(Simulation::CONFORMING),
-                    spread: spread.or(spec.budget_spread()).unwrap_or_default(),
+                    spread: spread.map(Spread::of_name).unwrap_or_default(),
                     draws: Simulation::DRAWS,
                     seed: self.seed,
                 })
             }
+            _ => Rule::WorstCase,
         })
     }
 }

@@ -8,7 +8,6 @@ use super::keys;
 use super::reader::SectionReader;
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError};
-use crate::budget::Spread;
 use crate::budget::{Entry, Free, Freedom};
 use crate::deviation::{DeviationKind, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -152,16 +151,6 @@ impl Spec {
             entries.push(Entry::Fixed(tolerance));
         }
         if diagnostics.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(diagnostics)) }
-    }
-
-    /// How errors spread within their tolerances, if `[budget]` says so.
-    #[must_use]
-    pub fn budget_spread(&self) -> Option<Spread> {
-        self.get(keys::BUDGET_DISTRIBUTION).map(|word| match word {
-            "normal" => Spread::Normal,
-            "triangular" => Spread::Triangular,
-            _ => Spread::Uniform,
-        })
     }
 
     /// The limits of single errors' ΔCD.
