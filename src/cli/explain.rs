@@ -25,53 +25,38 @@ pub(super) struct Args {
 /// The topic that lists the keys of the spec.
 const KEYS: &str = "keys";
 
+const fn page(name: &'static str, aliases: &'static [&'static str], text: &'static str) -> Page {
+    Page { name, aliases, text }
+}
+
 /// What makes numbers out of several formulas; each is the documentation of its module.
 const METHODS: &[Page] = &[
-    Page {
-        name: "precision",
-        aliases: &["accuracy", "rounding", "digits"],
-        text: include_str!("../formula/precision.md"),
-    },
-    Page {
-        name: "combination",
-        aliases: &["range", "worst-case", "worst", "rss", "stack"],
-        text: include_str!("../judge/stack.md"),
-    },
-    Page { name: "uncertainty", aliases: &["gum", "u", "k"], text: include_str!("../uncertainty/method.md") },
-    Page {
-        name: "rule",
-        aliases: &["iso14253", "guard", "simple", "conformance", "risk"],
-        text: include_str!("../judge/rule.md"),
-    },
-    Page { name: "monte-carlo", aliases: &["simulation-of-errors"], text: include_str!("../chance/method.md") },
-    Page {
-        name: "capability",
-        aliases: &["cp", "cpk", "pp", "ppk"],
-        text: include_str!("../statistics/capability/method.md"),
-    },
-    Page { name: "budget", aliases: &["tolerance"], text: include_str!("../budget/method.md") },
-    Page {
-        name: "permissible",
-        aliases: &["standard", "iso1328", "din3962", "jisb1702", "f-p", "f-pt", "f-r", "f-beta"],
-        text: include_str!("../standard/method.md"),
-    },
-    Page { name: "class", aliases: &["grade"], text: include_str!("../judge/class.md") },
-    Page { name: "mesh", aliases: &["exact-mesh"], text: include_str!("../mesh/method.md") },
-    Page {
-        name: "curve",
-        aliases: &["composite", "f-i", "f-i''", "fi''", "transmission-error"],
-        text: include_str!("../mesh/summary.md"),
-    },
-    Page { name: "simulate", aliases: &["multibody", "simulation"], text: include_str!("../multibody/method.md") },
+    page("precision", &["accuracy", "rounding", "digits"], include_str!("../formula/precision.md")),
+    page("combination", &["range", "worst-case", "worst", "rss", "stack"], include_str!("../judge/stack.md")),
+    page("uncertainty", &["gum", "u", "k"], include_str!("../uncertainty/method.md")),
+    page("rule", &["iso14253", "guard", "simple", "conformance", "risk"], include_str!("../judge/rule.md")),
+    page("monte-carlo", &["simulation-of-errors"], include_str!("../chance/method.md")),
+    page("capability", &["cp", "cpk", "pp", "ppk"], include_str!("../statistics/capability/method.md")),
+    page("budget", &["tolerance"], include_str!("../budget/method.md")),
+    page(
+        "permissible",
+        &["standard", "iso1328", "din3962", "jisb1702", "f-p", "f-pt", "f-r", "f-beta"],
+        include_str!("../standard/method.md"),
+    ),
+    page("class", &["grade"], include_str!("../judge/class.md")),
+    page("mesh", &["exact-mesh"], include_str!("../mesh/method.md")),
+    page("curve", &["composite", "f-i", "f-i''", "fi''", "transmission-error"], include_str!("../mesh/summary.md")),
+    page("simulate", &["multibody", "simulation"], include_str!("../multibody/method.md")),
 ];
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let text = match &self.topic {
             None => list(),
-            Some(topic) => {
-                for_screen(&page(topic).or_else(|| keys(topic)).ok_or_else(|| unknown(topic))?, output.screen().width)
-            }
+            Some(topic) => for_screen(
+                &page_of(topic).or_else(|| keys(topic)).ok_or_else(|| unknown(topic))?,
+                output.screen().width,
+            ),
         };
         output.text(&text)?;
         Ok(Status::Pass)
@@ -79,7 +64,7 @@ impl Args {
 }
 
 /// The page of a topic; underscores serve as hyphens, so that the keys of a spec are topics too.
-fn page(topic: &str) -> Option<String> {
+fn page_of(topic: &str) -> Option<String> {
     let topic = topic.trim().to_lowercase().replace('_', "-");
     let mut pages = CATALOGUE.iter().chain(METHODS);
     if let Some(page) = pages.find(|page| page.name == topic || page.aliases.contains(&topic.as_str())) {
@@ -202,7 +187,7 @@ mod tests {
     #[test]
     fn every_page_fits_a_narrow_screen() {
         for topic in names() {
-            let page = page(topic).expect("a topic has a page");
+            let page = page_of(topic).expect("a topic has a page");
             let text = for_screen(&page, Some(72));
             // code is shown as it is
             let wide = text.lines().find(|line| line.chars().count() > 72 && !line.starts_with("    "));

@@ -1,16 +1,14 @@
 //! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
 
-use super::long;
-use super::spec_files;
 use std::io::{Read as _, Write as _};
 
-use super::long::{Bar, Interruption};
+use super::long::{self, Bar, Interruption};
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::set::SetArgs;
 use super::target::Target;
 use super::teeth::WorstTeeth;
-use super::{mesh, stream};
+use super::{mesh, spec_files, stream};
 use crate::chance::DEFAULT_SEED;
 use crate::chance::racks::{RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, StudyError};
 use crate::diagnostic::{Code, Diagnostic};

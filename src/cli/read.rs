@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use super::long;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opener, ReadArgs};
-use super::target;
+use super::{long, target};
 use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
 use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};

@@ -52,21 +52,18 @@ pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTa
         })?;
         Ok(table::of_one_part(&path.display().to_string(), Source::File(opened), &spec.want())?)
     };
-    let wrong = |file: &Located<String>, what: &str| {
-        let message = format!("{} holds no {what}", file.value);
-        Failure::from(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span.clone(), ""))
-    };
     let mut tables = MeasuredTables::default();
-    if let Some(file) = &spec.values.located(keys::RACK_MEASURED) {
-        match read(file)? {
-            Teeth::Rack(rack) => tables.rack = Some(rack),
-            Teeth::Pinion(_) => return Err(wrong(file, "spaces of a rack")),
-        }
-    }
-    if let Some(file) = &spec.values.located(keys::PINION_MEASURED) {
-        match read(file)? {
-            Teeth::Pinion(pinion) => tables.pinion = Some(pinion),
-            Teeth::Rack(_) => return Err(wrong(file, "teeth of a pinion")),
+    for (key, is_rack, what) in
+        [(keys::RACK_MEASURED, true, "spaces of a rack"), (keys::PINION_MEASURED, false, "teeth of a pinion")]
+    {
+        let Some(file) = spec.values.located(key) else { continue };
+        match (read(&file)?, is_rack) {
+            (Teeth::Rack(rack), true) => tables.rack = Some(rack),
+            (Teeth::Pinion(pinion), false) => tables.pinion = Some(pinion),
+            _ => {
+                let message = format!("{} holds no {what}", file.value);
+                return Err(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span, "").into());
+            }
         }
     }
     Ok(tables)
