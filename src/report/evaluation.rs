@@ -357,11 +357,13 @@ struct EvaluationFact<'a> {
 }
 
 #[derive(Serialize)]
-#[expect(clippy::struct_field_names, reason = "programs read the unit in the name")]
 struct CombinedFact {
-    range_mm: Option<Interval>,
-    worst_case_mm: Option<Interval>,
-    rss_mm: Option<Interval>,
+    #[serde(rename = "range_mm")]
+    range: Option<Interval>,
+    #[serde(rename = "worst_case_mm")]
+    worst_case: Option<Interval>,
+    #[serde(rename = "rss_mm")]
+    rss: Option<Interval>,
 }
 
 #[derive(Serialize)]
@@ -435,9 +437,9 @@ impl Report for EvaluationReport<'_> {
             model: evaluation.model.name(),
             contributions: self.contributions().collect(),
             combined: CombinedFact {
-                range_mm: combined.range.ok(),
-                worst_case_mm: combined.range.ok(),
-                rss_mm: combined.rss.ok(),
+                range: combined.range.ok(),
+                worst_case: combined.range.ok(),
+                rss: combined.rss.ok(),
             },
             stack: evaluation.stack.name(),
             judged_by: evaluation.judged_by.name(),
