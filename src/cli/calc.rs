@@ -381,7 +381,7 @@ impl Args {
 }
 
 /// Says what is suspicious about an argument, and refuses what is impossible. What was said goes with the result.
-fn sensible(output: &mut Output, name: &str, doubt: Option<Doubt>) -> Result<Option<String>, Failure> {
+pub(super) fn sensible(output: &mut Output, name: &str, doubt: Option<Doubt>) -> Result<Option<String>, Failure> {
     let Some(doubt) = doubt else { return Ok(None) };
     let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(WrittenIn::Argument));
     if doubt.is_impossible {
@@ -539,7 +539,8 @@ fn over_pin(args: &OverPinArgs, output: &mut Output) -> Result<Status, Failure> 
         datum: args.datum,
     };
     let measure = over_pin.measure()?;
-    let notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
+    let mut notes = sensible_pair(output, args.pressure_angle, args.normal_module)?;
+    notes.extend(sensible(output, "--pin", over_pin.doubted_pin(None))?);
     args.common.print(output, Calculation { notes, ..calculation(page("over-pin"), measure) })?;
     Ok(Status::Pass)
 }
