@@ -43,14 +43,15 @@ impl Spec {
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
     pub fn pair_basis(&self) -> Result<Basis, Diagnostics> {
-        let normal_module_mm = self.get(keys::PAIR_NORMAL_MODULE).map(Length::mm);
+        let mm = |key| self.get(key).map(Length::mm);
+        let (normal_module_mm, addendum_mm) = (mm(keys::PAIR_NORMAL_MODULE), mm(keys::RACK_ADDENDUM));
         let geometry = match (self.given_pair()?, self.place(keys::PAIR_CONTACT)) {
             (Some(given), _) => GivenGeometry::Known(KnownPairs::new(given)),
             (None, Some(_)) => GivenGeometry::BothFlanks,
             (None, None) => GivenGeometry::Unknown,
         };
         let own_curve = self.own_curve();
-        Ok(Basis { geometry, own_curve, known_teeth: None, rolls: self.rolls(), normal_module_mm })
+        Ok(Basis { geometry, own_curve, known_teeth: None, rolls: self.rolls(), normal_module_mm, addendum_mm })
     }
 
     /// What the spec's pair does without errors, as far as single keys tell.

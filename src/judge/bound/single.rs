@@ -5,13 +5,13 @@ use super::known::{KnownPair, flanks_apart};
 use super::lead::{Leads, undercut};
 use super::pitch;
 use super::undercut::UndercutTable;
-use super::{ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, NoBound};
+use super::{ErrorRange, ExtendedError, Extent, GivenGeometry, HeightFrom, Knowledge, NoBound};
 use crate::deviation::Part;
 use crate::mesh::LARGEST_ROLL_RAD;
 use crate::trig;
 
 /// Without geometry flanks are taken to touch within this many modules of the reference plane, or within this share of
-/// the face width.
+/// the face width, or up to the tips of a rack that is higher.
 const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 
@@ -113,12 +113,16 @@ pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     }
     match knowledge.pair {
         Some(known) => leads.of_pair(known),
-        None => leads.of_any_pair(leads.lines.as_ref().map_or(0.0, |lines| assumed_height(lines, knowledge))),
+        None => leads.of_any_pair(leads.lines.as_ref().map_or(0.0, |lines| assumed_height(lines, knowledge).0)),
     }
 }
 
-pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
-    knowledge.basis.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * lines.face_width, |module| MODULES_HIGH * module)
+pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> (f64, HeightFrom) {
+    let by_width = (SHARE_OF_WIDTH_HIGH * lines.face_width, HeightFrom::FaceWidth);
+    let module = knowledge.basis.normal_module_mm;
+    let assumed = module.map_or(by_width, |module| (MODULES_HIGH * module, HeightFrom::Module));
+    let higher = knowledge.basis.addendum_mm.filter(|addendum| *addendum > assumed.0);
+    higher.map_or(assumed, |addendum| (addendum, HeightFrom::Addendum))
 }
 
 /// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.

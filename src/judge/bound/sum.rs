@@ -308,7 +308,10 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
         notes.push(Note::BothFlanksNarrows);
     }
     notes.extend(errors.iter().find_map(|error| match &error.effect {
-        ErrorEffect::RackLead(rack) => Some(Note::AssumedHeight(assumed_height(rack, knowledge))),
+        ErrorEffect::RackLead(rack) => {
+            let (height_mm, from) = assumed_height(rack, knowledge);
+            Some(Note::AssumedHeight(height_mm, from))
+        }
         _ => None,
     }));
     notes
