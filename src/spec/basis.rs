@@ -140,6 +140,14 @@ impl Spec {
         GEOMETRY_KEYS.into_iter().chain(depth).filter(|path| self.values.at(path).is_none()).collect()
     }
 
+    /// Why a roll axis is refused: nothing says whether the rack may roll about it.
+    pub(super) fn roll_axis_alone(&self) -> Option<Diagnostic> {
+        let depth = self.place(keys::SUPPORT_ROLL_AXIS_DEPTH).filter(|_| self.place(keys::SUPPORT_ROLL).is_none())?;
+        let message = "`roll_axis_depth` needs `roll`: nothing says whether the rack may roll";
+        let help = "add `roll = \"free\"` or `roll = \"fixed\"` below [support]";
+        Some(Diagnostic::error(Code::MissingKey, message).help(help).at(&self.source, depth, ""))
+    }
+
     /// Whether the rack may roll.
     pub(super) fn rolls(&self) -> bool {
         self.get(keys::SUPPORT_ROLL).is_some_and(|roll| roll != "fixed")
