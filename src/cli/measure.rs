@@ -77,7 +77,7 @@ impl Args {
         let spec = self.set.read_spec(&self.spec, output)?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let said = put_on_teeth(&spec, self.part.into(), &mut input)?;
-        let mut notes: Vec<_> = said.clone().into_iter().collect();
+        let mut notes = said.clone();
         let mesh = &input.mesh;
         let report = match self.part {
             Part::Rack => {
@@ -112,22 +112,22 @@ impl Args {
                 MeasureReport::Pinion { ball_mm, readings, notes }
             }
         };
-        if let Some(said) = said {
-            output.remark(&noted(&said));
-        }
         output.report(&report, self.format)?;
+        for note in &said {
+            output.remark(&noted(note));
+        }
         Ok(Status::Pass)
     }
 }
 
 /// Puts errors whose teeth are not told on the worst ones, as `mesh` does; what was done is to be said.
-fn put_on_teeth(spec: &Spec, part: deviation::Part, input: &mut MeshInput) -> Result<Option<String>, Failure> {
+fn put_on_teeth(spec: &Spec, part: deviation::Part, input: &mut MeshInput) -> Result<Vec<String>, Failure> {
     let untold = |message: &str| {
         Diagnostic::error(Code::BadTeeth, message)
             .help("give the deviation of each tooth: [[rack.deviation]], [[pinion.deviation]]")
     };
     let is_of_part = |(kind, _): &(DeviationKind, _)| kind.part() == part;
-    if !spec.scatter.is_empty() && !spec.knows_teeth(part) {
+    if !spec.scatter.is_empty() && spec.errors.is_empty() && !spec.knows_teeth(part) {
         return Err(untold("[scatter] does not tell which tooth has which deviation").into());
     }
     if input.origin == Origin::Teeth && spec.errors.iter().any(is_of_part) {
@@ -138,5 +138,6 @@ fn put_on_teeth(spec: &Spec, part: deviation::Part, input: &mut MeshInput) -> Re
         let message = "[errors] do not tell which teeth have them, and the worst ones are not known: the rack may roll, or an error is too large";
         worst.ok_or_else(|| untold(message))?.place(input, spec.limit_on(LimitTarget::CenterDistance))?;
     }
-    Ok(placement(input))
+    let left_out = "[scatter] is left out: it does not tell which tooth has which deviation".to_owned();
+    Ok(placement(input).into_iter().chain((!spec.scatter.is_empty()).then_some(left_out)).collect())
 }
