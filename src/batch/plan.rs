@@ -352,7 +352,7 @@ fn refuse_without_uncertainty(request: &Request) -> Result<(), Diagnostic> {
             .help("give the errors an uncertainty, such as `rack_pitch = { u = \"0.8 um\" }`"));
     }
     if request.rule.needs_uncertainty() {
-        let message = format!("the rule {} needs uncertainties, and the spec gives none", request.rule);
+        let message = format!("the rule {} needs an uncertainty above 0, and the spec gives none", request.rule);
         return Err(Diagnostic::error(Code::BadRule, message).help(
             "give the errors one, such as `rack_pitch = { u = \"0.8 um\" }`; or the guard band: --rule guard=VALUE",
         ));

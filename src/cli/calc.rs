@@ -159,7 +159,7 @@ struct Gear {
 }
 
 /// What may be doubted of an option.
-type OptionDoubt = (&'static str, Option<Doubt>);
+pub(super) type OptionDoubt = (&'static str, Option<Doubt>);
 
 fn pressure_angle_doubt(angle: Angle) -> OptionDoubt {
     ("--pressure-angle", plausible::pressure_angle(angle))
@@ -399,7 +399,9 @@ impl Args {
             Formula::OverPin(OverPinArgs { normal_module, pressure_angle, pin, datum, tooth_thickness, common }) => {
                 let (pin_diameter, normal_pressure_angle) = (pin, pressure_angle);
                 let over_pin = OverPin { normal_module, normal_pressure_angle, tooth_thickness, pin_diameter, datum };
-                common.print_value(output, "over-pin", over_pin.measure()?, &rack_doubts(pressure_angle, normal_module))
+                let [angle, module] = rack_doubts(pressure_angle, normal_module);
+                let doubts = [angle, module, ("--pin", over_pin.doubted_pin(None))];
+                common.print_value(output, "over-pin", over_pin.measure()?, &doubts)
             }
             Formula::RollerChange(RollerChange { old_roller, new_roller, pressure_angle, common }) => {
                 let difference = roller_change::difference(old_roller, new_roller, pressure_angle)?;
@@ -414,7 +416,7 @@ fn rack_doubts(pressure_angle: Angle, normal_module: Length) -> [OptionDoubt; 2]
 }
 
 /// Says what is suspicious about arguments, and refuses what is impossible. What was said goes with the result.
-fn sensible(output: &mut Output, doubts: &[OptionDoubt]) -> Result<Vec<String>, Failure> {
+pub(super) fn sensible(output: &mut Output, doubts: &[OptionDoubt]) -> Result<Vec<String>, Failure> {
     let mut said = Vec::new();
     for (name, doubt) in doubts.iter().filter_map(|(name, doubt)| Some((name, doubt.as_ref()?))) {
         let (message, help) = (format!("{name}: {doubt}"), doubt.remedy(WrittenIn::Argument));

@@ -1,8 +1,9 @@
 //! `rackmesh class`: permissible deviations of a grade, grades obtained, and the coarsest grade within a ΔCD.
 
+use super::calc::sensible;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use crate::deviation::{DeviationKind, Part};
+use crate::deviation::{DeviationKind, Part, plausible};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{Model, PartDeviation, domain};
 use crate::gear::Pair;
@@ -110,15 +111,27 @@ impl Args {
             let help = format!("give --standard, or [tolerance] standard in the spec: {known}");
             return Err(usage("no standard is given, and there is no default").help(help).into());
         };
+        let doubts = self.doubts(output)?;
         match (&spec, &path) {
             (Some(spec), Some((path, true))) => self.run_obtained(standard, spec, path, output),
             _ => match (self.grade, &self.delta_cd) {
-                (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), output),
+                (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), doubts, output),
                 (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
                 // clap requires one of them
                 (None, None) => Err(usage("give --grade, --obtained or --delta-cd").into()),
             },
         }
+    }
+
+    /// What is suspicious about the options; what is impossible is refused.
+    fn doubts(&self, output: &mut Output) -> Result<Vec<String>, Failure> {
+        let doubts = [
+            ("--normal-module", self.normal_module.and_then(plausible::normal_module)),
+            ("--face-width", self.face_width.and_then(|width| plausible::face_width(width, self.normal_module))),
+            ("--helix-angle", self.helix_angle.and_then(plausible::helix_angle)),
+            ("--pressure-angle", self.pressure_angle.and_then(plausible::pressure_angle)),
+        ];
+        sensible(output, &doubts)
     }
 
     /// The part asked for, by the options and else the spec.
@@ -205,10 +218,14 @@ impl Args {
         standard: Standard,
         grade: u8,
         spec: Option<&Spec>,
+        mut notes: Vec<String>,
         output: &mut Output,
     ) -> Result<Status, Failure> {
         let sized = self.sized(self.part(), spec)?;
-        let mut notes = Vec::new();
+        if let Some(doubt) = doubted_diameter(&sized)? {
+            notes.push(doubt.sentence());
+            output.diagnostic(&doubt);
+        }
         let pair = match spec.map(|spec| spec.pair("the exact mesh")) {
             Some(Ok(pair)) => Some(pair),
             Some(Err(problems)) => {
@@ -392,6 +409,25 @@ fn pinion_diameter(part: Part, wheel: &Wheel, spec: Option<&Spec>) -> Result<Opt
     let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
     let diameter = class::reference_diameter(module, teeth, helix_angle.unwrap_or(Angle::ZERO));
     Ok(Some(diameter.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?))
+}
+
+/// The warning about a given diameter of a pinion that its module, teeth and helix angle contradict by more than any measuring
+/// circle.
+fn doubted_diameter(sized: &Sized) -> Result<Option<Diagnostic>, Failure> {
+    let Wheel { normal_module, teeth, helix_angle, diameter, .. } = &sized.wheel;
+    let own = pinion_diameter(sized.part, &sized.wheel, None)?;
+    let ((Some(given), Some(own)), (Some(module), Some(z), Some(helix))) =
+        ((diameter, own), (normal_module, teeth, helix_angle))
+    else {
+        return Ok(None);
+    };
+    let is_near = (given.mm() - own.mm()).abs() <= 2.0 * module.mm();
+    let message = format!(
+        "the diameter is {given}, and m_n z / cos β of m_n = {module}, z = {z}, β = {helix} is {:.3} mm",
+        own.mm()
+    );
+    let doubt = Diagnostic::warning(Code::Implausible, message).help("leave --diameter out, or check these");
+    Ok((sized.part == Part::Pinion && !is_near).then_some(doubt))
 }
 
 /// What there is to say of the ΔCD of permissible deviations.

@@ -123,7 +123,7 @@ impl JudgeArgs {
             }
             let rule = self.rule(spec);
             if rule.needs_uncertainty() {
-                let message = format!("the rule {rule} needs uncertainties, and the spec gives none");
+                let message = format!("the rule {rule} needs an uncertainty above 0, and the spec gives none");
                 return Err(Diagnostic::error(Code::BadRule, message).help(EXAMPLE).into());
             }
             return Ok(None);

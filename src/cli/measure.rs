@@ -2,13 +2,19 @@
 
 use clap::ValueEnum;
 
+use super::calc::sensible;
+use super::mesh::placement;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::spec_files::{measured_tables, unsolved};
+use super::teeth::WorstTeeth;
+use crate::deviation::{self, DeviationKind};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::judge::LimitTarget;
+use crate::judge::reached::TEETH;
 use crate::quantity::Length;
-use crate::report::{Format, MeasureReport};
-use crate::spec::keys;
+use crate::report::{Format, MeasureReport, noted};
+use crate::spec::{MeshInput, Origin, Spec, keys};
 
 pub(super) const ABOUT: &str = "Measure virtually: roll a pin through the spaces of a spec's part";
 
@@ -18,6 +24,7 @@ pub(super) const ABOUT: &str = "Measure virtually: roll a pin through the spaces
   (then `measured = \"rack.csv\"` below [rack])
 
 Without --pin it is the spec's rack.pin, or a pin that touches near the reference line.
+Errors without teeth, those of [errors], are put on the worst teeth that a search finds, and a note says on which.
 
 Examples:
   rackmesh measure examples/mesh.toml --pin 3.5 --first 0 --last 12
@@ -53,13 +60,24 @@ enum Part {
     Pinion,
 }
 
+impl From<Part> for deviation::Part {
+    fn from(part: Part) -> Self {
+        match part {
+            Part::Rack => Self::Rack,
+            Part::Pinion => Self::Pinion,
+        }
+    }
+}
+
 /// Spaces listed at most.
 const MOST: i64 = 10_000_000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let said = put_on_teeth(&spec, self.part.into(), &mut input)?;
+        let mut notes = said.clone();
         let mesh = &input.mesh;
         let report = match self.part {
             Part::Rack => {
@@ -72,19 +90,54 @@ impl Args {
                     let space = std::f64::consts::PI * pair.normal_module_mm() - pair.rack().tooth_thickness_mm;
                     space / crate::trig::cos(pair.normal_pressure_angle_rad())
                 };
+                if matches!(input.origin, Origin::WorstTeeth(_))
+                    && (self.first < *TEETH.start() || self.last >= *TEETH.end())
+                {
+                    let (first, last) = (TEETH.start(), TEETH.end() - 1);
+                    let message = format!("errors on the worst teeth are put on the spaces {first} to {last} alone");
+                    return Err(Diagnostic::error(Code::Usage, message)
+                        .help("choose --first and --last among them")
+                        .into());
+                }
+                notes.extend(sensible(output, &[("--pin", self.pin.and_then(|pin| spec.doubted_pin(pin)))])?);
                 let written = self.pin.or(spec.get(keys::RACK_PIN));
                 let pin_mm = written.map_or_else(ideal, Length::mm);
                 let readings = mesh.measure_rack(pin_mm, self.first..=self.last).map_err(|error| unsolved(&error))?;
                 let datum_mm = spec.get(keys::RACK_DATUM).map(Length::mm);
-                MeasureReport::Rack { pin_mm, datum_mm, readings }
+                MeasureReport::Rack { pin_mm, datum_mm, readings, notes }
             }
             Part::Pinion => {
                 let ball_mm = self.pin.map_or_else(|| mesh.pinion_ball_mm(), Length::mm);
                 let readings = mesh.measure_pinion(ball_mm).map_err(|error| unsolved(&error))?;
-                MeasureReport::Pinion { ball_mm, readings }
+                MeasureReport::Pinion { ball_mm, readings, notes }
             }
         };
         output.report(&report, self.format)?;
+        for note in &said {
+            output.remark(&noted(note));
+        }
         Ok(Status::Pass)
     }
+}
+
+/// Puts errors whose teeth are not told on the worst ones, as `mesh` does; what was done is to be said.
+fn put_on_teeth(spec: &Spec, part: deviation::Part, input: &mut MeshInput) -> Result<Vec<String>, Failure> {
+    let untold = |message: &str| {
+        Diagnostic::error(Code::BadTeeth, message)
+            .help("give the deviation of each tooth: [[rack.deviation]], [[pinion.deviation]]")
+    };
+    let is_of_part = |(kind, _): &(DeviationKind, _)| kind.part() == part;
+    if !spec.scatter.is_empty() && spec.errors.is_empty() && !spec.knows_teeth(part) {
+        return Err(untold("[scatter] does not tell which tooth has which deviation").into());
+    }
+    if input.origin == Origin::Teeth && spec.errors.iter().any(is_of_part) {
+        return Err(untold("[errors] do not tell which teeth have them, beside those of the other part").into());
+    }
+    if input.origin == Origin::Errors {
+        let worst = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?;
+        let message = "[errors] do not tell which teeth have them, and the worst ones are not known: the rack may roll, or an error is too large";
+        worst.ok_or_else(|| untold(message))?.place(input, spec.limit_on(LimitTarget::CenterDistance))?;
+    }
+    let left_out = "[scatter] is left out: it does not tell which tooth has which deviation".to_owned();
+    Ok(placement(input).into_iter().chain((!spec.scatter.is_empty()).then_some(left_out)).collect())
 }

@@ -12,6 +12,7 @@
 //! | helix angle | 0.087° to 0.873° either way | | As radians these are 5° to 50°, the angles that gears have. An angle so small gives no overlap, but may be meant. |
 //! | normal module | above 100 mm | | The largest of the standards is 50 mm to 70 mm. |
 //! | face width | above 1 m, or 100 modules if that is less | | A usual face is 5 to 20 modules wide. |
+//! | pin of a rack | touches a module or more from the reference plane | 1.5 modules from it, or above the tips | There it rests on tips or on the root. |
 
 use std::fmt;
 
@@ -47,6 +48,9 @@ const LARGE_FACE_WIDTH: Length = mm(1000);
 const WIDE_IN_MODULES: i64 = 100;
 /// A face width or an addendum below this part of a module is doubted.
 const SMALL_IN_MODULES: i64 = 50;
+/// A pin that touches flanks farther from the reference plane than so many modules is suspicious, and impossible.
+const PIN_FAR: f64 = 1.0;
+const PIN_FARTHEST: f64 = 1.5;
 /// Nobody measures below 0.1 µm: a number with finer digits is no number of micrometres, but a size in mm.
 const FINEST_IN_MICROMETRES: i64 = mm(1).fm() / 10;
 
@@ -134,6 +138,8 @@ pub enum Quantity {
     FaceWidth,
     /// The addendum of the rack.
     Addendum,
+    /// A pin in the spaces of a rack, with the ideal one.
+    Pin(Length),
 }
 
 /// What was probably meant by a value.
@@ -254,6 +260,18 @@ pub fn addendum(height: Length, module: Option<Length>) -> Option<Doubt> {
     small(Quantity::Addendum, height, module?)
 }
 
+/// The doubt about a pin that touches flanks so many modules over the reference plane; the tips are at `tips`, if that is known.
+#[must_use]
+pub fn pin(diameter: Length, ideal: Length, touches_at: f64, tips: Option<f64>) -> Option<Doubt> {
+    let is_impossible = touches_at > tips.unwrap_or(PIN_FARTHEST) || touches_at < -PIN_FARTHEST;
+    (is_impossible || touches_at.abs() > PIN_FAR).then_some(Doubt {
+        quantity: Quantity::Pin(ideal),
+        value: DeviationValue::Length(diameter),
+        is_impossible,
+        meant: Meant::Unknown,
+    })
+}
+
 /// The doubt about a size that is a small part of the module: metres in place of millimetres.
 fn small(quantity: Quantity, size: Length, module: Length) -> Option<Doubt> {
     let is_small = size > Length::ZERO && size.fm() < module.fm() / SMALL_IN_MODULES;
@@ -338,6 +356,11 @@ impl fmt::Display for Doubt {
             Quantity::FaceWidth if self.meant == Meant::Unit("m") => write!(f, "{value} is small for a face width"),
             Quantity::FaceWidth => write!(f, "{value} is {too}large for a face width"),
             Quantity::Addendum => write!(f, "{value} is small for an addendum"),
+            Quantity::Pin(ideal) => {
+                let size = if self.value.base() > ideal.mm() { "large" } else { "small" };
+                let ideal = ideal.mm();
+                write!(f, "{value} is {too}{size} for a pin; one that touches at the reference plane has {ideal:.3} mm")
+            }
         }
     }
 }

@@ -17,6 +17,7 @@
 //! ```
 
 use super::{Input, Sensitivity, domain, femtometres, ideal_pin};
+use crate::deviation::plausible::{self, Doubt};
 use crate::quantity::{Angle, DomainError, Length};
 use crate::trig;
 
@@ -56,6 +57,21 @@ impl OverPin {
         let height = 0.5 * femtometres(self.pin_diameter) * one_and_cosecant(alpha);
         let above_reference_plane = Length::nearest(height - depth, "the measure M over the pin")?;
         Ok(Length::sum([self.datum, above_reference_plane], "the measure M over the pin")?)
+    }
+
+    /// The doubt about the pin: it rests on flanks near the reference plane, and below the tips.
+    #[must_use]
+    pub fn doubted_pin(&self, addendum: Option<Length>) -> Option<Doubt> {
+        let alpha = self.normal_pressure_angle;
+        let ideal = ideal_pin::diameter(self.normal_module, alpha, self.tooth_thickness).ok()?;
+        let (sin, cos) = trig::sin_cos_of(alpha);
+        let touches_at_mm = 0.5 * (self.pin_diameter.mm() - ideal.mm()) * cos * cos / sin;
+        plausible::pin(
+            self.pin_diameter,
+            ideal,
+            touches_at_mm / self.normal_module.mm(),
+            addendum.map(|tips| tips.mm() / self.normal_module.mm()),
+        )
     }
 
     /// ∂M/∂K, ∂M/∂d_p, ∂M/∂m_n, ∂M/∂α_n and, if a tooth thickness is given, ∂M/∂s_n.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::number::{plain_padded, truncated};
+use super::number::{padded, plain_padded, truncated};
 use super::{Block, Report, Table, fact};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{FormulaPage, Model};
@@ -81,8 +81,9 @@ impl Calculation {
     fn value_text(&self, value: DeviationValue) -> String {
         let number = self.number(value);
         let text = match self.decimals {
-            Some(decimals) if self.is_bound => truncated(number, decimals),
-            Some(decimals) => format!("{number:.decimals$}"),
+            Some(decimals) => padded(number, decimals).unwrap_or_else(|| {
+                if self.is_bound { truncated(number, decimals) } else { format!("{number:.decimals$}") }
+            }),
             None => plain_padded(number, 6),
         };
         format!("{text} {}", self.unit_name())

@@ -9,7 +9,7 @@ use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged};
 use crate::formula::law::equation;
-use crate::judge::bound::Note;
+use crate::judge::bound::{AssumedHeight, HeightFrom, Note};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, LimitTarget, Rule, Stack, Verdict};
 use crate::mesh::Summary;
@@ -243,10 +243,15 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
             plain(tidy(*delta_cd_mm))
         ),
         Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {} missing", listed(missing)),
-        Note::AssumedHeight(height_mm) => format!(
-            "flanks are taken to touch within {} mm over and under the reference plane, for the lead error",
-            plain(tidy(*height_mm))
-        ),
+        Note::AssumedHeight(AssumedHeight { mm, from }) => {
+            let from = match from {
+                HeightFrom::FaceWidth => "a quarter of the face width, as `pair.normal_module` is not given: a module above two thirds of that",
+                HeightFrom::Module => "1.5 normal modules, as the pair's geometry is not given: higher teeth",
+                HeightFrom::Addendum => "`rack.addendum`, as the pair's geometry is not given: a higher pinion",
+            };
+            let height = plain(tidy(*mm));
+            format!("for the lead error flanks are taken to touch within {height} mm over and under the reference plane, {from} can leave the range")
+        }
         Note::StepsAlwaysAct => {
             "statistical: a measured step is taken to act at every stroke; the pair's geometry says at how many it does"
                 .to_owned()

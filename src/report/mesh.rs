@@ -260,6 +260,8 @@ pub enum MeasureReport {
         datum_mm: Option<f64>,
         /// One per space.
         readings: Vec<crate::mesh::RackReading>,
+        /// What is to be said.
+        notes: Vec<String>,
     },
     /// The pinion's teeth.
     Pinion {
@@ -267,6 +269,8 @@ pub enum MeasureReport {
         ball_mm: f64,
         /// One per tooth.
         readings: Vec<crate::mesh::PinionReading>,
+        /// What is to be said.
+        notes: Vec<String>,
     },
 }
 
@@ -344,10 +348,12 @@ impl Report for MeasureReport {
             })
             .collect();
         match self {
-            Self::Rack { pin_mm, datum_mm, .. } => {
-                json!({ "part": "rack", "pin_mm": pin_mm, "datum_mm": datum_mm, "rows": rows })
+            Self::Rack { pin_mm, datum_mm, notes, .. } => {
+                json!({ "part": "rack", "pin_mm": pin_mm, "datum_mm": datum_mm, "rows": rows, "notes": notes })
             }
-            Self::Pinion { ball_mm, .. } => json!({ "part": "pinion", "pin_mm": ball_mm, "rows": rows }),
+            Self::Pinion { ball_mm, notes, .. } => {
+                json!({ "part": "pinion", "pin_mm": ball_mm, "rows": rows, "notes": notes })
+            }
         }
     }
 

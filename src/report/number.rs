@@ -65,6 +65,14 @@ pub(super) fn truncated(value: f64, decimals: usize) -> String {
     text
 }
 
+/// A value with more decimals than it has: zeros.
+pub(super) fn padded(value: f64, decimals: usize) -> Option<String> {
+    let text = format!("{value}");
+    let has = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    let point = if has == 0 { "." } else { "" };
+    (decimals > has).then(|| format!("{text}{point}{}", "0".repeat(decimals - has)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,6 +95,13 @@ mod tests {
         ] {
             assert_eq!(millimetres(value), text);
         }
+    }
+
+    #[test]
+    fn decimals_that_a_value_does_not_have_are_zeros() {
+        assert_eq!(padded(0.004, 30).as_deref(), Some("0.004000000000000000000000000000"));
+        assert_eq!(padded(-12.0, 2).as_deref(), Some("-12.00"));
+        assert_eq!((padded(0.004, 3), padded(12.0, 0)), (None, None));
     }
 
     #[test]

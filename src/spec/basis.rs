@@ -42,14 +42,15 @@ impl Spec {
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
     pub fn pair_basis(&self) -> Result<Basis, Diagnostics> {
-        let normal_module_mm = self.get(keys::PAIR_NORMAL_MODULE).map(Length::mm);
+        let mm = |key| self.get(key).map(Length::mm);
+        let (normal_module_mm, addendum_mm) = (mm(keys::PAIR_NORMAL_MODULE), mm(keys::RACK_ADDENDUM));
         let geometry = match (self.given_pair()?, self.place(keys::PAIR_CONTACT)) {
             (Some(given), _) => GivenGeometry::Known(KnownPairs::new(given)),
             (None, Some(_)) => GivenGeometry::BothFlanks,
             (None, None) => GivenGeometry::Unknown,
         };
         let own_curve = self.own_curve();
-        Ok(Basis { geometry, own_curve, known_teeth: None, rolls: self.rolls(), normal_module_mm })
+        Ok(Basis { geometry, own_curve, known_teeth: None, rolls: self.rolls(), normal_module_mm, addendum_mm })
     }
 
     /// What the spec's pair does without errors, as far as single keys tell.
@@ -136,6 +137,14 @@ impl Spec {
     pub fn missing_geometry(&self) -> Vec<&'static str> {
         let depth = self.rolls().then_some(keys::SUPPORT_ROLL_AXIS_DEPTH.any.path);
         GEOMETRY_KEYS.into_iter().chain(depth).filter(|path| self.values.at(path).is_none()).collect()
+    }
+
+    /// Why a roll axis is refused: nothing says whether the rack may roll about it.
+    pub(super) fn roll_axis_alone(&self) -> Option<Diagnostic> {
+        let depth = self.place(keys::SUPPORT_ROLL_AXIS_DEPTH).filter(|_| self.place(keys::SUPPORT_ROLL).is_none())?;
+        let message = "`roll_axis_depth` needs `roll`: nothing says whether the rack may roll";
+        let help = "add `roll = \"free\"` or `roll = \"fixed\"` below [support]";
+        Some(Diagnostic::error(Code::MissingKey, message).help(help).at(&self.source, depth, ""))
     }
 
     /// Whether the rack may roll.

@@ -184,6 +184,7 @@ impl Spec {
         for section in [&keys::SUPPORT, &keys::TOLERANCE, &keys::DECISION] {
             sections.read(section, |reader| reader.values(&mut spec.values));
         }
+        sections.diagnostics.extend(spec.roll_axis_alone());
         sections.read(&keys::ERRORS, |reader| errors::read(reader, &mut spec));
         sections.read(&keys::BATCH, |reader| spec.batch = batch::read(reader));
         sections.diagnostics.extend(spec.other_extents());

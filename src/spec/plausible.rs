@@ -11,6 +11,7 @@ use super::{Located, Spec, WrittenPinionDeviation, said_of};
 use crate::deviation::plausible::{self, Doubt, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::formula::over_pin::OverPin;
 use crate::judge::{LimitTarget, Rule};
 use crate::quantity::{Angle, Length, parse_f64};
 use crate::uncertainty::{Source, Uncertainty};
@@ -43,6 +44,7 @@ impl Spec {
     fn doubts(&self, severity: Severity) -> Vec<Diagnostic> {
         let mut found = self.doubted_sizes();
         found.extend(self.errors.iter().filter_map(|(kind, written)| self.doubted_error(*kind, written)));
+        found.extend(self.errors.iter().filter_map(|(_, written)| self.doubted_roller(written)));
         found.extend(self.doubted_teeth());
         found.extend(self.doubted_limits());
         found.extend(self.doubted_uncertainties());
@@ -66,6 +68,18 @@ impl Spec {
     /// The normal module, if it is given.
     pub(crate) fn module(&self) -> Option<Length> {
         self.get(keys::PAIR_NORMAL_MODULE)
+    }
+
+    /// The doubt about a pin in the rack's spaces, if these are known.
+    pub(crate) fn doubted_pin(&self, pin_diameter: Length) -> Option<Doubt> {
+        let over_pin = OverPin {
+            normal_module: self.module()?,
+            normal_pressure_angle: self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?,
+            tooth_thickness: self.get(keys::RACK_TOOTH_THICKNESS),
+            pin_diameter,
+            datum: Length::ZERO,
+        };
+        over_pin.doubted_pin(self.get(keys::RACK_ADDENDUM))
     }
 
     /// The gear data that make no sense.
@@ -93,6 +107,7 @@ impl Spec {
             of(self, keys::RACK_ADDENDUM, addendum),
             of(self, keys::PINION_HELIX_ANGLE, helix_angle),
             of(self, keys::PINION_FACE_WIDTH, face_width),
+            of(self, keys::RACK_PIN, |pin| self.doubted_pin(pin.value)),
             of(self, keys::RACK_CROWNING, form),
             of(self, keys::PINION_CROWNING, form),
             of(self, keys::PINION_PROFILE_SLOPE, form),
@@ -142,6 +157,13 @@ impl Spec {
         let doubt = plausible::deviation(value, self.module())?;
         let doubt = if is_difference { doubt.of_difference() } else { doubt };
         Some(DoubtedKey { name: kind.key().to_owned(), span: written.span.clone(), doubt })
+    }
+
+    /// The doubt about the roller of an entry of `[errors]`.
+    fn doubted_roller(&self, written: &Located<WrittenError>) -> Option<DoubtedKey> {
+        let WrittenError::OverRoller { roller, .. } = written.value else { return None };
+        let doubt = self.doubted_pin(roller)?;
+        Some(DoubtedKey { name: "roller".to_owned(), span: written.span.clone(), doubt })
     }
 
     /// Limits that no deviation comes near, so that they would let every part pass: µm in place of mm.

@@ -57,7 +57,7 @@ pub(super) fn set_all<'t>(top: &mut DeTable<'t>, settings: &'t [Setting<'_>], so
             Some(value) => set(top, setting.key, value).err()?,
         };
         let help = "write --set KEY=VALUE once for each key, such as --set errors.rack_pitch=12um; what is no table is set \
-                    as a whole";
+                    as a whole: --set 'errors.rack_pitch={ value = \"12um\", extent = \"each\" }'";
         Some(Diagnostic::error(Code::Usage, problem).help(help).at(source, setting.key.span(), ""))
     });
     refused.collect()

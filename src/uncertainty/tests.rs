@@ -36,6 +36,7 @@ pub(crate) static UNKNOWN: Basis = Basis {
     known_teeth: None,
     rolls: false,
     normal_module_mm: None,
+    addendum_mm: None,
 };
 
 fn part(errors: &[PartDeviation]) -> Part<'_> {

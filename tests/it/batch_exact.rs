@@ -422,7 +422,7 @@ fn uncertainties_cost_nothing_where_nobody_asks() {
     let without = spec.replace(", u = 0.001", "");
     assert!(!plan(Request::default(), &without).expect("it fits").is_uncertain());
     let refused = plan(by_rule, &without).unwrap_err().to_string();
-    assert!(refused.contains("iso14253 needs uncertainties, and the spec gives none"), "{refused}");
+    assert!(refused.contains("iso14253 needs an uncertainty above 0, and the spec gives none"), "{refused}");
 }
 
 /// Gives a chunk of rows at a time, with a pause, as a slow pipe does.

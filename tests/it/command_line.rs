@@ -259,3 +259,19 @@ fn a_pasted_part_is_not_called_as_the_spec_is() {
     let from_input = run(&["paste", &spec, "-f", "json"], "rack_over_roller\t0.01\n").json();
     assert_eq!(from_input["title"], "pasted part", "{from_input}");
 }
+
+#[test]
+fn decimals_beyond_those_of_a_length_are_zeros() {
+    let ended = run(&["calc", "radial", "4um", "--decimals", "99"], "");
+    assert_eq!(ended.stdout, format!("0.004{} mm\n", "0".repeat(96)));
+}
+
+#[test]
+fn a_key_of_a_value_that_is_no_table_is_refused_with_what_to_write() {
+    let spec = "[pair]\nnormal_pressure_angle = 20\n[errors]\nrack_pitch = \"+12 um\"\n";
+    let ended = run(&["eval", "-", "--set", "errors.rack_pitch.extent=each"], spec);
+    let written = "errors.rack_pitch={ value = \"12um\", extent = \"part\" }";
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains(&written.replace("part", "each")), "{}", ended.stderr);
+    assert!(run(&["eval", "-", "--set", written], spec).stderr.is_empty());
+}

@@ -144,3 +144,66 @@ fn a_column_of_arc_minutes_read_as_degrees() {
         assert!(ended.stderr.contains("60° is too much for a lead error"), "{command}: {}", ended.stderr);
     }
 }
+
+/// A pin that rests on tips or on the root has a measure that no rack has.
+#[test]
+fn a_pin_that_flanks_do_not_carry_is_refused() {
+    let calc = |pin: &str| {
+        let options = ["--normal-module", "2", "--pressure-angle", "20", "--datum", "22", "--format", "json"];
+        run(&[&["calc", "over-pin", "--pin", pin][..], &options[..]].concat(), "")
+    };
+    let spec = |measured: &str, roller: &str, addendum: &str| {
+        format!(
+            "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\ndatum = 22\naddendum = {addendum}\n\
+             [errors]\nrack_over_roller = {{ measured = {measured}, roller = {roller} }}\n"
+        )
+    };
+    for (pin, said) in [("40", "40 mm is too large for a pin"), ("1", "1 mm is too small for a pin")] {
+        let ended = calc(pin);
+        assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{pin}");
+        assert!(
+            ended.stderr.contains("error[implausible]: --pin: ") && ended.stderr.contains(said),
+            "{}",
+            ended.stderr
+        );
+        assert!(ended.stderr.contains("one that touches at the reference plane has 3.343 mm"), "{}", ended.stderr);
+        let measured = run(&["measure", "examples/mesh.toml", "--pin", if pin == "1" { "0.5" } else { "12" }], "");
+        assert_eq!((measured.code, measured.stdout.as_str()), (Some(2), ""), "{}", measured.stderr);
+        let ended = run(&["eval", "-"], &spec("24", pin, "2"));
+        assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{}", ended.stderr);
+        assert!(ended.stderr.contains(&format!("`roller`: {said}")), "{}", ended.stderr);
+    }
+    for (pin, is_doubted) in [("2", false), ("4", false), ("5.5", true)] {
+        let ended = calc(pin);
+        assert_eq!(ended.code, Some(0), "{pin}: {}", ended.stderr);
+        assert_eq!(ended.stdout.contains("mm is large for a pin"), is_doubted, "{pin}: {}", ended.stdout);
+    }
+    // touches at 0.85 mm: below the tips of one rack, above those of another
+    for (addendum, code) in [("0.9", 0), ("0.8", 2)] {
+        let ended = run(&["eval", "-"], &spec("25.532", "4", addendum));
+        assert_eq!(ended.code, Some(code), "{addendum}: {}", ended.stderr);
+    }
+}
+
+#[test]
+fn class_doubts_its_options() {
+    let class = |options: &[&str]| {
+        let size =
+            ["class", "--standard", "iso1328-1:1995", "--grade", "7", "--normal-module", "2", "--face-width", "20"];
+        run(&[&size, options].concat(), "")
+    };
+    let ended = class(&["--diameter", "14", "--helix-angle", "0.436", "--pressure-angle", "0.349"]);
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""));
+    assert!(ended.stderr.contains("if that is radians, write 0.349rad"), "{}", ended.stderr);
+    let ended = class(&["--diameter", "14", "--helix-angle", "0.436", "--format", "json"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(notes(&ended).iter().any(|note| note.starts_with("--helix-angle: 0.436° is small")), "{}", ended.stdout);
+    let teeth = ["--tooth-count", "7", "--helix-angle", "25", "--format", "json", "--diameter"];
+    for (diameter, is_doubted) in [("100", true), ("14.9", false), ("18", false)] {
+        let ended = class(&[&teeth[..], &[diameter]].concat());
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let said =
+            notes(&ended).iter().any(|note| note.contains("m_n z / cos β of m_n = 2 mm, z = 7, β = 25° is 15.447 mm"));
+        assert_eq!((said, ended.stderr.contains("warning[implausible]")), (is_doubted, is_doubted), "{}", ended.stdout);
+    }
+}

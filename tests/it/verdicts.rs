@@ -641,3 +641,91 @@ fn a_budget_keeps_its_guard_band() {
     assert!((granted - 0.025).abs() < 1e-6, "{granted}");
     assert!(ended.stdout.contains("limits are narrowed by the guard band"), "{}", ended.stdout);
 }
+
+/// What the virtual machine measures of errors without teeth is the worst placement, and no milder one.
+#[test]
+fn errors_that_are_measured_virtually_are_on_the_worst_teeth() {
+    let folder = Folder::new("verdicts-measure");
+    let (path, table) = (folder.path("spec.toml"), folder.path("rack.csv"));
+    let limit = "[limits]\ncenter_distance = { upper = 0.02 }\n";
+    for pitch in ["{ value = \"12 um\", extent = \"each\" }", "{ value = \"12 um\", extent = \"total\" }"] {
+        let spec = format!("{PAPER}[errors]\nrack_pitch = {pitch}\n{limit}");
+        std::fs::write(&path, &spec).expect("written");
+        let measured = run(&["measure", &path, "--format", "csv"], "");
+        assert_eq!(measured.code, Some(0), "{}", measured.stderr);
+        assert!(
+            measured.stderr.starts_with("note: ") && measured.stderr.contains("worst teeth"),
+            "{}",
+            measured.stderr
+        );
+        std::fs::write(&table, &measured.stdout).expect("written");
+        std::fs::write(&path, format!("{PAPER}{limit}").replace("[rack]\n", "[rack]\nmeasured = \"rack.csv\"\n"))
+            .expect("written");
+        let judged = run(&["eval", &path, "--format", "json"], "");
+        assert_eq!(judged.code, Some(1), "{}", judged.stdout);
+        assert!(range(&judged).1 >= mesh_range(&spec).1 - 1e-6, "{pitch}: {}", judged.stdout);
+        let json = run(&["measure", "-", "--format", "json"], &spec).json();
+        assert!(json["notes"][0].as_str().is_some_and(|note| note.contains("worst teeth")), "{json}");
+        let far = run(&["measure", "-", "--last", "40"], &spec);
+        assert_eq!((far.code, far.stdout.as_str()), (Some(2), ""), "{}", far.stderr);
+    }
+}
+
+/// Of what is no placement nothing is measured.
+#[test]
+fn teeth_that_are_not_told_are_not_measured() {
+    let rolls = format!("{PAPER}[support]\nroll = \"free\"\nroll_axis_depth = 8\n[errors]\nrack_pitch = \"12 um\"\n");
+    let scatter = format!("{PAPER}[scatter]\nrack_pitch = \"4 um\"\n");
+    let beside =
+        format!("{PAPER}[errors]\nrack_pitch = \"12 um\"\n[[pinion.deviation]]\nteeth = 3\nshift = \"5 um\"\n");
+    for spec in [rolls, scatter, beside] {
+        let ended = run(&["measure", "-"], &spec);
+        assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{}", ended.stderr);
+        assert!(ended.stderr.contains("[[rack.deviation]]"), "{}", ended.stderr);
+    }
+}
+
+/// The height of teeth that a lead's range takes for granted is said with where it is from; a given addendum that is higher
+/// counts.
+#[test]
+fn the_height_that_a_lead_is_taken_to_reach_is_said() {
+    let spec = |pair: &str, rack: &str| {
+        format!(
+            "[pair]\nnormal_pressure_angle = 20\n{pair}[rack]\nhelix_angle = 40\nface_width = 8\n{rack}\
+             [errors]\nrack_lead = \"0.6 deg\"\n[limits]\ncenter_distance = {{ upper = 0.18 }}\n"
+        )
+    };
+    for (pair, rack, code, words) in [
+        (
+            "",
+            "",
+            0,
+            "within 2 mm over and under the reference plane, a quarter of the face width, as `pair.normal_module` is not given",
+        ),
+        ("", "addendum = 6\n", 1, "within 6 mm over and under the reference plane, `rack.addendum`"),
+        ("normal_module = 6\n", "", 1, "within 9 mm over and under the reference plane, 1.5 normal modules"),
+    ] {
+        let ended = eval(&spec(pair, rack));
+        let notes = ended.json()["notes"].to_string();
+        assert!(ended.code == Some(code) && notes.contains(words), "{}", ended.stdout);
+    }
+}
+
+/// An uncertainty of 0 widens no limit.
+#[test]
+fn a_rule_needs_an_uncertainty_above_zero() {
+    let spec = "[errors]\nrack_over_roller = { value = \"20 um\", u = 0 }\n[limits]\ncenter_distance = \"±0.05\"\n";
+    let ended = run(&["eval", "-", "--rule", "iso14253"], spec);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("needs an uncertainty above 0, and the spec gives none"), "{}", ended.stderr);
+}
+
+/// A roll axis without a word on whether the rack may roll about it.
+#[test]
+fn a_roll_axis_needs_roll() {
+    let spec = |roll: &str| format!("[support]\nroll_axis_depth = 8\n{roll}[errors]\nrack_over_roller = \"20 um\"\n");
+    let ended = eval(&spec(""));
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{}", ended.stderr);
+    assert!(ended.stderr.contains("add `roll = \"free\"` or `roll = \"fixed\"` below [support]"), "{}", ended.stderr);
+    assert_eq!(eval(&spec("roll = \"fixed\"\n")).code, Some(0));
+}

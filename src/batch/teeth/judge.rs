@@ -62,7 +62,7 @@ impl TeethJudge {
         let given: Vec<_> = spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| of_other.contains(kind)).collect();
         spec.refuse_both_ways(&given)?;
         if rule.needs_uncertainty() && spec.uncertainties.is_empty() {
-            let message = format!("the rule {rule} needs uncertainties, and the spec gives none");
+            let message = format!("the rule {rule} needs an uncertainty above 0, and the spec gives none");
             return Err(Diagnostic::error(Code::BadRule, message)
                 .help("give what was measured one, such as [errors] rack_pitch = { u = \"0.8 um\" }; or the guard band: --rule guard=VALUE")
                 .into());

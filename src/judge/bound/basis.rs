@@ -21,6 +21,8 @@ pub struct Basis {
     pub rolls: bool,
     /// Normal module, if it is known without the geometry, mm.
     pub normal_module_mm: Option<f64>,
+    /// Addendum of the rack, if it is known without the geometry, mm.
+    pub addendum_mm: Option<f64>,
 }
 
 /// What is given of the pair's geometry.

@@ -203,6 +203,26 @@ pub enum NoBound {
     EdgesOnly,
 }
 
+/// What the height is from within which flanks are taken to touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeightFrom {
+    /// A quarter of the face width: the module is not known.
+    FaceWidth,
+    /// 1.5 normal modules.
+    Module,
+    /// The rack's addendum, which is higher than either.
+    Addendum,
+}
+
+/// How far over and under the reference plane flanks are taken to touch, where their height is not known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AssumedHeight {
+    /// The height, mm.
+    pub mm: f64,
+    /// What it is from.
+    pub from: HeightFrom,
+}
+
 /// What a bound rests on, and what would narrow it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -215,8 +235,8 @@ pub enum Note {
     OwnCurveAt(f64),
     /// There is no range without the pair's geometry.
     GeometryNeeded,
-    /// Flanks are taken to touch within this height over and under the reference plane, mm.
-    AssumedHeight(f64),
+    /// Flanks are taken to touch within this height over and under the reference plane.
+    AssumedHeight(AssumedHeight),
     /// In a statistical sum steps are taken to act at every stroke.
     StepsAlwaysAct,
     /// In a statistical sum one step of every pitch is counted, for how many add up is not known.

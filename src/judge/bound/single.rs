@@ -5,13 +5,13 @@ use super::known::{KnownPair, flanks_apart};
 use super::lead::{self, Leads, undercut};
 use super::pitch;
 use super::undercut::UndercutTable;
-use super::{ErrorRange, ExtendedError, Extent, Knowledge, NoBound};
+use super::{AssumedHeight, ErrorRange, ExtendedError, Extent, HeightFrom, Knowledge, NoBound};
 use crate::deviation::Part;
 use crate::mesh::LARGEST_ROLL_RAD;
 use crate::trig;
 
 /// Without geometry flanks are taken to touch within this many modules of the reference plane, or within this share of
-/// the face width.
+/// the face width, or up to the tips of a rack that is higher.
 const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 
@@ -51,7 +51,7 @@ fn of_any_pair(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRang
             range.limited(limit)
         }
         ErrorEffect::RackLead(lines) => {
-            lead::of_any_pair(lead::values_of(value, extent), Some(&lines), assumed_height(&lines, knowledge))
+            lead::of_any_pair(lead::values_of(value, extent), Some(&lines), assumed_height(&lines, knowledge).mm)
         }
         ErrorEffect::PinionLead { gain } => lead::of_any_pair(lead::values_of(gain * value, extent), None, 0.0),
     })
@@ -148,13 +148,18 @@ pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
 fn of_signed_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     let range = match knowledge.pair {
         Some(known) => leads.of_pair(known),
-        None => leads.of_any_pair(leads.lines.as_ref().map_or(0.0, |lines| assumed_height(lines, knowledge))),
+        None => leads.of_any_pair(leads.lines.as_ref().map_or(0.0, |lines| assumed_height(lines, knowledge).mm)),
     };
     supported(range, knowledge).ordered()
 }
 
-pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> f64 {
-    knowledge.basis.normal_module_mm.map_or(SHARE_OF_WIDTH_HIGH * lines.face_width, |module| MODULES_HIGH * module)
+pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> AssumedHeight {
+    let assumed = match knowledge.basis.normal_module_mm {
+        Some(module) => AssumedHeight { mm: MODULES_HIGH * module, from: HeightFrom::Module },
+        None => AssumedHeight { mm: SHARE_OF_WIDTH_HIGH * lines.face_width, from: HeightFrom::FaceWidth },
+    };
+    let higher = knowledge.basis.addendum_mm.filter(|addendum| *addendum > assumed.mm);
+    higher.map_or(assumed, |mm| AssumedHeight { mm, from: HeightFrom::Addendum })
 }
 
 /// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.

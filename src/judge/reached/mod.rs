@@ -17,6 +17,7 @@ mod sketch;
 mod tests;
 
 pub use placed::ReachedError;
+pub(crate) use placed::TEETH;
 pub use seat::Run;
 
 use super::bound::{ExtendedError, GivenPair};

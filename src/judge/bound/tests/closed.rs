@@ -5,8 +5,8 @@ use crate::deviation::DeviationKind;
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
-    Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, GivenGeometry, GivenPair, Knowledge, KnownPairs,
-    KnownTeeth, NoBound, Note, Range, moments::moments, sum::bound,
+    AssumedHeight, Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, GivenGeometry, GivenPair,
+    HeightFrom, Knowledge, KnownPairs, KnownTeeth, NoBound, Note, Range, moments::moments, sum::bound,
 };
 use crate::mesh::Support;
 use crate::quantity::{Angle, Length};
@@ -194,12 +194,19 @@ fn a_total_deviation_counts_on_both_flank_sides() {
 fn what_would_narrow_a_range_is_said() {
     let pair = spur();
     let notes = unknown(&[error(&pair, 1, Extent::One, 0.02), error(&pair, 2, Extent::All, 0.001)]).notes;
-    let expected =
-        [Note::OwnCurveAt(0.0), Note::GeometryNarrows, Note::BothFlanksNarrows, Note::AssumedHeight(0.25 * 20.0)];
+    let expected = [
+        Note::OwnCurveAt(0.0),
+        Note::GeometryNarrows,
+        Note::BothFlanksNarrows,
+        Note::AssumedHeight(AssumedHeight { mm: 0.25 * 20.0, from: HeightFrom::FaceWidth }),
+    ];
     assert_eq!(notes, expected);
     let with_module = Basis { normal_module_mm: Some(2.0), ..Basis::default() };
     let notes = with_module.bound(&[error(&pair, 2, Extent::All, 0.001)]).notes;
-    assert!(notes.contains(&Note::AssumedHeight(3.0)));
+    assert!(notes.contains(&Note::AssumedHeight(AssumedHeight { mm: 3.0, from: HeightFrom::Module })));
+    let with_addendum = Basis { addendum_mm: Some(6.0), ..with_module };
+    let notes = with_addendum.bound(&[error(&pair, 2, Extent::All, 0.001)]).notes;
+    assert!(notes.contains(&Note::AssumedHeight(AssumedHeight { mm: 6.0, from: HeightFrom::Addendum })));
     assert_eq!(of(pair, &[error(&pair, 4, Extent::Each, 0.02)]).notes, [Note::WholeTeeth]);
 }
 
