@@ -79,7 +79,7 @@ impl Sorted {
 
 /// A line of words and numbers as a name and its values.
 fn labelled(aside: &AsideReading) -> Option<Unknown> {
-    let record = uncounted(records(&aside.text, Separator::Blanks).ok()?.first()?);
+    let record = uncounted(records(&aside.text, Separator::Blanks).first()?);
     named_values(&record.cells, aside.line)
 }
 

@@ -2,13 +2,11 @@
 
 use std::ops::Range;
 
-use super::headings::{headings, known};
+use super::headings::{headings, known, names_value};
 use super::{NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{
-    Role, heading, is_context, is_evaluation_length, is_statistic, names_value, role, split_unit,
-};
+use crate::table::names::{Role, heading, is_context, is_evaluation_length, is_statistic, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -64,7 +62,7 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
 /// Cells as a header, if they name a value.
 fn header(record: usize, rows: usize, cells: Vec<Cell>, want: &Want) -> Option<Header> {
     let known = known(&cells, want);
-    cells.iter().any(|cell| names_value(&cell.text(), &want.own)).then_some(Header { record, rows, cells, known })
+    cells.iter().any(|cell| names_value(cell, want)).then_some(Header { record, rows, cells, known })
 }
 
 /// A heading that goes on in the record below it.
@@ -200,7 +198,7 @@ pub(super) fn by_header(
         }
     }
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
-        measurement.beside.set(Role::Length, lengths.clone());
+        measurement.beside.length.clone_from(&lengths);
     }
     shape.take_units_before();
     shape.take_units_beside();
