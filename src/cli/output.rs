@@ -31,13 +31,13 @@ pub(super) enum Status {
 }
 
 impl Status {
-    /// Of several, the one that counts most: what was ended early, then what could not be judged, then what failed.
+    /// Of several, the one that counts most: what was ended early, then what failed, then what could not be judged.
     pub(super) fn severity(self) -> u8 {
         match self {
             Self::Pass => 0,
             Self::Indeterminate => 1,
-            Self::Fail => 2,
-            Self::Undecided => 3,
+            Self::Undecided => 2,
+            Self::Fail => 3,
             Self::Interrupted(_) => 4,
         }
     }
