@@ -299,6 +299,9 @@ impl Column {
 
     /// Whether a row that is called by a mean or an extreme of the others lies beyond them, mm or degrees.
     pub(crate) fn is_beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: [f64; 2]) -> bool {
+        // of deviations, it may be that without signs
+        let largest = others[0].abs().max(others[1].abs());
+        let others = if self.nominal == Nominal::None { [-largest, largest] } else { others };
         let Ok(Some(value)) = self.read(cell, beside) else { return false };
         let (digit, value) = (self.digit(cell, self.unit).max(SMALLEST_DIGIT), value.base());
         value < others[0] - digit || value > others[1] + digit

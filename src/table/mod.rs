@@ -282,10 +282,11 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
 
 /// Uncertainties that stand beside values, or behind them.
 fn uncertainties(measurement: &Measurement) -> Vec<Unknown> {
-    let behind = measurement.value.cells.iter().filter(|cell| cell.text().contains(['±'])).cloned().collect();
+    let behind: Vec<_> = measurement.value.cells.iter().filter(|cell| cell.text().contains(['±'])).cloned().collect();
+    let behind = (!behind.is_empty()).then(|| Unknown::column("±", measurement.value.place, behind));
     let beside = measurement.beside.uncertainty.iter();
     let beside = beside.map(|series| Unknown::column(&series.title, series.place, series.cells.clone()));
-    beside.chain([Unknown::column("±", measurement.value.place, behind)]).map(Unknown::uncertainty).collect()
+    beside.chain(behind).map(Unknown::uncertainty).collect()
 }
 
 fn named_only(title: &str, role: &str) -> ColumnReading {

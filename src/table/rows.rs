@@ -341,7 +341,8 @@ impl Rows {
         }
         let (width, is_even) = (self.setup.titles.len(), self.setup.is_even);
         // beside a sheet's table, words are remarks and numbers are values
-        let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { cell.is_number() };
+        let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
+        let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { is_value(cell) };
         let is_wrong = record.cells.iter().skip(width).any(is_beyond) || is_even && record.cells.len() < width;
         is_wrong.then(|| format!("the row has {} fields and the header has {width}", record.cells.len()))
     }

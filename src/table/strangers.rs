@@ -9,8 +9,8 @@ use super::grid::{Separator, records};
 use super::names::{Field, Role, is_context, is_statistic, near, role, split_unit};
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, has_digit, is_part_name, uncounted};
-use super::unknown::{UNCERTAINTY, Unknown};
-use super::want::Want;
+use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
+use super::want::{Orientation, Want};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
@@ -43,8 +43,21 @@ pub(crate) struct Sorted {
 /// Sorts what a table has besides its measurements. `complete` tells that every error of the spec is found.
 pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, complete: bool) -> Sorted {
     let mut sorted = Sorted::default();
+    // a number above the names that no column can hold is none of a row
+    let is_value = |cell: &Cell| columns.iter().any(|column| column.may_hold(cell));
+    let is_title = |unknown: &Unknown| {
+        unknown.column.is_none()
+            && shape.orientation == Orientation::Rows
+            && !columns.is_empty()
+            && !shape.header.is_empty()
+            && !unknown.cells.iter().any(is_value)
+    };
     for unknown in &shape.unknown {
-        sorted.take(file, unknown, want, complete);
+        if is_title(unknown) {
+            sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
+        } else {
+            sorted.take(file, unknown, want, complete);
+        }
     }
     let names = shape.part_names();
     for aside in &shape.asides {
@@ -106,14 +119,22 @@ pub(crate) fn value_in(
     }
     let text = aside.text.replace(['|', ';', '\t'], " ");
     let record = uncounted(records(&text, Separator::Blanks).first()?);
+    let cells: Vec<Cell> = without_foreign(&record.cells).cloned().collect();
     let is_row = width > 1 && record.cells.len() == width && record.cells.iter().all(Cell::is_number);
-    let found = named_values(&record.cells, aside.line)?;
+    let found = named_values(&cells, aside.line)?;
     let found = if is_row { found.measured(true) } else { found };
     let is_name = found.title.is_empty() || names.is_none_or(|names| names.may_have(&found.title));
     let is_value = |cell: &Cell| columns.iter().any(|column| has_decimals(cell) && column.may_hold(cell));
     let may_be =
         || is_name && !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
+}
+
+/// Cells without numbers in units that are none of lengths or angles: `20,3 °C`.
+fn without_foreign(cells: &[Cell]) -> impl Iterator<Item = &Cell> {
+    let is_unit = |cell: &Cell| is_foreign_unit(&cell.text()) && !matches!(&*cell.text(), "-" | "1");
+    let is_other = move |at: usize| cells[at].is_number() && cells.get(at + 1).is_some_and(is_unit);
+    (0..cells.len()).filter(move |at| !is_other(*at)).map(|at| &cells[at])
 }
 
 /// Whether a cell is a number with decimals, and no date: `25,060`, and not `12.03.`.

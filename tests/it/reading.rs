@@ -349,8 +349,10 @@ fn with_second_sheet(folder: &Folder, other: &[&[&str]]) -> String {
 #[test]
 fn numbers_on_another_sheet_count() {
     let folder = Folder::new("sheets");
-    let spec = folder
-        .file("s.toml", b"[errors]\nrack_over_roller = { nominal = 25 }\n[limits]\ncenter_distance = { lower = -0.03, upper = 0.03 }\n");
+    let spec = folder.file(
+        "s.toml",
+        b"[errors]\nrack_over_roller = { nominal = 25 }\n[limits]\ncenter_distance = { lower = -0.03, upper = 0.03 }\n",
+    );
     let others: [(&[&[&str]], i32); 7] = [
         (&[&["B", "25,060 mm"]], 2),
         (&[&["Serial", "Value"], &["B", "25.06"]], 2),

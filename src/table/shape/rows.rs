@@ -7,7 +7,7 @@ use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
 use crate::table::names::{Field, Role, heading, is_context, is_evaluation_length, is_statistic, role, split_unit};
-use crate::table::unknown::Unknown;
+use crate::table::unknown::{Unknown, speaks_of_value};
 use crate::table::want::{Orientation, Want};
 
 pub(super) struct Header {
@@ -243,6 +243,8 @@ pub(super) fn by_header(
             shape.unknown.push(Unknown { unit: unit_of(place), ..unknown });
         }
     }
+    let beside = width..rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
+    shape.unknown.extend(beside.filter_map(|place| remarks(place, column(place))));
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
         measurement.beside.length.clone_from(&lengths);
     }
@@ -254,6 +256,12 @@ pub(super) fn by_header(
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
     Ok(shape)
+}
+
+/// A column without a heading beside the table, if there are only remarks in it: a row with a value there is rejected.
+fn remarks(place: usize, cells: Vec<Cell>) -> Option<Unknown> {
+    let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
+    (!cells.iter().any(is_value)).then(|| Unknown::column("", place, cells))
 }
 
 /// Whether a row between blanks lacks a cell in front of one that it has: that one stands below another heading than its
@@ -327,9 +335,10 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator, id: usize) 
     for (index, record) in below.iter().enumerate().skip(end) {
         let follows = end == index && record.line == below[index - 1].line + 1;
         let first = record.cells.get(id).or(record.cells.first()).map(Cell::text).unwrap_or_default();
-        if is_part(record, &first, width, words, follows)
-            || names.may_have(&first) && (follows || record.cells.len() == width)
-        {
+        // a row of a sheet ends with its last cell
+        let is_sheet = record.cells.iter().all(|cell| cell.span.is_empty());
+        let is_whole = record.cells.len() == width || is_sheet && record.numbers() == 0;
+        if is_part(record, &first, width, words, follows) || names.may_have(&first) && (follows || is_whole) {
             end = index + 1;
         }
     }

@@ -233,18 +233,21 @@ fn a_formula_without_a_result_is_no_empty_cell_and_a_chart_no_sheet() {
     const SHEETS: &str = "<workbook><sheets><sheet name=\"Bild\" sheetId=\"1\" r:id=\"r1\"/><sheet name=\"Lot\" sheetId=\"2\" \
                           r:id=\"r2\"/></sheets></workbook>";
     const TYPE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    let root = format!(
+        "<Relationships><Relationship Id=\"r0\" Type=\"{TYPE}/officeDocument\" Target=\"xl/workbook.xml\"/></Relationships>"
+    );
     let relations = format!(
         "<Relationships><Relationship Id=\"r1\" Type=\"{TYPE}/chartsheet\" Target=\"chartsheets/sheet1.xml\"/>\
          <Relationship Id=\"r2\" Type=\"{TYPE}/worksheet\" Target=\"worksheets/sheet1.xml\"/></Relationships>"
     );
     let book = of_parts(&[
+        ("_rels/.rels", &root),
         ("xl/workbook.xml", SHEETS),
         ("xl/_rels/workbook.xml.rels", &relations),
         ("xl/chartsheets/sheet1.xml", "<chartsheet><drawing/></chartsheet>"),
         ("xl/worksheets/sheet1.xml", CELLS),
     ]);
-    let expected =
-        ["lot.xlsx, sheet `Lot`: Teil|rack_over_roller [mm]", "2: A|0.0025 mm", "3: B|", "4: C|0.001 mm"];
+    let expected = ["lot.xlsx, sheet `Lot`: Teil|rack_over_roller [mm]", "2: A|0.0025 mm", "3: B|", "4: C|0.001 mm"];
     assert_eq!(rows(&book, None, "").unwrap(), expected);
     let book = Workbook::open("lot.xlsx", book).expect("a workbook");
     assert_eq!(book.sheets(), ["Lot"]);
