@@ -22,10 +22,10 @@ pub(super) enum Status {
     Pass,
     /// It was judged, and the decision rule proves neither conformity nor non-conformity.
     Indeterminate,
-    /// Outside the limits.
-    Fail,
     /// There is a result, but it could not be judged.
     Undecided,
+    /// Outside the limits.
+    Fail,
     /// A signal ended it early, with the exit code that belongs to the signal: what is shown is incomplete.
     Interrupted(u8),
 }

@@ -122,6 +122,7 @@ impl Args {
 
     fn open(&self, spec: &Arc<Spec>, interruption: &Interruption, output: &mut Output) -> Result<Opened, Failure> {
         let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
+        let opener = opener.judged_by(&self.judge.rule(spec));
         if let Some(path) = self.file.as_deref().filter(|path| *path != "-") {
             return opener.open(path);
         }
@@ -216,7 +217,9 @@ impl Args {
         for target in unjudged(&rows).into_iter().filter(|target| lacks(*target)) {
             output.diagnostic(&eval::unjudged(&read.spec, target));
         }
-        let status = rows.iter().map(|row| part_status(row.evaluation.as_ref())).max();
+        let judged: Option<Vec<_>> = rows.iter().map(|row| row.evaluation.as_ref()).collect();
+        // a part without values counts more than one that fails
+        let status = judged.and_then(|parts| parts.iter().map(|part| Status::of(part.verdict, &part.limits)).max());
         let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
         let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
         let cells = of_all.rows();
@@ -429,10 +432,6 @@ fn unjudged_teeth(missing: &[&str]) -> Diagnostic {
         format!("teeth are judged by their exact mesh, for which {missing} is missing"),
     )
     .help("what the formulas say of single teeth is no range of all together")
-}
-
-fn part_status(evaluation: Option<&Evaluation>) -> Status {
-    evaluation.map_or(Status::Undecided, |part| Status::of(part.verdict, &part.limits))
 }
 
 fn unjudged(rows: &[PartRow]) -> Vec<LimitTarget> {

@@ -10,6 +10,7 @@ use super::{stream, target};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
+use crate::judge::Rule;
 use crate::report;
 use crate::spec::Spec;
 use crate::table::{
@@ -88,6 +89,8 @@ pub(super) struct Opener<'a> {
     pub(super) teeth: Option<bool>,
     /// Whether tables are shown and not evaluated.
     pub(super) only_shown: bool,
+    /// Whether parts are judged by the uncertainties of their values.
+    pub(super) by_uncertainty: bool,
 }
 
 /// The files of a run, all of them looked at.
@@ -125,11 +128,17 @@ impl ReadArgs {
 impl<'a> Opener<'a> {
     /// Of tables that are evaluated.
     pub(super) fn new(how: &'a ReadArgs, spec: &Arc<Spec>, model: Model, stop: &'a Arc<AtomicBool>) -> Self {
-        Self { how, spec: Arc::clone(spec), model, stop, teeth: None, only_shown: false }
+        Self { how, spec: Arc::clone(spec), model, stop, teeth: None, only_shown: false, by_uncertainty: false }
+    }
+
+    /// Of tables whose parts are judged by a rule.
+    pub(super) fn judged_by(self, rule: &Rule) -> Self {
+        Self { by_uncertainty: rule.needs_uncertainty(), ..self }
     }
 
     fn want(&self, spec: &Spec) -> Result<Want, Failure> {
-        Ok(Want { teeth: self.teeth, only_shown: self.only_shown, ..self.how.want(spec)? })
+        let (teeth, only_shown, by_uncertainty) = (self.teeth, self.only_shown, self.by_uncertainty);
+        Ok(Want { by_uncertainty, only_shown, teeth, ..self.how.want(spec)? })
     }
 
     /// A file as a table.

@@ -184,6 +184,7 @@ impl Spec {
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
             decimal: self.batch.decimal,
             others_ignored: self.batch.others_ignored,
+            by_uncertainty: self.get(keys::DECISION_RULE).is_some_and(|rule| rule.needs_uncertainty()),
             ..Want::default()
         }
     }

@@ -17,7 +17,8 @@ pub(crate) enum Content {
     Text(String),
     /// A number that its file holds as one, taken as its shortest decimal.
     Number(Decimal),
-    /// A date, a time, or true and false: no measured value, as a message shows it.
+    /// A date, a time, or true and false: no measured value, as a message shows it. A formula without a result begins
+    /// with `=`.
     Other(String),
 }
 
@@ -29,7 +30,10 @@ impl Content {
 
     /// A text without the blanks around it; nothing if there is no more to it.
     pub(crate) fn of_text(text: &str) -> Self {
-        match text.trim() {
+        let text = text.trim();
+        // as spreadsheets write a number that is to stay text: ="25.060"
+        let bare = text.strip_prefix("=\"").and_then(|text| text.strip_suffix('"'));
+        match bare.filter(|text| !text.contains('"')).map_or(text, str::trim) {
             "" => Self::Empty,
             text => Self::Text(text.to_owned()),
         }
@@ -119,6 +123,8 @@ impl Cell {
             Content::Text(text) if text.starts_with("1/") && Unit::from_symbol(text.trim()).is_some() => Marks::None,
             Content::Text(text) => marks(text),
             Content::Number(_) => Marks::Same,
+            // nobody knows what a formula without a result is: it may be a number
+            Content::Other(text) if text.starts_with('=') => Marks::Same,
             Content::Empty | Content::Other(_) => Marks::None,
         }
     }
@@ -193,5 +199,6 @@ mod tests {
         }
         assert_eq!(Content::of_text(" \u{a0}"), Content::Empty);
         assert_eq!(Content::of_text(" a b "), Content::Text("a b".to_owned()));
+        assert_eq!(Content::of_text("=\"25.060\""), Content::Text("25.060".to_owned()));
     }
 }

@@ -41,7 +41,7 @@ pub(crate) enum Stated<T> {
 pub(crate) type Nominal = Stated<DeviationValue>;
 
 /// A tenth of a micrometre is no contradiction, mm.
-const SMALLEST_DIGIT: f64 = 1e-4;
+pub(crate) const SMALLEST_DIGIT: f64 = 1e-4;
 
 /// One column of values.
 #[derive(Debug, Clone)]
@@ -285,6 +285,28 @@ impl Column {
         self.checked(cell, deviation, &beside).map(Some)
     }
 
+    /// Whether a number may be one of its values: its unit is none of others, and it is not far from nominal.
+    pub(crate) fn may_hold(&self, cell: &Cell) -> bool {
+        let unit = unit_in(&cell.text()).is_none_or(|unit| unit_of(&unit, self.field.is_angle()).is_some());
+        let is_near = |mark: DecimalMark| {
+            let column = Self { mark, mark_is_open: false, ..self.clone() };
+            let problem = column.read(cell, Companions::default()).err();
+            let is_read = normalise(&cell.text(), mark).is_some();
+            is_read && !matches!(problem, Some(Problem::Far(_) | Problem::TooLarge(_)))
+        };
+        unit && DecimalMark::ALL.into_iter().any(is_near)
+    }
+
+    /// Whether a row that is called by a mean or an extreme of the others lies beyond them, mm or degrees.
+    pub(crate) fn is_beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: [f64; 2]) -> bool {
+        // of deviations, it may be that without signs
+        let largest = others[0].abs().max(others[1].abs());
+        let others = if self.nominal == Nominal::None { [-largest, largest] } else { others };
+        let Ok(Some(value)) = self.read(cell, beside) else { return false };
+        let (digit, value) = (self.digit(cell, self.unit).max(SMALLEST_DIGIT), value.base());
+        value < others[0] - digit || value > others[1] + digit
+    }
+
     /// A measured value less its nominal one, if they are near each other.
     fn less(&self, value: DeviationValue, nominal: DeviationValue) -> Result<DeviationValue, Problem> {
         let deviation = value.less(nominal);
@@ -332,6 +354,10 @@ impl Column {
         match &cell.content {
             Content::Number(number) => quantity(*number, unit).map_err(|error| Problem::Bad(error.to_string())),
             Content::Text(text) => self.quantity_of_text(text, cell.is_measure(), unit),
+            Content::Other(text) if text.starts_with('=') => Err(Problem::Bad(format!(
+                "`{}` is a formula without a result: open the file in a spreadsheet program and save it",
+                shown(text)
+            ))),
             Content::Other(text) => Err(Problem::Bad(format!("`{}` is not a number", shown(text)))),
             Content::Empty => Err(Problem::Bad("the cell is empty".to_owned())),
         }
@@ -448,11 +474,18 @@ impl Column {
             return self.stated.ok_or_else(|| Problem::Bad("there is no nominal value beside it".to_owned()));
         };
         match self.stated {
-            Some(stated) if stated != nominal => {
+            Some(stated) if !self.agrees(stated, nominal, cell) => {
                 Err(Problem::Bad(format!("the nominal value is {nominal} in the table and {stated} in the spec")))
             }
-            _ => Ok(nominal),
+            Some(stated) => Ok(stated),
+            None => Ok(nominal),
         }
+    }
+
+    /// Whether the nominal values of the spec and of a cell are the same but for the cell's last digit.
+    fn agrees(&self, stated: DeviationValue, nominal: DeviationValue, cell: Option<&Cell>) -> bool {
+        let half = self.digit_beside(cell, self.beside.nominal).map_or(0.0, |digit| SMALLEST_DIGIT.min(digit / 2.0));
+        stated == nominal || (stated.base() - nominal.base()).abs() <= half
     }
 
     /// Whether what is read of a space or tooth are deviations.

@@ -97,6 +97,7 @@ use crate::quantity::{Unit, shown};
 use column::{Stated, UnitFrom};
 use shape::Measurement;
 use understand::Understood;
+use unknown::Unknown;
 
 /// A table whose columns are found, and whose rows are still to be read.
 pub struct Table {
@@ -130,7 +131,7 @@ impl Table {
         let found = |kind: &DeviationKind| understood.columns.iter().any(|column| column.kind == Some(*kind));
         let missing: Vec<_> = want.expected.iter().copied().filter(|kind| !found(kind)).collect();
         let is_complete = !want.expected.is_empty() && missing.is_empty();
-        let sorted = strangers::sort(name, shape, want, is_complete);
+        let mut sorted = strangers::sort(name, shape, &understood.columns, want, is_complete);
         let mut reading = Reading {
             file: name.to_owned(),
             format,
@@ -139,8 +140,6 @@ impl Table {
             decimal_mark: understood.mark.map(DecimalMark::word),
             parts_in: shape.orientation.word(),
             header_line: shape.header_line,
-            not_used: sorted.not_used,
-            asides: sorted.asides,
             unit_counted: "part",
             ..Reading::default()
         };
@@ -152,13 +151,18 @@ impl Table {
             reading.notes.extend(doubts(name, measurement, column));
             reading.columns.push(column_reading(column));
             reading.columns.extend(companions(measurement, column.checks_deviation()));
-            if let Some(uncertainty) = &measurement.beside.uncertainty {
+            if want.by_uncertainty {
+                for unknown in uncertainties(measurement) {
+                    sorted.take(name, &unknown, want, is_complete);
+                }
+            } else if let Some(uncertainty) = &measurement.beside.uncertainty {
                 reading.notes.push(format!(
                     "{name}: `{}` is an uncertainty, and is not used: uncertainties stand in the spec",
                     uncertainty.title
                 ));
             }
         }
+        (reading.not_used, reading.asides) = (sorted.not_used, sorted.asides);
         if understood.is_teeth {
             reading.unit_counted =
                 if teeth::is_rack(&understood.columns, shape.index_field) { "space" } else { "tooth" };
@@ -274,6 +278,15 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
         ));
     }
     notes
+}
+
+/// Uncertainties that stand beside values, or behind them.
+fn uncertainties(measurement: &Measurement) -> Vec<Unknown> {
+    let behind: Vec<_> = measurement.value.cells.iter().filter(|cell| cell.text().contains(['±'])).cloned().collect();
+    let behind = (!behind.is_empty()).then(|| Unknown::column("±", measurement.value.place, behind));
+    let beside = measurement.beside.uncertainty.iter();
+    let beside = beside.map(|series| Unknown::column(&series.title, series.place, series.cells.clone()));
+    beside.chain(behind).map(Unknown::uncertainty).collect()
 }
 
 fn named_only(title: &str, role: &str) -> ColumnReading {

@@ -204,7 +204,7 @@ pub(crate) enum Marks {
     Differ,
 }
 
-/// The same for what most cells are: digits, with one mark or none and not three digits behind it.
+/// The same for what most cells are: digits, with one mark or none.
 fn plain_marks(cell: &[u8]) -> Option<Marks> {
     const LONGEST: usize = 18;
     let digits = cell.strip_prefix(b"-").unwrap_or(cell);
@@ -213,8 +213,13 @@ fn plain_marks(cell: &[u8]) -> Option<Marks> {
         return (digits.len() <= LONGEST && is_number(digits)).then_some(Marks::Same);
     };
     let (whole, decimals) = (&digits[..mark], &digits[mark + 1..]);
-    let is_plain = digits.len() <= LONGEST && is_number(whole) && is_number(decimals) && decimals.len() != 3;
-    is_plain.then_some(Marks::Only(if digits[mark] == b'.' { DecimalMark::Point } else { DecimalMark::Comma }))
+    if digits.len() > LONGEST || !is_number(whole) || !is_number(decimals) {
+        return None;
+    }
+    if decimals.len() == 3 && whole.len() <= 3 && whole[0] != b'0' {
+        return Some(Marks::Differ);
+    }
+    Some(Marks::Only(if digits[mark] == b'.' { DecimalMark::Point } else { DecimalMark::Comma }))
 }
 
 /// How a cell can be read.

@@ -16,8 +16,11 @@ use super::encoding::text;
 use super::grid::is_unit;
 use super::names::{Role, heading, is_context, is_statistic, is_value_heading, role};
 use super::reading::AsideReading;
-use super::shape::has_digit;
+use super::shape::{PartNames, has_digit};
 use super::split::{Field, next_record};
+use super::strangers::value_in;
+use super::unknown::speaks_of_value;
+use super::want::Want;
 use crate::deviation::DeviationValue;
 use crate::quantity::{Decimal, Length, shown};
 
@@ -71,6 +74,9 @@ pub(crate) struct Setup {
     pub(crate) is_even: bool,
     /// The fields that hold no numbers as far as the table was looked at, and would be measurements if they did.
     pub(crate) watched: Vec<usize>,
+    pub(crate) names: PartNames,
+    /// What the user leaves out.
+    pub(crate) want: Want,
 }
 
 /// What is wanted of rows besides their values.
@@ -218,7 +224,7 @@ impl Rows {
                     at += 1;
                 }
                 if matches!(field, PlainField::Id) {
-                    if may_be_statistic(&bytes[start..at]) {
+                    if may_be_statistic(&bytes[start..at]) || bytes[start..at].first() == Some(&b'=') {
                         return None;
                     }
                     names.push(Span { start: span_end(start), end: span_end(at) });
@@ -310,8 +316,14 @@ impl Rows {
             let message = format!("the units change: {}", record.in_words());
             return Some(Contradiction { line, column, message, help: "write every table with one unit by itself" });
         }
-        let is_number = |place: &&usize| record.cells.get(**place).is_some_and(Cell::is_number);
-        if let Some(watched) = self.setup.watched.iter().find(is_number) {
+        let is_value = |place: &&usize| {
+            let is_nameless = self.setup.titles.get(**place).is_some_and(String::is_empty);
+            record
+                .cells
+                .get(**place)
+                .is_some_and(|cell| cell.is_number() || is_nameless && speaks_of_value(&cell.text()))
+        };
+        if let Some(watched) = self.setup.watched.iter().find(is_value) {
             return Some(Contradiction {
                 line,
                 column: self.setup.titles.get(*watched).cloned().unwrap_or_default(),
@@ -329,7 +341,8 @@ impl Rows {
         }
         let (width, is_even) = (self.setup.titles.len(), self.setup.is_even);
         // beside a sheet's table, words are remarks and numbers are values
-        let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { cell.is_number() };
+        let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
+        let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { is_value(cell) };
         let is_wrong = record.cells.iter().skip(width).any(is_beyond) || is_even && record.cells.len() < width;
         is_wrong.then(|| format!("the row has {} fields and the header has {width}", record.cells.len()))
     }
@@ -417,9 +430,23 @@ impl Rows {
         let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
         let is_words = !self.setup.is_even && !has_numbers && record.cells.len() != self.setup.titles.len();
-        name.as_ref().is_some_and(|name| is_of_parts(name))
-            || is_words && !name.as_ref().is_some_and(|name| is_part(name))
+        let is_part = |name: &str| is_part(name) || self.setup.names.may_have(name);
+        let is_counted = || {
+            self.setup
+                .id
+                .zip(self.setup.index)
+                .and_then(|(_, index)| record.cells.get(index)?.text().parse::<i64>().ok())
+        };
+        name.as_ref().is_some_and(|name| is_of_parts(name)) && is_counted().is_none()
+            || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || is_units(record)))
+    }
+
+    /// Whether a line of words holds what may be a value.
+    fn holds_value(&self, record: &Record) -> bool {
+        let aside = AsideReading { line: record.line, text: record.in_words() };
+        value_in(&aside, self.setup.titles.len(), &self.setup.columns, None)
+            .is_some_and(|unknown| !self.setup.want.ignores(&unknown.title))
     }
 
     /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.

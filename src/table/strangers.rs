@@ -4,12 +4,13 @@
 use serde::Serialize;
 
 use super::cell::Cell;
+use super::column::Column;
 use super::grid::{Separator, records};
-use super::names::{Field, Role, is_context, near, role, split_unit};
+use super::names::{Field, Role, is_context, is_statistic, near, role, split_unit};
 use super::reading::{AsideReading, NotUsed};
-use super::shape::{Shape, has_digit, is_part_name, uncounted};
-use super::unknown::Unknown;
-use super::want::Want;
+use super::shape::{PartNames, Shape, has_digit, is_part_name, uncounted};
+use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
+use super::want::{Orientation, Want};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
@@ -40,33 +41,60 @@ pub(crate) struct Sorted {
 }
 
 /// Sorts what a table has besides its measurements. `complete` tells that every error of the spec is found.
-pub(crate) fn sort(file: &str, shape: &Shape, want: &Want, complete: bool) -> Sorted {
+pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, complete: bool) -> Sorted {
     let mut sorted = Sorted::default();
+    // a number above the names that no column can hold is none of a row
+    let is_value = |cell: &Cell| columns.iter().any(|column| column.may_hold(cell));
+    let is_title = |unknown: &Unknown| {
+        unknown.column.is_none()
+            && shape.orientation == Orientation::Rows
+            && !columns.is_empty()
+            && !shape.header.is_empty()
+            && !unknown.cells.iter().any(is_value)
+    };
     for unknown in &shape.unknown {
-        sorted.take(file, unknown, want, complete);
+        if is_title(unknown) {
+            sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
+        } else {
+            sorted.take(file, unknown, want, complete);
+        }
     }
+    let names = shape.part_names();
     for aside in &shape.asides {
-        match labelled(aside) {
-            Some(unknown) if unknown.could_be_measured() || want.ignores(&unknown.title) => {
-                sorted.take(file, &unknown, want, complete);
-            }
-            _ => sorted.asides.push(aside.clone()),
+        // above the names stand titles; only what has the name of a part there is a row
+        let is_above = Some(aside.line) < shape.header_line;
+        let names = Some(&names).filter(|_| is_above);
+        match value_in(aside, shape.header.len(), columns, names) {
+            Some(unknown) => sorted.take(file, &unknown, want, complete),
+            None => sorted.asides.push(aside.clone()),
         }
     }
     sorted
 }
 
+/// The same of a single one.
+pub(crate) fn sort_one(file: &str, unknown: &Unknown, want: &Want, complete: bool) -> Vec<Stranger> {
+    let mut sorted = Sorted::default();
+    sorted.take(file, unknown, want, complete);
+    sorted.strangers
+}
+
 impl Sorted {
-    fn take(&mut self, file: &str, unknown: &Unknown, want: &Want, complete: bool) {
+    pub(crate) fn take(&mut self, file: &str, unknown: &Unknown, want: &Want, complete: bool) {
         let title = &unknown.title;
         let not_used =
             |why| NotUsed { title: if title.is_empty() { unknown.place.clone() } else { title.clone() }, why };
         if want.ignores(title) {
             self.not_used.push(not_used("ignored by the user"));
+        } else if role(title) == Some(Role::Uncertainty)
+            && want.by_uncertainty
+            && unknown.cells.iter().any(Cell::is_number)
+        {
+            self.strangers.push(stranger(file, &unknown.clone().uncertainty()));
         } else if role(title) == Some(Role::Uncertainty) {
             self.not_used.push(not_used("an uncertainty: those that count stand in the spec"));
         } else if !unknown.could_be_measured() {
-            if !title.is_empty() || unknown.cells.iter().any(Cell::is_number) {
+            if !title.is_empty() || unknown.cells.iter().any(|cell| !cell.is_missing()) {
                 self.not_used.push(not_used("no measurement"));
             }
         } else if want.others_ignored && complete {
@@ -77,10 +105,43 @@ impl Sorted {
     }
 }
 
-/// A line of words and numbers as a name and its values.
-fn labelled(aside: &AsideReading) -> Option<Unknown> {
-    let record = uncounted(records(&aside.text, Separator::Blanks).first()?);
-    named_values(&record.cells, aside.line)
+/// What of a line that is no part of the table may be a measured value: what has the name or the unit of one, a number
+/// with decimals that may be one of the columns', or as many numbers as a row has. Statistics and tolerances are none; where
+/// `names` are given, a number stands alone or behind a name like them.
+pub(crate) fn value_in(
+    aside: &AsideReading,
+    width: usize,
+    columns: &[Column],
+    names: Option<&PartNames>,
+) -> Option<Unknown> {
+    if !has_digit(&aside.text) {
+        return None;
+    }
+    let text = aside.text.replace(['|', ';', '\t'], " ");
+    let record = uncounted(records(&text, Separator::Blanks).first()?);
+    let cells: Vec<Cell> = without_foreign(&record.cells).cloned().collect();
+    let is_row = width > 1 && record.cells.len() == width && record.cells.iter().all(Cell::is_number);
+    let found = named_values(&cells, aside.line)?;
+    let found = if is_row { found.measured(true) } else { found };
+    let is_name = found.title.is_empty() || names.is_none_or(|names| names.may_have(&found.title));
+    let is_value = |cell: &Cell| columns.iter().any(|column| has_decimals(cell) && column.may_hold(cell));
+    let may_be =
+        || is_name && !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
+    if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
+}
+
+/// Cells without numbers in units that are none of lengths or angles: `20,3 °C`.
+fn without_foreign(cells: &[Cell]) -> impl Iterator<Item = &Cell> {
+    let is_unit = |cell: &Cell| is_foreign_unit(&cell.text()) && !matches!(&*cell.text(), "-" | "1");
+    let is_other = move |at: usize| cells[at].is_number() && cells.get(at + 1).is_some_and(is_unit);
+    (0..cells.len()).filter(move |at| !is_other(*at)).map(|at| &cells[at])
+}
+
+/// Whether a cell is a number with decimals, and no date: `25,060`, and not `12.03.`.
+fn has_decimals(cell: &Cell) -> bool {
+    let text = cell.text();
+    let decimals = text.split_once(['.', ',']).map_or("", |(_, decimals)| decimals);
+    cell.is_measure() && decimals.starts_with(|c: char| c.is_ascii_digit()) && !text.contains([':', '/'])
 }
 
 /// The first name in a line that is more than context, and the values behind it.
@@ -89,21 +150,24 @@ fn named_values(cells: &[Cell], line: u64) -> Option<Unknown> {
     // a time, a number in a list, or the value stands before the name
     if words == 0 {
         let (first, rest) = cells.split_first()?;
-        let mut found = named_values(rest, line)?;
-        found.cells.push(first.clone());
-        return Some(found);
+        let alone = || Unknown::numbers("", line, std::slice::from_ref(first));
+        return named_values(rest, line).map_or_else(alone, |mut found| {
+            found.cells.push(first.clone());
+            Some(found)
+        });
     }
     let (label, values) = cells.split_at(words);
     let text = label.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+    // a known name counts, whatever stands in place of its number: `rack pitch 12...15 µm`
+    let is_known = !near(&text).is_empty() || role(&text) == Some(Role::Nominal);
     // an order, a page, a date: the word before the number says what it is
-    if is_context(text.split_whitespace().next_back()?) {
+    let is_named = is_known && values.first().is_some_and(has_decimals);
+    if !is_named && is_context(text.split_whitespace().next_back()?) {
         let rest = values.get(1..)?;
         // Part 2: 25.2 mm
         let of_part = || Unknown::numbers("", line, rest).filter(|_| is_part_name(&text));
         return named_values(rest, line).or_else(of_part);
     }
-    // a known name counts, whatever stands in place of its number: `rack pitch 12...15 µm`
-    let is_known = !near(&text).is_empty() || role(&text) == Some(Role::Nominal);
     let unread = || {
         let whole = values.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
         Unknown::line(&text, line, vec![Cell::of_text(&whole, 0..0)])
@@ -172,7 +236,12 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
             each(&|stranger| format!("--ignore {}", shell_quoted(&stranger.name())), " "),
         )
     };
-    if named.iter().any(|stranger| stranger.near.is_empty()) {
+    if named.iter().all(|stranger| stranger.place.ends_with(UNCERTAINTY)) && !named.is_empty() {
+        help = format!(
+            "uncertainties stand in the spec, as u beside each of [errors]; leave them out of the table: {}",
+            each(&|stranger| format!("--ignore {}", shell_quoted(&stranger.name())), " ")
+        );
+    } else if named.iter().any(|stranger| stranger.near.is_empty()) {
         help += &format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
     }
     if !still_missing.is_empty() {

@@ -66,6 +66,12 @@ impl RackSpaces {
         self.rows.iter().filter(|row| row.extent == RowExtent::Whole).map(|row| row.space).collect()
     }
 
+    /// The spaces that have a row and no value.
+    #[must_use]
+    pub fn without_values(&self) -> Vec<i64> {
+        self.rows.iter().filter(|row| row.extent == RowExtent::Nothing).map(|row| row.space).collect()
+    }
+
     /// The first space, from the first that was measured to the last, of which something was not, and the line of the row
     /// that tells it: its own, or that of the next space.
     #[must_use]

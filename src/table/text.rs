@@ -97,6 +97,9 @@ impl Text {
         }
         let source = self.source(&bytes, true);
         let understood = understand(&source, &want)?;
+        if let Some(refused) = understood.false_statistic(&self.name) {
+            return Err(refused.into());
+        }
         Ok(self.whole_table(&source, understood, &want))
     }
 
@@ -203,6 +206,8 @@ pub(crate) fn setup(understood: Understood, separator: u8, is_even: bool, want: 
         separator,
         is_even,
         watched: shape.watched(want),
+        names: shape.part_names(),
+        want: want.clone(),
     }
 }
 

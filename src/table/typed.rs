@@ -4,16 +4,17 @@
 use super::Table;
 use super::block::{Block, line_of};
 use super::cell::{Cell, Content, Record};
+use super::column::SMALLEST_DIGIT;
 use super::gathered::gathered;
 use super::grid::Separator;
-use super::names::{Field, ValueKind, heading, is_value_heading, role};
+use super::names::{Field, ValueKind, heading, is_context, is_statistic, is_value_heading, role};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
 use super::pieces::{Blocks, Pieces, Place, as_io};
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
 use super::rows::{Rows, Setup, stored_record};
-use super::shape::shape;
+use super::shape::{is_part_name, shape};
 use super::stored::Stored;
 use super::strangers;
 use super::text::setup;
@@ -90,6 +91,9 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     let mut table = if in_rows {
         // the table may end before the sheet does, if all of it was looked at
         let is_all = all.len() < HEAD;
+        if let Some(refused) = understood.false_statistic(&name).filter(|_| is_all) {
+            return Err(refused.into());
+        }
         let range = understood.shape.data.start..if is_all { understood.shape.data.end } else { all.len() };
         let head: Vec<Record> = all.drain(range).collect();
         let records = head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all));
@@ -115,7 +119,12 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
 /// The one sheet that has columns that are known, or the only one with anything in it.
 fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
     let names = book.candidates(want.sheet.as_deref())?;
-    let is_known = |record: &Record| record.cells.iter().any(|cell| is_value_heading(&cell.text(), &want.own));
+    let is_known = |record: &Record| {
+        // a letter behind a word for context is no name
+        let is_context = record.cells.first().is_some_and(|cell| is_context(&cell.text()));
+        let is_name = |cell: &&Cell| !is_context || cell.text().chars().count() > 1;
+        record.cells.iter().filter(is_name).any(|cell| is_value_heading(&cell.text(), &want.own))
+    };
     let mut found: Option<Sheet> = None;
     let (mut all, mut others) = (Vec::new(), Vec::new());
     for name in &names {
@@ -145,6 +154,23 @@ impl Sheet {
     fn has_numbers(&self) -> bool {
         self.head.iter().any(|record| record.numbers() > 0)
     }
+
+    /// The first of its numbers that neither the name of its line nor that of its column says to be something else.
+    fn numbers(&self) -> Option<Unknown> {
+        let is_other = |cell: Option<&Cell>| {
+            cell.is_some_and(|cell| {
+                is_context(&cell.text()) || is_statistic(&cell.text()) || is_part_name(&cell.text())
+            })
+        };
+        let heading =
+            |place: usize| self.head.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()));
+        self.head.iter().filter(|record| !is_other(record.cells.first())).find_map(|record| {
+            let mut cells = record.cells.iter().enumerate();
+            let (place, cell) = cells.find(|(place, cell)| cell.is_measure() && !is_other(heading(*place)))?;
+            let title = heading(place).filter(|heading| !heading.is_number()).map(|cell| cell.text().into_owned());
+            Some(Unknown::line(&title.unwrap_or_default(), record.line, vec![cell.clone()]).measured(true))
+        })
+    }
 }
 
 impl Table {
@@ -154,10 +180,18 @@ impl Table {
             return;
         }
         let title = format!("sheet {}", sheet.name);
-        if let Ok(shape) = shape(&sheet.head, Separator::TAB, want) {
-            let sorted =
-                strangers::sort(&format!("{}, {title}", self.name), &shape, want, self.still_missing.is_empty());
-            self.strangers.extend(sorted.strangers);
+        if !want.ignores(&sheet.name) && !want.ignores(&title) {
+            let file = format!("{}, {title}", self.name);
+            let complete = self.still_missing.is_empty();
+            let sorted = shape(&sheet.head, Separator::TAB, want)
+                .map(|shape| strangers::sort(&file, &shape, &[], want, complete).strangers)
+                .unwrap_or_default();
+            // numbers under no name are those of another table
+            let numbers = || sheet.numbers().filter(|numbers| !want.ignores(&numbers.title));
+            self.strangers.extend(match numbers() {
+                Some(numbers) if sorted.is_empty() => strangers::sort_one(&file, &numbers, want, complete),
+                _ => sorted,
+            });
         }
         self.reading.not_used.push(NotUsed { title, why: "another sheet is read" });
     }
@@ -237,7 +271,8 @@ fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
         });
         let given = &mut want.given[at];
         match &given.nominal {
-            Some(Ok(stated)) if *stated != nominal => {
+            // inches have decimals without end
+            Some(Ok(stated)) if (stated.base() - nominal.base()).abs() > SMALLEST_DIGIT => {
                 let message = format!(
                     "the nominal value of {kind} is {} in the file (K2101 of `{}`) and {} in the spec or another characteristic",
                     in_words(nominal),
@@ -246,6 +281,7 @@ fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
                 );
                 return Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong").into());
             }
+            Some(Ok(_)) => {}
             _ => given.nominal = Some(Ok(nominal)),
         }
         given.holds = given.holds.or(Some(ValueKind::Measured));

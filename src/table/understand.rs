@@ -10,13 +10,13 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Problem, UnitFrom};
 use super::companions::Companions;
 use super::grid::{Separator, cut, separators};
-use super::names::Field;
+use super::names::{Field, is_statistic, lies_within};
 use super::number::{DecimalMark, Marks};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
-use crate::quantity::{LengthUnit, Unit, shown};
+use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
 
 /// A table whose columns are found.
 #[derive(Debug, Clone)]
@@ -338,7 +338,7 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
         }
     }
     problems.extend(twice(&columns));
-    problems.extend(columns.iter().find_map(|column| other_unit(shape, column, want)));
+    problems.extend(columns.iter().find_map(|column| other_unit(shape, &columns, column, want)));
     if !problems.is_empty() {
         let in_file =
             |problem: Diagnostic| Diagnostic { message: format!("{}: {}", source.name, problem.message), ..problem };
@@ -382,37 +382,72 @@ fn numbers_teeth(title: &str) -> Diagnostic {
     ))
 }
 
-/// A line beside the table that states another unit than the one that is assumed for a column.
-fn other_unit(shape: &Shape, column: &Column, want: &Want) -> Option<Diagnostic> {
-    if column.unit_from != UnitFrom::Key {
-        return None;
-    }
+/// A line beside the table that states another unit than the one that is assumed for a column, or than those that stand
+/// beside all of them; millimetres and degrees may be meant for others.
+fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -> Option<Diagnostic> {
+    let is_assumed = column.unit_from == UnitFrom::Key;
+    let is_of_others = |unit: Unit| {
+        matches!(unit, Unit::Length(LengthUnit::Millimetre) | Unit::Angle(AngleUnit::Degree))
+            || columns.iter().any(|column| column.unit == unit)
+    };
     let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
     let title = &column.title;
     for statement in shape.statements(want) {
-        let unit = stated_units(&statement.text).into_iter().map(|stated| stated.unit).find(is_other);
+        let stated = stated_units(&statement.text).into_iter();
+        let stated = stated.filter(|stated| is_assumed || stated.is_clear && !is_of_others(stated.unit));
+        let unit = stated.map(|stated| stated.unit).find(is_other);
         let help = match (unit, unknown_unit(&statement.text)) {
             (Some(unit), _) => format!(
                 "write the unit behind the name: `{title} [{}]` or `{title} [{}]`",
                 unit.symbol(),
                 column.unit.symbol()
             ),
-            (None, Some(unknown)) => format!(
+            (None, Some(unknown)) if is_assumed => format!(
                 "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: --ignore \"{}\"",
                 shown(&statement.text)
             ),
-            (None, None) => continue,
+            (None, _) => continue,
         };
         let (line, text, assumed) = (statement.line, shown(&statement.text), column.unit.symbol());
-        let message = format!(
-            "line {line} says `{text}`, and nothing else tells the unit of `{title}`, which would be {assumed}"
-        );
+        let message = if is_assumed {
+            format!("line {line} says `{text}`, and nothing else tells the unit of `{title}`, which would be {assumed}")
+        } else {
+            format!("line {line} says `{text}`, and `{title}` is in {assumed}")
+        };
         return Some(Diagnostic::error(Code::BadTable, message).help(help));
     }
     None
 }
 
 impl Understood {
+    /// A row that is called by a mean or an extreme of the rows, and lies beyond them: it is a part, or of other parts.
+    /// Asked where every row is there.
+    pub(crate) fn false_statistic(&self, file: &str) -> Option<Diagnostic> {
+        let ids = self.shape.ids.as_ref().filter(|_| !self.is_teeth)?;
+        let name = |row: usize| ids.cells.get(row).map(Cell::text).unwrap_or_default();
+        for (measurement, column) in self.shape.measurements.iter().zip(&self.columns) {
+            let rows = || measurement.value.cells.iter().enumerate();
+            let others = rows().filter(|(row, _)| !is_statistic(&name(*row)));
+            let read = others.filter_map(|(row, cell)| column.read(cell, measurement.beside_row(row)).ok().flatten());
+            let others = read
+                .map(DeviationValue::base)
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)]);
+            let is_false = |(row, cell): &(usize, &Cell)| {
+                lies_within(&name(*row)) && column.is_beyond(cell, measurement.beside_row(*row), others)
+            };
+            if let Some((row, cell)) = rows().find(is_false).filter(|_| others[0] <= others[1]) {
+                let (line, name, value) = (self.shape.lines[row], name(row), cell.text());
+                let message =
+                    format!("{file}, line {line}: `{name}` is {value}, and no row has a value as large or as small");
+                return Some(
+                    Diagnostic::error(Code::BadTable, message)
+                        .help("give the row the name of its part, or take it out of the table"),
+                );
+            }
+        }
+        None
+    }
+
     /// Whether each row below a header is a part, a space or a tooth.
     pub(crate) fn has_row_per_part(&self) -> bool {
         self.shape.orientation == Orientation::Rows && !self.shape.header.is_empty()

@@ -3,8 +3,11 @@
 
 use super::cell::Cell;
 use super::grid::{is_unit, unit_in};
-use super::names::{is_context, is_evaluation_length, is_gear_size, near, split_unit};
+use super::names::{Role, is_context, is_evaluation_length, is_gear_size, near, role, split_unit};
 use crate::quantity::Unit;
+
+/// Stands behind the place of what says how uncertain values are.
+pub(crate) const UNCERTAINTY: &str = ", an uncertainty";
 
 /// A column or line that names nothing known.
 #[derive(Debug, Clone)]
@@ -37,6 +40,11 @@ impl Unknown {
     pub(crate) fn numbers(title: &str, line: u64, cells: &[Cell]) -> Option<Self> {
         let numbers: Vec<_> = cells.iter().filter(|cell| cell.is_number()).cloned().collect();
         (!numbers.is_empty()).then(|| Self::line(title, line, numbers))
+    }
+
+    /// As something that says how uncertain values are, and is taken for a measurement.
+    pub(crate) fn uncertainty(self) -> Self {
+        Self { place: self.place.clone() + UNCERTAINTY, is_measurement: true, ..self }
     }
 
     pub(crate) fn measured(self, is_measurement: bool) -> Self {
@@ -74,11 +82,16 @@ impl Unknown {
             || title.contains('[') && unit.is_some()
             || !near(title).is_empty()
             || self.column.is_some_and(|place| title.is_empty() && !self.counts_rows(place))
+            || self.column.is_some() && repeats_value(title)
     }
 
     /// Whether a cell holds a number, though maybe one that nobody can read: `>200`, `12...15 µm`.
     fn is_value(&self, cell: &Cell) -> bool {
-        cell.is_number() || is_bounded(&cell.text()) || self.is_measurement && unit_of(&cell.text())
+        let text = cell.text();
+        cell.is_number()
+            || is_bounded(&text)
+            || self.is_measurement && unit_of(&text)
+            || self.title.is_empty() && speaks_of_value(&text)
     }
 
     /// Whether a line goes on with the name of a measurement: `lot 2: rack pitch 212 µm`.
@@ -91,6 +104,18 @@ impl Unknown {
     fn counts_rows(&self, place: usize) -> bool {
         place == 0 && self.cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()))
     }
+}
+
+/// Whether a column is called a value, once more or in place of another: `Istwert`, `Messung 2`.
+fn repeats_value(title: &str) -> bool {
+    let (name, _) = split_unit(title);
+    role(name.trim_end_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_')))
+        == Some(Role::Measured)
+}
+
+/// Whether a remark speaks of a value: `corrected: 25,060 mm`, `dp = 80`.
+pub(crate) fn speaks_of_value(text: &str) -> bool {
+    text.contains(|c: char| c.is_ascii_digit()) && (unit_of(text) || !near(text).is_empty())
 }
 
 /// Whether a unit of length or angle stands behind the number in a text.

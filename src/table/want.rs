@@ -64,6 +64,8 @@ pub struct Want {
     pub over_pin: Option<Length>,
     /// Patterns of columns and lines that the user leaves out.
     pub ignored: Vec<String>,
+    /// Whether parts are judged by the uncertainties of their values, which are those of the spec.
+    pub by_uncertainty: bool,
     /// Whether what is not understood is left out once every error of the spec is found.
     pub others_ignored: bool,
     /// The separator, if it is given.

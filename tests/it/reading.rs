@@ -326,3 +326,77 @@ fn measured_teeth_replace_the_deviations_of_the_spec() {
     assert_eq!(results(&apart), results(&without));
     assert!(apart.contains("strokes whose contacts were measured"), "{apart}");
 }
+
+/// A workbook with a table on its first sheet, and other cells on its second.
+fn with_second_sheet(folder: &Folder, other: &[&[&str]]) -> String {
+    let mut book = rust_xlsxwriter::Workbook::new();
+    for rows in [&[&["part", "M [mm]"][..], &["A", "25.001"]][..], other] {
+        let sheet = book.add_worksheet();
+        for (row, cells) in (0..).zip(rows) {
+            for (column, cell) in (0..).zip(*cells) {
+                match cell.parse::<f64>() {
+                    Ok(number) => sheet.write_number(row, column, number).unwrap(),
+                    Err(_) => sheet.write_string(row, column, *cell).unwrap(),
+                };
+            }
+        }
+    }
+    let path = folder.path("lot.xlsx");
+    book.save(&path).unwrap();
+    path
+}
+
+#[test]
+fn numbers_on_another_sheet_count() {
+    let folder = Folder::new("sheets");
+    let spec = folder.file(
+        "s.toml",
+        b"[errors]\nrack_over_roller = { nominal = 25 }\n[limits]\ncenter_distance = { lower = -0.03, upper = 0.03 }\n",
+    );
+    let others: [(&[&[&str]], i32); 7] = [
+        (&[&["B", "25,060 mm"]], 2),
+        (&[&["Serial", "Value"], &["B", "25.06"]], 2),
+        (&[&["B", "25.06"]], 2),
+        (&[&["25.06"]], 2),
+        (&[&["Temp", "20.5"], &["Operator", "x"], &["Page", "2"]], 0),
+        (&[&["part", "Temperature"], &["B", "20.5"]], 0),
+        (&[&["Mean", "25.001"], &["Remarks", "none"]], 0),
+    ];
+    for (other, expected) in others {
+        let book = with_second_sheet(&folder, other);
+        let (code, said) = status(&["batch", &spec, &book], b"");
+        assert_eq!(code, Some(expected), "{other:?}: {said}");
+        for told in [["--sheet", "Sheet1"], ["--ignore", "Sheet2"]] {
+            let (code, said) = status(&["batch", &spec, &book, told[0], told[1]], b"");
+            assert_eq!(code, Some(0), "{other:?} {told:?}: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_part_that_fails_counts_more_than_a_limit_that_is_not_judged() {
+    let folder = Folder::new("order");
+    let spec = folder.file(
+        "s.toml",
+        b"[errors]\nrack_over_roller = { nominal = 25 }\n[limits]\ncenter_distance = { lower = -0.03, upper = 0.03 }\n\
+          rack_over_roller = { lower = -0.03, upper = 0.03 }\npinion_radial = { lower = -0.03, upper = 0.03 }\n",
+    );
+    for (last, expected) in [("B;25,001", 1), ("B;n.a.", 2)] {
+        let table = folder.file("lot.csv", format!("part;M [mm]\nA;25,060\n{last}\n").as_bytes());
+        for command in ["batch", "paste"] {
+            let (code, said) = status(&[command, &spec, &table], b"");
+            assert_eq!(code, Some(expected), "{command}, {last}: {said}");
+        }
+    }
+}
+
+#[test]
+fn many_lines_without_numbers_take_no_time() {
+    let table = "Sehr geehrte Damen und Herren\n".repeat(3000) + "part;M [mm]\nA;25,001\n";
+    let folder = Folder::new("salutations");
+    let spec = spec(&folder);
+    let start = std::time::Instant::now();
+    let (code, said) = status(&["batch", &spec, "--partial"], table.as_bytes());
+    assert_eq!(code, Some(0), "{said}");
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+}

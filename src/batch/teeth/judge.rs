@@ -133,7 +133,10 @@ impl TeethJudge {
             by: evaluation.judged_by,
             limits: evaluation.limits,
             verdict: evaluation.verdict,
-            notes: self.note_of_unmeasured(&unmeasured).into_iter().chain(self.note_of_certain(&spec)).collect(),
+            notes: [self.note_of_unmeasured(&unmeasured), self.note_of_certain(&spec), note_of_spaces(tables)]
+                .into_iter()
+                .flatten()
+                .collect(),
         })
     }
 
@@ -192,6 +195,15 @@ impl TeethJudge {
         decided.map_err(|error| no_result(error.to_string()))?;
         Ok(evaluation)
     }
+}
+
+/// Spaces at the ends that have rows without values: what they touch is not judged.
+fn note_of_spaces(tables: &MeasuredTables) -> Option<String> {
+    let spaces = tables.rack.as_ref()?.without_values();
+    let listed = spaces.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
+    (!spaces.is_empty()).then(|| {
+        format!("spaces with a row and without values, so that strokes with contacts there are not judged: {listed}")
+    })
 }
 
 fn names(kinds: impl Iterator<Item = DeviationKind>) -> String {

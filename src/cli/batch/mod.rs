@@ -185,7 +185,7 @@ impl Args {
         }
         let (rows_format, summary_format) = self.formats()?;
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
-        let opener = Opener { teeth: Some(self.teeth), ..opener };
+        let opener = Opener { teeth: Some(self.teeth), ..opener }.judged_by(&self.judge.rule(&spec));
         let mut found = interruption.while_waiting(|| opener.look(&files))?;
         if self.teeth {
             return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);

@@ -12,7 +12,7 @@ mod vocabulary;
 mod words;
 
 pub(crate) use near::{is_context, is_gear_size, near};
-pub(crate) use role::{has_stated_unit, is_evaluation_length, is_statistic, role, stands_before_unit};
+pub(crate) use role::{has_stated_unit, is_evaluation_length, is_statistic, lies_within, role, stands_before_unit};
 pub(crate) use unit::split_unit;
 
 use crate::deviation::{DeviationKind, Part};
@@ -149,7 +149,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     if let Some(field) = own_field(text, &name, own) {
         return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit });
     }
-    let name = without_ordinal(&name);
+    let name = without_roller(without_ordinal(&name));
     // a bound is no value
     if has_total_pitch(name) || text.contains(['<', '>', '≤', '≥', '~', '≈', '|']) || is_signed(text) {
         return None;
@@ -205,6 +205,19 @@ fn without_ordinal(name: &str) -> &str {
     let counted = number.starts_with(|c: char| c.is_ascii_digit());
     let apart = after.len() < rest.len() || number[..number.len() - rest.len()].ends_with('.');
     if counted && apart && after.starts_with(char::is_alphabetic) { after } else { name }
+}
+
+/// A name without the size of the roller behind it, or the symbol of what is measured over it: `Rollenmaß D4`,
+/// `Rollenmaß (Rolle 4 mm)`, `Dimension over roller MdR`.
+fn without_roller(name: &str) -> &str {
+    let Some((before, behind)) = name.rsplit_once('(').or_else(|| name.rsplit_once(' ')) else { return name };
+    let behind = behind.trim_end_matches(')').to_lowercase();
+    let size = behind
+        .trim_end_matches("mm")
+        .trim_end_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '.' | ',' | '='));
+    let is_size = size.len() < behind.trim_end_matches("mm").trim_end().len()
+        && matches!(size, "d" | "ø" | "dm" | "rolle" | "roller" | "kugel" | "ball" | "rouleau" | "bille");
+    if is_size || behind == "mdr" { before.trim_end() } else { name }
 }
 
 /// Whether it speaks of F_p, which adds up what f_p is of a single tooth.

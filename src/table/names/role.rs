@@ -67,6 +67,42 @@ pub(crate) fn is_statistic(name: &str) -> bool {
     VOCABULARY.statistics.contains(&plain.as_str())
 }
 
+/// Whether it is that of a mean or an extreme, which lies among the values that it is made of.
+pub(crate) fn lies_within(name: &str) -> bool {
+    const NAMES: [&str; 24] = [
+        "max",
+        "min",
+        "mittel",
+        "mean",
+        "average",
+        "avg",
+        "moyenne",
+        "平均",
+        "最大",
+        "最小",
+        "ø",
+        "mw",
+        "median",
+        "durchschn",
+        "größt",
+        "kleinst",
+        "xq",
+        "x-q",
+        "x q",
+        "x-b",
+        "x̄",
+        "xm",
+        "x m",
+        "x-m",
+    ];
+    let plain = name.trim().to_lowercase();
+    is_statistic(name)
+        && NAMES.iter().any(|start| plain.starts_with(start))
+        && !plain.contains(['+', '/'])
+        && !plain.contains("- ")
+        && plain != "max-min"
+}
+
 /// Whether a unit that is stated for a whole table may be that of this word, in lower case: `Maße`, `values`.
 pub(crate) fn has_stated_unit(word: &str) -> bool {
     VOCABULARY.unit_subjects.contains(&word)

@@ -1,6 +1,6 @@
 //! Numbers without names: what they are is asked for, or is the spec's order.
 
-use super::headings::Named;
+use super::headings::{Named, PartNames};
 use super::{NoShape, Series, Shape, aside, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::names::{Field, Role};
@@ -14,7 +14,7 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         want.fields.clone()
     };
     let rows: Vec<&Record> = records.iter().filter(|record| has_numbers_only(record)).collect();
-    let Some(first) = rows.first() else { return Err(NoShape::NoNumbers) };
+    let Some(&first) = rows.first() else { return Err(NoShape::NoNumbers) };
     let labelled = rows.iter().any(|record| !record.cells[0].is_number());
     let width = rows.iter().map(|record| record.filled().len()).max().unwrap_or(0);
     let wanted = fields.len();
@@ -40,10 +40,16 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         let span = first.span().start..rows.last().map_or(0, |record| record.span().end);
         return Err(NoShape::Count { columns: width, rows: rows.len(), span });
     }
+    let id = fields.iter().position(|field| *field == Field::PartId).or((offset == 1).then_some(0));
+    let names = PartNames::of(rows.iter().filter(|_| in_rows).filter_map(|row| row.cells.get(id?)));
+    let is_row = |record: &Record| {
+        has_numbers_only(record) || record.filled().len() == 1 && names.may_have(&record.cells[0].text())
+    };
+    let rows: Vec<&Record> = records.iter().filter(|record| is_row(record)).collect();
     let mut shape = Shape::new(if in_rows { Orientation::Rows } else { Orientation::Columns });
     for (index, field) in fields.iter().enumerate() {
         let cells = if in_rows {
-            rows.iter().map(|row| row.cells[index + offset].clone()).collect()
+            rows.iter().map(|row| row.cells.get(index + offset).cloned().unwrap_or_default()).collect()
         } else {
             rows[index].filled().to_vec()
         };
@@ -53,7 +59,7 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         shape.take(bare(Field::PartId, rows.iter().map(|row| row.cells[0].clone()).collect()))?;
     }
     shape.lines = if in_rows { rows.iter().map(|row| row.line).collect() } else { vec![first.line; width] };
-    for record in records.iter().filter(|record| !has_numbers_only(record) && !record.says_nothing()) {
+    for record in records.iter().filter(|record| !is_row(record) && !record.says_nothing()) {
         if record.numbers() > 0 {
             shape.unknown.push(unknown_line(record, true));
         } else {

@@ -67,7 +67,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let name = name.or_else(|| roles.iter().position(Option::is_none)).unwrap_or(0);
         let is_row = |record: &Record| {
             let is_named = || record.cells.get(name).is_some_and(|cell| names_value(cell, want));
-            record.cells.len() > name.max(1) && (record.numbers() > 0 || is_named())
+            (record.cells.len() > name.max(1) && record.numbers() > 0) || is_named()
         };
         let rows: Vec<usize> = (header + 1..records.len()).filter(|index| is_row(&records[*index])).collect();
         let parts = if has(&[Role::Measured, Role::Deviation]) {
@@ -355,11 +355,16 @@ impl<'a> Reading<'a> {
             }
             (_, Some(deviation)) => (deviation, None, Some(ValueKind::Deviation)),
             (measured, None) => {
-                let empty = || Series { cells: vec![Cell::default(); self.parts.len()], ..named.series.clone() };
+                // without values, any unit will do
+                let unit = unit.clone().filter(|unit| !unit.is_empty());
+                let unit = unit.or_else(|| Some(if named.field.is_angle() { "°" } else { "mm" }.to_owned()));
+                let cells = vec![Cell::default(); self.parts.len()];
+                let empty = || Series { unit, cells, ..named.series.clone() };
                 (measured.unwrap_or_else(empty), None, named.holds)
             }
         };
-        if differ(value.unit.as_deref(), unit.as_deref()) {
+        let has_value = value.cells.iter().any(|cell| !cell.is_missing());
+        if has_value && differ(value.unit.as_deref(), unit.as_deref()) {
             return Err(NoShape::Units { record: rows[0].clone() });
         }
         let field = if named.aspect == Role::Measured { named.field } else { return Err(twice(named, title)) };

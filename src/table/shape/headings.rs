@@ -1,9 +1,12 @@
 //! What the headings of a table mean: which of two meanings counts, which of two names of a part.
 
-use super::{NoShape, Series, twice};
+use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
-use crate::table::names::{Field, Heading, Role, ValueKind, heading, is_evaluation_length, role};
+use crate::table::names::{
+    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, role,
+};
+use crate::table::number::is_missing;
 use crate::table::want::Want;
 
 /// A column with a known name.
@@ -113,6 +116,33 @@ pub(super) fn says_no_part(text: &str) -> bool {
         matches!(role(text), Some(Role::Nominal | Role::Upper | Role::Lower | Role::Deviation | Role::Uncertainty))
     };
     is_none(text) || text.split_whitespace().any(is_none)
+}
+
+/// What the names of a table's parts look like.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PartNames {
+    /// Letters of the longest one with digits, and of the longest without.
+    longest: [usize; 2],
+}
+
+impl PartNames {
+    pub(crate) fn of<'c>(cells: impl Iterator<Item = &'c Cell>) -> Self {
+        let mut names = Self::default();
+        for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text).filter(|name| !is_statistic(name)) {
+            let longest = &mut names.longest[usize::from(has_digit(&name))];
+            *longest = name.chars().count().max(*longest);
+        }
+        names
+    }
+
+    /// Whether a text may be one more of them, though nothing stands beside it.
+    pub(crate) fn may_have(&self, name: &str) -> bool {
+        (1..=self.longest[usize::from(has_digit(name))]).contains(&name.chars().count())
+            && !name.contains(':')
+            && !is_context(name)
+            && !is_statistic(name)
+            && !is_missing(name)
+    }
 }
 
 /// Whether a heading names the part and nothing else.

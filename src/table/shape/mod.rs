@@ -16,7 +16,7 @@ mod refusal;
 mod rows;
 mod stated;
 
-pub(crate) use headings::is_part_name;
+pub(crate) use headings::{PartNames, is_part_name};
 pub(crate) use labels::uncounted;
 pub(crate) use refusal::{NoShape, located};
 pub(crate) use stated::{stated_units, unknown_unit};
@@ -217,6 +217,15 @@ impl Shape {
         }
     }
 
+    /// What the names of its parts look like.
+    pub(crate) fn part_names(&self) -> PartNames {
+        let is_row = |row: usize| {
+            self.measurements.iter().any(|measurement| measurement.value.cells.get(row).is_some_and(Cell::is_number))
+        };
+        let names = self.ids.iter().flat_map(|ids| ids.cells.iter().enumerate());
+        PartNames::of(names.filter(|(row, _)| is_row(*row)).map(|(_, name)| name))
+    }
+
     /// The columns that hold no numbers as far as the table was looked at, and would be measurements if they did.
     pub(crate) fn watched(&self, want: &Want) -> Vec<usize> {
         let would_be = |unknown: &&Unknown| {
@@ -345,6 +354,8 @@ pub(crate) fn unknown_line(record: &Record, is_measurement: bool) -> Unknown {
         Some(pair[1].text().trim().to_owned()).filter(|unit| is_unit(unit) || is_foreign_unit(unit))
     };
     let unit = before.or_else(behind);
-    let cells = record.cells.iter().skip(1).cloned().collect();
+    // a value may stand where others have their names
+    let is_value = record.cells.first().is_some_and(Cell::is_measure);
+    let cells = record.cells.iter().skip(usize::from(!is_value)).cloned().collect();
     Unknown { unit, ..Unknown::line(&title, record.line, cells).measured(is_measurement) }
 }

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::headings::{headings, known, names_value};
-use super::{NoShape, Series, Shape, aside, has_digit};
+use super::headings::{Named, PartNames, headings, known, names_value};
+use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Role, heading, is_context, is_evaluation_length, is_statistic, role, split_unit};
-use crate::table::unknown::Unknown;
+use crate::table::names::{Field, Role, heading, is_context, is_evaluation_length, is_statistic, role, split_unit};
+use crate::table::unknown::{Unknown, speaks_of_value};
 use crate::table::want::{Orientation, Want};
 
 pub(super) struct Header {
@@ -35,15 +35,16 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
     /// Names stand at the top.
     const LOOKED_AT: usize = 200;
     let mut best: Option<Header> = None;
+    let has_numbers: Vec<bool> = records.iter().map(|record| record.numbers() > 0).collect();
     for (index, record) in records.iter().enumerate().take(LOOKED_AT) {
         // `2. Messung` is no value
-        if record.numbers() > 0 && known(&record.cells, want) < 2.max(record.numbers() + 1) {
+        if has_numbers[index] && known(&record.cells, want) < 2.max(record.numbers() + 1) {
             continue;
         }
         // a unit row, a line drawn below, or rows without a value may stand between
-        let is_near = |(below, other): &(usize, &Record)| *below < 3 || other.cells.len() == record.cells.len();
-        let mut near = records[index + 1..].iter().enumerate().take_while(is_near);
-        let Some((_, data)) = near.find(|(_, record)| record.numbers() > 0) else { continue };
+        let is_near = |below: &usize| *below <= index + 3 || records[*below].cells.len() == record.cells.len();
+        let mut near = (index + 1..records.len()).take_while(is_near);
+        let Some(data) = near.find(|below| has_numbers[*below]).map(|below| &records[below]) else { continue };
         let cells = match separator {
             Separator::Blanks => grouped(record, data.cells.len(), want),
             _ => Some(record.cells.clone()),
@@ -51,7 +52,9 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
         let Some(cells) = cells else { continue };
         for header in [header(index, 1, cells.clone(), want), two_rows(records, index, &cells, want)] {
             let Some(header) = header else { continue };
-            if best.as_ref().is_none_or(|best| header.score(want) > best.score(want)) {
+            // what goes on in a second line says more
+            let goes_on = |best: &Header| header.rows > best.rows && header.score(want) == best.score(want);
+            if best.as_ref().is_none_or(|best| header.score(want) > best.score(want) || goes_on(best)) {
                 best = Some(header);
             }
         }
@@ -68,14 +71,21 @@ fn header(record: usize, rows: usize, cells: Vec<Cell>, want: &Want) -> Option<H
 /// A heading that goes on in the record below it.
 fn two_rows(records: &[Record], index: usize, cells: &[Cell], want: &Want) -> Option<Header> {
     let below = records.get(index + 1)?;
-    let goes_on =
-        below.numbers() == 0 && below.cells.len() == cells.len() && !below.says_nothing() && !is_unit_row(below);
+    let is_beside = |cell: &Cell| role(&cell.text()).is_some_and(Role::is_beside_value);
+    let has_roles = below.cells.iter().any(is_beside);
+    let fits = below.cells.len() == cells.len() || has_roles && below.cells.len() > cells.len();
+    let goes_on = below.numbers() == 0 && fits && !below.says_nothing() && !is_unit_row(below);
     if !goes_on || known(&below.cells, want) > 1 {
         return None;
     }
-    let joined = cells.iter().zip(&below.cells).map(|(upper, lower)| {
+    let mut above = Cell::default();
+    let joined = below.cells.iter().enumerate().map(|(place, lower)| {
+        let upper = cells.get(place).filter(|upper| !upper.is_empty());
+        // a heading that is merged stands in the first of its cells
+        let upper = upper.or((has_roles && !lower.is_empty()).then_some(&above)).cloned().unwrap_or_default();
         let text = format!("{} {}", upper.text(), lower.text());
-        Cell::of_text(text.trim(), upper.span.clone())
+        above.clone_from(&upper);
+        Cell::of_text(text.trim(), upper.span)
     });
     header(index, 2, joined.collect(), want)
 }
@@ -131,12 +141,37 @@ fn units_of(records: &[Record], header: &Header) -> Option<usize> {
     next.filter(is_units).or_else(|| header.record.checked_sub(1).filter(is_units))
 }
 
+/// Whether units are those of columns; one alone that stands below no value is that of the table.
+fn is_of_columns(header: &Record, units: &Record, named: &[Option<Named>]) -> bool {
+    let is_of_value = |place: usize| match &named[place] {
+        Some(named) => !named.field.is_index(),
+        None => place > 0 && header.cells.get(place).is_some_and(|cell| !cell.is_empty()),
+    };
+    let mut places = (0..named.len()).filter(|place| unit_below(header, units, *place).is_some());
+    units.cells.iter().filter(|cell| !cell.is_missing()).count() > 1 || places.any(is_of_value)
+}
+
+/// Whether a line above the names has a number where a row has a value, and does not say that it is none.
+fn has_value_above(record: &Record, named: &[Option<Named>]) -> bool {
+    let title = record.cells[0].text();
+    let is_value = |(cell, named): (&Cell, &Option<Named>)| {
+        named.as_ref().is_some_and(|named| !named.field.is_index())
+            && cell.is_measure()
+            && !cell.text().contains([':', '/'])
+    };
+    record.cells.iter().zip(named).any(is_value)
+        && !is_context(&title)
+        && !is_statistic(&title)
+        && role(&title).is_none()
+}
+
 /// The rows in a range of records: at least one, and none with a cell less than it seems.
 fn rows_of<'r>(
     records: &'r [Record],
     header: &Header,
     range: Range<usize>,
     separator: Separator,
+    id: usize,
 ) -> Result<Vec<&'r Record>, NoShape> {
     let (names, first) = (&records[header.record], range.start);
     let ragged = |record: &Record| NoShape::Ragged { record: record.clone(), expected: header.cells.len() };
@@ -144,6 +179,9 @@ fn rows_of<'r>(
     if rows.is_empty() {
         let numbers = records[first..].iter().find(|record| record.numbers() > 0);
         return Err(numbers.map_or_else(|| NoShape::NoRows { names: names.in_words() }, ragged));
+    }
+    if rows.iter().all(|row| row.cells.get(id).is_some_and(|name| is_statistic(&name.text()))) {
+        return Err(NoShape::NoRows { names: names.in_words() });
     }
     match rows.iter().find(|row| is_shifted(names.start, &header.cells, row, separator)) {
         Some(shifted) => Err(ragged(shifted)),
@@ -162,13 +200,21 @@ pub(super) fn by_header(
     let mut shape = Shape::new(Orientation::Rows);
     shape.header_line = Some(records[header.record].line);
     shape.header.clone_from(&header.cells);
-    let units = units_of(records, header);
+    let row_of_units = units_of(records, header);
+    let units = row_of_units.filter(|units| is_of_columns(&records[header.record], &records[*units], &named));
     let below = header.record + header.rows;
-    let first = units.filter(|units| *units >= below).map_or(below, |units| units + 1);
-    let before = &records[..header.record];
-    shape.asides = before.iter().filter(|record| !record.says_nothing() && !is_unit_row(record)).map(aside).collect();
-    let end = first + end_of_rows(&records[first..], width, separator);
-    let rows = rows_of(records, header, first..end, separator)?;
+    let first = row_of_units.filter(|units| *units >= below).map_or(below, |units| units + 1);
+    for line in (0..header.record).chain(row_of_units.filter(|units| *units >= below)) {
+        let record = &records[line];
+        if has_value_above(record, &named) {
+            shape.unknown.push(unknown_line(record, true));
+        } else if !record.says_nothing() && units != Some(line) {
+            shape.asides.push(aside(record));
+        }
+    }
+    let id = named.iter().position(|named| named.as_ref().is_some_and(|named| named.field == Field::PartId));
+    let end = first + end_of_rows(&records[first..], width, separator, id.unwrap_or(0));
+    let rows = rows_of(records, header, first..end, separator, id.unwrap_or(0))?;
     shape.data = first..end;
     let mut lengths = None;
     let has_lead = named.iter().flatten().any(|named| named.field.is_angle());
@@ -197,6 +243,8 @@ pub(super) fn by_header(
             shape.unknown.push(Unknown { unit: unit_of(place), ..unknown });
         }
     }
+    let beside = width..rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
+    shape.unknown.extend(beside.filter_map(|place| remarks(place, column(place))));
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
         measurement.beside.length.clone_from(&lengths);
     }
@@ -208,6 +256,12 @@ pub(super) fn by_header(
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
     Ok(shape)
+}
+
+/// A column without a heading beside the table, if there are only remarks in it: a row with a value there is rejected.
+fn remarks(place: usize, cells: Vec<Cell>) -> Option<Unknown> {
+    let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
+    (!cells.iter().any(is_value)).then(|| Unknown::column("", place, cells))
 }
 
 /// Whether a row between blanks lacks a cell in front of one that it has: that one stands below another heading than its
@@ -266,7 +320,7 @@ fn has_minus(title: &str) -> bool {
 
 /// How many records are rows: the table ends with the last line that has as many cells as it has columns and a number in
 /// one of them, or that looks like a part whose values cannot be read.
-fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
+fn end_of_rows(below: &[Record], width: usize, separator: Separator, id: usize) -> usize {
     let words = matches!(separator, Separator::Blanks | Separator::Lines);
     let fits = |record: &Record| {
         let count = record.cells.len();
@@ -276,9 +330,15 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
     };
     let Some(last) = below.iter().rposition(fits) else { return 0 };
     let mut end = last + 1;
+    let names =
+        PartNames::of(below[..end].iter().filter(|record| record.numbers() > 0).filter_map(|row| row.cells.get(id)));
     for (index, record) in below.iter().enumerate().skip(end) {
         let follows = end == index && record.line == below[index - 1].line + 1;
-        if is_part(record, width, words, follows) {
+        let first = record.cells.get(id).or(record.cells.first()).map(Cell::text).unwrap_or_default();
+        // a row of a sheet ends with its last cell
+        let is_sheet = record.cells.iter().all(|cell| cell.span.is_empty());
+        let is_whole = record.cells.len() == width || is_sheet && record.numbers() == 0;
+        if is_part(record, &first, width, words, follows) || names.may_have(&first) && (follows || is_whole) {
             end = index + 1;
         }
     }
@@ -287,12 +347,11 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator) -> usize {
 
 /// Whether a record without numbers looks like a part: its name, and a cell for each column. What stands apart from the
 /// rows is a part only if there are digits in it.
-fn is_part(record: &Record, width: usize, words: bool, follows: bool) -> bool {
-    let first = record.cells.first().map(Cell::text).unwrap_or_default();
+fn is_part(record: &Record, first: &str, width: usize, words: bool, follows: bool) -> bool {
     let word = first.split_whitespace().next().unwrap_or_default();
-    let is_numbered = has_digit(&first) && !first.contains(':') && !is_context(word);
+    let is_numbered = has_digit(first) && !first.contains(':') && !is_context(word);
     let is_whole = record.cells.len() == width && width > 1;
-    if record.says_nothing() || is_unit_row(record) || is_statistic(&first) {
+    if record.says_nothing() || is_unit_row(record) || is_statistic(first) {
         return false;
     }
     let is_name = !first.is_empty() && first.trim() == word && !first.contains(':') && !is_context(word);

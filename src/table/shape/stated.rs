@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::{Shape, has_digit};
 use crate::quantity::{LengthUnit, Unit};
 use crate::table::cell::Cell;
-use crate::table::grid::is_unit;
+use crate::table::grid::{bare_unit, is_unit};
 use crate::table::names::{Role, has_stated_unit, role, stands_before_unit};
 use crate::table::want::Want;
 
@@ -14,7 +14,7 @@ use crate::table::want::Want;
 pub(crate) struct StatedUnit {
     pub(crate) unit: Unit,
     /// Whether the line says of what: of units, values, dimensions.
-    is_clear: bool,
+    pub(crate) is_clear: bool,
 }
 
 /// A line beside a table, or a heading of no value, that may say something of units.
@@ -24,9 +24,16 @@ pub(crate) struct Statement<'s> {
     pub(crate) text: Cow<'s, str>,
 }
 
-/// The units that a line beside a table states for it: behind a word for units or values, or by themselves in a line
-/// without numbers.
+/// The units that a line beside a table states for it: alone, behind a word for units or values, or by themselves in a
+/// line without numbers.
 pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
+    let alone = match text.rsplit_once([':', '：']) {
+        Some((subject, unit)) if has_stated_unit(subject.trim().to_lowercase().as_str()) => unit,
+        _ => text,
+    };
+    if let Some(unit) = Unit::from_symbol(bare_unit(alone)) {
+        return vec![StatedUnit { unit, is_clear: true }];
+    }
     let words = text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°'));
     let words: Vec<String> = words.filter(|word| !word.is_empty()).map(str::to_lowercase).collect();
     let is_symbol = |word: &String| Unit::from_symbol(word).is_some();

@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use std::io::{self, Cursor, Read as _};
 use std::sync::mpsc;
 
-use calamine::{DataRef, ExcelDateTime, Reader as _, Xlsx, XlsxError};
+use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
@@ -71,10 +71,11 @@ impl Workbook {
         Ok(Self { name: name.to_owned(), book, checked })
     }
 
-    /// The names of its sheets.
+    /// The names of its sheets that have cells.
     #[must_use]
     pub fn sheets(&self) -> Vec<String> {
-        self.book.sheet_names()
+        let sheets = self.book.sheets_metadata().iter().filter(|sheet| sheet.typ != SheetType::ChartSheet);
+        sheets.map(|sheet| sheet.name.clone()).collect()
     }
 
     /// The sheets to look at: all of them, or the one that is named.
@@ -114,7 +115,7 @@ impl Workbook {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
         let Checked { hidden, shown } = &self.checked;
-        let index = self.sheets().iter().position(|name| name == sheet);
+        let index = self.book.sheet_names().iter().position(|name| name == sheet);
         let of_sheet = index.and_then(|index| hidden.get(index)?.as_ref());
         let shown = of_sheet.map_or_else(Vec::new, |hidden| hidden.shown(shown, range));
         let hidden =
@@ -151,14 +152,14 @@ fn each_row(
     let mut reader = book.worksheet_cells_reader(sheet).map_err(|error| error.to_string())?;
     let mut record = Record::default();
     loop {
-        let cell = match reader.next_cell() {
+        let cell = match reader.next_cell_with_formula() {
             Ok(Some(cell)) => cell,
             Ok(None) => break,
             // an error that has no name in the first versions of the format is no value either
             Err(XlsxError::CellError(_)) => continue,
             Err(error) => return Err(error.to_string()),
         };
-        let (row, column) = cell.get_position();
+        let (row, column) = cell.pos;
         let line = u64::from(row) + 1;
         if line != record.line {
             let before = std::mem::replace(&mut record, Record::new(Vec::new(), line));
@@ -169,8 +170,11 @@ fn each_row(
         if row > range.rows.1 {
             break;
         }
-        let content =
-            if range.has_row(row) && range.has_column(column) { content(cell.get_value()) } else { Content::Empty };
+        let content = match cell.formula {
+            _ if !range.has_row(row) || !range.has_column(column) => Content::Empty,
+            Some(formula) if cell.value == DataRef::Empty => Content::Other(format!("={formula}")),
+            _ => content(&cell.value),
+        };
         if content != Content::Empty {
             let index = (column - range.columns.0) as usize;
             if record.cells.len() <= index {

@@ -210,3 +210,45 @@ fn a_number_format_that_shows_another_unit_is_refused() {
         assert!(refused.contains(&message), "{format}: {refused}");
     }
 }
+
+/// A workbook of these parts.
+fn of_parts(parts: &[(&str, &str)]) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (part, xml) in parts {
+        archive.start_file(*part, zip::write::SimpleFileOptions::default()).expect("a part");
+        io::Write::write_all(&mut archive, xml.as_bytes()).expect("its XML");
+    }
+    archive.finish().expect("an archive").into_inner()
+}
+
+#[test]
+fn a_formula_without_a_result_is_no_empty_cell_and_a_chart_no_sheet() {
+    const CELLS: &str = "<worksheet><sheetData>\
+        <row r=\"1\"><c r=\"A1\" t=\"inlineStr\"><is><t>Teil</t></is></c>\
+        <c r=\"B1\" t=\"inlineStr\"><is><t>rack_over_roller [mm]</t></is></c></row>\
+        <row r=\"2\"><c r=\"A2\" t=\"inlineStr\"><is><t>A</t></is></c><c r=\"B2\"><v>0.0025</v></c></row>\
+        <row r=\"3\"><c r=\"A3\" t=\"inlineStr\"><is><t>B</t></is></c><c r=\"B3\"><f>0.001+0.06</f><v/></c></row>\
+        <row r=\"4\"><c r=\"A4\" t=\"inlineStr\"><is><t>C</t></is></c><c r=\"B4\"><f>1/1000</f><v>0.001</v></c></row>\
+        <row r=\"5\"><c r=\"A5\" t=\"str\"><f>IF(1,\"\",1)</f><v></v></c></row></sheetData></worksheet>";
+    const SHEETS: &str = "<workbook><sheets><sheet name=\"Bild\" sheetId=\"1\" r:id=\"r1\"/><sheet name=\"Lot\" sheetId=\"2\" \
+                          r:id=\"r2\"/></sheets></workbook>";
+    const TYPE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    let root = format!(
+        "<Relationships><Relationship Id=\"r0\" Type=\"{TYPE}/officeDocument\" Target=\"xl/workbook.xml\"/></Relationships>"
+    );
+    let relations = format!(
+        "<Relationships><Relationship Id=\"r1\" Type=\"{TYPE}/chartsheet\" Target=\"chartsheets/sheet1.xml\"/>\
+         <Relationship Id=\"r2\" Type=\"{TYPE}/worksheet\" Target=\"worksheets/sheet1.xml\"/></Relationships>"
+    );
+    let book = of_parts(&[
+        ("_rels/.rels", &root),
+        ("xl/workbook.xml", SHEETS),
+        ("xl/_rels/workbook.xml.rels", &relations),
+        ("xl/chartsheets/sheet1.xml", "<chartsheet><drawing/></chartsheet>"),
+        ("xl/worksheets/sheet1.xml", CELLS),
+    ]);
+    let expected = ["lot.xlsx, sheet `Lot`: Teil|rack_over_roller [mm]", "2: A|0.0025 mm", "3: B|", "4: C|0.001 mm"];
+    assert_eq!(rows(&book, None, "").unwrap(), expected);
+    let book = Workbook::open("lot.xlsx", book).expect("a workbook");
+    assert_eq!(book.sheets(), ["Lot"]);
+}
