@@ -43,9 +43,12 @@ pub(crate) struct Sorted {
 /// Sorts what a table has besides its measurements. `complete` tells that every error of the spec is found.
 pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, complete: bool) -> Sorted {
     let mut sorted = Sorted::default();
-    // a number above the names that no column can hold is none of a row
-    let is_value = |cell: &Cell| columns.iter().any(|column| column.may_hold(cell));
+    // a number above the names that no column can hold, or a whole one behind a word that is no part's name, is none of a row
+    let names = shape.part_names();
     let is_title = |unknown: &Unknown| {
+        let is_name = names.may_have(&unknown.title) || Cell::of_text(&unknown.title, 0..0).is_number();
+        let is_value =
+            |cell: &Cell| (is_name || has_decimals(cell)) && columns.iter().any(|column| column.may_hold(cell));
         unknown.column.is_none()
             && shape.orientation == Orientation::Rows
             && !columns.is_empty()
@@ -59,7 +62,6 @@ pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, c
             sorted.take(file, unknown, want, complete);
         }
     }
-    let names = shape.part_names();
     for aside in &shape.asides {
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < shape.header_line;
@@ -132,7 +134,11 @@ pub(crate) fn value_in(
 
 /// Cells without numbers in units that are none of lengths or angles: `20,3 °C`.
 fn without_foreign(cells: &[Cell]) -> impl Iterator<Item = &Cell> {
-    let is_unit = |cell: &Cell| is_foreign_unit(&cell.text()) && !matches!(&*cell.text(), "-" | "1");
+    let is_unit = |cell: &Cell| {
+        let text = cell.text();
+        let unit = text.trim_end_matches([',', ';', '.', ')']);
+        is_foreign_unit(unit) && !matches!(unit, "-" | "1")
+    };
     let is_other = move |at: usize| cells[at].is_number() && cells.get(at + 1).is_some_and(is_unit);
     (0..cells.len()).filter(move |at| !is_other(*at)).map(|at| &cells[at])
 }
