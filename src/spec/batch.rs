@@ -351,8 +351,8 @@ mod tests {
         Spec::parse("spec.toml", text).expect(text)
     }
 
-    fn measured(mm: &str) -> Option<DeviationValue> {
-        Some(DeviationValue::Length(mm.parse().unwrap()))
+    fn measured(mm: &str) -> DeviationValue {
+        DeviationValue::Length(mm.parse().unwrap())
     }
 
     #[test]
@@ -360,9 +360,9 @@ mod tests {
         let reading = |text: &str| spec(text).nominal_of_column(DeviationKind::RackOverRoller).unwrap();
         assert_eq!(reading(""), None);
         assert_eq!(reading("[errors]\nrack_over_roller = 0.01"), None);
-        assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25.0 }"), measured("25"));
-        assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25, measured = 25.1 }"), measured("25"));
-        assert_eq!(reading("[batch.columns]\nrack_over_roller = { nominal = \"1 in\" }"), measured("25.4"));
+        assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25.0 }"), Some(measured("25")));
+        assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25, measured = 25.1 }"), Some(measured("25")));
+        assert_eq!(reading("[batch.columns]\nrack_over_roller = { nominal = \"1 in\" }"), Some(measured("25.4")));
         let both = "[errors]\nrack_over_roller = { nominal = 25 }\n[batch.columns]\nrack_over_roller = { kind = \"deviation\" }";
         assert_eq!(reading(both), None);
         let roller = "[pair]\nnormal_module = 2.5\nnormal_pressure_angle = 20\n[rack]\ndatum = 21.5\n\

@@ -72,7 +72,7 @@ pub struct Located<T> {
 }
 
 /// What is said of one of several things, such as the kinds of error, if anything is.
-pub(crate) fn said_of<K: PartialEq, T>(entries: &[(K, T)], of: K) -> Option<&T> {
+pub(crate) fn said_of<K: Copy + PartialEq, T>(entries: &[(K, T)], of: K) -> Option<&T> {
     entries.iter().find(|(other, _)| *other == of).map(|(_, said)| said)
 }
 
