@@ -27,7 +27,7 @@ pub use basis::{Basis, GivenGeometry, KnownPairs};
 pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
 pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownTeeth, Reach};
-pub(crate) use proportion::ChangingErrors;
+pub use proportion::ChangingErrors;
 pub use scales::Scales;
 pub use sum::{Bound, Combined};
 

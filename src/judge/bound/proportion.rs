@@ -8,7 +8,7 @@ use super::{Basis, ErrorRange, ExtendedError, Extent, Knowledge, NoBound, Range}
 
 /// Errors whose values change, and what follows from each whatever its value.
 #[derive(Debug, Clone)]
-pub(crate) struct ChangingErrors<'a> {
+pub struct ChangingErrors<'a> {
     basis: &'a Basis,
     errors: Vec<ExtendedError>,
     /// What one mm of each error does up and down, where its ends are in proportion.
@@ -17,30 +17,36 @@ pub(crate) struct ChangingErrors<'a> {
 
 impl<'a> ChangingErrors<'a> {
     /// Errors of any value.
-    pub(crate) fn new(basis: &'a Basis, errors: Vec<ExtendedError>) -> Self {
+    #[must_use]
+    pub fn new(basis: &'a Basis, errors: Vec<ExtendedError>) -> Self {
         let per_mm = errors.iter().map(|error| per_mm(error, basis)).collect();
         Self { basis, errors, per_mm }
     }
 
     /// The errors with their last values.
-    pub(crate) fn errors(&self) -> &[ExtendedError] {
+    #[must_use]
+    pub fn errors(&self) -> &[ExtendedError] {
         &self.errors
     }
 
-    /// Gives an error another value, mm or rad.
+    /// Gives the error with this index another value, mm or rad.
     #[inline]
-    pub(crate) fn set(&mut self, index: usize, value: f64) {
+    pub fn set(&mut self, index: usize, value: f64) {
         self.errors[index].value = value;
     }
 
     /// What one error can do alone, as [`Basis::alone`].
-    pub(crate) fn alone(&self, index: usize) -> Result<ErrorRange, NoBound> {
+    ///
+    /// # Errors
+    /// [`NoBound`] if there is no bound.
+    pub fn alone(&self, index: usize) -> Result<ErrorRange, NoBound> {
         self.basis.alone(&self.errors[index])
     }
 
     /// What all can do, as [`Basis::together`].
+    #[must_use]
     #[inline]
-    pub(crate) fn together(&self) -> Combined<Range> {
+    pub fn together(&self) -> Combined<Range> {
         let knowledge = match self.basis.knowledge(&self.errors) {
             Ok(knowledge) => knowledge,
             Err(open) => return Combined { range: Err(open), rss: Err(open) },

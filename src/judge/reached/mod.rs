@@ -16,8 +16,7 @@ mod sketch;
 #[cfg(test)]
 mod tests;
 
-pub use placed::ReachedError;
-pub(crate) use placed::TEETH;
+pub use placed::{ReachedError, TEETH};
 pub use seat::Run;
 
 use super::bound::{ExtendedError, GivenPair};

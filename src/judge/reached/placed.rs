@@ -28,7 +28,7 @@ pub enum ReachedError {
 }
 
 /// Rack teeth that errors are put on: all that carry within a few pitches of stroke 0, and many more.
-pub(crate) const TEETH: RangeInclusive<i64> = -30..=36;
+pub const TEETH: RangeInclusive<i64> = -30..=36;
 
 /// The flanks of both parts that errors have moved.
 #[derive(Debug, Clone)]
