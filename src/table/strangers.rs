@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::cell::Cell;
-use super::column::Column;
+use super::column::{Column, Nominal};
 use super::grid::{Separator, records};
 use super::names::{Field, Role, is_context, is_statistic, near, role, split_unit};
 use super::reading::{AsideReading, NotUsed};
@@ -53,6 +53,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, c
             && shape.orientation == Orientation::Rows
             && !columns.is_empty()
             && !shape.header.is_empty()
+            && !unknown.clone().measured(false).could_be_measured()
             && !unknown.cells.iter().any(is_value)
     };
     for unknown in &shape.unknown {
@@ -65,8 +66,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, c
     for aside in &shape.asides {
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < shape.header_line;
-        let names = Some(&names).filter(|_| is_above);
-        match value_in(aside, shape.header.len(), columns, names) {
+        match value_in(aside, shape.header.len(), columns, Some(&LineNames { of_parts: &names, is_above })) {
             Some(unknown) => sorted.take(file, &unknown, want, complete),
             None => sorted.asides.push(aside.clone()),
         }
@@ -107,14 +107,21 @@ impl Sorted {
     }
 }
 
+/// By which names a line that is no part of the table is told from a row.
+pub(crate) struct LineNames<'a> {
+    pub(crate) of_parts: &'a PartNames,
+    /// Whether the line stands above the names of the columns, where titles are.
+    pub(crate) is_above: bool,
+}
+
 /// What of a line that is no part of the table may be a measured value: what has the name or the unit of one, a number
-/// with decimals that may be one of the columns', or as many numbers as a row has. Statistics and tolerances are none; where
-/// `names` are given, a number stands alone or behind a name like them.
+/// with decimals that may be one of the columns', or as many numbers as a row has. Statistics and tolerances are none. A number
+/// behind a word that is no part's name is one only below the names, and near a column's nominal value.
 pub(crate) fn value_in(
     aside: &AsideReading,
     width: usize,
     columns: &[Column],
-    names: Option<&PartNames>,
+    names: Option<&LineNames<'_>>,
 ) -> Option<Unknown> {
     if !has_digit(&aside.text) {
         return None;
@@ -122,13 +129,17 @@ pub(crate) fn value_in(
     let text = aside.text.replace(['|', ';', '\t'], " ");
     let record = uncounted(records(&text, Separator::Blanks).first()?);
     let cells: Vec<Cell> = without_foreign(&record.cells).cloned().collect();
-    let is_row = width > 1 && record.cells.len() == width && record.cells.iter().all(Cell::is_number);
+    let is_cell = |cell: &Cell| cell.is_number() && !cell.text().starts_with("00");
+    let is_row = width > 1 && record.cells.len() == width && record.cells.iter().all(is_cell);
     let found = named_values(&cells, aside.line)?;
     let found = if is_row { found.measured(true) } else { found };
-    let is_name = found.title.is_empty() || names.is_none_or(|names| names.may_have(&found.title));
-    let is_value = |cell: &Cell| columns.iter().any(|column| has_decimals(cell) && column.may_hold(cell));
-    let may_be =
-        || is_name && !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
+    let is_name = found.title.is_empty() || names.is_none_or(|names| names.of_parts.may_have(&found.title));
+    let is_above = names.is_some_and(|names| names.is_above);
+    let is_value = |cell: &Cell| {
+        let may_be_of = |column: &Column| is_name || !is_above && matches!(column.nominal, Nominal::Fixed(_));
+        has_decimals(cell) && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell))
+    };
+    let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
 }
 

@@ -120,7 +120,14 @@ pub(crate) fn speaks_of_value(text: &str) -> bool {
 
 /// Whether a unit of length or angle stands behind the number in a text.
 fn unit_of(text: &str) -> bool {
-    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(['*', ')', ']', ' '])))
+    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(['*', ')', ']', ' ']))) && !is_german_time(text)
+}
+
+/// Whether `um` stands behind a date, and is a word: `Am 11.03.2026 um 09:12`.
+fn is_german_time(text: &str) -> bool {
+    let words: Vec<_> = text.split_whitespace().collect();
+    let is_date = |word: &str| word.matches('.').count() > 1 && word.chars().all(|c| c == '.' || c.is_ascii_digit());
+    words.windows(2).any(|pair| is_date(pair[0]) && pair[1] == "um")
 }
 
 /// Whether a unit is one of lengths or angles.
@@ -145,10 +152,10 @@ fn has_unit(title: &str) -> bool {
 }
 
 /// Units of what is neither a length nor an angle.
-const FOREIGN_UNITS: [&str; 38] = [
+const FOREIGN_UNITS: [&str; 50] = [
     "-", "1", "pcs", "stk", "°c", "c", "°f", "k", "n", "kn", "mn", "nm", "nmm", "ncm", "kg", "g", "s", "ms", "sec",
     "h", "%", "‰", "bar", "mbar", "mpa", "hpa", "pa", "hrc", "hv", "hb", "rpm", "1/min", "min-1", "hz", "v", "a",
-    "n/mm", "n/mm²",
+    "n/mm", "n/mm²", "k/h", "ppm/k", "u/min", "eur", "€", "usd", "$", "uhr", "am", "pm", "km", "mb",
 ];
 
 /// Whether a unit measures neither lengths nor angles.
