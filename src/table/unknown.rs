@@ -126,7 +126,10 @@ fn unit_of(text: &str) -> bool {
 /// Whether `um` stands behind a date, and is a word: `Am 11.03.2026 um 09:12`.
 fn is_german_time(text: &str) -> bool {
     let words: Vec<_> = text.split_whitespace().collect();
-    let is_date = |word: &str| word.matches('.').count() > 1 && word.chars().all(|c| c == '.' || c.is_ascii_digit());
+    let is_date = |word: &str| {
+        let parts: Vec<_> = word.split('.').collect();
+        parts.len() == 3 && parts.iter().all(|part| part.parse::<u16>().is_ok())
+    };
     words.windows(2).any(|pair| is_date(pair[0]) && pair[1] == "um")
 }
 
