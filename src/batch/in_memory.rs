@@ -12,7 +12,7 @@ use super::plan::Plan;
 use super::request::{Request, RowFormat, Rows};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Spec;
-use crate::table::{self, Block, Reading, Stored, StoredTable, Want, refusal, stored_table};
+use crate::table::{Block, Reading, Stored, Table, Want, refusal, stored_table};
 
 /// Evaluates columns that a program has in memory.
 ///
@@ -88,7 +88,7 @@ impl ColumnEvaluator {
     /// # Errors
     /// As there.
     pub fn columns(&self, piece: &ColumnPiece<'_>) -> Result<Vec<(String, ColumnKind)>, Diagnostics> {
-        Ok(self.planned(&self.understood(piece)?.table)?.0.columns_written())
+        Ok(self.planned(&self.understood(piece)?)?.0.columns_written())
     }
 
     /// Evaluates some rows, which stand by themselves. A row that is no part, or has no result, says why in the column
@@ -98,11 +98,12 @@ impl ColumnEvaluator {
     /// [`Diagnostics`] if the columns are refused, as those of any table are: what they hold is not understood, or may be a
     /// measurement that nobody named, or lacks its unit or nominal value.
     pub fn evaluate(&self, piece: &ColumnPiece<'_>) -> Result<EvaluatedColumns, Diagnostics> {
-        let StoredTable { table, setup, .. } = self.understood(piece)?;
+        let table = self.understood(piece)?;
         let (plan, layout) = self.planned(&table)?;
-        let rows = table::Rows::new(setup, layout.wanted(false));
         let mut block = Block::default();
-        rows.stored(piece.columns, 0, &mut block);
+        if let (Some(rows), _) = table.pieces.open(layout.wanted(false)) {
+            rows.stored(piece.columns, 0, &mut block);
+        }
         let mut evaluator = Evaluator::new(&plan, &layout, &table.name, false);
         evaluator.block(&block, 0, false);
         if let Some(contradiction) = block.contradiction {
@@ -115,25 +116,25 @@ impl ColumnEvaluator {
         Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.written.columns, counts, reading })
     }
 
-    fn understood(&self, piece: &ColumnPiece<'_>) -> Result<StoredTable, Diagnostics> {
+    fn understood(&self, piece: &ColumnPiece<'_>) -> Result<Table, Diagnostics> {
         // what a column is follows from its name and type where no row has a number
         let stand_ins: Vec<_> = piece.columns.iter().map(|column| column.as_ref().map(Stored::stand_in)).collect();
         let has_numbers = piece.columns.iter().flatten().any(Stored::has_numbers);
         let head = if has_numbers { piece.columns } else { &stand_ins };
         let found = stored_table(piece.name, "columns", piece.titles, head, &self.want)?;
-        if !found.in_rows {
+        if !found.pieces.are_rows() {
             let message =
                 format!("{} has a row per characteristic, and columns in memory have a row per part", piece.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("make a column of each characteristic").into());
         }
-        match refusal(&found.table.strangers, &found.table.still_missing) {
+        match refusal(&found.strangers, &found.still_missing) {
             Some(refused) => Err(refused.into()),
             None => Ok(found),
         }
     }
 
     /// The plan for a table: the last one, if it fits.
-    fn planned(&self, table: &table::Table) -> Result<(Arc<Plan>, Layout), Diagnostics> {
+    fn planned(&self, table: &Table) -> Result<(Arc<Plan>, Layout), Diagnostics> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let fits = |plan: &Arc<Plan>| Some((Arc::clone(plan), Layout::new(plan, table).ok()?));
         if let Some(known) = last.as_ref().filter(|plan| plan.is_for(table)).and_then(fits) {

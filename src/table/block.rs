@@ -1,7 +1,6 @@
 //! Some rows of a table as columns: the seam between whatever a table was and whoever evaluates it. Filled by the readers;
 //! read by the evaluators of parts and of teeth.
 
-use super::cell::{Cell, Record};
 use super::encoding::text;
 use super::reading::AsideReading;
 use crate::deviation::DeviationValue;
@@ -160,16 +159,13 @@ pub(crate) fn span_end(at: usize) -> u32 {
     u32::try_from(at).unwrap_or(u32::MAX)
 }
 
-/// A record as a line of cells between commas, for whoever keeps rejected rows of files without lines.
-pub(crate) fn as_line(record: &Record) -> Vec<u8> {
-    let texts: Vec<_> = record.cells.iter().map(Cell::text).collect();
-    line_of(texts.iter().map(AsRef::as_ref))
-}
-
-/// Texts as a line of cells between commas.
-pub(crate) fn line_of<'t>(cells: impl Iterator<Item = &'t str>) -> Vec<u8> {
+/// Texts as a line of cells between commas, for whoever keeps the rows of files without lines.
+pub(crate) fn line_of(cells: impl Iterator<Item = impl AsRef<str>>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // there is always room in memory
-    let _ = writer.write_record(cells);
+    for cell in cells {
+        let _ = writer.write_field(cell.as_ref());
+    }
+    let _ = writer.write_record(None::<&[u8]>);
     writer.into_inner().unwrap_or_default()
 }

@@ -167,6 +167,14 @@ impl Record {
         start..self.cells.last().map_or(start, |cell| cell.span.end)
     }
 
+    /// The line of a text on which it stands, with its end.
+    pub(crate) fn line_in(&self, text: &str) -> Vec<u8> {
+        let span = self.span();
+        let start = text[..span.start].rfind('\n').map_or(0, |end| end + 1);
+        let end = text[span.end..].find('\n').map_or(text.len(), |length| span.end + length);
+        [&text.as_bytes()[start..end], b"\n"].concat()
+    }
+
     /// Its cells in one line of text.
     pub(crate) fn in_words(&self) -> String {
         let texts: Vec<_> = self.cells.iter().map(Cell::text).filter(|text| !text.is_empty()).collect();

@@ -3,9 +3,9 @@
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, ValueKind};
+use super::names::{Field, Role, ValueKind};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
-use super::shape::{Measurement, Series};
+use super::shape::Measurement;
 use super::want::Want;
 use crate::deviation::plausible::{self, Reach, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -147,9 +147,8 @@ impl Column {
     ) -> Result<Self, Diagnostics> {
         let value = &measurement.value;
         let given = kind.and_then(|kind| want.given(kind));
-        let is_angle = measurement.field.is_angle();
         let (unit, unit_from) = unit(measurement, kind, want)?;
-        let holds = given.and_then(|given| given.holds).or(measurement.holds);
+        let is_slope = measurement.field.is_angle() && matches!(unit, Unit::Length(_));
         let mut column = Self {
             field: measurement.field,
             kind,
@@ -157,7 +156,7 @@ impl Column {
             place: value.place,
             unit,
             unit_from,
-            holds,
+            holds: given.and_then(|given| given.holds).or(measurement.holds),
             nominal: Nominal::None,
             evaluated: Stated::None,
             stated: None,
@@ -166,50 +165,48 @@ impl Column {
             tolerance: None,
             mark,
             mark_is_open: false,
-            beside: Companions::default(),
+            beside: companions(measurement, unit, is_slope)?,
         };
-        if is_angle && matches!(unit, Unit::Length(_)) {
-            let length = measurement.beside.length.as_ref();
-            column.evaluated = match length {
-                Some(_) => Stated::Beside,
-                None => evaluated(given.and_then(|given| given.length), want, &value.title)?,
-            };
-            column.beside.length = companion(length, Unit::Length(LengthUnit::Millimetre))?;
-            column.beside.unit = measurement.beside.unit.as_ref().map(|units| Companion { place: units.place, unit });
-            return Ok(column);
-        }
-        let beside = &measurement.beside;
-        column.beside = Companions {
-            deviation: companion(beside.deviation.as_ref(), unit)?,
-            nominal: companion(beside.nominal.as_ref(), unit)?,
-            upper: companion(beside.upper.as_ref(), unit)?,
-            lower: companion(beside.lower.as_ref(), unit)?,
-            unit: beside.unit.as_ref().map(|units| Companion { place: units.place, unit }),
-            ..Companions::default()
-        };
-        match kind {
-            Some(kind) => column.take_nominal(kind, measurement, want)?,
-            None => column.take_nominal_of_space(measurement, want),
+        if !is_slope {
+            column.take_nominal(want)?;
+        } else if column.beside.get(Role::Length).is_some() {
+            column.evaluated = Stated::Beside;
+        } else {
+            column.evaluated = evaluated(given.and_then(|given| given.length), want, &value.title)?;
         }
         Ok(column)
     }
 
-    /// Decides what is taken from a value.
-    fn take_nominal(&mut self, kind: DeviationKind, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
-        self.module = want.module;
-        self.farthest = Reach::possible(want.module);
+    /// Decides what is taken from a value: what stands beside it, or what the spec says. Of a space or tooth, the spec says
+    /// it only where the deviation stands beside the value; any other is taken from its nominal place later.
+    fn take_nominal(&mut self, want: &Want) -> Result<(), Diagnostics> {
+        if self.kind.is_some() {
+            self.module = want.module;
+            self.farthest = Reach::possible(want.module);
+        }
         if self.holds == Some(ValueKind::Deviation) {
             return Ok(());
         }
-        let in_spec = want.given(kind).and_then(|given| given.nominal.clone());
-        if measurement.beside.nominal.is_some() {
+        let is_over_pin = self.kind.is_none() && self.field == Field::OverPin;
+        let over_pin = want.over_pin.filter(|_| is_over_pin).map(DeviationValue::Length);
+        let given = self.field.kind().and_then(|kind| want.given(kind)?.nominal.clone());
+        if self.beside.get(Role::Nominal).is_some() {
             self.nominal = Nominal::Beside;
-            self.stated = in_spec.and_then(Result::ok);
-        } else if let Some(nominal) = in_spec {
-            let nominal = nominal?;
+            self.stated = given.and_then(Result::ok).or(over_pin);
+            return Ok(());
+        }
+        let in_spec = match self.kind {
+            Some(_) => given.transpose()?,
+            None if self.beside.get(Role::Deviation).is_some() => given.and_then(Result::ok).or(over_pin),
+            None => None,
+        };
+        if let Some(nominal) = in_spec {
             self.farthest = near(nominal, self.farthest);
             self.nominal = Nominal::Fixed(nominal);
-        } else if self.holds == Some(ValueKind::Measured) && !want.only_shown {
+        } else if let Some(kind) = self.kind
+            && self.holds == Some(ValueKind::Measured)
+            && !want.only_shown
+        {
             let message =
                 format!("`{}` holds measured values, and nothing tells the nominal value of {kind}", self.title);
             return Err(Diagnostic::error(Code::MissingKey, message)
@@ -220,24 +217,6 @@ impl Column {
                 .into());
         }
         Ok(())
-    }
-
-    /// Decides what is taken from a value of a space or tooth: what stands beside it, or what the spec says where the
-    /// deviation stands beside it. The spec has the nominal value of any other.
-    fn take_nominal_of_space(&mut self, measurement: &Measurement, want: &Want) {
-        if self.holds == Some(ValueKind::Deviation) {
-            return;
-        }
-        let given = measurement.field.kind().and_then(|kind| want.given(kind));
-        let in_spec = given.and_then(|given| given.nominal.clone()).and_then(Result::ok);
-        let over_pin = want.over_pin.filter(|_| self.field == Field::OverPin).map(DeviationValue::Length);
-        let in_spec = in_spec.or(over_pin);
-        if measurement.beside.nominal.is_some() {
-            self.nominal = Nominal::Beside;
-            self.stated = in_spec;
-        } else if let Some(nominal) = in_spec.filter(|_| measurement.beside.deviation.is_some()) {
-            self.nominal = Nominal::Fixed(nominal);
-        }
     }
 
     /// Whether, without a word, a space has measures of it; a part has deviations where no nominal value is known.
@@ -272,15 +251,15 @@ impl Column {
         if cell.is_missing() {
             return Ok(None);
         }
-        self.check_unit(beside.unit)?;
+        self.check_unit(beside.get(Role::Unit).copied())?;
         let value = self.quantity(cell)?;
-        if let Stated::Fixed(_) | Stated::Beside = self.evaluated {
-            return self.slope(value, beside.length).map(Some);
+        if self.evaluated != Stated::None {
+            return self.slope(value, &beside).map(Some);
         }
         let deviation = match self.nominal {
             Nominal::None => self.possible(value)?,
             Nominal::Fixed(nominal) => self.less(value, nominal)?,
-            Nominal::Beside => self.less(value, self.nominal_beside(beside.nominal)?)?,
+            Nominal::Beside => self.less(value, self.nominal_beside(&beside)?)?,
         };
         self.checked(cell, deviation, &beside).map(Some)
     }
@@ -345,9 +324,14 @@ impl Column {
     }
 
     /// The quantity in a companion's cell; `None` if there is none.
-    fn quantity_beside(&self, cell: Option<&Cell>, of: Option<Companion>) -> Result<Option<DeviationValue>, Problem> {
-        let unit = of.map_or(self.unit, |companion| companion.unit);
-        cell.filter(|cell| !cell.is_missing()).map(|cell| self.quantity_in(cell, unit)).transpose()
+    fn quantity_beside(&self, beside: &Companions<&Cell>, role: Role) -> Result<Option<DeviationValue>, Problem> {
+        let cell = beside.get(role).filter(|cell| !cell.is_missing());
+        cell.map(|cell| self.quantity_in(cell, self.unit_beside(role))).transpose()
+    }
+
+    /// The unit of a companion's numbers.
+    fn unit_beside(&self, role: Role) -> Unit {
+        self.beside.get(role).map_or(self.unit, |companion| companion.unit)
     }
 
     fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<DeviationValue, Problem> {
@@ -372,10 +356,10 @@ impl Column {
         // `12. Mai` is no number with a decimal point
         if is_measure && reading == Marks::Only(other) {
             let message = format!(
-                "`{}` has a {}, and the table's numbers have a {}",
+                "`{}` has a decimal {}, and the table's numbers have a decimal {}",
                 shown(text),
-                other.name(),
-                self.mark.name()
+                other.word(),
+                self.mark.word()
             );
             return Err(Problem::OtherMark(message));
         }
@@ -394,7 +378,8 @@ impl Column {
             return Err(Problem::Bad(format!("`{}` is a tolerance, and no value", shown(whole))));
         }
         let text = text.as_ref();
-        let not_a_number = || Problem::Bad(format!("`{}` is not a number with a {}", shown(text), self.mark.name()));
+        let not_a_number =
+            || Problem::Bad(format!("`{}` is not a number with a decimal {}", shown(text), self.mark.word()));
         let number = normalise(text, self.mark).ok_or_else(not_a_number)?;
         let is_bare = number.ends_with(|c: char| c.is_ascii_digit() || c == '.');
         // a value near its nominal one tells its unit, a deviation does not
@@ -437,14 +422,12 @@ impl Column {
 
     /// The widest tolerance beside a value, mm or degrees: a limit of size, or an allowance from nominal.
     fn widest(&self, beside: &Companions<&Cell>) -> Result<f64, Problem> {
-        let of = self.beside;
         let fixed = if let Nominal::Fixed(nominal) = self.nominal { Some(nominal) } else { None };
-        let nominal = self.quantity_beside(beside.nominal, of.nominal)?.or(fixed).map_or(0.0, DeviationValue::base);
-        // tolerances judge nothing here: one that is no number says nothing of the value's unit
-        let upper = self.quantity_beside(beside.upper, of.upper).unwrap_or(None);
-        let lower = self.quantity_beside(beside.lower, of.lower).unwrap_or(None);
+        let nominal = self.quantity_beside(beside, Role::Nominal)?.or(fixed).map_or(0.0, DeviationValue::base);
         let mut widest = self.tolerance.unwrap_or(0.0);
-        for tolerance in [upper, lower].into_iter().flatten() {
+        for role in [Role::Upper, Role::Lower] {
+            // tolerances judge nothing here: one that is no number says nothing of the value's unit
+            let Ok(Some(tolerance)) = self.quantity_beside(beside, role) else { continue };
             let size = tolerance.base();
             let is_limit = nominal != 0.0 && size.abs() > nominal.abs() / 2.0;
             widest = widest.max(if is_limit { (size - nominal).abs() } else { size.abs() });
@@ -453,11 +436,11 @@ impl Column {
     }
 
     /// f_Hβ over its evaluation length.
-    fn slope(&self, value: DeviationValue, beside: Option<&Cell>) -> Result<DeviationValue, Problem> {
+    fn slope(&self, value: DeviationValue, beside: &Companions<&Cell>) -> Result<DeviationValue, Problem> {
         let DeviationValue::Length(deviation) = value else { return Ok(value) };
-        let over = match (self.evaluated, beside) {
-            (Stated::Fixed(over), _) => over,
-            (_, cell) => match self.quantity_beside(cell, self.beside.length)? {
+        let over = match self.evaluated {
+            Stated::Fixed(over) => over,
+            _ => match self.quantity_beside(beside, Role::Length)? {
                 Some(DeviationValue::Length(over)) => over,
                 _ => return Err(Problem::Bad("there is no evaluation length for this f_Hβ".to_owned())),
             },
@@ -469,12 +452,12 @@ impl Column {
         self.possible(slope)
     }
 
-    fn nominal_beside(&self, cell: Option<&Cell>) -> Result<DeviationValue, Problem> {
-        let Some(nominal) = self.quantity_beside(cell, self.beside.nominal)? else {
+    fn nominal_beside(&self, beside: &Companions<&Cell>) -> Result<DeviationValue, Problem> {
+        let Some(nominal) = self.quantity_beside(beside, Role::Nominal)? else {
             return self.stated.ok_or_else(|| Problem::Bad("there is no nominal value beside it".to_owned()));
         };
         match self.stated {
-            Some(stated) if !self.agrees(stated, nominal, cell) => {
+            Some(stated) if !self.agrees(stated, nominal, beside) => {
                 Err(Problem::Bad(format!("the nominal value is {nominal} in the table and {stated} in the spec")))
             }
             Some(stated) => Ok(stated),
@@ -483,8 +466,8 @@ impl Column {
     }
 
     /// Whether the nominal values of the spec and of a cell are the same but for the cell's last digit.
-    fn agrees(&self, stated: DeviationValue, nominal: DeviationValue, cell: Option<&Cell>) -> bool {
-        let half = self.digit_beside(cell, self.beside.nominal).map_or(0.0, |digit| SMALLEST_DIGIT.min(digit / 2.0));
+    fn agrees(&self, stated: DeviationValue, nominal: DeviationValue, beside: &Companions<&Cell>) -> bool {
+        let half = self.digit_beside(beside, Role::Nominal).map_or(0.0, |digit| SMALLEST_DIGIT.min(digit / 2.0));
         stated == nominal || (stated.base() - nominal.base()).abs() <= half
     }
 
@@ -507,13 +490,13 @@ impl Column {
     ) -> Result<DeviationValue, Problem> {
         /// Values this much beyond a tolerance have another unit.
         const TIMES: f64 = 100.0;
-        let stated = self.quantity_beside(beside.deviation, self.beside.deviation)?;
+        let stated = self.quantity_beside(beside, Role::Deviation)?;
         if let Some(stated) = stated.filter(|_| self.checks_deviation()) {
             let apart = (stated.base() - deviation.base()).abs();
             if apart > self.rounding(cell, beside) {
                 return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
             }
-            let digit = self.digit_beside(beside.deviation, self.beside.deviation);
+            let digit = self.digit_beside(beside, Role::Deviation);
             if digit.is_some_and(|digit| apart > digit.max(SMALLEST_DIGIT)) {
                 // it has the digits that the value lost
                 deviation = stated;
@@ -529,8 +512,8 @@ impl Column {
     }
 
     /// One of the last digit of a companion, mm or degrees.
-    fn digit_beside(&self, cell: Option<&Cell>, of: Option<Companion>) -> Option<f64> {
-        Some(self.digit(cell?, of.map_or(self.unit, |companion| companion.unit)))
+    fn digit_beside(&self, beside: &Companions<&Cell>, role: Role) -> Option<f64> {
+        Some(self.digit(beside.get(role)?, self.unit_beside(role)))
     }
 
     /// By how much a deviation may differ from measured less nominal, because each is rounded to its last digit, mm or
@@ -540,8 +523,8 @@ impl Column {
         const FINE: f64 = 1e-3;
         const FEWER: f64 = 15.0;
         let value = Some(self.digit(cell, self.unit));
-        let nominal = self.digit_beside(beside.nominal, self.beside.nominal);
-        let deviation = self.digit_beside(beside.deviation, self.beside.deviation);
+        let nominal = self.digit_beside(beside, Role::Nominal);
+        let deviation = self.digit_beside(beside, Role::Deviation);
         let all = [value, nominal, deviation.map(|digit| digit.max(FINE))].into_iter().flatten();
         let finest = all.fold(f64::INFINITY, f64::min);
         let each = [value, nominal, deviation].into_iter().flatten();
@@ -564,16 +547,23 @@ impl Column {
     }
 }
 
-/// The companion that a column of the table is.
-fn companion(series: Option<&Series>, unit_of_value: Unit) -> Result<Option<Companion>, Diagnostic> {
-    let Some(series) = series else { return Ok(None) };
-    let is_angle = matches!(unit_of_value, Unit::Angle(_));
-    let unit = match series.unit.as_deref() {
-        None => unit_of_value,
-        Some(symbol) if is_angle => Unit::of_angle(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, true))?,
-        Some(symbol) => Unit::of_length(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, false))?,
-    };
-    Ok(Some(Companion { place: series.place, unit }))
+/// What stands beside a value that counts; f_Hβ over a length is held against nothing.
+fn companions(measurement: &Measurement, unit: Unit, is_slope: bool) -> Result<Companions<Companion>, Diagnostic> {
+    let of_value = [Role::Deviation, Role::Nominal, Role::Upper, Role::Lower, Role::Unit];
+    let roles = if is_slope { &[Role::Length, Role::Unit][..] } else { &of_value };
+    let mut beside = Companions::default();
+    for role in roles {
+        let Some(series) = measurement.beside.get(*role) else { continue };
+        let own = if *role == Role::Length { Unit::Length(LengthUnit::Millimetre) } else { unit };
+        let is_angle = matches!(own, Unit::Angle(_));
+        let named = |symbol: &str| if is_angle { Unit::of_angle(symbol) } else { Unit::of_length(symbol) };
+        let unit = match series.unit.as_deref().filter(|_| *role != Role::Unit) {
+            None => own,
+            Some(symbol) => named(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, is_angle))?,
+        };
+        beside.set(*role, Some(Companion { place: series.place, unit }));
+    }
+    Ok(beside)
 }
 
 /// What is measured in a text: without the uncertainty behind ±, and with the inch for the quotes that stand for it.
@@ -604,7 +594,8 @@ fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> 
     let value = &measurement.value;
     let is_angle = measurement.field.is_angle();
     let dimension = |symbol: &str| unit_of(symbol, is_angle);
-    let beside = measurement.beside.unit.as_ref().and_then(|units| units.cells.iter().find(|cell| !cell.is_missing()));
+    let beside =
+        measurement.beside.get(Role::Unit).and_then(|units| units.cells.iter().find(|cell| !cell.is_missing()));
     let beside = beside.map(Cell::text);
     let unit_from = if value.unit.is_none() && beside.is_some() { UnitFrom::Beside } else { UnitFrom::Table };
     let stated = kind.and_then(|kind| want.stated_unit(kind, &value.title));

@@ -48,6 +48,13 @@ impl Source {
     pub fn bytes(bytes: Vec<u8>) -> Self {
         Self::Stream(Box::new(Cursor::new(bytes)))
     }
+
+    fn reader(self) -> Box<dyn Read + Send> {
+        match self {
+            Self::File(file) => Box::new(file),
+            Self::Stream(stream) => stream,
+        }
+    }
 }
 
 impl Container {
@@ -57,23 +64,15 @@ impl Container {
     /// If it cannot be read, or is a file that holds no table.
     pub fn open(name: &str, source: Source, want: &Want) -> Result<Self, Diagnostics> {
         let failed = |error: &io::Error| Diagnostic::unreadable(name, error);
-        let bytes: Box<dyn Read + Send> = match source {
-            Source::File(mut file) => {
-                let mut mark = [0; 4];
-                // a pipe has no place to go back to, and no Parquet file either
-                if file.stream_position().is_ok() {
-                    let count = file.read(&mut mark).map_err(|error| failed(&error))?;
-                    file.rewind().map_err(|error| failed(&error))?;
-                    if mark[..count] == *PARQUET {
-                        let file = SharedFile::new(file).map_err(|error| failed(&error))?;
-                        return Ok(Self::Parquet(ParquetTable::open(name, file)?));
-                    }
-                }
-                Box::new(file)
+        let source = match source {
+            Source::File(file) if is_parquet(&file).map_err(|error| failed(&error))? => {
+                let file = SharedFile::new(file).map_err(|error| failed(&error))?;
+                return Ok(Self::Parquet(ParquetTable::open(name, file)?));
             }
-            Source::Stream(stream) => stream,
+            source => source,
         };
-        let peeked = peek(unpacked(bytes).map_err(|error| failed(&error))?, 512).map_err(|error| failed(&error))?;
+        let peeked =
+            peek(unpacked(source.reader()).map_err(|error| failed(&error))?, 512).map_err(|error| failed(&error))?;
         match peeked.start.as_slice() {
             [b'P', b'K', 3, 4, ..] => Ok(Self::Workbook(Box::new(Workbook::open(name, whole(name, peeked.bytes)?)?))),
             [b'P', b'A', b'R', b'1', ..] => {
@@ -111,11 +110,7 @@ impl Container {
     pub fn qdas_pair(definitions: (&str, Source), values: (&str, Source)) -> Result<Self, Diagnostics> {
         let mut texts = Vec::new();
         for (name, source) in [definitions, values] {
-            let bytes: Box<dyn Read + Send> = match source {
-                Source::File(file) => Box::new(file),
-                Source::Stream(stream) => stream,
-            };
-            texts.push((name, decode(&whole(name, bytes)?).into_owned()));
+            texts.push((name, decode(&whole(name, source.reader())?).into_owned()));
         }
         let files: Vec<_> = texts.iter().map(|(name, text)| (*name, text.as_str())).collect();
         Ok(Self::Qdas(Box::new(super::qdas::read(&files)?)))
@@ -143,6 +138,17 @@ impl Container {
             Self::Parquet(table) => parquet_table(name, table, want),
         }
     }
+}
+
+/// Whether a file that has a place to go back to, as a pipe has not, is a Parquet file.
+fn is_parquet(mut file: &File) -> io::Result<bool> {
+    if file.stream_position().is_err() {
+        return Ok(false);
+    }
+    let mut mark = [0; 4];
+    let count = file.read(&mut mark)?;
+    file.rewind()?;
+    Ok(mark[..count] == *PARQUET)
 }
 
 /// Refuses files that hold no table of theirs that is read, by their first bytes.

@@ -13,7 +13,7 @@ pub(crate) fn gathered(understood: &Understood) -> Block {
     for (row, line) in shape.lines.iter().enumerate() {
         let series = shape.ids.iter().chain(shape.measurements.iter().map(|measurement| &measurement.value));
         let texts: Vec<_> = series.map(|series| series.cells.get(row).map(Cell::text).unwrap_or_default()).collect();
-        let raw = block.append(&line_of(texts.iter().map(AsRef::as_ref)));
+        let raw = block.append(&line_of(texts.iter()));
         block.record_count += 1;
         start(*line, raw, &mut block);
         if shape.ids.is_some() {

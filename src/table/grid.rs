@@ -27,6 +27,14 @@ impl Separator {
     /// Commas.
     pub const COMMA: Self = Self::Character(b',');
 
+    /// The byte between the fields of a row; a tab where that is no single one.
+    pub(crate) const fn byte(self) -> u8 {
+        match self {
+            Self::Character(byte) => byte,
+            Self::AlignedBlanks | Self::Blanks | Self::Lines => b'\t',
+        }
+    }
+
     /// In words.
     #[must_use]
     pub fn name(self) -> String {
@@ -54,27 +62,16 @@ pub(crate) fn separators(text: &str) -> Vec<Separator> {
     found
 }
 
-/// A text, cut.
-pub(crate) struct Cut {
-    pub(crate) records: Vec<Record>,
-    /// The line of a quote that is not closed, if there is one.
-    pub(crate) open_quote: Option<u64>,
-}
-
 /// The records of `text`; those of a character stand as the streaming reader cuts them, so that the number of a record
 /// means the same to both.
-pub(crate) fn cut(text: &str, separator: Separator) -> Cut {
+///
+/// # Errors
+/// If a quote is not closed: its line.
+pub(crate) fn records(text: &str, separator: Separator) -> Result<Vec<Record>, u64> {
     match separator {
         Separator::Character(byte) => separated(text, byte),
-        Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => {
-            Cut { records: by_line(text, separator), open_quote: None }
-        }
+        Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => Ok(by_line(text, separator)),
     }
-}
-
-/// The records alone.
-pub(crate) fn records(text: &str, separator: Separator) -> Vec<Record> {
-    cut(text, separator).records
 }
 
 fn trimmed(text: &str, span: Range<usize>) -> Cell {
@@ -84,7 +81,7 @@ fn trimmed(text: &str, span: Range<usize>) -> Cell {
     Cell::of_text(trimmed, start..start + trimmed.len())
 }
 
-fn separated(text: &str, separator: u8) -> Cut {
+fn separated(text: &str, separator: u8) -> Result<Vec<Record>, u64> {
     let bytes = text.as_bytes();
     let (mut records, mut fields) = (Vec::new(), Vec::new());
     let (mut at, mut lines, mut blank, mut open_quote) = (0, 0, 0, None);
@@ -114,7 +111,7 @@ fn separated(text: &str, separator: u8) -> Cut {
         lines += found.lines;
         at = found.next;
     }
-    Cut { records, open_quote }
+    open_quote.map_or(Ok(records), Err)
 }
 
 fn by_line(text: &str, separator: Separator) -> Vec<Record> {
@@ -183,6 +180,13 @@ pub(crate) fn is_unit(text: &str) -> bool {
     Unit::from_symbol(bare_unit(text)).is_some()
 }
 
+/// The first of some cells, if all that say something are units.
+pub(crate) fn only_units(cells: &[Cell]) -> Option<&Cell> {
+    let mut cells = cells.iter().filter(|cell| !cell.is_missing());
+    let first = cells.next().filter(|first| is_unit(&first.text()))?;
+    cells.all(|cell| is_unit(&cell.text())).then_some(first)
+}
+
 /// A unit without its brackets.
 pub(crate) fn bare_unit(text: &str) -> &str {
     text.trim().trim_matches(['[', ']', '(', ')']).trim()
@@ -233,7 +237,7 @@ mod tests {
     use super::*;
 
     fn cells(text: &str, separator: Separator) -> Vec<Vec<String>> {
-        let records = records(text, separator);
+        let records = records(text, separator).unwrap();
         records.into_iter().map(|record| record.cells.iter().map(|cell| cell.text().into_owned()).collect()).collect()
     }
 

@@ -87,14 +87,16 @@ pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use rows::{Rows, Wanted};
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
-pub(crate) use typed::{StoredTable, stored_table};
+pub(crate) use typed::stored_table;
 pub(crate) use understand::in_words;
 
 use std::sync::Arc;
 
 use crate::deviation::DeviationKind;
 use crate::quantity::{Unit, shown};
+use block::line_of;
 use column::{Stated, UnitFrom};
+use names::Role;
 use shape::Measurement;
 use understand::Understood;
 use unknown::Unknown;
@@ -155,7 +157,7 @@ impl Table {
                 for unknown in uncertainties(measurement) {
                     sorted.take(name, &unknown, want, is_complete);
                 }
-            } else if let Some(uncertainty) = &measurement.beside.uncertainty {
+            } else if let Some(uncertainty) = measurement.beside.get(Role::Uncertainty) {
                 reading.notes.push(format!(
                     "{name}: `{}` is an uncertainty, and is not used: uncertainties stand in the spec",
                     uncertainty.title
@@ -170,6 +172,8 @@ impl Table {
         for column in understood.columns.iter().filter(|column| column.evaluated_over_face_width(want)) {
             reading.notes.push(format!("{name}: `{}` is evaluated over the rack's face width", column.title));
         }
+        let titles: Vec<_> = shape.header.iter().map(|cell| cell.text().into_owned()).collect();
+        let pieces = Pieces::of(understood, want);
         Self {
             name: name.into(),
             reading,
@@ -177,13 +181,13 @@ impl Table {
             still_missing: if want.others_ignored { missing } else { Vec::new() },
             is_teeth: understood.is_teeth,
             has_id: shape.ids.is_some(),
-            titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
             columns: understood.columns.clone(),
             index_field: shape.index_field,
-            header_raw: Vec::new(),
+            header_raw: if pieces.are_rows() { line_of(titles.iter()) } else { Vec::new() },
             encoding: Encoding::PLAIN,
             place: Place::Line,
-            pieces: Pieces::Blocks(Vec::new()),
+            titles,
+            pieces,
         }
     }
 
@@ -284,7 +288,7 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
 fn uncertainties(measurement: &Measurement) -> Vec<Unknown> {
     let behind: Vec<_> = measurement.value.cells.iter().filter(|cell| cell.text().contains(['±'])).cloned().collect();
     let behind = (!behind.is_empty()).then(|| Unknown::column("±", measurement.value.place, behind));
-    let beside = measurement.beside.uncertainty.iter();
+    let beside = measurement.beside.get(Role::Uncertainty).into_iter();
     let beside = beside.map(|series| Unknown::column(&series.title, series.place, series.cells.clone()));
     beside.chain(behind).map(Unknown::uncertainty).collect()
 }
@@ -319,16 +323,15 @@ fn column_reading(column: &Column) -> ColumnReading {
 fn companions(measurement: &Measurement, is_checked: bool) -> impl Iterator<Item = ColumnReading> + '_ {
     let key = measurement.field.key();
     let beside = [
-        (&measurement.beside.deviation, "deviation", if is_checked { ", checked" } else { ", not used" }),
-        (&measurement.beside.nominal, "nominal", ""),
-        (&measurement.beside.upper, "upper tolerance", ", not judged"),
-        (&measurement.beside.lower, "lower tolerance", ", not judged"),
-        (&measurement.beside.unit, "unit", ""),
-        (&measurement.beside.length, "evaluation length", ""),
+        (Role::Deviation, "deviation", if is_checked { ", checked" } else { ", not used" }),
+        (Role::Nominal, "nominal", ""),
+        (Role::Upper, "upper tolerance", ", not judged"),
+        (Role::Lower, "lower tolerance", ", not judged"),
+        (Role::Unit, "unit", ""),
+        (Role::Length, "evaluation length", ""),
     ];
-    let own = move |series: &shape::Series| series.title != measurement.value.title;
-    beside.into_iter().filter_map(move |(series, what, note)| {
-        let series = series.as_ref().filter(|series| own(series))?;
+    beside.into_iter().filter_map(move |(role, what, note)| {
+        let series = measurement.beside.get(role).filter(|series| series.title != measurement.value.title)?;
         Some(named_only(&series.title, &format!("{what} of {key}{note}")))
     })
 }

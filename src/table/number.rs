@@ -32,15 +32,6 @@ impl DecimalMark {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
 
-    /// `decimal point` or `decimal comma`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Point => "decimal point",
-            Self::Comma => "decimal comma",
-        }
-    }
-
     /// The character, as the byte that it is in every code of text.
     pub(crate) const fn byte(self) -> u8 {
         match self {

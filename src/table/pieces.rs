@@ -2,14 +2,22 @@
 //! of files; asked by the run of a batch.
 
 use std::io;
+use std::iter::Peekable;
 use std::sync::Arc;
 
 use super::block::Block;
+use super::cell::Record;
 use super::chunk::{ChunkContent, Chunker};
+use super::gathered::gathered;
 use super::parquet::{OpenGroup, ParquetTable, RowRange};
 use super::rows::{Rows, Setup, Wanted};
 use super::split::next_record;
-use crate::diagnostic::Diagnostic;
+use super::understand::Understood;
+use super::want::Want;
+use crate::diagnostic::{Diagnostic, Source as Text};
+
+/// Records that make one piece.
+const TOGETHER: usize = 1024;
 
 /// What the number of a row's place counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,19 +42,11 @@ impl Place {
     }
 }
 
-pub(crate) type Blocks = Box<dyn Iterator<Item = io::Result<Block>> + Send>;
-type MakeBlocks = Box<dyn FnOnce(Rows) -> Blocks + Send>;
-
 /// The rows of a table, not yet read.
-pub(crate) enum Pieces {
-    /// Text, in chunks.
-    Stream { setup: Setup, chunks: Chunker, lines: u64 },
-    /// Rows that are made when it is known what is wanted of them.
-    Later { setup: Setup, make: MakeBlocks },
-    /// The rows of a Parquet file, which workers read side by side.
-    Parquet { setup: Setup, file: ParquetTable },
-    /// Rows that are there.
-    Blocks(Vec<Block>),
+pub(crate) struct Pieces {
+    /// How they are read; `None` of rows that are there.
+    setup: Option<Setup>,
+    queue: Queue,
 }
 
 /// What a worker takes: bytes or rows of a file to be read, or a block.
@@ -73,7 +73,7 @@ enum Holds {
     Rows(Arc<ParquetTable>, RowRange),
 }
 
-/// The rows of a table, ready to be read.
+/// Pieces one after the other.
 pub(crate) struct Queue {
     source: Source,
     /// Records so far; of text, counted where parts have no name.
@@ -82,35 +82,68 @@ pub(crate) struct Queue {
     pub(crate) lines: u64,
 }
 
+/// Records of a file.
+type Records = Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>;
+
 enum Source {
+    /// Text of any length.
     Chunks(Chunker),
-    Blocks(Blocks),
+    /// Records, and the text that they stand in, if they do.
+    Records(Peekable<Records>, Option<Arc<Text>>),
+    /// The rows of a Parquet file, which workers read side by side.
     Parquet(Arc<ParquetTable>, std::vec::IntoIter<RowRange>),
+    /// Rows that are there.
+    Block(Option<Box<Block>>),
 }
 
 impl Pieces {
-    pub(crate) fn later(setup: Setup, make: impl FnOnce(Rows) -> Blocks + Send + 'static) -> Self {
-        Self::Later { setup, make: Box::new(make) }
+    /// Those of a table whose rows are still to be given; where parts are no rows, they are there.
+    pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
+        let setup = understood.has_row_per_part().then(|| Setup::of(understood, want));
+        let block = if setup.is_some() { Block::default() } else { gathered(understood) };
+        Self { setup, queue: Queue { source: Source::Block(Some(Box::new(block))), records: 0, lines: 0 } }
+    }
+
+    /// Whether rows are parts, spaces or teeth.
+    pub(crate) fn are_rows(&self) -> bool {
+        self.setup.is_some()
+    }
+
+    fn give(&mut self, source: Source) {
+        if self.are_rows() {
+            self.queue.source = source;
+        }
+    }
+
+    /// Gives the rows as text behind so many lines, in chunks.
+    pub(crate) fn give_chunks(&mut self, mut chunks: Chunker, lines: u64) {
+        if let Some(setup) = &mut self.setup {
+            chunks.set_separator(setup.separator);
+            setup.is_even = true;
+        }
+        self.queue.lines = lines;
+        self.give(Source::Chunks(chunks));
+    }
+
+    /// Gives the rows as records, with the text that they stand in, if they do.
+    pub(crate) fn give_records(
+        &mut self,
+        records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
+        text: Option<Arc<Text>>,
+    ) {
+        let records: Records = Box::new(records);
+        self.give(Source::Records(records.peekable(), text));
+    }
+
+    /// Gives the rows of a Parquet file.
+    pub(crate) fn give_file(&mut self, file: ParquetTable) {
+        let ranges = file.ranges().into_iter();
+        self.give(Source::Parquet(Arc::new(file), ranges));
     }
 
     /// The reader of rows that workers share, and what they take.
     pub(crate) fn open(self, wanted: Wanted) -> (Option<Rows>, Queue) {
-        let queue = |source, lines| Queue { source, records: 0, lines };
-        match self {
-            Self::Stream { setup, chunks, lines } => {
-                (Some(Rows::new(setup, wanted)), queue(Source::Chunks(chunks), lines))
-            }
-            Self::Later { setup, make } => {
-                let rows = Rows::new(setup, wanted);
-                let blocks = make(rows.clone());
-                (Some(rows), queue(Source::Blocks(blocks), 0))
-            }
-            Self::Parquet { setup, file } => {
-                let ranges = file.ranges().into_iter();
-                (Some(Rows::new(setup, wanted)), queue(Source::Parquet(Arc::new(file), ranges), 0))
-            }
-            Self::Blocks(blocks) => (None, queue(Source::Blocks(Box::new(blocks.into_iter().map(Ok))), 0)),
-        }
+        (self.setup.map(|setup| Rows::new(setup, wanted)), self.queue)
     }
 }
 
@@ -119,7 +152,7 @@ impl Queue {
     pub(crate) fn bytes_read(&self) -> u64 {
         match &self.source {
             Source::Chunks(chunks) => chunks.bytes_read(),
-            Source::Blocks(_) | Source::Parquet(..) => 0,
+            Source::Records(..) | Source::Parquet(..) | Source::Block(_) => 0,
         }
     }
 
@@ -131,31 +164,39 @@ impl Queue {
     /// The next piece; `false` at the end.
     pub(crate) fn next(&mut self, rows: Option<&Rows>, piece: &mut Piece) -> io::Result<bool> {
         piece.records_before = self.records;
-        match &mut self.source {
-            Source::Chunks(chunks) => {
+        piece.holds = Holds::Block;
+        match (&mut self.source, rows) {
+            (Source::Chunks(chunks), rows) => {
                 let Some(holds) = chunks.next(&mut piece.bytes)? else { return Ok(false) };
                 piece.holds = Holds::Bytes(holds);
                 if let Some(rows) = rows.filter(|rows| !rows.has_id()) {
                     self.records += records_in(&piece.bytes, holds, rows.separator());
                 }
-                Ok(true)
             }
-            Source::Blocks(blocks) => match blocks.next() {
-                Some(block) => {
-                    piece.block = block?;
-                    piece.holds = Holds::Block;
-                    self.records += piece.block.record_count;
-                    Ok(true)
+            (Source::Records(records, text), Some(rows)) => {
+                if let Some(Err(problem)) = records.next_if(Result::is_err) {
+                    return Err(as_io(&problem));
                 }
-                None => Ok(false),
-            },
-            Source::Parquet(file, ranges) => {
+                piece.block = Block::default();
+                let text = text.as_ref().map(|text| text.text.as_str());
+                for record in std::iter::from_fn(|| records.next_if(Result::is_ok)).take(TOGETHER).flatten() {
+                    rows.record(&record, text, &mut piece.block);
+                }
+                self.records += piece.block.record_count;
+                return Ok(piece.block.record_count > 0);
+            }
+            (Source::Parquet(file, ranges), _) => {
                 let Some(range) = ranges.next() else { return Ok(false) };
                 piece.records_before = range.before;
                 piece.holds = Holds::Rows(Arc::clone(file), range);
-                Ok(true)
             }
+            (Source::Block(block), _) => {
+                let Some(block) = block.take() else { return Ok(false) };
+                piece.block = *block;
+            }
+            (Source::Records(..), None) => return Ok(false),
         }
+        Ok(true)
     }
 }
 
@@ -189,6 +230,6 @@ fn records_in(bytes: &[u8], holds: ChunkContent, separator: u8) -> u64 {
 }
 
 /// An error of reading, as one that is raised later.
-pub(crate) fn as_io(problem: &Diagnostic) -> io::Error {
+fn as_io(problem: &Diagnostic) -> io::Error {
     io::Error::other(problem.message.clone())
 }

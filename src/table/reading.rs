@@ -75,32 +75,23 @@ impl Reading {
     /// The sentences that say what was assumed or left out; the others say what was used.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
-        let mut all = self.notes.clone();
-        let assumed: Vec<_> = self.columns.iter().filter(|column| column.unit_is_assumed).collect();
-        if !assumed.is_empty() {
-            let each: Vec<_> = assumed
-                .iter()
-                .map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()))
-                .collect();
-            all.push(format!("{}: units assumed, because nothing tells them: {}", self.file, each.join(", ")));
-        }
-        if !self.asides.is_empty() {
-            const SHOWN: usize = 10;
-            let each: Vec<_> = self
-                .asides
-                .iter()
-                .take(SHOWN)
-                .map(|aside| format!("{} \"{}\"", aside.line, short(&aside.text)))
-                .collect();
-            let more = if self.asides.len() > SHOWN { " and more" } else { "" };
-            let lines = if self.asides.len() == 1 { "line" } else { "lines" };
-            all.push(format!("{}: no part of the table: {lines} {}{more}", self.file, each.join(", ")));
-        }
-        if !self.not_used.is_empty() {
-            let each: Vec<_> = self.not_used.iter().map(|unused| format!("`{}`", unused.title)).collect();
-            all.push(format!("{}: not used: {}", self.file, each.join(", ")));
-        }
-        all
+        const SHOWN: usize = 10;
+        let assumed = self.columns.iter().filter(|column| column.unit_is_assumed);
+        let assumed =
+            assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
+        let asides = self.asides.iter().take(SHOWN).map(|aside| format!("{} \"{}\"", aside.line, short(&aside.text)));
+        let not_used = self.not_used.iter().map(|unused| format!("`{}`", unused.title));
+        let lines = if self.asides.len() == 1 { "line" } else { "lines" };
+        let more = if self.asides.len() > SHOWN { " and more" } else { "" };
+        let sentence = |what: &str, each: Vec<String>, more: &str| {
+            (!each.is_empty()).then(|| format!("{}: {what} {}{more}", self.file, each.join(", ")))
+        };
+        let said = [
+            sentence("units assumed, because nothing tells them:", assumed.collect(), ""),
+            sentence(&format!("no part of the table: {lines}"), asides.collect(), more),
+            sentence("not used:", not_used.collect(), ""),
+        ];
+        self.notes.iter().cloned().chain(said.into_iter().flatten()).collect()
     }
 }
 

@@ -8,17 +8,18 @@ pub(crate) use stored::stored_record;
 
 use std::ops::Range;
 
-use super::block::{Block, Contradiction, Span, as_line, span_end};
+use super::block::{Block, Contradiction, Span, line_of, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
-use super::grid::is_unit;
-use super::names::{Role, heading, is_context, is_statistic, is_value_heading, role};
+use super::grid::{Separator, only_units};
+use super::names::{Role, heading, is_context, is_statistic, is_value_heading, names_value, role};
 use super::reading::AsideReading;
 use super::shape::{PartNames, has_digit};
 use super::split::{Field, next_record};
 use super::strangers::value_in;
+use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
 use crate::deviation::DeviationValue;
@@ -88,6 +89,27 @@ pub(crate) struct Wanted {
     pub(crate) copied: Vec<usize>,
     /// Whether rows are kept as they stand.
     pub(crate) keeps_raw: bool,
+}
+
+impl Setup {
+    pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
+        let Understood { shape, columns, mark, separator, .. } = understood;
+        let mut columns = columns.clone();
+        for column in &mut columns {
+            column.mark_is_open = mark.is_none();
+        }
+        Self {
+            columns,
+            titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
+            id: shape.ids.as_ref().map(|ids| ids.place),
+            index: shape.index.as_ref().map(|index| index.place),
+            separator: separator.map_or(b',', Separator::byte),
+            is_even: matches!(separator, Some(Separator::Character(_))),
+            watched: shape.watched(want),
+            names: shape.part_names(),
+            want: want.clone(),
+        }
+    }
 }
 
 impl PlainRow {
@@ -251,17 +273,17 @@ impl Rows {
         }
     }
 
-    /// A record of a file that has cells of its own, or of a short text; `raw` is the record as it stands there.
-    pub(crate) fn record(&self, record: &Record, raw: Option<&[u8]>, block: &mut Block) {
+    /// A record of a file that has cells of its own, or of a short `text`.
+    pub(crate) fn record(&self, record: &Record, text: Option<&str>, block: &mut Block) {
         if block.contradiction.is_some() {
             return;
         }
         block.values.resize_with(self.setup.columns.len(), Vec::new);
         block.record_count += 1;
-        let raw = match raw {
-            Some(raw) if self.wanted.keeps_raw => block.append(raw),
-            None if self.wanted.keeps_raw => block.append(&as_line(record)),
-            _ => Span::default(),
+        let raw = match text {
+            _ if !self.wanted.keeps_raw => Span::default(),
+            Some(text) => block.append(&record.line_in(text)),
+            None => block.append(&line_of(record.cells.iter().map(Cell::text))),
         };
         self.row(record, raw, block);
     }
@@ -310,26 +332,20 @@ impl Rows {
 
     /// Why nothing from a record on can be trusted.
     fn contradiction(&self, record: &Record) -> Option<Contradiction> {
-        let line = record.line;
-        if is_units(record) && !self.repeats_units(record) {
-            let column = self.setup.columns.first().map_or_else(String::new, |column| column.title.clone());
+        if only_units(&record.cells).is_some() && !self.repeats_units(record) {
+            let column = self.setup.columns.first().map(|column| &column.title);
             let message = format!("the units change: {}", record.in_words());
-            return Some(Contradiction { line, column, message, help: "write every table with one unit by itself" });
+            return Some(contradiction(record, column, message, "write every table with one unit by itself"));
         }
         let is_value = |place: &&usize| {
             let is_nameless = self.setup.titles.get(**place).is_some_and(String::is_empty);
-            record
-                .cells
-                .get(**place)
-                .is_some_and(|cell| cell.is_number() || is_nameless && speaks_of_value(&cell.text()))
+            let is_value = |cell: &Cell| cell.is_number() || is_nameless && speaks_of_value(&cell.text());
+            record.cells.get(**place).is_some_and(is_value)
         };
         if let Some(watched) = self.setup.watched.iter().find(is_value) {
-            return Some(Contradiction {
-                line,
-                column: self.setup.titles.get(*watched).cloned().unwrap_or_default(),
-                message: "it holds a number here, and nothing tells what it measures".to_owned(),
-                help: "say in the spec what it is, under [batch.columns], or leave it out with --ignore",
-            });
+            let message = "it holds a number here, and nothing tells what it measures".to_owned();
+            let help = "say in the spec what it is, under [batch.columns], or leave it out with --ignore";
+            return Some(contradiction(record, self.setup.titles.get(*watched), message, help));
         }
         self.other_header(record).or_else(|| self.other_nominal(record)).or_else(|| self.error_as_part(record))
     }
@@ -352,22 +368,16 @@ impl Rows {
         let is_name = |cell: &&Cell| {
             self.setup.titles.iter().any(|title| *title == cell.text()) || heading(&cell.text(), &[]).is_some()
         };
-        let names_value = |cell: &&Cell| {
-            let is_title = self.setup.columns.iter().any(|column| column.title == cell.text());
-            is_title
-                || heading(&cell.text(), &[]).is_some_and(|found| found.fields.iter().any(|field| !field.is_index()))
+        let names_column = |cell: &Cell| {
+            self.setup.columns.iter().any(|column| column.title == cell.text()) || names_value(&cell.text(), &[])
         };
         let cells = || record.cells.iter().filter(|cell| !cell.is_missing());
         let is_other = record.numbers() == 0
-            && cells().any(|cell| names_value(&cell))
+            && cells().any(names_column)
             && cells().filter(is_name).count() > 1
             && !self.repeats_header(record);
-        is_other.then(|| Contradiction {
-            line: record.line,
-            column: String::new(),
-            message: format!("other names begin here: {}", record.in_words()),
-            help: "give tables with other columns one by one",
-        })
+        let message = || format!("other names begin here: {}", record.in_words());
+        is_other.then(|| contradiction(record, None, message(), "give tables with other columns one by one"))
     }
 
     /// A row of nominal values that are not those of the columns.
@@ -380,26 +390,21 @@ impl Rows {
             let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
             cell.is_some_and(|cell| column.quantity(cell).ok() != column.nominal_of_every_part())
         })?;
-        Some(Contradiction {
-            line: record.line,
-            column: other.title.clone(),
-            message: format!("the nominal value here is not the column's: {}", record.in_words()),
-            help: "give the nominal value in the spec, or in a column beside the values",
-        })
+        let message = format!("the nominal value here is not the column's: {}", record.in_words());
+        let help = "give the nominal value in the spec, or in a column beside the values";
+        Some(contradiction(record, Some(&other.title), message, help))
     }
 
     /// A line such as `rack_pitch;0.2` below the parts, which names no part.
     fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
-        let name = record.cells.get(self.setup.id?)?.text();
+        let id = self.setup.id?;
+        let name = record.cells.get(id)?.text();
         if !may_be_statistic(name.as_bytes()) || record.numbers() == 0 || !is_value_heading(&name, &[]) {
             return None;
         }
-        Some(Contradiction {
-            line: record.line,
-            column: self.setup.id.and_then(|id| self.setup.titles.get(id)).cloned().unwrap_or_default(),
-            message: format!("an error stands here where parts have their names: {}", record.in_words()),
-            help: "write a table with a row per part, or one with a row per error",
-        })
+        let message = format!("an error stands here where parts have their names: {}", record.in_words());
+        let help = "write a table with a row per part, or one with a row per error";
+        Some(contradiction(record, self.setup.titles.get(id), message, help))
     }
 
     /// Whether a record is the header again.
@@ -439,7 +444,7 @@ impl Rows {
         };
         name.as_ref().is_some_and(|name| is_of_parts(name)) && is_counted().is_none()
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
-            || (!has_numbers && (self.repeats_header(record) || is_units(record)))
+            || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
     }
 
     /// Whether a line of words holds what may be a value.
@@ -482,6 +487,11 @@ impl Rows {
         let message = format!("the row is longer than {limit} KiB: a quote may not be closed, or a line end missing");
         self.refuse(1, raw, block, &start, message);
     }
+}
+
+/// A record that contradicts how the table is read, in a column or as a whole.
+fn contradiction(record: &Record, column: Option<&String>, message: String, help: &'static str) -> Contradiction {
+    Contradiction { line: record.line, column: column.cloned().unwrap_or_default(), message, help }
 }
 
 /// Begins a row.
@@ -553,12 +563,6 @@ fn swallowed(record: &Record, separator: u8) -> Option<String> {
     let text = cell.text();
     let line = text.lines().skip(1).find(|line| line.contains(char::from(separator)))?;
     Some(shown(line))
-}
-
-/// Whether a record repeats the units below a heading.
-fn is_units(record: &Record) -> bool {
-    let mut cells = record.cells.iter().filter(|cell| !cell.is_missing()).peekable();
-    cells.peek().is_some() && cells.all(|cell| is_unit(&cell.text()))
 }
 
 /// Whether a name looks like that of a part, though nothing stands beside it: `R17`.

@@ -127,7 +127,7 @@ pub(crate) fn value_in(
         return None;
     }
     let text = aside.text.replace(['|', ';', '\t'], " ");
-    let record = uncounted(records(&text, Separator::Blanks).first()?);
+    let record = uncounted(records(&text, Separator::Blanks).ok()?.first()?);
     let cells: Vec<Cell> = without_foreign(&record.cells).cloned().collect();
     let is_cell = |cell: &Cell| cell.is_number() && !cell.text().starts_with("00");
     let is_row = width > 1 && record.cells.len() == width && record.cells.iter().all(is_cell);

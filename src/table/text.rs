@@ -5,13 +5,9 @@ use std::io::Read;
 use std::sync::Arc;
 
 use super::Table;
-use super::block::Block;
 use super::chunk::Chunker;
 use super::encoding::{Encoding, recoded, text};
-use super::gathered::gathered;
 use super::grid::{Separator, records};
-use super::pieces::Pieces;
-use super::rows::Setup;
 use super::split::next_record;
 use super::understand::{Understood, understand};
 use super::want::Want;
@@ -83,7 +79,7 @@ impl Text {
         if !is_all {
             let source = self.source(&bytes, false);
             let problem = match understand(&source, &want) {
-                Ok(understood) if can_stream(&understood) => return self.streamed(&source, understood, &want),
+                Ok(understood) if can_stream(&understood) => return self.streamed(&understood, &want),
                 understood => understood.err(),
             };
             (bytes, is_all) = self.start(LARGEST_WHOLE)?;
@@ -100,7 +96,7 @@ impl Text {
         if let Some(refused) = understood.false_statistic(&self.name) {
             return Err(refused.into());
         }
-        Ok(self.whole_table(&source, understood, &want))
+        Ok(self.whole_table(&source, &understood, &want))
     }
 
     /// The text as messages point into it: whole lines, line ends of one kind where it is all there.
@@ -117,37 +113,22 @@ impl Text {
     }
 
     /// A table that is all there.
-    fn whole_table(self, source: &Arc<Source>, understood: Understood, want: &Want) -> Table {
-        let mut table = self.found(&understood, want);
-        let (Some(separator), true) = (understood.separator, understood.has_row_per_part()) else {
-            table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
-            return table;
-        };
-        let all = records(&source.text, separator);
-        let range = understood.shape.data.clone();
-        table.header_raw = line_at(
-            &source.text,
-            all[..range.start].iter().rev().find(|record| Some(record.line) == understood.shape.header_line),
-        );
-        let is_even = matches!(separator, Separator::Character(_));
-        let setup = setup(understood, separator_byte(separator), is_even, want);
-        let source = Arc::clone(source);
-        table.pieces = Pieces::later(setup, move |rows| {
-            let mut block = Block::default();
-            for record in &all[range] {
-                rows.record(record, Some(&line_at(&source.text, Some(record))), &mut block);
-            }
-            Box::new(std::iter::once(Ok(block)))
-        });
+    fn whole_table(self, source: &Arc<Source>, understood: &Understood, want: &Want) -> Table {
+        let mut table = self.found(understood, want);
+        let (Some(separator), true) = (understood.separator, understood.has_row_per_part()) else { return table };
+        let mut all = records(&source.text, separator).unwrap_or_default();
+        let data = understood.shape.data.clone();
+        let header = all[..data.start].iter().rfind(|record| Some(record.line) == understood.shape.header_line);
+        table.header_raw = header.map_or_else(Vec::new, |record| record.line_in(&source.text));
+        all.truncate(data.end);
+        table.pieces.give_records(all.into_iter().skip(data.start).map(Ok), Some(Arc::clone(source)));
         table
     }
 
     /// A table of any length, with a row per part.
-    fn streamed(mut self, source: &Arc<Source>, understood: Understood, want: &Want) -> Result<Table, Diagnostics> {
-        let mut table = self.found(&understood, want);
-        let Some(separator) = understood.separator.map(separator_byte) else {
-            return Err(Diagnostic::error(Code::BadTable, format!("{} has no separator", source.name)).into());
-        };
+    fn streamed(mut self, understood: &Understood, want: &Want) -> Result<Table, Diagnostics> {
+        let mut table = self.found(understood, want);
+        let separator = understood.separator.map_or(b',', Separator::byte);
         let (start, _) = self.start(START)?;
         let (mut fields, mut at, mut blank) = (Vec::new(), 0, 0);
         for index in 0..understood.shape.data.start {
@@ -159,9 +140,7 @@ impl Text {
             }
         }
         self.chunks.skip(at);
-        self.chunks.set_separator(separator);
-        table.pieces =
-            Pieces::Stream { setup: setup(understood, separator, true, want), chunks: self.chunks, lines: self.lines };
+        table.pieces.give_chunks(self.chunks, self.lines);
         Ok(table)
     }
 
@@ -183,45 +162,6 @@ fn can_stream(understood: &Understood) -> bool {
         _ => false,
     };
     is_cut && understood.has_row_per_part()
-}
-
-fn separator_byte(separator: Separator) -> u8 {
-    match separator {
-        Separator::Character(byte) => byte,
-        Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => b'\t',
-    }
-}
-
-/// How the rows of an understood table are read.
-pub(crate) fn setup(understood: Understood, separator: u8, is_even: bool, want: &Want) -> Setup {
-    let Understood { shape, mut columns, mark, .. } = understood;
-    for column in &mut columns {
-        column.mark_is_open = mark.is_none();
-    }
-    Setup {
-        columns,
-        titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
-        id: shape.ids.as_ref().map(|ids| ids.place),
-        index: shape.index.as_ref().map(|index| index.place),
-        separator,
-        is_even,
-        watched: shape.watched(want),
-        names: shape.part_names(),
-        want: want.clone(),
-    }
-}
-
-/// The line of a text on which a record stands, with its end.
-fn line_at(text: &str, record: Option<&super::cell::Record>) -> Vec<u8> {
-    let Some(record) = record else { return Vec::new() };
-    let span = record.span();
-    let start = text[..span.start].rfind('\n').map_or(0, |end| end + 1);
-    let end = text[span.end..].find('\n').map_or(text.len(), |length| span.end + length + 1);
-    let mut line = text.as_bytes()[start..end].to_vec();
-    if !line.ends_with(b"\n") {
-        line.push(b'\n');
-    }
-    line
 }
 
 /// `sep=;` on a line of its own, as spreadsheets write it: the separator, and the line's length.

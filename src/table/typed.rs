@@ -2,22 +2,19 @@
 //! and the others follow as they are read. Called by [`Container::table`](super::Container::table).
 
 use super::Table;
-use super::block::{Block, line_of};
 use super::cell::{Cell, Content, Record};
 use super::column::SMALLEST_DIGIT;
-use super::gathered::gathered;
 use super::grid::Separator;
 use super::names::{Field, ValueKind, heading, is_context, is_statistic, is_value_heading, role};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
-use super::pieces::{Blocks, Pieces, Place, as_io};
+use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
-use super::rows::{Rows, Setup, stored_record};
+use super::rows::stored_record;
 use super::shape::{is_part_name, shape};
 use super::stored::Stored;
 use super::strangers;
-use super::text::setup;
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
@@ -28,38 +25,6 @@ use crate::quantity::{Decimal, Unit};
 
 /// Records from which columns are found.
 const HEAD: usize = 400;
-/// Records that are handed on together.
-const TOGETHER: usize = 1024;
-
-/// A table of records with a row per part.
-fn of_records(
-    name: &str,
-    format: &'static str,
-    understood: Understood,
-    want: &Want,
-    records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
-) -> Table {
-    let mut table = Table::new(name, format, &understood, want);
-    table.header_raw = line_of(table.titles.iter().map(String::as_str));
-    table.pieces = Pieces::later(setup(understood, b',', false, want), move |rows| together(rows, records));
-    table
-}
-
-/// Records as blocks, some rows at a time.
-fn together(rows: Rows, records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static) -> Blocks {
-    let mut records = records.peekable();
-    Box::new(std::iter::from_fn(move || {
-        if let Some(Err(problem)) = records.next_if(Result::is_err) {
-            return Some(Err(as_io(&problem)));
-        }
-        let mut block = Block::default();
-        for _ in 0..TOGETHER {
-            let Some(Ok(record)) = records.next_if(Result::is_ok) else { break };
-            rows.record(&record, None, &mut block);
-        }
-        (block.record_count > 0).then_some(Ok(block))
-    }))
-}
 
 /// A sheet of a workbook, and its first records.
 struct Sheet {
@@ -88,21 +53,15 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     if let Some(refused) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &understood, in_rows)) {
         return Err(refused.into());
     }
-    let mut table = if in_rows {
-        // the table may end before the sheet does, if all of it was looked at
-        let is_all = all.len() < HEAD;
-        if let Some(refused) = understood.false_statistic(&name).filter(|_| is_all) {
-            return Err(refused.into());
-        }
-        let range = understood.shape.data.start..if is_all { understood.shape.data.end } else { all.len() };
-        let head: Vec<Record> = all.drain(range).collect();
-        let records = head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all));
-        of_records(&name, "workbook", understood, want, records)
-    } else {
-        let mut table = Table::new(&name, "workbook", &understood, want);
-        table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
-        table
-    };
+    let mut table = Table::new(&name, "workbook", &understood, want);
+    // the table may end before the sheet does, if all of it was looked at
+    let is_all = all.len() < HEAD;
+    if let Some(refused) = understood.false_statistic(&name).filter(|_| in_rows && is_all) {
+        return Err(refused.into());
+    }
+    let range = understood.shape.data.start..if is_all { understood.shape.data.end } else { all.len() };
+    let head: Vec<Record> = all.drain(range).collect();
+    table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     for other in &others {
         table.take_other(other, want);
@@ -230,7 +189,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     }
     understood.mark = mark;
     let records = (0..table.len()).filter_map(move |row| table.record(row)).map(Ok);
-    let mut found = of_records(name, "Q-DAS", understood, want, records);
+    let mut found = Table::new(name, "Q-DAS", &understood, want);
+    found.pieces.give_records(records, None);
     found.reading.header_line = None;
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;
@@ -310,14 +270,13 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
         Some(range) => file.read(&mut None, range.first(HEAD), &all)?,
         None => Vec::new(),
     };
-    let StoredTable { mut table, setup, in_rows } = stored_table(name, "Parquet", &titles, &head, want)?;
-    if in_rows {
-        table.pieces = Pieces::Parquet { setup, file };
+    let mut table = stored_table(name, "Parquet", &titles, &head, want)?;
+    if table.pieces.are_rows() {
+        table.pieces.give_file(file);
     } else {
         let understood = understand_records(name, &whole(name, &file, &titles)?, want)?;
         table = Table::new(name, "Parquet", &understood, want);
         table.place = Place::Record;
-        table.pieces = Pieces::Blocks(vec![gathered(&understood)]);
     }
     table.reading.not_used.extend(not_used);
     Ok(table)
@@ -367,32 +326,22 @@ fn header(titles: &[String]) -> Record {
     Record::new(titles.iter().map(|title| Cell::from(Content::of_text(title))).collect(), 0)
 }
 
-/// A table of stored columns, whose rows are not given yet.
-pub(crate) struct StoredTable {
-    pub(crate) table: Table,
-    pub(crate) setup: Setup,
-    /// Whether each row is a part, a space or a tooth.
-    pub(crate) in_rows: bool,
-}
-
-/// A table of stored columns, of which these are the first rows.
+/// A table of stored columns, of which these are the first rows; all of them are given later.
 pub(crate) fn stored_table(
     name: &str,
     format: &'static str,
     titles: &[String],
     head: &[Option<Stored<'_>>],
     want: &Want,
-) -> Result<StoredTable, Diagnostics> {
+) -> Result<Table, Diagnostics> {
     let mut records = vec![header(titles)];
     let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(HEAD);
     records.extend((0..rows).map(|row| stored_record(head, row, 0)));
     let understood = understand_records(name, &records, want)?;
     let mut table = Table::new(name, format, &understood, want);
-    table.header_raw = line_of(table.titles.iter().map(String::as_str));
     table.reading.header_line = None;
     // rows that are no part say so themselves when they are read
     table.reading.asides.clear();
     table.place = Place::Record;
-    let in_rows = understood.has_row_per_part();
-    Ok(StoredTable { table, setup: setup(understood, b',', false, want), in_rows })
+    Ok(table)
 }

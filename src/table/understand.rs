@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::cell::{Cell, Content, Record};
 use super::column::{Column, Problem, UnitFrom};
 use super::companions::Companions;
-use super::grid::{Separator, cut, separators};
+use super::grid::{Separator, records, separators};
 use super::names::{Field, is_statistic, lies_within};
 use super::number::{DecimalMark, Marks};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
@@ -65,19 +65,16 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
         possible.retain(|separator| *separator != Separator::COMMA);
     }
     for separator in possible {
-        let cut = cut(text, separator);
         let is_strong = matches!(separator, Separator::Character(byte) if byte != b',' || want.separator.is_some());
-        let shape = match cut.open_quote {
-            Some(line) => Err(NoShape::OpenQuote { line }),
-            None => shape(&cut.records, separator, want),
-        };
-        match shape {
-            Ok(shape) if separator == Separator::COMMA && !is_strong && !commas_separate(&shape) => {}
-            Ok(shape) => {
+        let cut = records(text, separator).map_err(|line| NoShape::OpenQuote { line });
+        let cut = cut.and_then(|records| Ok((shape(&records, separator, want)?, records)));
+        match cut {
+            Ok((shape, _)) if separator == Separator::COMMA && !is_strong && !commas_separate(&shape) => {}
+            Ok((shape, records)) => {
                 let named = shape.header_line.is_some() && shape.width() > 1;
                 let sure = is_strong && (shape.width() > 1 || shape.lines.len() > 1 && shape.header.is_empty())
                     || named && separator == Separator::COMMA
-                    || separator == Separator::AlignedBlanks && is_even(&cut.records, &shape);
+                    || separator == Separator::AlignedBlanks && is_even(&records, &shape);
                 match readings(source, Some(separator), &Arc::new(shape), want) {
                     Ok(read) => candidates.extend(read),
                     Err(problem) if sure => return Err(problem),
@@ -142,7 +139,7 @@ fn settle(source: &Arc<Source>, mut candidates: Vec<Understood>) -> Option<Resul
 /// Whether the columns of a text stand below each other, so that its commas are decimal marks; where cells end in commas,
 /// the blanks are only there for the eye.
 fn stands_aligned(text: &str, want: &Want) -> bool {
-    let records = cut(text, Separator::AlignedBlanks).records;
+    let records = records(text, Separator::AlignedBlanks).unwrap_or_default();
     let ends_in_comma = |record: &Record| record.cells.iter().any(|cell| cell.text().ends_with(','));
     !records.iter().any(ends_in_comma)
         && shape(&records, Separator::AlignedBlanks, want).is_ok_and(|shape| is_even(&records, &shape))
@@ -511,9 +508,9 @@ fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
         .iter()
         .map(|candidate| {
             let how = match (marks_only, candidate.mark, candidate.separator) {
-                (true, Some(mark), _) => mark.name().to_owned(),
+                (true, Some(mark), _) => format!("decimal {}", mark.word()),
                 (_, mark, separator) => {
-                    let mark = mark.map_or_else(String::new, |mark| format!(", {}", mark.name()));
+                    let mark = mark.map_or_else(String::new, |mark| format!(", decimal {}", mark.word()));
                     format!("{}{mark}", separator.map_or_else(String::new, Separator::name))
                 }
             };

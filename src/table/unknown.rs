@@ -2,7 +2,7 @@
 //! decides nothing.
 
 use super::cell::Cell;
-use super::grid::{is_unit, unit_in};
+use super::grid::{only_units, unit_in};
 use super::names::{Role, is_context, is_evaluation_length, is_gear_size, near, role, split_unit};
 use crate::quantity::Unit;
 
@@ -53,9 +53,7 @@ impl Unknown {
 
     /// The first of its cells, if it is a column of nothing but units of length or angle.
     pub(crate) fn units(&self) -> Option<&Cell> {
-        let mut cells = self.cells.iter().filter(|cell| !cell.is_missing());
-        let first = cells.next().filter(|_| self.column.is_some())?;
-        (is_unit(&first.text()) && cells.all(|cell| is_unit(&cell.text()))).then_some(first)
+        self.column.and_then(|_| only_units(&self.cells))
     }
 
     /// Whether it holds numbers, and its name or unit is that of a measurement; or units of which nothing tells what they are of.

@@ -320,6 +320,11 @@ fn needs_part(field: Field) -> bool {
     field == Field::Error(DeviationKind::PinionLead)
 }
 
+/// Whether a heading names a value or what belongs to one, and not only a part. `own` are names that the spec gives.
+pub(crate) fn names_value(text: &str, own: &[(String, Field)]) -> bool {
+    heading(text, own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
+}
+
 /// Whether a heading names measured values. `own` are names that the spec gives to its columns.
 pub(crate) fn is_value_heading(text: &str, own: &[(String, Field)]) -> bool {
     let names_value =

@@ -133,24 +133,19 @@ fn misspelt(words: &Words) -> Vec<Field> {
         known.iter().any(|word| word.senses.iter().any(|sense| matches!(sense, Sense::Context | Sense::Gear)))
     };
     let beside_context = words.tokens.iter().any(of_context);
-    let mut nearest = usize::MAX;
-    let mut fields = Vec::new();
+    let mut found = Vec::new();
     for length in 1..=LONGEST_PHRASE.min(unknown.len()) {
         let whole = length == unknown.len() && !beside_context;
         for phrase in unknown.windows(length) {
             let phrase = phrase.concat();
-            for (distance, entry) in VOCABULARY.all().filter_map(|entry| Some((distance(&phrase, entry)?, entry))) {
-                let found = names(&[entry], whole);
-                if found.is_empty() || distance > nearest {
-                    continue;
-                }
-                if distance < nearest {
-                    fields.clear();
-                    nearest = distance;
-                }
-                add(&mut fields, &found);
-            }
+            let misspelt = |entry| Some((distance(&phrase, entry)?, names(&[entry], whole)));
+            found.extend(VOCABULARY.all().filter_map(misspelt).filter(|(_, fields)| !fields.is_empty()));
         }
+    }
+    let nearest = found.iter().map(|(distance, _)| *distance).min();
+    let mut fields = Vec::new();
+    for (_, named) in found.iter().filter(|(distance, _)| Some(*distance) == nearest) {
+        add(&mut fields, named);
     }
     fields
 }

@@ -10,28 +10,30 @@ use serde::de::value::{Error, StrDeserializer};
 use super::Field;
 use super::letters::{fold, joined};
 
-/// A column of a table with a row per characteristic.
+/// What a column says, of a table with a row per characteristic or beside a value; companions of a value come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Role {
-    /// Which part the row is of.
-    Part,
-    /// What was measured.
-    Name,
-    /// The nominal value.
-    Nominal,
-    /// The measured value.
-    Measured,
     /// Measured minus nominal.
     Deviation,
+    /// The nominal value.
+    Nominal,
     /// The upper tolerance or limit, or the tolerance to both sides.
     Upper,
     /// The lower tolerance or limit.
     Lower,
-    /// The unit of the row.
-    Unit,
     /// How uncertain the measured value is.
     Uncertainty,
+    /// The unit of the row.
+    Unit,
+    /// The evaluation length of f_Hβ.
+    Length,
+    /// Which part the row is of.
+    Part,
+    /// What was measured.
+    Name,
+    /// The measured value.
+    Measured,
     /// Whether the value is within its tolerance, or by how much it is not.
     Status,
 }

@@ -6,13 +6,13 @@ use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
-use super::headings::{Named, headings, is_part_name, names_value, says_no_part};
+use super::headings::{Named, headings, is_part_name, says_no_part};
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, role, split_unit};
+use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -66,7 +66,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let name = roles.iter().position(|role| *role == Some(Role::Name));
         let name = name.or_else(|| roles.iter().position(Option::is_none)).unwrap_or(0);
         let is_row = |record: &Record| {
-            let is_named = || record.cells.get(name).is_some_and(|cell| names_value(cell, want));
+            let is_named = || record.cells.get(name).is_some_and(|cell| names_value(&cell.text(), &want.own));
             (record.cells.len() > name.max(1) && record.numbers() > 0) || is_named()
         };
         let rows: Vec<usize> = (header + 1..records.len()).filter(|index| is_row(&records[*index])).collect();
@@ -118,7 +118,6 @@ fn numbers_parts(record: &Record) -> bool {
         && record.cells.iter().any(|cell| role(&cell.text()) == Some(Role::Name))
 }
 
-/// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
 /// Whether a heading is that of another column but for its digits: `R17` beside `R16`.
 fn is_called_like_another(header: &[Cell], place: usize) -> bool {
     let stem = |cell: &Cell| cell.text().trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
@@ -128,6 +127,7 @@ fn is_called_like_another(header: &[Cell], place: usize) -> bool {
         && header.iter().enumerate().any(|(other, cell)| other != place && has_digit(&cell.text()) && stem(cell) == own)
 }
 
+/// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
 fn names_one_part(title: &str) -> bool {
     has_digit(title) && is_part_name(title.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-'))
 }
@@ -305,19 +305,17 @@ impl<'a> Reading<'a> {
         let mut filled = vec![false; self.parts.len()];
         for record in rows {
             let cell = record.cells.get(place).filter(|cell| !cell.is_missing()).cloned().unwrap_or_default();
-            if self.found.parts.is_empty() {
-                let part = self.part_of(record);
-                if std::mem::replace(&mut filled[part], true) {
-                    let field = heading(&title.text(), &[]).and_then(|heading| heading.fields.first().copied());
-                    return Err(NoShape::Twice { heading: title.clone(), field: field.unwrap_or(Field::PartId) });
-                }
-                cells[part] = cell;
-            } else if let Some(part) = self.found.parts.iter().position(|column| *column == place) {
-                cells[part] = cell;
-            } else {
+            if !self.found.parts.is_empty() {
                 // a nominal value or a tolerance is that of every part
                 cells.fill(cell);
+                continue;
             }
+            let part = self.part_of(record);
+            if std::mem::replace(&mut filled[part], true) {
+                let field = heading(&title.text(), &[]).and_then(|heading| heading.fields.first().copied());
+                return Err(NoShape::Twice { heading: title.clone(), field: field.unwrap_or(Field::PartId) });
+            }
+            cells[part] = cell;
         }
         let (_, unit) = split_unit(&self.titles[place]);
         Ok(Series { title: title.text().into_owned(), place, unit, cells })
@@ -344,13 +342,16 @@ impl<'a> Reading<'a> {
         };
         let (measured, deviation) = (of_role(Role::Measured)?, of_role(Role::Deviation)?);
         let measured = if self.found.parts.is_empty() { measured } else { Some(united(self.by_part(rows, title))) };
-        let (nominal, upper, lower) = (of_role(Role::Nominal)?, of_role(Role::Upper)?, of_role(Role::Lower)?);
-        let uncertainty = of_role(Role::Uncertainty)?;
+        let mut beside = Companions::default();
+        let headed = |series: Series| Series { title: self.titles[series.place].clone(), ..series };
+        for role in [Role::Nominal, Role::Upper, Role::Lower, Role::Uncertainty] {
+            beside.set(role, of_role(role)?.map(headed));
+        }
         // the value and its nominal, or else the deviation
         let in_spec =
             named.field.kind().and_then(|kind| self.want.given(kind)).is_some_and(|given| given.nominal.is_some());
         let (value, deviation, holds) = match (measured, deviation) {
-            (Some(measured), deviation) if nominal.is_some() || (in_spec && deviation.is_some()) => {
+            (Some(measured), deviation) if beside.get(Role::Nominal).is_some() || (in_spec && deviation.is_some()) => {
                 (measured, deviation, Some(ValueKind::Measured))
             }
             (_, Some(deviation)) => (deviation, None, Some(ValueKind::Deviation)),
@@ -368,11 +369,7 @@ impl<'a> Reading<'a> {
             return Err(NoShape::Units { record: rows[0].clone() });
         }
         let field = if named.aspect == Role::Measured { named.field } else { return Err(twice(named, title)) };
-        let headed =
-            |series: Option<Series>| series.map(|series| Series { title: self.titles[series.place].clone(), ..series });
-        let [deviation, nominal, upper, lower, uncertainty] =
-            [deviation, nominal, upper, lower, uncertainty].map(headed);
-        let beside = Companions { deviation, nominal, upper, lower, uncertainty, ..Companions::default() };
+        beside.set(Role::Deviation, deviation.map(headed));
         Ok(Measurement { field, holds, value, beside, stated_unit: None })
     }
 

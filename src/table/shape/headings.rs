@@ -71,26 +71,23 @@ pub(super) fn one_meaning(found: &[Field], want: &Want, title: &Cell) -> Result<
     }
 }
 
-/// Of several columns that may name the part, the one that the spec names, or else the first; a second one is no error.
+/// Of several columns that may name the part, the one that the spec names, the one that is called so, or else the first; a
+/// second one is no error.
 fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) -> Result<(), NoShape> {
-    let is_id = |found: &Option<Named>| found.as_ref().is_some_and(|found| found.field == Field::PartId);
-    let own = named
-        .iter()
-        .position(|found| is_id(found) && found.as_ref().is_some_and(|found| want.is_own(&found.series.title)));
-    let plain = || {
-        let is_key = |found: &Option<Named>| {
-            found.as_ref().is_some_and(|found| found.series.title.eq_ignore_ascii_case(Field::PartId.key()))
-        };
-        named.iter().position(is_key).or_else(|| named.iter().position(is_id))
+    let is_id = |found: &&mut Option<Named>| found.as_ref().is_some_and(|found| found.field == Field::PartId);
+    let title = |found: &Option<Named>| found.as_ref().map_or_else(String::new, |found| found.series.title.clone());
+    let rank = |found: &Option<Named>| match title(found) {
+        own if want.is_own(&own) => 0,
+        key if key.eq_ignore_ascii_case(Field::PartId.key()) => 1,
+        _ => 2,
     };
-    let Some(kept) = own.or_else(plain) else { return Ok(()) };
-    let title = named[kept].as_ref().map(|kept| kept.series.title.clone());
-    for (index, found) in named.iter_mut().enumerate() {
-        if index != kept && is_id(found) {
-            // tables side by side have a row of two parts
-            if let Some(second) = found.take().filter(|second| Some(&second.series.title) == title.as_ref()) {
-                return Err(twice(&second.series, Field::PartId));
-            }
+    let mut ids: Vec<_> = named.iter_mut().filter(is_id).collect();
+    ids.sort_by_key(|found| rank(found));
+    let Some((kept, others)) = ids.split_first_mut() else { return Ok(()) };
+    for second in others.iter_mut().filter_map(|other| other.take()) {
+        // tables side by side have a row of two parts
+        if second.series.title == title(kept) {
+            return Err(twice(&second.series, Field::PartId));
         }
     }
     Ok(())
@@ -103,11 +100,6 @@ pub(super) fn known(cells: &[Cell], want: &Want) -> usize {
 fn is_known(cell: &Cell, want: &Want) -> bool {
     let text = cell.text();
     heading(&text, &want.own).is_some() || is_evaluation_length(&text)
-}
-
-/// Whether a cell names a value, and not only a part.
-pub(crate) fn names_value(cell: &Cell, want: &Want) -> bool {
-    heading(&cell.text(), &want.own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
 }
 
 /// Whether a column is called nominal, a tolerance or a deviation, of whatever part: `P1 Soll`.

@@ -1,11 +1,11 @@
 //! Tables with a name in front of each line, and a value per part behind it.
 
-use super::headings::{Named, headings, is_part_name, names_value, one_meaning, says_no_part};
+use super::headings::{Named, headings, is_part_name, one_meaning, says_no_part};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
-use crate::table::names::{Field, Role, heading, role};
+use crate::table::names::{Field, Role, heading, names_value, role};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -15,7 +15,7 @@ pub(super) fn find_labels(records: &[Record], want: &Want) -> Vec<usize> {
         record.filled().len() > 1
             && record.cells[1..].iter().any(Cell::is_number)
             && !record.cells[0].is_measure()
-            && names_value(&record.cells[0], want)
+            && names_value(&record.cells[0].text(), &want.own)
     };
     (0..records.len()).filter(|index| known(&records[*index])).collect()
 }
@@ -184,12 +184,12 @@ fn without_number(record: &Record, count: usize, want: &Want) -> Option<Named> {
     let by_words = || {
         let (title, word) = line.trim().rsplit_once([' ', ':', '='])?;
         let (name, word) = (Cell::of_text(title, 0..0), Cell::of_text(word, 0..0));
-        (record.numbers() == 0 && is_none(&word) && names_value(&name, want)).then(|| (name, vec![word]))
+        (record.numbers() == 0 && is_none(&word) && names_value(&name.text(), &want.own)).then(|| (name, vec![word]))
     };
     let by_cells = || {
         let (name, values) = (&record.cells[0], record.filled().get(1..).unwrap_or_default());
         let says_nothing = values.iter().all(|cell| !cell.is_number());
-        (says_nothing && names_value(name, want)).then(|| (name.clone(), values.to_vec()))
+        (says_nothing && names_value(&name.text(), &want.own)).then(|| (name.clone(), values.to_vec()))
     };
     let (name, mut cells) = by_words().or_else(by_cells)?;
     let title = name.text().into_owned();

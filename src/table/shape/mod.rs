@@ -120,7 +120,7 @@ impl Shape {
         let Some(measurement) = self.measurements.last_mut().filter(|found| !found.value.title.is_empty()) else {
             return false;
         };
-        let Some(slot) = role(title).and_then(|role| measurement.beside.of_role(role)) else { return false };
+        let Some(slot) = role(title).and_then(|role| measurement.beside.slot(role)) else { return false };
         let (name, unit) = split_unit(title);
         // units behind another column of numbers are those of that one
         let is_of_other = |before: &Unknown| {
@@ -159,7 +159,7 @@ impl Shape {
             let (title, cells) = (unknown.title.clone(), unknown.cells.clone());
             Some(Series { title, place: unknown.column?, unit: None, cells })
         });
-        let of_values = self.measurements.iter().filter_map(|measurement| measurement.beside.unit.clone());
+        let of_values = self.measurements.iter().filter_map(|measurement| measurement.beside.get(Role::Unit).cloned());
         let units: Vec<Series> = of_unknown.chain(of_values).collect();
         let first = self.measurements.iter().map(|measurement| measurement.value.place).min();
         if !units.iter().any(|series| Some(series.place + 1) == first) {
@@ -167,10 +167,13 @@ impl Shape {
         }
         for measurement in &mut self.measurements {
             let before = units.iter().find(|series| series.place + 1 == measurement.value.place);
-            measurement.beside.unit = before.cloned();
+            measurement.beside.set(Role::Unit, before.cloned());
         }
-        let taken: Vec<usize> =
-            self.measurements.iter().filter_map(|measurement| Some(measurement.beside.unit.as_ref()?.place)).collect();
+        let taken: Vec<usize> = self
+            .measurements
+            .iter()
+            .filter_map(|measurement| Some(measurement.beside.get(Role::Unit)?.place))
+            .collect();
         self.unknown.retain(|unknown| !is_units(unknown));
         let left = units.into_iter().filter(|series| !taken.contains(&series.place));
         self.unknown.extend(left.map(|series| Unknown::column(&series.title, series.place, series.cells)));
@@ -178,10 +181,12 @@ impl Shape {
 
     /// Gives the only column of units to every value that says no unit of its own.
     fn share_units(&mut self) {
-        let units = || self.measurements.iter().filter_map(|measurement| measurement.beside.unit.as_ref());
+        let units = || self.measurements.iter().filter_map(|measurement| measurement.beside.get(Role::Unit));
         let (Some(shared), None) = (units().next().cloned(), units().nth(1)) else { return };
         for measurement in self.measurements.iter_mut().filter(|measurement| measurement.value.unit.is_none()) {
-            measurement.beside.unit.get_or_insert_with(|| shared.clone());
+            if let Some(slot) = measurement.beside.slot(Role::Unit) {
+                slot.get_or_insert_with(|| shared.clone());
+            }
         }
     }
 
@@ -257,14 +262,14 @@ impl Measurement {
             // a measured value counts, and the deviation beside it is held against it
             Role::Measured if holds == Some(ValueKind::Deviation) && self.holds != holds => {
                 self.holds = Some(ValueKind::Measured);
-                Some(&mut self.beside.deviation)
+                self.beside.slot(Role::Deviation)
             }
             Role::Measured if self.holds == Some(ValueKind::Deviation) && holds != self.holds => {
-                self.beside.deviation = Some(std::mem::replace(&mut self.value, series));
+                self.beside.set(Role::Deviation, Some(std::mem::replace(&mut self.value, series)));
                 self.holds = holds.or(Some(ValueKind::Measured));
                 return Ok(());
             }
-            role => self.beside.of_role(role),
+            role => self.beside.slot(role),
         };
         let Some(slot) = slot.filter(|slot| slot.is_none()) else { return Err(twice(&series, self.field)) };
         *slot = Some(series);

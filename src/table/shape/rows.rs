@@ -2,11 +2,13 @@
 
 use std::ops::Range;
 
-use super::headings::{Named, PartNames, headings, known, names_value};
+use super::headings::{Named, PartNames, headings, known};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, heading, is_context, is_evaluation_length, is_statistic, role, split_unit};
+use crate::table::names::{
+    Field, Role, heading, is_context, is_evaluation_length, is_statistic, names_value, role, split_unit,
+};
 use crate::table::unknown::{Unknown, speaks_of_value};
 use crate::table::want::{Orientation, Want};
 
@@ -65,7 +67,7 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
 /// Cells as a header, if they name a value.
 fn header(record: usize, rows: usize, cells: Vec<Cell>, want: &Want) -> Option<Header> {
     let known = known(&cells, want);
-    cells.iter().any(|cell| names_value(cell, want)).then_some(Header { record, rows, cells, known })
+    cells.iter().any(|cell| names_value(&cell.text(), &want.own)).then_some(Header { record, rows, cells, known })
 }
 
 /// A heading that goes on in the record below it.
@@ -246,7 +248,7 @@ pub(super) fn by_header(
     let beside = width..rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     shape.unknown.extend(beside.filter_map(|place| remarks(place, column(place))));
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
-        measurement.beside.length.clone_from(&lengths);
+        measurement.beside.set(Role::Length, lengths.clone());
     }
     shape.take_units_before();
     shape.take_units_beside();

@@ -7,6 +7,7 @@ use crate::quantity::{LengthUnit, Unit};
 use crate::table::cell::Cell;
 use crate::table::grid::{bare_unit, is_unit};
 use crate::table::names::{Role, has_stated_unit, role, stands_before_unit};
+use crate::table::reading::AsideReading;
 use crate::table::want::Want;
 
 /// A unit in a line beside a table.
@@ -15,13 +16,6 @@ pub(crate) struct StatedUnit {
     pub(crate) unit: Unit,
     /// Whether the line says of what: of units, values, dimensions.
     pub(crate) is_clear: bool,
-}
-
-/// A line beside a table, or a heading of no value, that may say something of units.
-#[derive(Debug, Clone)]
-pub(crate) struct Statement<'s> {
-    pub(crate) line: u64,
-    pub(crate) text: Cow<'s, str>,
 }
 
 /// The units that a line beside a table states for it: alone, behind a word for units or values, or by themselves in a
@@ -77,16 +71,15 @@ pub(crate) fn unknown_unit(text: &str) -> Option<&str> {
 
 impl Shape {
     /// What lines beside the table, and headings that are those of no value, state of units.
-    pub(crate) fn statements<'s>(&'s self, want: &'s Want) -> impl Iterator<Item = Statement<'s>> {
-        let asides = self.asides.iter().filter(|aside| !want.ignores(&aside.text));
-        let asides = asides.map(|aside| Statement { line: aside.line, text: aside.text.as_str().into() });
+    pub(crate) fn statements<'s>(&'s self, want: &'s Want) -> impl Iterator<Item = AsideReading> {
+        let asides = self.asides.iter().filter(|aside| !want.ignores(&aside.text)).cloned();
         let is_value = |text: &str| self.measurements.iter().any(|measurement| measurement.value.title == text);
         let line = self.header_line.unwrap_or_default();
         let headings = self.header.iter().map(Cell::text).filter(move |text| !is_value(text) && !want.ignores(text));
         let speaks_of_units = |text: &Cow<'_, str>| {
             is_unit(text) || stated_units(text).iter().any(|stated| stated.is_clear) || unknown_unit(text).is_some()
         };
-        asides.chain(headings.filter(speaks_of_units).map(move |text| Statement { line, text }))
+        asides.chain(headings.filter(speaks_of_units).map(move |text| AsideReading { line, text: text.into_owned() }))
     }
 
     /// Gives values of which nothing else tells the unit the one that a line beside the table states, if no line states

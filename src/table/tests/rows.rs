@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::diagnostic::Source as Text;
 use crate::table::chunk::ChunkContent;
-use crate::table::text::setup;
+use crate::table::rows::Setup;
 use crate::table::understand::understand;
 
 /// The reader of the rows of a table that begins so.
@@ -13,7 +13,10 @@ fn rows(start: &str, want: &Want) -> Rows {
     let source = Arc::new(Text::new("block", start));
     let understood = understand(&source, want).unwrap();
     let needed = vec![true; understood.columns.len()];
-    Rows::new(setup(understood, b',', true, want), Wanted { needed, keeps_raw: true, ..Wanted::default() })
+    Rows::new(
+        Setup { separator: b',', is_even: true, ..Setup::of(&understood, want) },
+        Wanted { needed, keeps_raw: true, ..Wanted::default() },
+    )
 }
 
 /// Everything that a block says, as text.
@@ -56,7 +59,7 @@ fn copied_cells_stay_with_their_rows() {
     let source = Arc::new(Text::new("block", start));
     let understood = understand(&source, &want()).unwrap();
     let wanted = Wanted { needed: vec![true], copied: vec![0, 2], keeps_raw: false };
-    let rows = Rows::new(setup(understood, b',', true, &want()), wanted);
+    let rows = Rows::new(Setup { separator: b',', is_even: true, ..Setup::of(&understood, &want()) }, wanted);
     let mut block = Block::default();
     let bytes = b"P1,0.5,a\nP2,0.5,b,too,many\n\"P3\",0.5,c\nP4,x,d\nP5,0.5,\"open";
     rows.chunk(&mut bytes.to_vec(), ChunkContent::Records, &mut block);

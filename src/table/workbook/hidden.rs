@@ -8,75 +8,39 @@ use super::format::Shown;
 use super::range::{CellRange, corner};
 use super::xml::{Tags, attribute, name};
 
-/// The hidden rows and columns of a sheet that hold values, from 0.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Hidden {
+/// How many hidden rows and columns are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct HiddenCount {
+    /// Rows.
+    pub(crate) rows: usize,
+    /// Columns.
+    pub(crate) columns: usize,
+}
+
+/// Takes the XML of a sheet, in pieces. Rows and columns count from 0 where nothing else is said.
+#[derive(Clone, Default)]
+pub(super) struct SheetXml {
+    tags: Tags,
+    /// First and last of neighbouring columns that are hidden.
+    hidden_columns: Vec<(u32, u32)>,
+    /// The row that the XML has come to, from 1.
+    row: u32,
+    row_is_hidden: bool,
+    /// The column that it has come to, from 1.
+    column: u32,
+    /// The hidden rows that hold values.
     rows: BTreeSet<u32>,
+    /// The hidden columns that hold values.
     columns: BTreeSet<u32>,
     /// The first row, from 1, of the numbers of a style in a column.
     styles: BTreeMap<(u32, u32), u32>,
 }
 
-impl Hidden {
-    /// How many of its rows are in a range.
-    pub(super) fn rows_in(&self, range: CellRange) -> usize {
-        self.rows.iter().filter(|row| range.has_row(**row)).count()
-    }
-
-    /// How many of its columns are in a range.
-    pub(super) fn columns_in(&self, range: CellRange) -> usize {
-        self.columns.iter().filter(|column| range.has_column(**column)).count()
-    }
-
-    /// What its numbers in a range are shown with; columns count from the range's first.
-    pub(super) fn shown(&self, by_style: &HashMap<u32, String>, range: CellRange) -> Vec<Shown> {
-        let in_range = self
-            .styles
-            .iter()
-            .filter(|((_, column), row)| range.has_column(*column) && range.has_row(row.saturating_sub(1)));
-        in_range
-            .filter_map(|((style, column), row)| {
-                let text = by_style.get(style)?.clone();
-                Some(Shown { column: (column - range.columns.0) as usize, row: *row, text })
-            })
-            .collect()
-    }
-}
-
-fn is_hidden(tag: &str) -> bool {
-    matches!(attribute(tag, "hidden"), Some("1" | "true"))
-}
-
-/// Takes the XML of a sheet, in pieces.
-#[derive(Default)]
-pub(super) struct SheetXml {
-    tags: Tags,
-    place: Place,
-}
-
-/// Where in a sheet its XML has come to, and what is hidden so far.
-#[derive(Default)]
-struct Place {
-    hidden: Hidden,
-    /// First and last, from 0, of neighbours that are hidden.
-    hidden_columns: Vec<(u32, u32)>,
-    /// From 1.
-    row: u32,
-    row_is_hidden: bool,
-    /// From 1.
-    column: u32,
-}
-
-impl SheetXml {
-    /// What is hidden.
-    pub(super) fn hidden(self) -> Hidden {
-        self.place.hidden
-    }
-}
-
 impl Write for SheetXml {
     fn write(&mut self, piece: &[u8]) -> io::Result<usize> {
-        self.tags.each(piece, &mut |tag| self.place.take(tag));
+        let mut tags = std::mem::take(&mut self.tags);
+        tags.each(piece, &mut |tag| self.take(tag));
+        self.tags = tags;
         Ok(piece.len())
     }
 
@@ -85,7 +49,25 @@ impl Write for SheetXml {
     }
 }
 
-impl Place {
+impl SheetXml {
+    /// How many hidden rows and columns in a range hold values.
+    pub(super) fn hidden(&self, range: CellRange) -> HiddenCount {
+        HiddenCount {
+            rows: self.rows.iter().filter(|row| range.has_row(**row)).count(),
+            columns: self.columns.iter().filter(|column| range.has_column(**column)).count(),
+        }
+    }
+
+    /// What its numbers in a range are shown with; columns count from the range's first.
+    pub(super) fn shown(&self, by_style: &HashMap<u32, String>, range: CellRange) -> Vec<Shown> {
+        let shown = |(&(style, column), &row): (&(u32, u32), &u32)| {
+            let is_in_range = range.has_column(column) && range.has_row(row.saturating_sub(1));
+            let text = by_style.get(&style).filter(|_| is_in_range)?.clone();
+            Some(Shown { column: (column - range.columns.0) as usize, row, text })
+        };
+        self.styles.iter().filter_map(shown).collect()
+    }
+
     fn take(&mut self, tag: &str) {
         match name(tag) {
             "col" if is_hidden(tag) => {
@@ -110,22 +92,26 @@ impl Place {
                 let written = attribute(tag, "r").and_then(corner).and_then(|(column, _)| column);
                 self.column = written.unwrap_or(self.column).saturating_add(1);
                 if let Some(style) = style.filter(|_| is_number && !tag.ends_with('/')) {
-                    self.hidden.styles.entry((style, self.column - 1)).or_insert(self.row);
+                    self.styles.entry((style, self.column - 1)).or_insert(self.row);
                 }
             }
             // what a cell holds
             "v" | "is" if !tag.ends_with('/') => {
                 if self.row_is_hidden {
-                    self.hidden.rows.insert(self.row.saturating_sub(1));
+                    self.rows.insert(self.row.saturating_sub(1));
                 }
                 let column = self.column.saturating_sub(1);
                 if self.hidden_columns.iter().any(|(first, last)| (*first..=*last).contains(&column)) {
-                    self.hidden.columns.insert(column);
+                    self.columns.insert(column);
                 }
             }
             _ => {}
         }
     }
+}
+
+fn is_hidden(tag: &str) -> bool {
+    matches!(attribute(tag, "hidden"), Some("1" | "true"))
 }
 
 /// The parts of a workbook that hold its sheets, in the sheets' order: small letters, `xl/worksheets/sheet1.xml`.
@@ -169,11 +155,9 @@ mod tests {
             for piece in SHEET.as_bytes().chunks(length) {
                 xml.write_all(piece).unwrap();
             }
-            let hidden = xml.hidden();
-            let expected = Hidden { rows: [3, 6].into(), columns: [1].into(), ..Hidden::default() };
-            assert_eq!(hidden, expected, "in pieces of {length}");
-            assert_eq!((hidden.rows_in(range("")), hidden.columns_in(range(""))), (2, 1));
-            assert_eq!((hidden.rows_in(range("A1:A4")), hidden.columns_in(range("A1:A4"))), (1, 0));
+            assert_eq!((xml.rows.clone(), xml.columns.clone()), ([3, 6].into(), [1].into()), "in pieces of {length}");
+            assert_eq!(xml.hidden(range("")), HiddenCount { rows: 2, columns: 1 });
+            assert_eq!(xml.hidden(range("A1:A4")), HiddenCount { rows: 1, columns: 0 });
         }
     }
 

@@ -23,7 +23,7 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
 use format::shown_by_style;
-use hidden::{Hidden, SheetXml, sheet_parts};
+use hidden::{HiddenCount, SheetXml, sheet_parts};
 
 /// Bytes of a sheet at most: a full one, a million rows of twenty columns.
 const LARGEST_SHEET: u64 = 768 << 20;
@@ -49,15 +49,6 @@ pub(crate) struct SheetRecords {
     pub(crate) shown: Vec<Shown>,
     /// Each row that is not empty, the first one first; a row ends with its last cell that is not empty.
     pub(crate) records: Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>,
-}
-
-/// How many hidden rows and columns are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct HiddenCount {
-    /// Rows.
-    pub(crate) rows: usize,
-    /// Columns.
-    pub(crate) columns: usize,
 }
 
 impl Workbook {
@@ -114,12 +105,10 @@ impl Workbook {
     pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
-        let Checked { hidden, shown } = &self.checked;
-        let index = self.book.sheet_names().iter().position(|name| name == sheet);
-        let of_sheet = index.and_then(|index| hidden.get(index)?.as_ref());
-        let shown = of_sheet.map_or_else(Vec::new, |hidden| hidden.shown(shown, range));
-        let hidden =
-            of_sheet.map(|hidden| HiddenCount { rows: hidden.rows_in(range), columns: hidden.columns_in(range) });
+        let index = self.sheets().iter().position(|name| name == sheet);
+        let xml = index.and_then(|index| self.checked.sheets.get(index)?.as_ref());
+        let shown = xml.map_or_else(Vec::new, |xml| xml.shown(&self.checked.styles, range));
+        let hidden = xml.map(|xml| xml.hidden(range));
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
@@ -225,10 +214,10 @@ fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
 
 /// What is found while a workbook is unpacked.
 struct Checked {
-    /// What each sheet hides, in their order; none where that cannot be known.
-    hidden: Vec<Option<Hidden>>,
+    /// What the XML of each sheet says, in their order; none where that cannot be known.
+    sheets: Vec<Option<SheetXml>>,
     /// What styles show beside numbers.
-    shown: HashMap<u32, String>,
+    styles: HashMap<u32, String>,
 }
 
 /// Unpacks every part that will be read, counting bytes and keeping hardly any.
@@ -236,7 +225,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
     let (mut workbook, mut relations, mut styles) = (Vec::new(), Vec::new(), Vec::new());
-    let mut hidden: HashMap<String, Hidden> = HashMap::new();
+    let mut sheets: HashMap<String, SheetXml> = HashMap::new();
     let mut other = 0;
     for index in 0..archive.len() {
         let file = archive.by_index(index).map_err(|error| broken(&error))?;
@@ -263,13 +252,13 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             ));
         }
         if is_sheet {
-            hidden.insert(part, sheet.hidden());
+            sheets.insert(part, sheet);
         } else {
             other += size;
         }
     }
-    let hidden = sheet_parts(&workbook, &relations).iter().map(|part| hidden.get(part).cloned()).collect();
-    Ok(Checked { hidden, shown: shown_by_style(&styles) })
+    let sheets = sheet_parts(&workbook, &relations).iter().map(|part| sheets.get(part).cloned()).collect();
+    Ok(Checked { sheets, styles: shown_by_style(&styles) })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The tags of the XML in a workbook, which comes in pieces. A tag is never kept beyond a few KiB.
 
 /// The tags of XML that comes in pieces.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Tags {
     /// What follows a `<`, without its `>`.
     open: Option<Vec<u8>>,
